@@ -97,23 +97,22 @@ def secondary(options):
             if options.assets / name not in models:
                 print(f"{name}: not in {options.assets}, left out", file=sys.stderr)
         size = "64x64" if options.quick else "512x512"
-        rows, ratios, kind = [], {"lane": [], "bvh4": [], "best": []}, ""
+        rows, ratios, kind = [], {"lane": [], "best": []}, ""
         for said in lines([options.programs / "secondary_rays", "--size", size, "--rounds", 2 if options.quick else 5,
                            *models, measure.ROOT / "scenes/showcase.json", flake]):
             kind = said["class"] if said["class"] != "their shadows" else f"{kind.removesuffix(', their shadows')}, their shadows"
             embree = statistics.median(said["embree"]["processors"])
-            ours = {way: embree / statistics.median(said[way]["processors"]) for way in ("lane", "bvh4", "packet") if way in said}
-            for way in ("lane", "bvh4"):
-                ratios[way].append(ours[way])
+            ours = {way: embree / statistics.median(said[way]["processors"]) for way in ("lane", "packet") if way in said}
+            ratios["lane"].append(ours["lane"])
             ratios["best"].append(max(ours.values()))
             low, mid, high = (2 * said["number"] / t for t in reversed(quartiles(said["embree"]["processors"])))
             rows.append([said["scene"], kind, measure.number(said["number"]), f"{mid * 1e-6:.3g} ({low * 1e-6:.3g} to {high * 1e-6:.3g})",
-                         f"{ours['lane']:.2f}", f"{ours['bvh4']:.2f}", f"{ours['packet']:.2f}" if "packet" in ours else "",
-                         f"{ratio(said['embree'], said['bvh4'], 'wall'):.2f}", said["bvh4"]["differ"]])
+                         f"{ours['lane']:.2f}", f"{ours['packet']:.2f}" if "packet" in ours else "",
+                         f"{ratio(said['embree'], said['lane'], 'wall'):.2f}", said["lane"]["differ"]])
             print(" | ".join(map(str, rows[-1])), file=sys.stderr, flush=True)
-    text = measure.table(["scene", "rays", "number", "`rtcIntersect1`, `rtcOccluded1`, M/s (quartiles)", "single, nodes of two", "of four", "packets",
-                          "of four, by the clock", "hits that differ"], rows)
-    return text + f"\n{summary('Nodes of two', ratios['lane'])}. {summary('Nodes of four', ratios['bvh4'])}. {summary('The best of all', ratios['best'])}.\n"
+    text = measure.table(["scene", "rays", "number", "`rtcIntersect1`, `rtcOccluded1`, M/s (quartiles)", "single", "packets", "single, by the clock",
+                          "hits that differ"], rows)
+    return text + f"\n{summary('Single rays', ratios['lane'])}. {summary('The best of all', ratios['best'])}.\n"
 
 
 def main():

@@ -14,7 +14,7 @@ import compaction as compaction_scenes
 import measure
 import scaling
 
-TRAVERSALS = ["lane", "packet", "bvh4", "cwbvh"]
+TRAVERSALS = ["lane", "packet"]
 # The part of the whole budget that is kept for writing the page.
 RESERVE = 3
 
@@ -291,7 +291,7 @@ def rate(rates, kind):
 
 def traversals(bench):
     part = bench.part
-    part.header = ["scene", "pixels", "traversal", "stack", "primary, Mrays/s (quartiles)", "shadow", "mirrored", "all", "picture"]
+    part.header = ["scene", "pixels", "traversal", "primary, Mrays/s (quartiles)", "shadow", "mirrored", "all", "picture"]
 
     def time_ways(name, arguments):
         code, said = bench.ask("bench", *arguments, "--traversal", "all", "--repeat", "5")
@@ -302,7 +302,7 @@ def traversals(bench):
             same = walk["picture"] == result["walks"][0]["picture"]
             if not same and result["rays"]["refracted"]["number"] == 0:
                 part.fail(f"{name}, {walk['traversal']}", "the picture has other bits")
-            part.rows.append([name, arguments[arguments.index("--size") + 1], walk["traversal"], walk["stack"],
+            part.rows.append([name, arguments[arguments.index("--size") + 1], walk["traversal"],
                               *(rate(walk["perSecond"], kind) for kind in ("primary", "shadow", "mirrored", "all")), "same" if same else "other bits"])
 
     bench.measure_each(timed_scenes(bench), time_ways)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What the code of each feature costs a scene that does not use it: code, compile time, rays a second, memory.
 
-    bench/leaving_out.py [--traversal lane|packet|bvh4|cwbvh] [--only FEATURE,...] [--quick]
+    bench/leaving_out.py [--traversal lane|packet] [--only FEATURE,...] [--quick]
 
 The scene is 100,000 triangles under one light, matte: it needs nothing but triangles and pointLights. `glint bench --with FEATURE` draws it with
 a pipeline that holds the code of one feature more, `--full` with that of all. SPIR-V is what the driver is given, machine instructions what

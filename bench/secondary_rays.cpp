@@ -127,11 +127,6 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
                                    return packet->trace(rays, any, hits);
                                }});
     }
-    DeviceRays four(gpu, packed, render::Traversal::Bvh4), eight(gpu, packed, render::Traversal::Cwbvh);
-    contestants.push_back(
-        {"bvh4", [&](const auto& rays, bool any, auto& hits) { return four.trace(rays, any, hits); }});
-    contestants.push_back(
-        {"cwbvh", [&](const auto& rays, bool any, auto& hits) { return eight.trace(rays, any, hits); }});
     const auto withShadows = [&](const char* kind, const char* shadows, const std::vector<BenchRay>& rays) {
         compete(name, kind, contestants, rays, false, settings.rounds);
         const auto shadow = withoutGaps(shadowRays(rays, contestants.front().hits, packed.lights[0]));

@@ -11,11 +11,7 @@
 #include "primitives/triangle.glsl"
 
 // Whether it matters where a crossing is, beside that it is in the interval.
-#ifdef GLINT_LIST
-const bool kPlacesMatter = true;
-#else
-const bool kPlacesMatter = FEATURE_ALPHA_MASK;
-#endif
+const bool kPlacesMatter = MODE_LIST || FEATURE_ALPHA_MASK;
 
 // The magnitude of x is m 2^(e - 150).
 void takeApart(float x, out uint m, out int e) {
@@ -105,23 +101,6 @@ Look lookAt(Ray ray, RayFrame frame, Triangle triangle) {
     precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
     return lookAtTurned(ray, frame, a, b, c);
 }
-
-// lavapipe runs what an `if` leaves out, and each loop's body once. So triangles that rounded numbers are not
-// certain of are put aside, a few for each ray, and looked at closely when the ray is through or has as many
-// as there is room for (settleAside).
-const bool kPutsAside = !kPlacesMatter && !FEATURE_INSTANCES && NODE_FORMAT != kNodesCompressed;
-// Where a tree has nothing but these, leaves wait too (crossings_walk.glsl).
-#define GLINT_NO_OTHERS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                        loops, uv)                                                                      \
-    GLINT_NO_OTHERS_##ROLE(FEATURE)
-#define GLINT_NO_OTHERS_TRIANGLES(FEATURE)
-#define GLINT_NO_OTHERS_PACKETS(FEATURE) &&!FEATURE_##FEATURE
-#define GLINT_NO_OTHERS_LEAVES(FEATURE) &&!FEATURE_##FEATURE
-#define GLINT_NO_OTHERS_INSTANCES(FEATURE) &&!FEATURE_##FEATURE
-#define GLINT_NO_OTHERS_UNBOUNDED(FEATURE)
-const bool kLeavesWait = kPutsAside GLINT_PRIMITIVES(GLINT_NO_OTHERS, 0);
-const uint kMostAside = 8u;
-const uint kRoomAside = 4u;  // more aside, and a leaf's triangles may find no room
 
 // Whether the ray crosses the triangle at a t of its interval, 0 excluded. doubtful: rounding decides whether
 // that is so behind the origin or before it. t, u and v are only known where they are wanted.

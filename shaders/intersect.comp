@@ -3,6 +3,11 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 // The closest hit of each live path.
 #include "path.glsl"
+#ifdef GLINT_ANY_HIT
+#include "query_any.glsl"
+#else
+#include "query_closest.glsl"
+#endif
 #include "traversal.glsl"
 
 void main() {

@@ -1,9 +1,22 @@
-// What the lanes of a subgroup of 8 know of each other. On lavapipe an exclusive or of lanes is one
-// instruction, and a vote or ballot a loop over them.
+// llvmpipe (Mesa's lavapipe) in one place: what it compiles differently from a GPU, and what shaders do about
+// it. The figures are in docs/lab/nodes.md; the driver is Mesa 22.3.6.
+//
+// - An `if` never jumps: both sides run with a mask. Only a loop that no lane enters is skipped. So work that
+//   is rare stands in a loop of its own, `do { if (mine) {...} } while (mine)`: a `while` loop would run its
+//   body once.
+// - Once a subgroup has made 65,535 trips through all of its loops together, every loop ends, silently. So
+//   each ray counts its trips and gives up at dispatch.tripBudget (src/render/path_limits.cpp).
+// - A store to a private array jumps lane by lane on whether the lane is in the loop, and is mispredicted
+//   once for each lane that leaves. With kConvergent all lanes run through all loops of a traversal together;
+//   a lane that is done changes nothing. Reading another lane is defined only while both are active, so all
+//   loops around such a loop are convergent, too.
+// - subgroupShuffleXor is one instruction; votes, ballots and broadcasts are loops over the lanes.
 #ifndef GLINT_LANES_GLSL
 #define GLINT_LANES_GLSL
 
 #include "storage.glsl"
+
+const bool kConvergent = CONVERGENT;
 
 uint anyOfLanes(uint bits) {
     bits |= subgroupShuffleXor(bits, 1u);
@@ -11,47 +24,13 @@ uint anyOfLanes(uint bits) {
     return bits | subgroupShuffleXor(bits, 4u);
 }
 
-// All lanes run through every loop that a walk's nodes stand in, and leave it together: those that are
-// through change nothing. On lavapipe a store to the stack jumps lane by lane on whether the lane is in the
-// loop (docs/lab/nodes.md). What a lane reads of another is defined only where both are, so loops around
-// these are such loops too. Rays that count what they cross have a walk of their own (crossings_walk.glsl).
-#ifdef GLINT_CROSSINGS
-const bool kConvergent = false;
-#else
-const bool kConvergent = CONVERGENT != 0u;
-#endif
+// True if the lane runs through the body of a loop: it has work, or other lanes may have.
+bool takesPart(bool hasWork) { return kConvergent || hasWork; }
 
-// Whether a lane that would go on by itself does, or together with others.
-bool anyGoesOn(bool own) {
-    if (kConvergent) return anyOfLanes(own ? 1u : 0u) != 0u;
-    return own;
-}
-
-// A batch's nearest hits in nodes of four go from the nodes to the leaves when a single lane is left at
-// nodes: what the others wait for it costs more than entering the loops once more. Any hits and pictures are
-// no faster so (docs/lab/nodes.md). In each trip around both every ray that goes on still counts one of its
-// own, as the budget wants it (src/render/path_limits.cpp).
-bool leavesOneAtNodes() {
-#if defined(GLINT_ANY_HIT) || defined(GLINT_BOTH_HITS) || defined(GLINT_CERTIFY)
-    return false;
-#else
-    return kConvergent && MODE_GIVEN && NODE_FORMAT == kNodesFour && !FEATURE_INSTANCES &&
-           !FEATURE_ALPHA_MASK;
-#endif
-}
-
-// Whether lanes go on through nodes. What kConvergent leaves out names no shuffle, which src/gpu/specialize.h
-// has to see where a device has none.
-bool anyGoesOnThroughNodes(bool atNode, bool atLeaf) {
-    if (kConvergent) {
-        if (!leavesOneAtNodes()) return anyOfLanes(atNode ? 1u : 0u) != 0u;
-        uint lanes = atNode ? 1u : (atLeaf ? 16u : 0u);
-        lanes += subgroupShuffleXor(lanes, 1u);
-        lanes += subgroupShuffleXor(lanes, 2u);
-        lanes += subgroupShuffleXor(lanes, 4u);
-        return (lanes & 15u) > (lanes > 15u ? 1u : 0u);
-    }
-    return atNode;
+// The condition of such a loop.
+bool anyHasWork(bool hasWork) {
+    if (kConvergent) return anyOfLanes(hasWork ? 1u : 0u) != 0u;
+    return hasWork;
 }
 
 #endif

@@ -1,8 +1,7 @@
-// Closest hit, or any hit if GLINT_ANY_HIT is defined, of a packet: the rays of all 8 lanes of a subgroup,
-// GLINT_PACKET_RAYS in each, walk an 8-wide tree together. Which node is next is the same in all lanes, so
-// one load brings a node (lane c reads child c) where the per-lane traversal needs one for each lane.
-// Ancestry: Wald, Slusallek, Benthin, Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer
-// Graphics Forum 20(3), 2001.
+// Closest hits, or any hits, of a packet: the rays of all 8 lanes of a subgroup, kPacketRays in each, walk an
+// 8-wide tree together. Which node is next is the same in all lanes, so one load brings a node (lane c reads
+// child c) where the per-lane traversal needs one for each lane. Ancestry: Wald, Slusallek, Benthin, Wagner,
+// "Interactive Rendering with Coherent Ray Tracing", Computer Graphics Forum 20(3), 2001.
 //
 // What the packet's bounds enter of a node's boxes is tested against every ray: the boxes of small subtrees
 // are narrower than a packet, and bounds alone would enter most of them in vain. A hit is found by the
@@ -14,28 +13,21 @@
 #ifndef GLINT_PACKET_GLSL
 #define GLINT_PACKET_GLSL
 
-#include "traversal.glsl"
+#include "leaf.glsl"
+#include "state.glsl"
 
-#ifndef GLINT_PACKET_RAYS
-#define GLINT_PACKET_RAYS 4  // kPacketRays in src/render/traversal_choice.h
-#endif
-#ifdef GLINT_CERTIFY
-#define GLINT_MEET_PLANES judgePlanes
-#else
-#define GLINT_MEET_PLANES testPlanes
-#endif
-#define GLINT_EACH_RAY for (uint r = 0u; r < GLINT_PACKET_RAYS; ++r)
+#define GLINT_EACH_RAY for (uint r = 0u; r < kPacketRays; ++r)
 
 // The packet of this invocation. Not handed to functions: the copies that takes cost the driver's compiler
 // half of its time.
-Traversal packet[GLINT_PACKET_RAYS];
-float packetEnds[GLINT_PACKET_RAYS];  // updateEnds
-uint packetTrips;                     // of the packet, over all its walks
+Traversal packet[kPacketRays];
+float packetEnds[kPacketRays];  // updateEnds
+uint packetTrips;               // of the packet, over all its walks
 
 // The stack is the same for all lanes and held across them: entry i is in lane i % 8 of row i / 8. A packet
 // that needs more rows is given up and finished ray by ray.
 #define GLINT_STACK_ROWS 4
-const uint kRowsMask = (1u << GLINT_PACKET_RAYS) - 1u;
+const uint kRowsMask = (1u << kPacketRays) - 1u;
 struct PacketStack {
     uvec4 child;  // as in a node
     uvec4 key;    // see keyOf, but with the rows that enter the box (rowsThatEnter) in the low bits
@@ -121,16 +113,6 @@ struct PacketBounds {
     float tMin;
 };
 
-// Where boxes are wider: of near planes for rays that run downwards, of far planes for others; and the other
-// way round.
-#ifdef GLINT_CERTIFY
-#define GLINT_LOWEST_ORIGIN mix(packet[r].frame.farOrigin, packet[r].frame.nearOrigin, negative)
-#define GLINT_HIGHEST_ORIGIN mix(packet[r].frame.nearOrigin, packet[r].frame.farOrigin, negative)
-#else
-#define GLINT_LOWEST_ORIGIN origin
-#define GLINT_HIGHEST_ORIGIN origin
-#endif
-
 PacketBounds boundsOf(bvec3 negative) {
     vec3 inverseLow = vec3(kInfinity), inverseHigh = vec3(-kInfinity), originLow = vec3(kInfinity),
          originHigh = vec3(-kInfinity);
@@ -141,8 +123,8 @@ PacketBounds boundsOf(bvec3 negative) {
         vec3 origin = packet[r].ray.origin;
         inverseLow = least3(inverseLow, live ? inverse : inverseLow);
         inverseHigh = larger3(inverseHigh, live ? inverse : inverseHigh);
-        originLow = least3(originLow, live ? GLINT_LOWEST_ORIGIN : originLow);
-        originHigh = larger3(originHigh, live ? GLINT_HIGHEST_ORIGIN : originHigh);
+        originLow = least3(originLow, live ? origin : originLow);
+        originHigh = larger3(originHigh, live ? origin : originHigh);
         tMin = leastFloat(tMin, live ? packet[r].ray.tMin : tMin);
     }
     PacketBounds bounds;
@@ -160,13 +142,8 @@ PacketBounds boundsOf(bvec3 negative) {
 // lane with a box of its own. Rounding is monotone, so the same operations on the bounds enclose what they
 // give for any ray, to the bit: a box that a ray enters is never left out.
 bool enters(Ray ray, RayFrame frame, vec3 nearPlane, vec3 farPlane, float tEnd) {
-#ifdef GLINT_CERTIFY
-    precise vec3 t0 = (nearPlane - frame.nearOrigin) * frame.inverse;
-    precise vec3 t1 = (farPlane - frame.farOrigin) * frame.inverse;
-#else
     precise vec3 t0 = (nearPlane - ray.origin) * frame.inverse;
     precise vec3 t1 = (farPlane - ray.origin) * frame.inverse;
-#endif
     float near = largest4(t0, ray.tMin);
     precise float padded = least(t1) * kFarPad;
     return near <= leastFloat(padded, tEnd);
@@ -209,7 +186,6 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
     stack.top += pushed ? 1u : 0u;
 }
 
-#if !defined(GLINT_CROSSINGS) && !defined(GLINT_CERTIFY)
 // What the walk keeps of a hit.
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id);
 
@@ -232,25 +208,9 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
     if (MODE_COST && present) ++one.cost;
 }
 
-#endif
-
-// Of a kind by itself (shaders/shared/primitives.h): each ray against each.
-#ifdef GLINT_CERTIFY
-#define GLINT_PACKET_TEST(Kind, FEATURE)                               \
-    void testPacket##Kind(uint first, uint end, inout uint trips) {    \
-        uint index = first;                                            \
-        do {                                                           \
-            if (index < end) {                                         \
-                Kind one = load##Kind(index);                          \
-                GLINT_EACH_RAY { judge##Kind(packet[r], one, index); } \
-                ++index;                                               \
-                ++trips;                                               \
-            }                                                          \
-        } while (index < end);                                         \
-    }
-#else
-#define GLINT_PACKET_TEST(Kind, FEATURE)                                                       \
-    void testPacket##Kind(uint first, uint end, inout uint trips) {                            \
+// Tests primitives `first` to `end` - 1 against all rays.
+#define GLINT_PACKET_TEST(Kind)                                                                \
+    void testPacket##Kind##s(uint first, uint end, inout uint trips) {                         \
         uint index = first;                                                                    \
         do {                                                                                   \
             if (index < end) {                                                                 \
@@ -267,50 +227,30 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
             }                                                                                  \
         } while (index < end);                                                                 \
     }
-#endif
-#define GLINT_PACKET_TESTS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                           loops, uv)                                                                      \
-    GLINT_PACKET_TEST_##ROLE(Kind, FEATURE)
-#define GLINT_PACKET_TEST_TRIANGLES(Kind, FEATURE)
-#define GLINT_PACKET_TEST_PACKETS(Kind, FEATURE) GLINT_PACKET_TEST(Kind, FEATURE)
-#define GLINT_PACKET_TEST_LEAVES(Kind, FEATURE)
-#define GLINT_PACKET_TEST_UNBOUNDED(Kind, FEATURE)
-#define GLINT_PACKET_TEST_INSTANCES(Kind, FEATURE)
-GLINT_PRIMITIVES(GLINT_PACKET_TESTS, 0)
+GLINT_PACKET_TEST(Sphere)
+GLINT_PACKET_TEST(Cuboid)
 
 void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips);
 
-#define GLINT_PACKET_LEAF(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                          loops, uv)                                                                      \
-    GLINT_PACKET_LEAF_##ROLE(Kind, FEATURE)
-#define GLINT_PACKET_LEAF_TRIANGLES(Kind, FEATURE) \
-    if (FEATURE_##FEATURE)                         \
-        testPacketTriangles(axis, kind == kKind##Kind ? first : last, last, lane, rows, trips);
-#define GLINT_PACKET_LEAF_PACKETS(Kind, FEATURE) \
-    if (FEATURE_##FEATURE) testPacket##Kind(kind == kKind##Kind ? first : last, last, trips);
-#define GLINT_PACKET_LEAF_LEAVES(Kind, FEATURE)
-#define GLINT_PACKET_LEAF_UNBOUNDED(Kind, FEATURE)
-#define GLINT_PACKET_LEAF_INSTANCES(Kind, FEATURE)
-
 // rows: those that enter the leaf's box.
 void testPacketLeaf(uint leaf, uint axis, uint lane, uint rows, inout uint trips) {
-    uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
+    uint kind = kindOfLeaf(leaf);
     uint first = leaf & kLeafFirstMask;
-    uint last = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
-    GLINT_PRIMITIVES(GLINT_PACKET_LEAF, 0)
+    uint end = first + sizeOfLeaf(leaf);
+    if (FEATURE_TRIANGLES)
+        testPacketTriangles(axis, kind == kKindTriangle ? first : end, end, lane, rows, trips);
+    if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : end, end, trips);
+    if (FEATURE_CUBOIDS) testPacketCuboids(kind == kKindCuboid ? first : end, end, trips);
 }
 
-#if defined(GLINT_ANY_HIT) || defined(GLINT_CROSSINGS)
-#include "packet_any.glsl"
-#else
-#include "packet_closest.glsl"
-#endif
+// Walks with the rays of a group: packet_closest.glsl or packet_any.glsl. False if the group was given up.
+bool walkGroup(uint group, uint root, uint lane, inout uint trips);
 
 // Returns false if some group was given up.
 bool traversePacket(uint root) {
     uint lane = gl_LocalInvocationID.x & 7u;
-    uint groups[GLINT_PACKET_RAYS];
-    float tMax[GLINT_PACKET_RAYS];
+    uint groups[kPacketRays];
+    float tMax[kPacketRays];
     uint group = kNone;
     GLINT_EACH_RAY {
         tMax[r] = packet[r].ray.tMax;
@@ -350,31 +290,16 @@ bool tracePacket(Environment environment) {
     GLINT_EACH_RAY {
         if (!prepare(packet[r], environment)) packet[r].ray.tMax = -1.0;
         if (FEATURE_PLANES)
-            GLINT_MEET_PLANES(packet[r],
-                              packet[r].ray.tMax > packet[r].ray.tMin ? environment.planeCount : 0u);
-#ifdef GLINT_CROSSINGS
-        // Of a packet that is given up, planes alone are not met again.
-        packet[r].list.x = packet[r].crossed;
-#endif
+            testPlanes(packet[r], packet[r].ray.tMax > packet[r].ray.tMin ? environment.planeCount : 0u);
     }
     return traversePacket(environment.root);
 }
 
-// Any-hit packets that a subgroup takes one after the other. Of a picture's shadow rays whole packets are
-// none, as nothing was hit there; but on lavapipe, where nothing but a loop's end skips anything, one without
-// rays costs all of the kernel's code. So it looks for the next that has some.
-#ifdef GLINT_ANY_HIT
-const uint kPacketTurns = 8u;  // kPacketTurns in src/render/traversal_choice.h
-#else
-const uint kPacketTurns = 1u;
-#endif
-
 // Path r of this lane: those of a packet are consecutive, 8 being a block of 4x2 pixels, 16 one of 4x4, 32
 // one of 8x4. Where the dispatch has no such path, `present` is false and the path one that may be read.
-uint packetPath(uint turn, uint r, out bool present) {
+uint packetPath(uint turns, uint turn, uint r, out bool present) {
     uint lane = gl_LocalInvocationID.x & 7u;
-    uint path =
-        ((gl_GlobalInvocationID.x - lane) * kPacketTurns + 8u * turn) * GLINT_PACKET_RAYS + lane + 8u * r;
+    uint path = ((gl_GlobalInvocationID.x - lane) * turns + 8u * turn) * kPacketRays + lane + 8u * r;
     present = path < dispatch.run * dispatch.interleave * kWorkgroupSize;
     return present ? path : 0u;
 }
@@ -382,23 +307,25 @@ uint packetPath(uint turn, uint r, out bool present) {
 // False only if the path has no ray to trace; to be had from one row. Each kernel has its own.
 bool mayHaveRay(uint path);
 
-// The next packet from `turn` on that may have rays, the last if none has; `turn` is then the one behind it.
-uint nextPacket(inout uint turn) {
+// A subgroup traces `turns` any-hit packets one after the other. Many packets of a picture's shadow rays are
+// empty, as nothing was hit there, and an empty packet costs the kernel's whole code (lanes.glsl). Returns
+// the next packet from `turn` on that may have rays, the last if none has; `turn` becomes the one after it.
+uint nextPacket(uint turns, inout uint turn) {
     uint found = turn;
-    bool searching = turn < kPacketTurns;
+    bool searching = turn < turns;
     do {
         if (searching) {
             uint some = 0u;
             GLINT_EACH_RAY {
                 bool present;
-                uint path = packetPath(turn, r, present);
+                uint path = packetPath(turns, turn, r, present);
                 bool may = mayHaveRay(path);
                 some |= present && may ? 1u : 0u;
             }
             some = anyOfLanes(some);
             found = turn;
             ++turn;
-            searching = some == 0u && turn < kPacketTurns;
+            searching = some == 0u && turn < turns;
         }
     } while (searching);
     return found;

@@ -1,9 +1,10 @@
-// Whether each ray of a group of a packet hits anything, or with GLINT_CROSSINGS how often. Nothing gets
-// nearer here, so that no entry of the stack ever falls out of reach; but rays are settled. The farthest
-// child comes first: nearest first, a ray that leaves a surface would meet its own neighbourhood first, which
-// seldom shades it.
+// Any hits of a group of a packet's rays. No entry of the stack ever gets out of reach, but rays are settled.
+// The farthest child comes first: a ray that leaves a surface would else test its own neighbourhood first,
+// which seldom shades it.
 #ifndef GLINT_PACKET_ANY_GLSL
 #define GLINT_PACKET_ANY_GLSL
+
+#include "packet.glsl"
 
 // A ray that has hit needs nothing more. True, in all lanes, if some ray does.
 bool updateAwake() {
@@ -15,9 +16,6 @@ bool updateAwake() {
     return anyOfLanes(awake) != 0u;
 }
 
-#ifdef GLINT_CROSSINGS
-#include "packet_crossings.glsl"
-#else
 // Any hit needs no more than to be known.
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) {
     one.hit.primitive = primitive;
@@ -30,7 +28,7 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
         if (left != 0u) {
             Traversal one = packet[0];
             uint row = left & (~left + 1u);
-            for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
+            for (uint r = 1u; r < kPacketRays; ++r) {
                 bool mine = row == 1u << r;
                 one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
                 one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
@@ -63,8 +61,6 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
         }
     } while (left != 0u);
 }
-
-#endif
 
 // Inner children that are still to be visited, of the nodes on the way down. A node's inner children follow
 // each other (packetTree), so a level is one word, the same for all lanes: the number of the first one in its

@@ -2,6 +2,8 @@
 #ifndef GLINT_PACKET_CLOSEST_GLSL
 #define GLINT_PACKET_CLOSEST_GLSL
 
+#include "packet.glsl"
+
 // The topmost entry that some ray may still reach, kNone if there is none; all above it are dropped. `end` is
 // the key of the farthest point that any ray may still reach. rows: those that enter its box.
 uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows) {
@@ -25,9 +27,6 @@ uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows)
     return empty ? kNone : child;
 }
 
-#ifdef GLINT_CERTIFY
-#include "packet_certainty.glsl"
-#else
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) {
     accept(one, t, u, v, primitive, id);
 }
@@ -41,7 +40,7 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
         if (left != 0u) {
             Traversal one = packet[0];
             uint row = left & (~left + 1u);
-            for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
+            for (uint r = 1u; r < kPacketRays; ++r) {
                 bool mine = row == 1u << r;
                 one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
                 one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
@@ -85,7 +84,6 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
         }
     } while (left != 0u);
 }
-#endif
 
 // The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has
 // hit needs nothing more.

@@ -4,25 +4,30 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 // The closest hit of each live path, packet by packet: intersect.comp for subgroups of 8 lanes.
 #include "path.glsl"
-#include "packet.glsl"
+#ifdef GLINT_ANY_HIT
+#include "packet_any.glsl"
+#include "query_any.glsl"
+const uint kTurns = kPacketTurns;
+#else
+#include "packet_closest.glsl"
+#include "query_closest.glsl"
+const uint kTurns = 1u;
+#endif
 
 bool mayHaveRay(uint path) { return uintBitsToFloat(loadRow(kRowDirection, path).w) < kInfinity; }
 
 void onePacket(uint turn) {
-    uint paths[GLINT_PACKET_RAYS];
-    Hit before[GLINT_PACKET_RAYS];
-    bool live[GLINT_PACKET_RAYS];
+    uint paths[kPacketRays];
+    Hit before[kPacketRays];
+    bool live[kPacketRays];
     GLINT_EACH_RAY {
         bool present;
-        paths[r] = packetPath(turn, r, present);
+        paths[r] = packetPath(kTurns, turn, r, present);
         packet[r].ray = loadRay(paths[r]);
         before[r] = hitBefore(packet[r].ray, paths[r], kNone);
         packet[r].hit = before[r];
         packet[r].trips = 0u;
         packet[r].cost = 0u;
-#ifdef GLINT_SETTLES
-        packet[r].after = -1.0;
-#endif
         live[r] = present && isAlive(packet[r].ray);
         packet[r].ray.tMax = live[r] ? packet[r].hit.t : -1.0;
     }
@@ -50,12 +55,12 @@ void onePacket(uint turn) {
 }
 
 void main() {
-#ifdef GLINT_ANY_HIT
+    if (kTurns == 1u) {
+        onePacket(0u);
+        return;
+    }
     uint turn = 0u;
     do {
-        onePacket(nextPacket(turn));
-    } while (turn < kPacketTurns);
-#else
-    onePacket(0u);
-#endif
+        onePacket(nextPacket(kTurns, turn));
+    } while (turn < kTurns);
 }

@@ -53,12 +53,6 @@ struct RayFrame {
 // (x, y, z) turned so that `axis` comes last; a rotation, so handedness is kept.
 vec3 turnToZ(vec3 v, uint axis) { return axis == 0u ? v.yzx : (axis == 1u ? v.zxy : v); }
 
-#ifdef GLINT_CERTIFY
-const bool kPadsBoxes = true;
-#else
-const bool kPadsBoxes = FEATURE_INSTANCES;
-#endif
-
 // Boxes are taken for wider by `pad` on all sides.
 RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     RayFrame frame;
@@ -74,7 +68,7 @@ RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     frame.negative = lessThan(inverse, vec3(0.0));
     frame.nearOrigin = o;
     frame.farOrigin = o;
-    if (kPadsBoxes) {
+    if (FEATURE_INSTANCES) {
         vec3 outwards = mix(vec3(pad), vec3(-pad), frame.negative);
         precise vec3 nearOrigin = o + outwards;
         precise vec3 farOrigin = o - outwards;
@@ -113,11 +107,7 @@ float nextTowards(float x, float sense) {
 float tSlip;
 
 // Rays of callers, and those that count crossings, take each t as it is.
-#if defined(GLINT_CROSSINGS) || defined(GLINT_CERTIFY)
-const bool kSlips = false;
-#else
 const bool kSlips = !MODE_GIVEN;
-#endif
 
 // True if a surface at t +- tSlip is within the ray's interval.
 bool countsAt(Ray ray, float t) {

@@ -4,12 +4,10 @@
 // A sample from its camera ray to the end of its path, in one kernel: what generate.comp, intersect.comp,
 // light.comp and shade.comp do one after the other, without passing the path's state through memory. A path
 // that runs out of trips or rays is counted, and the host draws the slice again by those four.
-#define GLINT_WHOLE_PATHS
-#define GLINT_BOTH_HITS
 #define GLINT_SHADOW_RAYS
 #include "camera.glsl"
-#include "passage.glsl"
 #include "path.glsl"
+#include "query_path.glsl"
 #include "traversal.glsl"
 #include "lighting.glsl"
 
@@ -24,7 +22,7 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
     bool going = lit.live && index < end;
     traversal.any = true;
     do {
-        if (kConvergent || going) {
+        if (takesPart(going)) {
             Sight sight = kNoSight;
             if (going) sight = aim(lit, index, true, traversal);
             if (kConvergent && !going) removeRay(traversal);
@@ -36,7 +34,7 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
                 going = finished && index < end && traversal.trips < budget;
             }
         }
-    } while (anyGoesOn(going));
+    } while (anyHasWork(going));
     return finished && (!lit.live || index >= end);
 }
 
@@ -83,7 +81,7 @@ void main() {
     bool alive = takes;
     bool complete = true;
     do {
-        if (kConvergent || alive) {
+        if (takesPart(alive)) {
             traversal.ray = ray;
             traversal.hit = Hit(ray.tMax, 0.0, 0.0, kNone, kNone, 0u);
             traversal.any = false;
@@ -110,7 +108,7 @@ void main() {
                                    followed);
             }
         }
-    } while (anyGoesOn(alive));
+    } while (anyHasWork(alive));
     if (takes) {
         storeRow(kRowRadiance, path, sum);
         storeLedger(path, ledger);

@@ -16,6 +16,13 @@ bool intersectPlane(Ray ray, RayFrame frame, Plane plane, out float t) {
     return speed != 0.0 && countsAt(ray, tHit);
 }
 
+bool hitPlane(Ray ray, RayFrame frame, Plane plane, uint primitive, inout uint trips, out Hit hit) {
+    float t;
+    bool isHit = intersectPlane(ray, frame, plane, t);
+    hit = Hit(t, 0.0, 0.0, primitive, kNone, plane.id);
+    return isHit;
+}
+
 void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {
     precise vec3 position = ray.origin + hit.t * ray.direction;
     precise vec3 projected = position - dot(plane.normal, position - plane.point) * plane.normal;

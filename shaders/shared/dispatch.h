@@ -39,7 +39,8 @@
 // pixels take the same one, in the push constants. adaptive: pixels stop when their samples agree
 // (adapt.comp); implies scattered. tally: count rays by class, for `glint bench`, and in
 // scenes with transmission trace those of class Dispatch::rayClass alone. given: rays of a caller's, which
-// start on no primitive and have met none: in the source's place stands tMax.
+// start on no primitive and have met none: in the source's place stands tMax. list: count.comp also stores
+// where rays cross surfaces.
 #define GLINT_MODES(X)            \
     X(64, AOVS, aovs)             \
     X(65, COST, cost)             \
@@ -49,7 +50,11 @@
     X(73, SCATTERED, scattered)   \
     X(74, ADAPTIVE, adaptive)     \
     X(79, TALLY, tally)           \
-    X(82, GIVEN, given)
+    X(82, GIVEN, given)           \
+    X(75, LIST, list)
+
+// Not a mode but the device's: all lanes leave the loops of a traversal together (lanes.glsl).
+#define GLINT_CONVERGENT_ID 83
 
 // X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle..., kSphere...,
 // kSlab... and kOffset... below.
@@ -58,14 +63,6 @@
     X(71, SPHERE_FORM, spheres)   \
     X(77, SLAB_PAD, slabs)        \
     X(78, ORIGIN_OFFSET, offsets)
-
-// X(constant id, GLSL name, C++ field of LaneWalk): what rays that walk by themselves walk, kNodes..., and
-// where their stacks are, kStack..., below. convergent: all lanes of a subgroup leave
-// the loops of their walk together (lanes.glsl).
-#define GLINT_LANE_WALK(X)    \
-    X(75, NODE_FORMAT, nodes) \
-    X(76, STACK_PLACE, stack) \
-    X(83, CONVERGENT, convergent)
 
 // X(constant id, GLSL name, C++ field of OwnArithmetic): what the device does not round correctly by
 // itself, so that shaders/arithmetic.glsl does.
@@ -190,11 +187,6 @@ GLINT_CONST_UINT(kSlabPlain, 2u);
 GLINT_CONST_UINT(kOffsetErrorBox, 0u);
 GLINT_CONST_UINT(kOffsetFixed, 1u);
 GLINT_CONST_UINT(kOffsetNone, 2u);
-GLINT_CONST_UINT(kNodesTwo, 0u);  // the binary tree
-GLINT_CONST_UINT(kNodesFour, 1u);
-GLINT_CONST_UINT(kNodesCompressed, 2u);
-GLINT_CONST_UINT(kStackPrivate, 0u);  // in memory of the lane's own
-GLINT_CONST_UINT(kStackShared, 1u);   // in that of its workgroup
 
 // ---- Classes of rays and counters ----
 

@@ -137,9 +137,6 @@
 // One corner of the box of a child of an 8-wide node: see packetTree (src/bvh/packet_tree.h).
 #define GLINT_PACKET_CORNER_ROWS(V3F, V3U, U4, A) V3U(A, corner, child)
 
-// A row of a wide node, or four words for leaves: see wideTree (src/bvh/wide_tree.h).
-#define GLINT_WIDE_ROW_ROWS(V3F, V3U, U4, A) U4(A, x, y, z, w)
-
 // X(binding, array, Struct, ROWS): every array of the device, and the struct that it is made of. `array`: the
 // field of PackedScene, where that has one. Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)                                             \
@@ -158,8 +155,7 @@
     X(20, vertexAttributes, VertexAttribute, GLINT_VERTEX_ATTRIBUTE_ROWS) \
     X(21, objectFrames, ObjectFrame, GLINT_OBJECT_FRAME_ROWS)             \
     X(22, samples, Sample, GLINT_SAMPLE_ROWS)                             \
-    X(23, optics, Optics, GLINT_OPTICS_ROWS)                              \
-    X(24, wideRows, WideRow, GLINT_WIDE_ROW_ROWS)
+    X(23, optics, Optics, GLINT_OPTICS_ROWS)
 
 // Specialization constant: true if one storage buffer holds all arrays but the samples (storage.glsl). The
 // bindings are then counters, path state, that buffer, samples.
@@ -321,11 +317,9 @@ GLINT_CONST_UINT(kTileSize, 8u);
 // Children of a node of the packets' tree, and lanes of the subgroups that walk it.
 GLINT_CONST_UINT(kPacketWidth, 8u);
 
-// Rows of a node of four children, and of a compressed one of eight.
-GLINT_CONST_UINT(kFourRows, 4u);
-GLINT_CONST_UINT(kCompressedRows, 5u);
-// Where a node of four says which of its children are inner (bvh/wide_tree.h).
-GLINT_CONST_UINT(kFourInnerShift, 24u);
+// Rays of a lane in packet kernels; packets that a subgroup traces one after the other in those for any hits.
+GLINT_CONST_UINT(kPacketRays, 4u);
+GLINT_CONST_UINT(kPacketTurns, 8u);
 
 #ifdef __cplusplus
 }  // namespace glint::shared

@@ -61,15 +61,14 @@
 // counts if the instance's is kNone. A point x of the world is W (x - place) there, W having the rows
 // toObject; the rows toWorld are those of the inverse of W as rounded. idBase: what the ids are counted from.
 // mirrored: 1 if the transform turns windings around, so that the second and third corner of triangles, and
-// with them u and v of a hit, are exchanged; else 0. wideRoot: as root, among the nodes of the wide tree, if
-// there is one (bvh/wide_tree.h); filled in for the device.
+// with them u and v of a hit, are exchanged; else 0.
 #define GLINT_INSTANCE_ROWS(V3F, V3U, U4, A) \
     V3U(A, place, root)                      \
     V3U(A, toObjectX, idBase)                \
     V3U(A, toObjectY, object)                \
     V3U(A, toObjectZ, material)              \
     V3U(A, toWorldX, mirrored)               \
-    V3U(A, toWorldY, wideRoot)               \
+    V3F(A, toWorldY, reserved1)              \
     V3F(A, toWorldZ, reserved2)
 
 // What lies between three pairs of parallel faces: lo <= y <= hi for y = T (x - point), T having the rows
@@ -114,7 +113,17 @@
     V(A, LEAVES, 5, Quadric, quadrics, 15, GLINT_QUADRIC_ROWS, QUADRICS, 13, quadric, quadrics, 4, 2, 0)     \
     V(A, INSTANCES, 6, Instance, instances, 16, GLINT_INSTANCE_ROWS, INSTANCES, 14, instance, instances, 0,  \
       1, 0)                                                                                                  \
-    V(A, PACKETS, 7, Cuboid, cuboids, 25, GLINT_CUBOID_ROWS, CUBOIDS, 33, box, boxes, 2, 1, 1)
+    V(A, PACKETS, 7, Cuboid, cuboids, 24, GLINT_CUBOID_ROWS, CUBOIDS, 33, box, boxes, 2, 1, 1)
+
+// X(FEATURE, kinds, loops): the loops, one within the other, that a leaf of each kind takes in the shaders.
+#define GLINT_LEAF_LOOPS(X)     \
+    X(TRIANGLES, triangles, 1u) \
+    X(SPHERES, spheres, 1u)     \
+    X(DISCS, discs, 1u)         \
+    X(POLYGONS, polygons, 2u)   \
+    X(QUADRICS, quadrics, 2u)   \
+    X(INSTANCES, instances, 1u) \
+    X(CUBOIDS, cuboids, 1u)
 
 // X(feature id, FEATURE, kinds), as GLINT_FEATURES (dispatch.h).
 #define GLINT_FEATURE_OF_KIND(X, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, \

@@ -100,7 +100,7 @@ DrawingFacts Drawing::facts() const {
     // Rays of whole paths walk by themselves.
     const render::KernelTimes& kernels = renderer_->times().kernels;
     facts.traversal = kernels.whole > 0 && kernels.primary == 0
-                          ? render::nameOf({false, "", renderer_->traversal(expected_.methods).nodes})
+                          ? render::nameOf(render::TraversalChoice{})
                           : render::nameOf(renderer_->traversal(expected_.methods));
     facts.arithmetic = device_->arithmetic();
     facts.times = renderer_->times();

@@ -51,8 +51,7 @@ std::string traversalText(const PackedScene& packed, const Request& request) {
         const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
         const gpu::DeviceInfo& device = gpu::chooseDevice(devices, "");
         const render::TraversalChoice choice =
-            render::chooseTraversal(render::Traversal::Auto, device, packed, request.methods,
-                                    cameraRaysOf(request) * (1 + packed.lights.size()));
+            render::chooseTraversal(render::Traversal::Auto, device, packed, request.methods);
         return std::string(render::nameOf(choice)) + " (" + choice.reason + ")";
     } catch (const Error&) {
         return "no device to choose for";

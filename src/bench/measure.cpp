@@ -233,22 +233,15 @@ Result measureOnDevice(const Task& task, const gpu::Device& device, const Result
 // machine does meets all alike.
 std::vector<Result> measureWalks(const Task& task, const gpu::Device& device, const Result& described) {
     using enum render::Traversal;
-    using enum render::StackPlace;
-    const std::pair<render::Traversal, render::StackPlace> ways[] = {
-        {Lane, Private}, {Lane, Shared},   {Packet, Private}, {Bvh4, Private},
-        {Bvh4, Shared},  {Cwbvh, Private}, {Cwbvh, Shared}};
     std::vector<std::unique_ptr<Contestant>> contestants;
-    for (const auto& [traversal, stack] : ways) {
+    for (const render::Traversal traversal : {Lane, Packet}) {
         if (traversal == Packet && !render::runsPackets(device.info())) continue;
         if (nameOf(chooseTraversal(traversal, device.info(), task.loaded.packed, task.request.methods)) !=
             nameOf(traversal))
             continue;
         render::Options options = profiled(task.options.renderer);
         options.traversal = traversal;
-        options.stack = stack;
-        Result base = described;
-        base.stack = nameOf(stack);
-        contestants.push_back(std::make_unique<Contestant>(device, task, options, base));
+        contestants.push_back(std::make_unique<Contestant>(device, task, options, described));
         contestants.back()->warmUp();
     }
     for (int i = 0; i < task.options.repeats; ++i) {

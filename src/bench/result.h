@@ -18,7 +18,6 @@ struct Result {
     std::string scene;
     Backend backend = Backend::Gpu;
     std::string device, driver, traversal, access;  // the last two empty on the host
-    std::string stack;                              // of lanes, in `walks` alone: "private" or "shared"
     int width = 0, height = 0, samples = 1, depth = 0, repeats = 0;
     size_t lights = 0, triangles = 0, primitives = 0;
     std::vector<std::string> used, also;  // features of the scene; further ones that there is code for

@@ -53,7 +53,6 @@ Json raysJson(const Result& result) {
 Json walkJson(const Result& r) {
     Json json;
     json["traversal"] = r.traversal;
-    json["stack"] = r.stack;
     for (const Rate& rate : ratesOf(r)) {
         if (rate.seconds.median > 0) json["perSecond"][rate.key] = quartilesJson(perSecond(rate));
     }
@@ -208,11 +207,11 @@ std::string table(const Result& r, const Program& program) {
 }
 
 std::string walkTable(const std::vector<Result>& walks) {
-    std::string text = line("  %-9s %-8s", "traversal", "stack");
+    std::string text = line("  %-9s", "traversal");
     for (const char* name : {"primary", "shadow", "mirrored", "refracted", "all"}) text += line(" %9s", name);
     text += line(" %9s %9s %9s  %s\n", "trace, ms", "upload", "MiB", "picture");
     for (const Result& r : walks) {
-        text += line("  %-9s %-8s", r.traversal.c_str(), r.stack.c_str());
+        text += line("  %-9s", r.traversal.c_str());
         for (const Rate& rate : ratesOf(r)) {
             if (std::string(rate.key) == "mirroredAndRefracted") continue;
             text +=

@@ -34,13 +34,11 @@ struct CountRun {
     const Callbacks& callbacks;
     // From several threads. doubtful: the number is the host's, and the device knows another.
     std::function<void(uint64_t i, uint32_t crossings, bool doubtful)> take;
-    bool forList = false;
 
     void onDevice() const {
         render::RayTask task;
         task.count = count;
         task.ask = render::RayTask::Ask::Count;
-        task.forList = forList;
         task.cancelled = callbacks.cancelled;
         task.progress = callbacks.progress;
         task.fill = read;

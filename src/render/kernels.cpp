@@ -1,7 +1,7 @@
 #include "render/kernels.h"
 
 #include "kernel_modules.inc"
-#include "render/traversal_choice.h"
+#include "shared/layout.h"
 
 namespace glint::render {
 
@@ -49,8 +49,6 @@ uint32_t raysOfLane(KernelId id) {
 
 KernelId packetKernel(KernelId id) {
     if (id == KernelId::Light) return KernelId::PacketLight;
-    if (id == KernelId::Count) return KernelId::PacketCount;
-    if (id == KernelId::Certify) return KernelId::PacketCertify;
     return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
 }
 

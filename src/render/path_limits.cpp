@@ -19,21 +19,21 @@ constexpr uint64_t kMaxPathBytes = 256ull << 20;
 // See budgetOf: the loop of the nodes, those of the kinds that a pipeline knows, and one for the compiler's
 // own.
 uint32_t loopsOf(const SceneFeatures& features) {
-#define GLINT_LOOPS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                    uv)                                                                                    \
-    +(features.kinds ? loops : 0)
-    return 2 GLINT_PRIMITIVES(GLINT_LOOPS, 0);
-#undef GLINT_LOOPS
+    uint32_t sum = 2;
+#define GLINT_ADD(FEATURE, kinds, loops) sum += features.kinds ? loops : 0;
+    GLINT_LEAF_LOOPS(GLINT_ADD)
+#undef GLINT_ADD
+    return sum;
 }
 
-// What the middle loop counts for each of its trips, as tripsOfPass in shaders/traversal.glsl.
+// What the middle loop counts for each of its trips, as tripsOfPass in shaders/leaf.glsl.
 uint32_t tripsOfPass(const SceneFeatures& features) {
     return loopsOf(features) + 1;
 }
 
-// Of walks with a stack of words: all those of whole.comp.
+// Of the stack traversal, as all in whole.comp are.
 bool haveMiddleLoop(const SceneFeatures& features) {
-    return features.instances || features.alphaMask;
+    return features.instances;
 }
 
 // Loop trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which
@@ -45,10 +45,10 @@ bool haveMiddleLoop(const SceneFeatures& features) {
 // - Where the loops of the nodes and of each kind in leaves stand in the outer loop, its trips are those of
 //   its longest lane: L (B + 2) more, where L counts them (of polygons also their edges', of quadrics their
 //   further hits').
-// - Where rays wait for each other, before instances or until it is decided about a hit, they stand in a
-//   middle loop, whose trips, each with a live lane, enter all of them. These count tripsOfPass each, and
+// - Where rays wait for each other before instances, they stand in a middle loop, whose trips, each with a
+// live lane, enter all of them. These count tripsOfPass each, and
 //   those of the outer loop one more, so that all is in the lanes' own B; slack is larger by two and one.
-//   Other walks of the same scene, over compressed nodes and without a stack, are of the first sort: the
+//   Stackless traversals of the same scene are of the first sort: the
 //   lesser of both budgets.
 // The loop of the rays, to all lights (and in whole.comp of all bounces), enters each once more for each of
 // its trips. What no lane counts comes on top: the planes' loop, for all rays together `uncounted`.
@@ -104,9 +104,7 @@ uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& fea
     if (!device.llvmpipe) return kTripsElsewhere;
     const uint64_t rays = mostRaysOfPath(features, environment);
     const uint64_t beside = rays * std::max(environment.planeCount, 1u) + rays * kTripsOfShading;
-    // The planes may be a leaf (kPlanesInWalk in shaders/traversal.glsl).
-    return budgetOf(Kernels::Whole, device, features, polygonTripsPerLeaf + 2 * environment.planeCount, rays,
-                    beside + kTripsOfSample);
+    return budgetOf(Kernels::Whole, device, features, polygonTripsPerLeaf, rays, beside + kTripsOfSample);
 }
 
 uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount) {

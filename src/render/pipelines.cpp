@@ -9,13 +9,8 @@ namespace {
 // One value for each constant id up to the last; the ids between that no list names are not in any kernel.
 constexpr uint32_t kConstantIds = 85;
 
-std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes, StackPlace stack,
-                                  bool convergent, const OwnArithmetic& own, gpu::Access access) {
-    const struct {
-        NodeFormat nodes;
-        StackPlace stack;
-        bool convergent;
-    } walk = {modes.nodes, stack, convergent};
+std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes, bool convergent,
+                                  const OwnArithmetic& own, gpu::Access access) {
     std::vector<uint32_t> constants(kConstantIds, 0u);
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = features.field ? 1u : 0u;
     GLINT_FEATURES(GLINT_CONSTANT)
@@ -26,9 +21,7 @@ std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceMode
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = static_cast<uint32_t>(modes.methods.field);
     GLINT_CHOICES(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
-#define GLINT_CONSTANT(ID, NAME, field) constants[ID] = static_cast<uint32_t>(walk.field);
-    GLINT_LANE_WALK(GLINT_CONSTANT)
-#undef GLINT_CONSTANT
+    constants[GLINT_CONVERGENT_ID] = convergent ? 1u : 0u;
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = own.field ? 1u : 0u;
     GLINT_ARITHMETIC(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
@@ -44,10 +37,9 @@ constexpr bool idsAreUnique() {
     GLINT_FEATURES(GLINT_CHECK)
     GLINT_MODES(GLINT_CHECK)
     GLINT_CHOICES(GLINT_CHECK)
-    GLINT_LANE_WALK(GLINT_CHECK)
     GLINT_ARITHMETIC(GLINT_CHECK)
 #undef GLINT_CHECK
-    return GLINT_ARRAYS_TOGETHER < kConstantIds && !used[GLINT_ARRAYS_TOGETHER];
+    return GLINT_ARRAYS_TOGETHER < kConstantIds && !used[GLINT_ARRAYS_TOGETHER] && !used[GLINT_CONVERGENT_ID];
 }
 static_assert(idsAreUnique());
 static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMethod::Barycentric) &&
@@ -67,7 +59,7 @@ uint32_t bindingsOf(gpu::Access access) {
 }  // namespace
 
 std::vector<uint32_t> defaultConstants(gpu::Access access) {
-    return constantsOf(allFeatures(), {}, StackPlace::Private, false, {}, access);
+    return constantsOf(allFeatures(), {}, false, {}, access);
 }
 
 SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
@@ -77,10 +69,9 @@ SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
     return features;
 }
 
-TraceModes modesOf(const Request& request, NodeFormat nodes) {
+TraceModes modesOf(const Request& request) {
     TraceModes modes;
     modes.methods = request.methods;
-    modes.nodes = nodes;
     modes.cost = request.cost;
     modes.aovs = request.wantsData();
     modes.shadowless = !request.shadows;
@@ -92,12 +83,11 @@ TraceModes modesOf(const Request& request, NodeFormat nodes) {
 }
 
 Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-                     const SceneFeatures& features, StackPlace stack, bool ownArithmetic)
+                     const SceneFeatures& features, bool ownArithmetic)
     : device_(device),
       code_(code),
       access_(access),
       features_(features),
-      stack_(stack),
       own_{ownArithmetic || !device.arithmetic().quotients, ownArithmetic || !device.arithmetic().roots} {}
 
 void Pipelines::bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene) {
@@ -132,8 +122,8 @@ gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     options.spirv = code_[id];
     options.bindings.assign(bindingsOf(access_), access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
-    const bool convergent = !modes.resume && walksConverge(device_.info(), modes.nodes, stack_);
-    options.constants = constantsOf(features_, modes, stack_, convergent, own_, access_);
+    const bool convergent = !modes.resume && loopsConverge(device_.info());
+    options.constants = constantsOf(features_, modes, convergent, own_, access_);
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
     return gpu::Kernel(device_, options);

@@ -13,16 +13,15 @@
 
 namespace glint::render {
 
-// What a request makes of the kernels: GLINT_MODES in shaders/shared/dispatch.h, the tests of rays, and the
-// tree that rays walk by themselves.
+// What a request makes of the kernels: GLINT_MODES in shaders/shared/dispatch.h, the tests of rays.
 struct TraceModes {
     bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
     bool scattered = false, adaptive = false, tally = false, given = false;
+    bool list = false;
     Methods methods = {};
-    NodeFormat nodes = NodeFormat::Two;
     auto operator<=>(const TraceModes&) const = default;
 };
-TraceModes modesOf(const Request& request, NodeFormat nodes);
+TraceModes modesOf(const Request& request);
 
 // What one of them has.
 SceneFeatures either(SceneFeatures features, const SceneFeatures& also);
@@ -39,8 +38,7 @@ class Pipelines {
   public:
     // ownArithmetic: all of OwnArithmetic; else what the device does not round correctly.
     Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-              const SceneFeatures& features, StackPlace stack = StackPlace::Private,
-              bool ownArithmetic = false);
+              const SceneFeatures& features, bool ownArithmetic = false);
 
     // Buffers that every kernel sees. Kernels made so far are bound anew.
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
@@ -59,7 +57,6 @@ class Pipelines {
     const KernelCode& code_;
     gpu::Access access_;
     SceneFeatures features_;
-    StackPlace stack_;
     OwnArithmetic own_;
     std::vector<const gpu::Buffer*> buffers_;
     std::map<std::pair<KernelId, TraceModes>, gpu::Kernel> kernels_;

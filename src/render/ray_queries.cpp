@@ -48,15 +48,8 @@ KernelId kernelOf(RayTask::Ask ask) {
             return KernelId::IntersectAny;
         case RayTask::Ask::Count:
             return KernelId::Count;
-        case RayTask::Ask::Certain:
-            return KernelId::Certify;
     }
     return KernelId::Intersect;
-}
-
-// TraceModes::given; a certifying kernel takes further numbers from the hit's row.
-bool knowsGiven(RayTask::Ask ask) {
-    return ask != RayTask::Ask::Certain;
 }
 
 // A row's entry in one register: words one by one take twice the time.
@@ -74,14 +67,9 @@ struct RayQueries::State {
     gpu::Access access;
     bool inPlace;
     TraversalChoice traversal;
-    bool mayTakeFour;  // not where instances are: nodes of four were no faster there
     uint32_t tripBudget, rowCount, piece;
     SceneBuffers buffers;
     std::mutex mutex;
-    // Nodes of four are those of the scene: whoever has the slot, of which there is one then, makes them.
-    bool four = false;
-    // Rays that went by themselves, but for certified hits: ever, and since the scene changed.
-    uint64_t alone = 0, aloneSinceChange = 0;
     std::condition_variable freed;
     std::vector<std::unique_ptr<Slot>> slots;
 
@@ -92,8 +80,6 @@ struct RayQueries::State {
           access(chooseAccess(dev.info(), arraySizes(packed))),
           inPlace(dev.info().software),
           traversal(chooseTraversal(Traversal::Auto, dev.info(), packed)),
-          mayTakeFour(dev.info().llvmpipe && traversal.nodes == NodeFormat::Two &&
-                      access == gpu::Access::TexelBuffer && !packed.features.instances),
           tripBudget(deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
           rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kListRows),
           piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
@@ -135,24 +121,19 @@ struct RayQueries::State {
 
     void fill(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
               size_t count) const;
-    void trace(Slot& slot, size_t paths, KernelId id, bool packets, NodeFormat nodes) const;
+    void trace(Slot& slot, size_t paths, KernelId id, bool packets, bool list = false) const;
     void checkListed(const Slot& slot, std::span<const RowEntry> wanted) const;
     void listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fill,
                    const ListTake& take);
     void take(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
               size_t count, RowEntry* gathered) const;
-    void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets, NodeFormat nodes,
+    void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets,
                   RowEntry* gathered);
     std::unique_ptr<RowEntry[]> gatherFor(const RayTask& task, const RayOrder& order) const;
     void giveGathered(const RayTask& task, size_t first, const RowEntry* gathered, size_t count) const;
     void givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered, size_t count) const;
-    void makeFour(Slot& slot);
-    NodeFormat nodesFor(const RayTask& task, size_t count, size_t left);
     RayOrder orderOf(const RayTask& task, size_t first) const;
-    // Packets count triangles and planes alone.
-    bool packetsKnow(RayTask::Ask ask) const {
-        return traversal.packets && (ask != RayTask::Ask::Count || !features.spheres);
-    }
+    bool packetsKnow(RayTask::Ask ask) const { return traversal.packets && ask != RayTask::Ask::Count; }
     unsigned hostThreads() const { return inPlace ? 0 : 1; }
 };
 
@@ -171,14 +152,13 @@ void RayQueries::State::fill(const Slot& slot, const Placement& placement, const
             RowEntry* const direction = slot.row(1) + place * kBlock;
             RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
             const float nobody = std::bit_cast<float>(shared::kNone);
-            Four found = {0, task.slack, task.boxSlack, task.ask == RayTask::Ask::Count ? 0 : nobody};
-            const bool given = knowsGiven(task.ask);
+            Four found = {0, 0, 0, task.ask == RayTask::Ask::Count ? 0 : nobody};
             for (size_t i = 0; i < kBlock; ++i) {
                 Four from, along;
                 std::memcpy(&from, &rays[i].origin, sizeof(from));
                 static_assert(offsetof(RayInput, tMin) == offsetof(RayInput, direction) + 12);
                 std::memcpy(&along, &rays[i].direction, sizeof(along));
-                from[3] = given ? rays[i].tMax : nobody;
+                from[3] = rays[i].tMax;
                 found[0] = rays[i].tMax;
                 std::memcpy(&origin[i], &from, sizeof(from));
                 std::memcpy(&direction[i], &along, sizeof(along));
@@ -192,7 +172,7 @@ void RayQueries::State::fill(const Slot& slot, const Placement& placement, const
         hostThreads());
 }
 
-void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packets, NodeFormat nodes) const {
+void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packets, bool list) const {
     const auto groups = static_cast<uint32_t>(paths / shared::kWorkgroupSize);
     shared::Dispatch dispatch;
     dispatch.tileCount = dispatch.run = groups;
@@ -204,8 +184,7 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
     const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
     const size_t staged = slot.staging ? kSlotRows.size() - (features.instances ? 0 : 1) : 0;
 
-    const bool certify = id == KernelId::Certify;  // a walk that does not end is not gone on with
-    TraceModes modes = {.given = !certify, .nodes = nodes};
+    TraceModes modes = {.given = true, .list = list};
     for (size_t i = 0; i < staged; ++i)
         slot.submission.copy(slot.staging, i * row, slot.rows, kSlotRows[i] * row, used);
     const uint32_t perLane = packets ? raysOfLane(packetKernel(id)) : 1;
@@ -217,7 +196,7 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
             slot.submission.copy(slot.rows, kSlotRows[i] * row, slot.staging, i * row, used);
         slot.unfinished() = 0;
         slot.submission.submit();
-        if (certify || slot.unfinished() == 0) break;
+        if (slot.unfinished() == 0) break;
         slot.submission.dispatch(slot.pipelines.get(id, modes), groups, constants);
     }
 }
@@ -234,7 +213,7 @@ void RayQueries::State::giveGathered(const RayTask& task, size_t first, const Ro
                                      size_t count) const {
     parallelFor((count + kBlock - 1) / kBlock, [&](size_t block) {
         const size_t start = block * kBlock, present = std::min(kBlock, count - start);
-        task.take({first + start, nullptr, 1}, {gathered + start, nullptr, present, false, false});
+        task.take({first + start, nullptr, 1}, {gathered + start, nullptr, present, false});
     });
 }
 
@@ -245,7 +224,7 @@ void RayQueries::State::givePiece(const RayTask& task, const RayNumbers& rays, c
     for (size_t start = 0; start < count; start += kBlock) {
         const size_t present = std::min(kBlock, count - start);
         for (size_t i = 0; i < present; ++i) hits[i] = gathered[rays.order[start + i]];
-        task.take(rays.from(start), {hits.data(), nullptr, present, false, false});
+        task.take(rays.from(start), {hits.data(), nullptr, present, false});
     }
 }
 
@@ -269,48 +248,20 @@ void RayQueries::State::take(const Slot& slot, const Placement& placement, const
             const bool counted = task.ask == RayTask::Ask::Count;
             const RowEntry* const instances =
                 features.instances && !counted ? slot.row(kInstanceRow) + at : nullptr;
-            task.take(numbers.from(start), {slot.row(kHitRow) + at, instances, present, counted,
-                                            task.ask == RayTask::Ask::Certain});
+            task.take(numbers.from(start), {slot.row(kHitRow) + at, instances, present, counted});
         },
         hostThreads());
 }
 
-void RayQueries::State::makeFour(Slot& slot) {
-    {
-        const std::lock_guard lock(mutex);
-        if (four) return;
-    }
-    buffers.makeFour(device, scene);
-    slot.pipelines.bind(slot.counters, slot.rows, buffers);
-    const std::lock_guard lock(mutex);
-    four = true;
-    alone = std::max(alone, kFewestRaysForFour);  // from now on the kernels are there
-}
-
-// Of `count` rays that go by themselves, as probably all that are `left` of the batch. Where leaves do not
-// wait counts in nodes of four are no faster than in binary ones (docs/lab/library.md).
-NodeFormat RayQueries::State::nodesFor(const RayTask& task, size_t count, size_t left) {
-    if (task.ask == RayTask::Ask::Certain) return NodeFormat::Two;
-    const bool counts = task.ask == RayTask::Ask::Count;
-    if (!mayTakeFour || task.forList || (counts && !leavesWait(features))) return traversal.nodes;
-    const std::lock_guard lock(mutex);
-    const uint64_t worth = counts ? kWorthOfCountForFour : 1;
-    const bool pays = four || fourPays(scene, alone + worth * left, aloneSinceChange + worth * left);
-    alone += worth * count;
-    aloneSinceChange += worth * count;
-    return pays ? NodeFormat::Four : NodeFormat::Two;
-}
-
 void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets,
-                                 NodeFormat nodes, RowEntry* gathered) {
+                                 RowEntry* gathered) {
     Slot& slot = acquire();
     const Release release{*this, slot};
-    if (nodes == NodeFormat::Four && mayTakeFour) makeFour(slot);
     const Placement placement(count, inPlace);
     fill(slot, placement, task, rays, count);
     const ProcessorWatch processor;
     const Stopwatch watch;
-    trace(slot, placement.places() * kBlock, kernelOf(task.ask), packets, nodes);
+    trace(slot, placement.places() * kBlock, kernelOf(task.ask), packets);
     if (task.kernels) {
         const std::lock_guard lock(mutex);
         task.kernels->wall += watch.seconds();
@@ -358,7 +309,7 @@ void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first
     }
     const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry);
     gpu::upload(device, slot.rows, std::as_bytes(std::span(places)), shared::kRowThroughput * row);
-    trace(slot, placement.places() * kBlock, KernelId::List, false, traversal.nodes);
+    trace(slot, placement.places() * kBlock, KernelId::Count, false, true);
     checkListed(slot, places);
     std::vector<RowEntry> found(2 * sum);
     gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)), (rowCount - kListRows) * row);
@@ -377,17 +328,11 @@ RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene)
     : state_(std::make_unique<State>(device, scene)) {}
 RayQueries::~RayQueries() = default;
 
-NodeFormat RayQueries::nodes() const {
-    const std::lock_guard lock(state_->mutex);
-    return state_->four ? NodeFormat::Four : state_->traversal.nodes;
-}
-
 bool RayQueries::update() {
-    state_->four = false;
-    state_->aloneSinceChange = 0;
-    // The scene's arrays may be kept elsewhere than before, and features tell what the kernels are made for.
-    return state_->features == hitFeatures(state_->scene.features) &&
-           state_->buffers.update(state_->device, state_->scene);
+    // The kernels are made for the scene's features; its arrays may be elsewhere than before.
+    if (state_->features != hitFeatures(state_->scene.features)) return false;
+    state_->buffers.update(state_->device, state_->scene);
+    return true;
 }
 
 // A GPU takes rays as they are given: it was not measured whether sorting would pay there.
@@ -411,9 +356,7 @@ bool RayQueries::run(const RayTask& task) {
     for (size_t first = 0; first < task.count && !stopped;) {
         const RayOrder order = state_->orderOf(task, first);
         const RayNumbers rays = order.from(first);
-        const bool packets = order.coherent && !task.forList && state_->packetsKnow(task.ask);
-        const NodeFormat nodes =
-            packets ? NodeFormat::Two : state_->nodesFor(task, order.count, task.count - first);
+        const bool packets = order.coherent && state_->packetsKnow(task.ask);
         const auto gathered = state_->gatherFor(task, order);
         const size_t pieces = (order.count + usable - 1) / usable;
         const auto countOf = [&](size_t i) { return std::min(usable, order.count - i * usable); };
@@ -422,7 +365,7 @@ bool RayQueries::run(const RayTask& task) {
             pieces,
             [&](size_t i) {
                 if (stops()) return;
-                state_->runPiece(task, rays.from(i * usable), countOf(i), packets, nodes, gathered.get());
+                state_->runPiece(task, rays.from(i * usable), countOf(i), packets, gathered.get());
                 const std::lock_guard lock(mutex);
                 finished[i] = 1;
                 done += countOf(i);

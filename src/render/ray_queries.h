@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <span>
@@ -24,34 +23,31 @@ struct FoundHit {
     // origin.
     uint32_t crossings = 0;
     bool doubtful = false;
-    bool certain = false;  // of Ask::Certain alone
 };
 
 // Of rays that follow each other, read where the device wrote it.
 class FoundHits {
   public:
-    // instances: null where none are; negated: the sign of t says what is not certain.
-    FoundHits(const RowEntry* hits, const RowEntry* instances, size_t count, bool counted, bool negated)
-        : hits_(hits), instances_(instances), count_(count), counted_(counted), negated_(negated) {}
+    // instances: null where none are.
+    FoundHits(const RowEntry* hits, const RowEntry* instances, size_t count, bool counted)
+        : hits_(hits), instances_(instances), count_(count), counted_(counted) {}
 
     size_t size() const { return count_; }
     uint32_t primitive(size_t i) const { return counted_ ? shared::kNone : hits_[i].u[3]; }
     uint32_t instance(size_t i) const { return instances_ != nullptr ? instances_[i].u[0] : shared::kNone; }
-    float t(size_t i) const { return negated_ ? std::abs(hits_[i].f[0]) : hits_[i].f[0]; }
+    float t(size_t i) const { return hits_[i].f[0]; }
     float u(size_t i) const { return hits_[i].f[1]; }
     float v(size_t i) const { return hits_[i].f[2]; }
     FoundHit operator[](size_t i) const {
         if (counted_) return {.crossings = hits_[i].u[1], .doubtful = hits_[i].u[2] != 0};
-        FoundHit hit{t(i), u(i), v(i), primitive(i), instance(i)};
-        hit.certain = negated_ && !std::signbit(hits_[i].f[0]);
-        return hit;
+        return {t(i), u(i), v(i), primitive(i), instance(i)};
     }
 
   private:
     const RowEntry* hits_;
     const RowEntry* instances_;
     size_t count_;
-    bool counted_, negated_;
+    bool counted_;
 };
 
 // `fill` and `take` are called for blocks of at most kBlock rays, from several threads at a time.
@@ -61,17 +57,8 @@ struct RayTask {
     ReadRays fill;  // local rays; also called to look at some of them
     std::function<void(const RayNumbers& numbers, const FoundHits& hits)> take;
     // Nearest; Any: whether there is a hit, FoundHit::primitive alone and any of them; Count:
-    // FoundHit::crossings, of a scene packed without split triangles; Certain: as Nearest, and whether exact
-    // arithmetic on the rays and the scene before they were rounded would say so.
-    enum class Ask { Nearest, Any, Count, Certain } ask = Ask::Nearest;
-    // Of Ask::Certain: how far off the origins of rays and the scene's points are, in the greatest coordinate
-    // and beside what rounding them to fp32 makes of them.
-    float slack = 0;
-    // And how far surfaces other than triangles may stand out of the boxes around their rounded forms.
-    float boxSlack = 0;
-    // Of Ask::Count: the numbers are for `list`, whose kernel this one's walk is then like, box by box. What
-    // rounding puts on either side of an end of a ray's interval may be left out with a box or not.
-    bool forList = false;
+    // FoundHit::crossings, of a scene packed without split triangles.
+    enum class Ask { Nearest, Any, Count } ask = Ask::Nearest;
     bool coherent = false;                 // the caller says that neighbours go about the same way
     bool spreads = false;                  // `take` writes to several places for each ray
     std::function<bool()> cancelled;       // asked between pieces; may be empty
@@ -104,11 +91,6 @@ class RayQueries {
     // Bytes on the device and of what is prepared for it, without the scene's arrays; all that the number of
     // rays costs beside the caller's arrays.
     uint64_t workingBytes() const;
-
-    // What rays for nearest and any hits that go by themselves walk now, and those that count where leaves
-    // wait: nodes of four on lavapipe, once so many have been asked that they pay (fourPays), and until the
-    // scene changes.
-    NodeFormat nodes() const;
 
   private:
     struct State;

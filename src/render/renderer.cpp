@@ -252,8 +252,7 @@ void Renderer::State::traceBatch(std::span<const RayInput> rays, const LocalBatc
                                  std::span<RayHit> hits) {
     const TraversalChoice choice = traversalOf(wanted.methods);
     const bool any = wanted.detail == HitDetail::Any, surface = wanted.detail == HitDetail::Surface;
-    const TraceModes modes = {
-        .aovs = surface, .cost = wanted.cost, .methods = wanted.methods, .nodes = choice.nodes};
+    const TraceModes modes = {.aovs = surface, .cost = wanted.cost, .methods = wanted.methods};
     const uint32_t count = static_cast<uint32_t>(rays.size());
     const uint32_t groups = (count + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
     writeRays(paths, device, features, modes, rays);
@@ -314,7 +313,7 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     if (lightsOf(s.scene, request).size() > s.scene.lights.size())
         throw std::invalid_argument("more lights than the scene has");
     const TraversalChoice choice = s.traversalOf(request.methods);
-    const TraceModes modes = modesOf(request, choice.nodes);
+    const TraceModes modes = modesOf(request);
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
     const uint32_t interleave = interleaveOf(s.device.info());

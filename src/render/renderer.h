@@ -34,7 +34,6 @@ struct Options {
     bool profile = false;         // times camera rays' generation apart, see KernelTimes
     std::optional<gpu::Access> access;  // empty: chooseAccess (scene_buffers.h)
     Traversal traversal = Traversal::Auto;
-    StackPlace stack = StackPlace::Private;
     Compaction compaction = Compaction::Auto;
     // Auto: only where nothing is asked for that takes a kernel for each step, as `profile`, a traversal, a
     // compaction, or `kernels`.

@@ -7,7 +7,7 @@ namespace glint::render {
 
 TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
     if (methods == Methods{}) return traversal;
-    return chooseTraversal(options.traversal, device.info(), scene, methods, raysKnown(options, scene));
+    return chooseTraversal(options.traversal, device.info(), scene, methods);
 }
 
 uint32_t Renderer::State::wholeBudget(const shared::Environment& of) const {
@@ -21,8 +21,8 @@ bool Renderer::State::drawsWholePaths(const TraceModes& modes, const TraversalCh
                                       const shared::Environment& of) const {
     if (options.wholePaths == WholePaths::Off || wholePathsGivenUp || !wholePathsKnow(modes)) return false;
     if (options.wholePaths == WholePaths::On) return true;
-    const bool free = options.traversal != Traversal::Packet && options.traversal != Traversal::Cwbvh &&
-                      options.compaction == Compaction::Auto && !options.profile && !options.kernels;
+    const bool free = options.traversal != Traversal::Packet && options.compaction == Compaction::Auto &&
+                      !options.profile && !options.kernels;
     const WholePathsWork work = {
         .furtherRays = goesOnAfterHits(scene.features) && of.maxDepth > 0,
         .tripBudget = wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of),

@@ -18,11 +18,6 @@
 
 namespace glint::render {
 
-// From cameras and from there to lights, of all pictures that will be asked for; 0 if that is not known.
-inline uint64_t raysKnown(const Options& options, const PackedScene& scene) {
-    return options.cameraRays * (1 + scene.lights.size());
-}
-
 struct Renderer::State {
     const gpu::Device& device;
     const PackedScene& scene;
@@ -54,10 +49,10 @@ struct Renderer::State {
           options(opts),
           features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), arraySizes(packed))),
-          traversal(chooseTraversal(opts.traversal, dev.info(), packed, {}, raysKnown(opts, packed))),
+          traversal(chooseTraversal(opts.traversal, dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
-          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(), access, features, opts.stack,
+          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(), access, features,
                     opts.ownArithmetic),
           submission(dev),
           environment(packed.environment),
@@ -65,7 +60,7 @@ struct Renderer::State {
         options.expected = nullptr;
         if (opts.expected) {
             const TraversalChoice choice = traversalOf(opts.expected->methods);
-            const TraceModes modes = modesOf(*opts.expected, choice.nodes);
+            const TraceModes modes = modesOf(*opts.expected);
             const shared::Environment wanted = glint::environmentOf(scene, *opts.expected);
             startTranslating(modes, kernelsFor(*opts.expected, modes, choice, wanted));
         }

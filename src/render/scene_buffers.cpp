@@ -44,7 +44,6 @@ constexpr std::array<std::byte, kZeroBytes> kZeros{};
 struct Others {
     shared::Camera camera;
     std::vector<shared::PacketCorner> packetCorners;
-    std::vector<shared::WideRow> wideRows;
     std::vector<shared::Sample> samples;
 };
 
@@ -102,10 +101,8 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, const ArraySizes& sizes)
 
 SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
                            const TraversalChoice& traversal)
-    : access_(access), nodes_(traversal.nodes) {
-    WideTree tree = wideTree(scene.nodes, traversal.nodes, scene.instances);
+    : access_(access) {
     Others others;
-    others.wideRows = std::move(tree.rows);
     std::vector<shared::PacketCorner> corners;
     const auto buildPacketTree = [&] {
         if (traversal.packets) corners = packetTree(scene.nodes, &packetSlots_);
@@ -136,22 +133,9 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
         parallelTasks({buildPacketTree, [&] { visitArrays(scene, others, putAllElse); }});
         put(packetCornersBinding, "packetCorners", std::as_bytes(std::span(corners)));
     }
-    if (tree.roots.empty()) return;
-    std::vector<shared::Instance> instances = scene.instances;
-    for (size_t i = 0; i < instances.size(); ++i) instances[i].wideRoot = tree.roots[i];
-    write(device, instancesBinding, std::as_bytes(std::span(instances)));
 }
 
-void SceneBuffers::makeFour(const gpu::Device& device, const PackedScene& scene) {
-    const WideTree tree = wideTree(scene.nodes, NodeFormat::Four);
-    const std::span rows = std::as_bytes(std::span(tree.rows));
-    gpu::Buffer buffer(device, "wideRows", rows.size(), access_, gpu::MemoryKind::Device);
-    gpu::upload(device, buffer, rows);
-    buffers_[wideRowsBinding] = std::move(buffer);
-}
-
-bool SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
-    if (nodes_ != NodeFormat::Two) return false;
+void SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
     if (!packetSlots_.empty()) {
         if (packetCorners_.empty()) {
             packetCorners_.resize(2 * packetSlots_.size());
@@ -178,7 +162,6 @@ bool SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
     add(lightsBinding, scene.lights);
     parallelFor(arrays.size(), [&](size_t i) { write(device, arrays[i].binding, arrays[i].bytes); });
     setEnvironment(device, scene.environment);
-    return true;
 }
 
 void SceneBuffers::placeTogether(const gpu::Device& device,

@@ -37,13 +37,8 @@ class SceneBuffers {
                  const TraversalChoice& traversal);
 
     // The arrays of a scene that differs from the one at construction in numbers alone: as many of
-    // everything, and the same children of each node. False, and nothing is done, with wide nodes, whose
-    // number depends on areas.
-    bool update(const gpu::Device& device, const PackedScene& scene);
-
-    // Makes nodes of four children beside the binary ones, or makes them anew, as update() leaves them as
-    // they were: bind anew. For texel buffers, and scenes without instances.
-    void makeFour(const gpu::Device& device, const PackedScene& scene);
+    // everything, and the same children of each node.
+    void update(const gpu::Device& device, const PackedScene& scene);
 
     void setCamera(const gpu::Device& device, const shared::Camera& camera) const;
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;
@@ -61,7 +56,6 @@ class SceneBuffers {
     void write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const;
 
     gpu::Access access_ = gpu::Access::TexelBuffer;
-    NodeFormat nodes_ = NodeFormat::Two;
     std::vector<uint32_t> packetSlots_;                // see packetTree
     std::vector<shared::PacketCorner> packetCorners_;  // as on the device, from the first update() on
     // By binding. With a storage buffer: the samples, and all other arrays at kTogether.

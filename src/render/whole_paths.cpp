@@ -35,8 +35,7 @@ uint32_t firstWholeTiles(uint64_t mostRays) {
 }
 
 bool wholePathsKnow(const TraceModes& modes) {
-    const bool pictureAlone = !modes.aovs && !modes.cost && !modes.tally;
-    return pictureAlone && modes.nodes != NodeFormat::Compressed;
+    return !modes.aovs && !modes.cost && !modes.tally;
 }
 
 bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice, const WholePathsWork& work) {

@@ -93,20 +93,19 @@ TEST(Bench, TableAlignsItsColumns) {
 
 TEST(Bench, WalksHaveALineEach) {
     bench::Result r = someResult(), walk = someResult();
-    walk.traversal = "cwbvh";
-    walk.stack = "shared";
+    walk.traversal = "lane";
     walk.picture = "0123";
     walk.upload = 0.5;
     walk.deviceBytes = 3 << 20;
     r.walks = {walk, walk};
     const std::string table = bench::table(r, kProgram);
     const std::string line =
-        "  cwbvh     shared       0.600     0.600     0.100         -     0.300      7.00    500.00       "
+        "  lane           0.600     0.600     0.100         -     0.300      7.00    500.00       "
         "3.0  0123\n";
     EXPECT_TRUE(table.ends_with("MiB  picture\n" + line + line)) << table;
     const nlohmann::json json = nlohmann::json::parse(bench::json({r}, kProgram))["scenes"][0]["walks"];
     ASSERT_EQ(json.size(), 2u);
-    EXPECT_EQ(json[1]["traversal"], "cwbvh");
+    EXPECT_EQ(json[1]["traversal"], "lane");
     EXPECT_DOUBLE_EQ(json[1]["perSecond"]["mirrored"]["median"].get<double>(), 100'000);
     EXPECT_FALSE(json[1]["perSecond"].contains("refracted"));
 }

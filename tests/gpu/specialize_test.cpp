@@ -51,26 +51,6 @@ TEST(Specialize, LeavesOutWhatIsNotNeeded) {
     EXPECT_LT(spheres.size(), all.size() / 2) << "spheres and point lights against everything";
 }
 
-size_t workgroupVariablesIn(std::span<const uint32_t> words) {
-    constexpr uint32_t kOpVariable = 59, kWorkgroup = 4;
-    size_t found = 0;
-    for (size_t at = 5; at < words.size(); at += words[at] >> 16)
-        if ((words[at] & 0xffff) == kOpVariable && words[at + 3] == kWorkgroup) ++found;
-    return found;
-}
-
-// A stack that no ray uses would leave room for fewer workgroups.
-TEST(Specialize, LeavesOutMemoryThatIsNotUsed) {
-    constexpr uint32_t kStackPlace = 76;
-    const render::KernelCode& code = render::embeddedKernels();
-    for (const auto& kernel : allKernels())
-        EXPECT_EQ(workgroupVariablesIn(specialize(kernel, constantsWhere([](uint32_t) { return false; }))),
-                  0u);
-    const auto shared = specialize(code[render::KernelId::Intersect],
-                                   constantsWhere([](uint32_t id) { return id == kStackPlace; }));
-    EXPECT_EQ(workgroupVariablesIn(shared), 1u);
-}
-
 bool mayShuffle(std::span<const uint32_t> words) {
     constexpr uint32_t kOpCapability = 17, kShuffle = 65;
     for (size_t at = 5; at < words.size(); at += words[at] >> 16)
@@ -82,9 +62,8 @@ bool mayShuffle(std::span<const uint32_t> words) {
 TEST(Specialize, LeavesOutShufflesWithWhatTheyNeed) {
     constexpr uint32_t kConvergent = 83;
     const render::KernelCode& code = render::embeddedKernels();
-    for (const auto& kernel :
-         {code[render::KernelId::Intersect], code[render::KernelId::IntersectAny],
-          code[render::KernelId::Light], code[render::KernelId::Whole], code[render::KernelId::Certify]}) {
+    for (const auto& kernel : {code[render::KernelId::Intersect], code[render::KernelId::IntersectAny],
+                               code[render::KernelId::Light], code[render::KernelId::Whole]}) {
         EXPECT_TRUE(mayShuffle(kernel));
         EXPECT_FALSE(mayShuffle(specialize(kernel, constantsWhere([](uint32_t) { return false; }))));
         EXPECT_TRUE(

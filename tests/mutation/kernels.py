@@ -19,11 +19,11 @@ KERNELS = {
     "shade": ("shade.comp", ()),
     "packet_intersect": ("packet_intersect.comp", ()),
     "packet_intersect_any": ("packet_intersect.comp", ("GLINT_ANY_HIT=1",)),
-    "light_packet": ("light.comp", ("GLINT_PACKET=1",)),
+    "packet_light": ("packet_light.comp", ()),
     "adapt": ("adapt.comp", ()),
     "whole": ("whole.comp", ()),
 }
-PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "light_packet")
+PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "packet_light")
 # Shaders of tests: their defines, and what they include.
 PROBES = {
     "tests/render/arithmetic_probe.comp": ((), ("arithmetic.glsl",)),
@@ -31,8 +31,8 @@ PROBES = {
 }
 # Files about how rays walk, and what every walk does in its own way. The others' functions are the same for all of them: rays that walk by
 # themselves, with a stack, judge those.
-WALKS = ("traversal.glsl", "leaf.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "wide_nodes.glsl", "compressed.glsl", "light.comp",
-         "lighting.glsl", "intersect.comp", "path.glsl", "passage.glsl", "packet.glsl", "packet_any.glsl", "packet_closest.glsl", "packet_intersect.comp", "whole.comp")
+WALKS = ("traversal.glsl", "stackless.glsl", "state.glsl", "leaf.glsl", "hit.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "light.comp", "light.glsl",
+         "lighting.glsl", "intersect.comp", "path.glsl", "passage.glsl", "packet.glsl", "packet_any.glsl", "packet_closest.glsl", "packet_intersect.comp", "packet_light.comp", "whole.comp")
 # Cases that are drawn with glint's own quotients and roots judge this file alone.
 ARITHMETIC = "arithmetic.glsl"
 # spirv-opt -O without what takes 20 s a kernel: functions stay functions.
@@ -40,8 +40,7 @@ OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-loca
              "--eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive --redundancy-elimination "
              "--eliminate-dead-code-aggressive --compact-ids").split()
 # Shaders that verify never runs: crossing counts are for the library, the probe is for the device.
-LEFT_OUT = ("count.comp", "crossings.glsl", "packet_count.comp", "packet_crossings.glsl", "certify.comp", "certainty.glsl", "packet_certify.comp",
-            "packet_certainty.glsl", "probe.comp")
+LEFT_OUT = ("count.comp", "count.glsl", "crossings.glsl", "probe.comp")
 
 
 def includes(name, seen=None):

@@ -272,7 +272,6 @@ def write_gallery(output):
         words = " ".join(f"{option[2:]}={value}" for option, value in chosen.items())
         ways = ["traversal=packet", "traversal=lane"]
         ways += ["own"] if name in ("spheres", "boxes", "glass") else []
-        ways += ["traversal=bvh4", "traversal=cwbvh"] if name in ("spheres", "knot", "showcase", "instances", "textures") else []
         for way in ways:
             case = f"{name}:{way}"
             lines.append(f"{case} {scene} {width} {height} {samples} {words} {way}\n")

@@ -29,7 +29,7 @@ AdaptiveSampling adaptiveOf(const std::string& text) {
     return adaptive;
 }
 
-// own, traversal=bvh4, triangles=projection, trips=40 ...
+// own, traversal=packet, triangles=projection, trips=40 ...
 void readOption(const std::string& text, Trial& trial, ImageSettings& image) {
     const size_t sign = text.find('=');
     const std::string name = text.substr(0, sign),
@@ -39,8 +39,6 @@ void readOption(const std::string& text, Trial& trial, ImageSettings& image) {
         trial.device.ownArithmetic = true;
     else if (name == "traversal")
         trial.device.traversal = valueOf<render::Traversal>(value);
-    else if (name == "stack")
-        trial.device.stack = valueOf<render::StackPlace>(value);
     else if (name == "compaction")
         trial.device.compaction = valueOf<render::Compaction>(value);
     else if (name == "trips")

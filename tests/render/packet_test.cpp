@@ -76,7 +76,7 @@ TEST(TraversalRule, PacketsAreRefusedWhereTheDeviceCannot) {
 // one to look for the next; before, each of a lane's rays meets all planes.
 TEST(TraversalRule, PacketsInTurnStayBelowTheDriversTrips) {
     const uint32_t walk = deriveTripBudget(deviceOf(true, 8, true), SceneFeatures()) + 200 + 24 + 1;
-    EXPECT_LT(kPacketTurns * (walk + kPacketRays * (shared::kMaxPlanes + 1)), 65535u);
+    EXPECT_LT(shared::kPacketTurns * (walk + shared::kPacketRays * (shared::kMaxPlanes + 1)), 65535u);
 }
 
 // Features of geometry that the packets' kernel has no code for go to lanes.

@@ -1,4 +1,4 @@
-// Batches of rays: what they walk, and that the answers do not depend on it.
+// Batches of rays: answers and their order, changes of the scene, counts.
 #include "render/ray_queries.h"
 
 #include <algorithm>
@@ -65,34 +65,6 @@ class RayQueriesTest : public RenderTest {
         EXPECT_TRUE(queries.run(task));
         return answers;
     }
-    static void expectSame(RayQueries& queries, const PackedScene& scene, NodeFormat nodes) {
-        RayQueries fresh(device(), scene);
-        for (const auto kind : {RayTask::Ask::Nearest, RayTask::Ask::Any, RayTask::Ask::Count}) {
-            const std::vector<Answer> expected = ask(fresh, kind);
-            const auto hits = std::count_if(expected.begin(), expected.end(),
-                                            [](const Answer& a) { return std::get<0>(a) != 0; });
-            EXPECT_GT(hits, 5000);
-            EXPECT_LT(hits, 19'000);
-            EXPECT_TRUE(ask(queries, kind) == expected);
-        }
-        EXPECT_EQ(fresh.nodes(), NodeFormat::Two);
-        EXPECT_EQ(queries.nodes(), nodes);
-    }
-    // Begins with a batch that is large enough for nodes of four, and gives it up.
-    static void beginLargeBatch(RayQueries& queries, uint64_t count = kFewestRaysForFour,
-                                RayTask::Ask ask = RayTask::Ask::Nearest) {
-        static const std::vector<RayInput> rays = raysThrough(40'000);
-        std::atomic<bool> begun = false;
-        RayTask task;
-        task.ask = ask;
-        task.count = count;
-        task.fill = [&](const RayNumbers& numbers, std::span<RayInput> out) {
-            for (size_t i = 0; i < out.size(); ++i) out[i] = rays[numbers[i] % rays.size()];
-        };
-        task.take = [&](const RayNumbers&, const FoundHits&) { begun = true; };
-        task.cancelled = [&] { return begun.load(); };
-        EXPECT_FALSE(queries.run(task));
-    }
 };
 
 // Rays that are sorted, of more than one window of 2^20; and what is finished when they are cancelled.
@@ -135,35 +107,27 @@ TEST_F(RayQueriesTest, AnswersThatGoToManyPlacesComeInOrder) {
     EXPECT_EQ(wrong, 0u);
 }
 
-TEST_F(RayQueriesTest, NodesOfFourAnswerAsBinaryOnes) {
-    const PackedScene scene = packScene(sheet(0));
-    ASSERT_GE(scene.nodes.size(), kFewestForFour);
-    RayQueries queries(device(), scene);
-    expectSame(queries, scene, NodeFormat::Two);
-    beginLargeBatch(queries, kFewestRaysForFour / 2);
-    expectSame(queries, scene, NodeFormat::Two);
-    beginLargeBatch(queries);
-    expectSame(queries, scene, NodeFormat::Four);
-}
-
-// Nodes of four are no longer those of a scene that has changed, until they are made anew.
-TEST_F(RayQueriesTest, NodesOfFourAreMadeAnewWhenTheSceneChanges) {
+TEST_F(RayQueriesTest, AnswersAreThoseOfTheSceneAfterAChange) {
     MovingScene moving(sheet(0));
     RayQueries queries(device(), moving.packed());
-    beginLargeBatch(queries);
-    expectSame(queries, moving.packed(), NodeFormat::Four);
     for (const double phase : {0.4, 0.8}) {
         ASSERT_TRUE(moving.update(sheet(phase), {true}));
         ASSERT_TRUE(queries.update());
-        EXPECT_EQ(queries.nodes(), NodeFormat::Two);
-        beginLargeBatch(queries, 1'000'000);  // kernels are at hand: enough for the tree
-        expectSame(queries, moving.packed(), NodeFormat::Four);
+        RayQueries fresh(device(), moving.packed());
+        for (const auto kind : {RayTask::Ask::Nearest, RayTask::Ask::Any, RayTask::Ask::Count}) {
+            const std::vector<Answer> expected = ask(fresh, kind);
+            const auto hits = std::count_if(expected.begin(), expected.end(),
+                                            [](const Answer& a) { return std::get<0>(a) != 0; });
+            EXPECT_GT(hits, 5000);
+            EXPECT_LT(hits, 19'000);
+            EXPECT_TRUE(ask(queries, kind) == expected);
+        }
     }
 }
 
-// Square sheets over each other, as in LibraryCrossings.ManySheets: along their diagonals every triangle is
-// put aside, more leaves than there is room for wait, and rays run out of trips.
-TEST_F(RayQueriesTest, NodesOfFourCountManySheets) {
+// Square sheets over each other, as in LibraryCrossings.ManySheets: along their diagonals rays hit edges, and
+// rays run out of trips.
+TEST_F(RayQueriesTest, CountsManySheets) {
     constexpr uint32_t kSheets = 9000;
     Random random(7);
     Scene scene = emptyScene();
@@ -180,8 +144,6 @@ TEST_F(RayQueriesTest, NodesOfFourCountManySheets) {
     addMesh(scene, std::move(positions), std::move(corners));
     const PackedScene packed = packScene(scene);
     RayQueries queries(device(), packed);
-    beginLargeBatch(queries, kFewestRaysForFour / kWorthOfCountForFour, RayTask::Ask::Count);
-    EXPECT_EQ(queries.nodes(), NodeFormat::Four);
     std::vector<RayInput> rays;
     std::vector<Answer> expected;
     for (uint32_t i = 0; i < 400; ++i) {
@@ -194,26 +156,6 @@ TEST_F(RayQueriesTest, NodesOfFourCountManySheets) {
         expected.emplace_back(crossed, 0.0f, 0.0f, 0.0f);
     }
     EXPECT_TRUE(ask(queries, RayTask::Ask::Count, rays) == expected);
-}
-
-// Where leaves do not wait, counts stay with binary nodes.
-TEST_F(RayQueriesTest, NodesOfFourCountTrianglesAlone) {
-    Scene scene = sheet(0);
-    for (const bool spheres : {false, true}) {
-        if (spheres) addSphere(scene, dvec3(0.5 * kCells, 0.5 * kCells, 0), 1);
-        const PackedScene packed = packScene(scene);
-        RayQueries queries(device(), packed);
-        beginLargeBatch(queries, kFewestRaysForFour / kWorthOfCountForFour, RayTask::Ask::Count);
-        EXPECT_EQ(queries.nodes(), spheres ? NodeFormat::Two : NodeFormat::Four);
-    }
-}
-
-TEST_F(RayQueriesTest, InstancesAreWalkedInBinaryNodes) {
-    const Case c = fileCase("instances", 8, 8);
-    ASSERT_GE(c.packed.nodes.size(), kFewestForFour);
-    RayQueries queries(device(), c.packed);
-    beginLargeBatch(queries);
-    EXPECT_EQ(queries.nodes(), NodeFormat::Two);
 }
 
 }  // namespace

@@ -142,8 +142,7 @@ TEST_F(TreeLeaksTest, NoRayLeavesAHull) {
         EXPECT_EQ(misses(truth), 0u) << hull.half.z;
         for (const BuildQuality quality : kQualities) {
             const PackedScene packed = packScene(sceneOf(hull), 0, quality);
-            for (const Traversal traversal :
-                 {Traversal::Lane, Traversal::Packet, Traversal::Bvh4, Traversal::Cwbvh}) {
+            for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
                 if (traversal == Traversal::Packet && !runsPackets()) continue;
                 const std::vector<RayHit> hits = hitsOf(packed, traversal, rays);
                 size_t wrong = 0;

@@ -182,13 +182,11 @@ TEST_F(TripTest, EveryPageOfALongBookIsFound) {
         for (size_t i = 0; i < pages.size(); ++i) count += hits[i].data.primitive != pages[i];
         return count;
     };
-    for (const Traversal traversal : {Traversal::Lane, Traversal::Bvh4, Traversal::Cwbvh}) {
-        Options options;
-        options.traversal = traversal;
-        Renderer renderer(device(), c.packed, options);
-        EXPECT_EQ(wrong(renderer.trace(rays, false)), 0u) << nameOf(renderer.traversal());
-        EXPECT_GT(renderer.times().resumes, 0u) << nameOf(renderer.traversal());
-    }
+    Options options;
+    options.traversal = Traversal::Lane;
+    Renderer renderer(device(), c.packed, options);
+    EXPECT_EQ(wrong(renderer.trace(rays, false)), 0u);
+    EXPECT_GT(renderer.times().resumes, 0u);
     const reference::Tracer tracer(c.packed);
     for (size_t i = 0; i < pages.size(); i += 97) {
         const auto hit = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)});

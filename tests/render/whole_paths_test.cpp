@@ -46,8 +46,6 @@ TEST(WholePathsRuleTest, DataTakeAKernelForEachStep) {
     EXPECT_FALSE(wholePathsKnow({.aovs = true}));
     EXPECT_FALSE(wholePathsKnow({.cost = true}));
     EXPECT_FALSE(wholePathsKnow({.tally = true}));
-    EXPECT_TRUE(wholePathsKnow({.nodes = NodeFormat::Four}));
-    EXPECT_FALSE(wholePathsKnow({.nodes = NodeFormat::Compressed}));
 }
 
 TEST(WholePathsRuleTest, PacketsKeepPicturesOfManyRaysWithoutFurtherOnes) {

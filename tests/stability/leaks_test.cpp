@@ -66,8 +66,7 @@ TEST_F(LeakTest, SliversDoNotShadeTheirNeighbours) {
     Request request = render::test::wholeWithData(c);
     request.region = {24, 140, 32, 148};
     const Picture truth = reference::render(c.packed, c.camera, request);
-    for (const render::Traversal traversal :
-         {render::Traversal::Lane, render::Traversal::Packet, render::Traversal::Cwbvh}) {
+    for (const render::Traversal traversal : {render::Traversal::Lane, render::Traversal::Packet}) {
         render::Options options;
         options.traversal = traversal;
         render::Renderer renderer(device(), c.packed, options);

@@ -97,9 +97,7 @@ class Search {
     Search(const Tracer& tracer, const WorldRay& ray)
         : tracer_(tracer), packed_(tracer.packed_), ray_(ray), end_(ray.tMax) {}
 
-    Answer run(uint32_t likely, uint32_t instance) {
-        if (likely >> shared::kPrimitiveKindShift == shared::kKindTriangle)
-            endAt(likely & shared::kPrimitiveIndexMask, instance);
+    Answer run() {
         for (uint32_t i = 0; i < packed_.planes.size(); ++i) plane(i);
         const dvec3 origin = ray_.ray().origin - packed_.origin;
         BoxRay local{origin, ray_.ray().direction,
@@ -217,14 +215,6 @@ class Search {
         return material != kNone && packed_.features.alphaMask && packed_.materials[material].alphaCutoff > 0;
     }
 
-    // The walk comes by it once more.
-    void endAt(uint32_t triangle, uint32_t instance) {
-        const ExactSurface surface = tracer_.triangle(triangle, instance);
-        const auto span = ray_.span(surface.corners, surface.place);
-        if (span && span->met && !hasHoles(materialOf(triangle, instance)))
-            end_ = std::min(end_, span->upper);
-    }
-
     void add(Contender contender, uint32_t material) {
         if (hasHoles(material)) contender.exact = contender.span.met = false;
         if (contender.span.met) end_ = std::min(end_, contender.span.upper);
@@ -331,8 +321,8 @@ Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), p
         packed.origin == dvec3(0) && packed.instances.empty() && packed.planes.empty() ? 0 : 0x1p-48 * size;
 }
 
-Answer Tracer::closest(const WorldRay& ray, uint32_t likely, uint32_t instance) const {
-    if (!asksForNothing(ray)) return Search(*this, ray).run(likely, instance);
+Answer Tracer::closest(const WorldRay& ray) const {
+    if (!asksForNothing(ray)) return Search(*this, ray).run();
     Answer miss;
     miss.sure = true;
     miss.hit.t = miss.lower = miss.upper = kInfinity;
@@ -351,26 +341,6 @@ ExactSurface Tracer::triangle(uint32_t index, uint32_t instance) const {
     surface.corners = TriangleSource(source).vertices(surface.id - firstIds_[object]);
     if (placed && source.transform) surface.place = &*source.transform;
     return surface;
-}
-
-Answer Tracer::at(const WorldRay& ray, uint32_t primitive, uint32_t instance) const {
-    const uint32_t index = primitive & shared::kPrimitiveIndexMask;
-    const PreparedRay prepared(ray);
-    std::optional<Span> span;
-    uint32_t id = 0;
-    const uint32_t kind = primitive >> shared::kPrimitiveKindShift;
-    if (kind != shared::kKindTriangle && kind != shared::kKindPlane) return closest(ray);
-    if (kind == shared::kKindTriangle) {
-        const ExactSurface surface = triangle(index, instance);
-        span = prepared.span(surface.corners, surface.place);
-        id = surface.id;
-    } else {
-        const shared::Plane& plane = packed_.planes[index];
-        span = prepared.span(std::get<PlaneShape>(scene_.objects[plane.object].shape));
-        id = plane.id;
-    }
-    if (!span || !span->met) return closest(ray);
-    return {true, {span->t, span->u, span->v, primitive, id, instance}, span->lower, span->upper};
 }
 
 }  // namespace glint::reference::certain

@@ -30,19 +30,8 @@ class Tracer {
     // `scene`: placed, and what `packed` was made of. Both must outlive the tracer.
     Tracer(const Scene& scene, const PackedScene& packed);
 
-    // In world coordinates. A ray that is not finite or has no direction misses, for sure. likely: what it
-    // may meet, if anybody has a guess: where it does, nothing behind it is looked at.
-    Answer closest(const WorldRay& ray, uint32_t likely = shared::kNone,
-                   uint32_t instance = shared::kNone) const;
-    // The same for a ray whose nearest hit is known to be that surface.
-    Answer at(const WorldRay& ray, uint32_t primitive, uint32_t instance) const;
-
-    // How far off points of rays and of the scene are in local coordinates, beside what rounding them to fp32
-    // makes of them, in the greatest coordinate.
-    double slack() const { return slack_; }
-    // How far surfaces other than triangles and planes may stand out of the tree's boxes beside that: boxes
-    // enclose what packing made of them.
-    double boxSlack() const { return boxSlack_; }
+    // The closest hit of a ray in world coordinates. A ray that is not finite or has no direction misses.
+    Answer closest(const WorldRay& ray) const;
 
   private:
     friend class Search;
@@ -52,6 +41,8 @@ class Tracer {
     const Scene& scene_;
     const PackedScene& packed_;
     std::vector<uint32_t> firstIds_;  // by object
+    // How far points of rays and of the scene are off in local coordinates, beside rounding to fp32; and how
+    // far surfaces other than triangles and planes may stand out of the tree's boxes beside that.
     double slack_ = 0, boxSlack_ = 0;
 };
 

@@ -1,0 +1,38 @@
+// What light.comp and packet_light.comp load and store of a path.
+#ifndef GLINT_LIGHT_GLSL
+#define GLINT_LIGHT_GLSL
+
+#include "lighting.glsl"
+#include "path.glsl"
+
+Lit loadLit(uint path, bool present, uvec4 walkRow) {
+    Interaction at = interactionAt(loadRay(path), loadHit(path, walkRow.y), loadMedia(path));
+    return litAt(path, present && isAlive(at.ray), at, loadRow(kRowRadiance, path),
+                 uintBitsToFloat(loadRow(kRowThroughput, path).xyz));
+}
+
+// Where a path goes on that has run out of trips, kNone in `slot` if it has not.
+struct Rest {
+    uint slot;
+    uint light;
+};
+
+void store(Lit lit, Traversal traversal, Rest rest) {
+    bool unfinished = lit.live && rest.slot != kNone;
+    if (lit.changed) storeRow(kRowRadiance, lit.path, packRow(lit.radiance, lit.hits));
+    // Not stored where nobody reads what would change (packet_intersect.comp says what a store costs).
+    if (lit.live && (MODE_AOVS || MODE_COST || MODE_RESUME || unfinished)) {
+        uvec4 walkRow = loadWalkRow(lit.path);
+        storeRow(kRowWalk, lit.path,
+                 uvec4(rest.slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | lit.shadowBits));
+    }
+    if (unfinished) {
+        storeRow(kRowLight, lit.path, uvec4(rest.light, 0u, 0u, 0u));
+        if (kFiltered) storeRow(treeRow(kTreeRowShadow), lit.path, packRow(traversal.passage.depth, 0u));
+        storeInstanceRow(lit.path,
+                         uvec4(loadInstanceRow(lit.path).xy, traversal.instance, traversal.worldSlot));
+        atomicAdd(counters[kCounterUnfinished], 1u);
+    }
+}
+
+#endif

@@ -1,0 +1,145 @@
+// A ray on its way through the BVH: its state, hits that are accepted, instances that it enters and leaves.
+#ifndef GLINT_STATE_GLSL
+#define GLINT_STATE_GLSL
+
+#include "instance.glsl"
+#include "intersect.glsl"
+#include "lanes.glsl"
+#include "material.glsl"
+#include "passage.glsl"
+#include "primitives/all.glsl"
+
+// In place of a slot: the ray has not begun.
+const uint kSlotFresh = 0xfffffffeu;
+
+struct Traversal {
+    Ray ray;  // in the coordinates of `instance`
+    RayFrame frame;
+    Hit hit;         // the closest so far
+    float nearest;   // its t less its tSlip; ray.tMax is the least t + tSlip of all hits so far
+    uint instance;   // that the ray is in, kNone in the world
+    uint idBase;     // added to the ids of the instance's primitives
+    bool mirrored;   // the instance exchanges the second and third corner of triangles
+    Ray world;       // the ray in world coordinates
+    float pad;       // how much wider the world's boxes are
+    uint worldSlot;  // where a stackless traversal continues after the instance
+    uint trips;      // loop trips so far, at most dispatch.tripBudget
+    uint cost;
+    // Of any-hit and shadow queries; the others never use them.
+    bool any;         // in query_path.glsl: a shadow ray, a constant at each call
+    Passage passage;  // light that is left after dielectrics
+};
+
+// The query, query_*.glsl: true if any hit will do; and if dielectrics let the ray pass.
+bool isAnyHit(Traversal traversal);
+bool isShadowRay(Traversal traversal);
+
+// True if the ray needs no further hit.
+bool settled(Traversal traversal) { return isAnyHit(traversal) && traversal.hit.primitive != kNone; }
+
+// Gives a lane without work a ray that hits nothing, while other lanes continue (kConvergent).
+void removeRay(inout Traversal traversal) {
+    traversal.ray = Ray(vec3(0.0), vec3(0.0), 0.0, -1.0, kNone, kNone);
+}
+
+bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
+
+bool isInstance(uint child) {
+    return FEATURE_INSTANCES && (child >> kLeafKindShift) == ((kLeafFlag >> kLeafKindShift) | kKindInstance);
+}
+
+uint kindOfLeaf(uint leaf) { return (leaf >> kLeafKindShift) & kLeafKindMask; }
+uint sizeOfLeaf(uint leaf) { return ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u; }
+
+// Keeps the hit if it is closer, or in the same place with a lower id (traversal/ray.glsl). Every
+// intersection test ensures that t - tSlip <= ray.tMax, so t + tSlip < nearest or the intervals of both hits
+// overlap.
+void accept(inout Traversal traversal, float t, float u, float v, uint primitive, uint ownId) {
+    uint id = ownId;
+    if (FEATURE_INSTANCES) id = (traversal.idBase | (ownId & kDielectricRank)) + (ownId & ~kDielectricRank);
+    precise float near = t - tSlip;
+    precise float far = t + tSlip;
+    bool isCloser = far < traversal.nearest;
+    bool better = traversal.hit.primitive == kNone || isCloser || id < traversal.hit.id;
+    if (better) {
+        bool exchanged =
+            FEATURE_INSTANCES && traversal.mirrored && primitive >> kPrimitiveKindShift == kKindTriangle;
+        traversal.hit = Hit(t, exchanged ? v : u, exchanged ? u : v, primitive,
+                            FEATURE_INSTANCES ? traversal.instance : kNone, id);
+        traversal.nearest = near;
+    }
+    traversal.ray.tMax = far < traversal.ray.tMax ? far : traversal.ray.tMax;
+}
+
+// Takes the ray into an instance, or back into the world for kNone. Returns the root of the instance's tree,
+// kNone for the world.
+uint enterSpace(inout Traversal traversal, uint target, bool enters) {
+    uint root = kNone;
+    if (enters) {
+        bool toWorld = target == kNone;
+        Instance instance = loadInstance(toWorld ? 0u : target);
+        vec3 origin = traversal.world.origin;
+        vec3 direction = traversal.world.direction;
+        if (!toWorld) enterInstance(instance, origin, direction);
+        traversal.ray.origin = origin;
+        traversal.ray.direction = direction;
+        bool isHome = target == traversal.world.sourceInstance || traversal.world.source == kNone;
+        traversal.ray.source = isHome ? traversal.world.source : kElsewhere;
+        traversal.frame = makeFrame(origin, direction, toWorld ? traversal.pad : 0.0);
+        if (!toWorld) traversal.frame.slip = slipOfWayIn(instance, traversal.world.origin);
+        traversal.instance = target;
+        traversal.idBase = toWorld ? 0u : instance.idBase;
+        traversal.mirrored = !toWorld && instance.mirrored != 0u;
+        root = toWorld ? kNone : instance.root;
+        ++traversal.trips;
+    }
+    return root;
+}
+
+// Prepares the ray. Returns false if it cannot hit anything: its interval is empty, it is not finite or its
+// direction is zero.
+bool prepare(inout Traversal traversal, Environment environment) {
+    vec3 size = abs(traversal.ray.direction);
+    bool valid = isFinite(traversal.ray.origin) && isFinite(traversal.ray.direction) &&
+                 max(size.x, max(size.y, size.z)) > 0.0;
+    if (!valid) traversal.ray.tMax = -1.0;
+    traversal.instance = kNone;
+    traversal.idBase = 0u;
+    traversal.mirrored = false;
+    traversal.worldSlot = kNone;
+    traversal.pad = 0.0;
+    if (FEATURE_INSTANCES) {
+        traversal.pad = environment.instancePad * greatestComponent(traversal.ray.origin) +
+                        environment.instancePadAtOrigin;
+        traversal.world = traversal.ray;
+        if (traversal.ray.sourceInstance != kNone) traversal.ray.source = kElsewhere;
+    }
+    traversal.nearest = traversal.hit.t;
+    traversal.frame = makeFrame(traversal.ray.origin, traversal.ray.direction, traversal.pad);
+    return traversal.ray.tMax > traversal.ray.tMin;
+}
+
+// Goes back to the instance that an unfinished ray was in. Its trip is not counted: with a budget of one trip
+// the ray would never continue.
+void enterAgain(inout Traversal traversal, uvec2 place, bool enters) {
+    if (FEATURE_INSTANCES) {
+        uint trips = traversal.trips;
+        traversal.worldSlot = place.y;
+        enterSpace(traversal, place.x, enters && place.x != kNone);
+        traversal.trips = trips;
+    }
+}
+
+// Triangles come first in the list. (No constant among the terms: glslang 12 folds those of specialization
+// constants wrongly.)
+#define GLINT_IN_TREE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                      uv)                                                                                    \
+    GLINT_IN_TREE_##ROLE(FEATURE)
+#define GLINT_IN_TREE_TRIANGLES(FEATURE) FEATURE_##FEATURE
+#define GLINT_IN_TREE_PACKETS(FEATURE) || FEATURE_##FEATURE
+#define GLINT_IN_TREE_LEAVES(FEATURE) || FEATURE_##FEATURE
+#define GLINT_IN_TREE_INSTANCES(FEATURE) || FEATURE_##FEATURE
+#define GLINT_IN_TREE_UNBOUNDED(FEATURE)
+const bool kHasTree = GLINT_PRIMITIVES(GLINT_IN_TREE, 0);
+
+#endif
