@@ -138,8 +138,7 @@ void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offs
              [&](uint64_t i, uint32_t crossings, bool doubt) {
                  counts[i] = crossings;
                  doubtful[i] = doubt;
-             },
-             true}
+             }}
         .run();
     uint64_t sum = 0;
     for (uint64_t i = 0; i < counts.size(); ++i) {
