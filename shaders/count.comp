@@ -6,7 +6,7 @@
 // first crossing in the list and the number of crossings.
 #define GLINT_CROSSINGS
 #include "path.glsl"
-#include "count.glsl"
+#include "traversal/count.glsl"
 
 void main() {
     uint path = pathIndex();

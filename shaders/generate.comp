@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Starts a sample: the camera ray of each pixel of the slice.
-#include "camera.glsl"
+#include "shading/camera.glsl"
 #include "path.glsl"
-#include "tree.glsl"
+#include "shading/tree.glsl"
 
 void main() {
     uint path = pathIndex();

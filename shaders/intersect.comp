@@ -4,11 +4,11 @@
 // The closest hit of each live path.
 #include "path.glsl"
 #ifdef GLINT_ANY_HIT
-#include "query_any.glsl"
+#include "traversal/query_any.glsl"
 #else
-#include "query_closest.glsl"
+#include "traversal/query_closest.glsl"
 #endif
-#include "traversal.glsl"
+#include "traversal/stack.glsl"
 
 void main() {
     bool present;

@@ -4,9 +4,9 @@
 // What the lights add to each hit. A dispatch goes through as many lights as its loop trips allow
 // (Dispatch::lightEnd).
 #define GLINT_SHADOW_RAYS
-#include "query_shadow.glsl"
-#include "traversal.glsl"
-#include "light.glsl"
+#include "traversal/query_shadow.glsl"
+#include "traversal/stack.glsl"
+#include "shading/light.glsl"
 
 void main() {
     bool present;

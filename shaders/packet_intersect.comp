@@ -5,12 +5,12 @@
 // The closest hit of each live path, packet by packet: intersect.comp for subgroups of 8 lanes.
 #include "path.glsl"
 #ifdef GLINT_ANY_HIT
-#include "packet_any.glsl"
-#include "query_any.glsl"
+#include "packet/any.glsl"
+#include "traversal/query_any.glsl"
 const uint kTurns = kPacketTurns;
 #else
-#include "packet_closest.glsl"
-#include "query_closest.glsl"
+#include "packet/closest.glsl"
+#include "traversal/query_closest.glsl"
 const uint kTurns = 1u;
 #endif
 

@@ -4,9 +4,9 @@
 #extension GL_KHR_shader_subgroup_basic : require
 // What the lights add to each hit, packet by packet: light.comp for subgroups of 8 lanes.
 #define GLINT_SHADOW_RAYS
-#include "query_shadow.glsl"
-#include "packet_any.glsl"
-#include "light.glsl"
+#include "traversal/query_shadow.glsl"
+#include "packet/any.glsl"
+#include "shading/light.glsl"
 
 // A path that hit nothing, or ended before, has nothing to light.
 bool mayHaveRay(uint path) { return loadRow(kRowHit, path).w != kNone; }

@@ -5,11 +5,11 @@
 // light.comp and shade.comp do one after the other, without passing the path's state through memory. A path
 // that runs out of trips or rays is counted, and the host draws the slice again by those four.
 #define GLINT_SHADOW_RAYS
-#include "camera.glsl"
+#include "shading/camera.glsl"
 #include "path.glsl"
-#include "query_path.glsl"
-#include "traversal.glsl"
-#include "lighting.glsl"
+#include "traversal/query_path.glsl"
+#include "traversal/stack.glsl"
+#include "shading/lighting.glsl"
 
 const bool kHasLights = FEATURE_POINT_LIGHTS || FEATURE_DIRECTIONAL_LIGHTS || FEATURE_SPOT_LIGHTS;
 

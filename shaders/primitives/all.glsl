@@ -4,8 +4,8 @@
 // and any that is hit, triangles apart,
 //   void surfaceOfKind(Ray, Hit, Kind, inout Surface)                              position, error and
 //   normals there, and uv if they are its own
-// which the traversals (traversal.glsl, packet.glsl) and surfaceAt (surface.glsl) call by the list of
-// shaders/shared/primitives.h.
+// which the traversals (traversal/stack.glsl, packet/packet.glsl) and surfaceAt (shading/surface.glsl) call
+// by the list of shaders/shared/primitives.h.
 #ifndef GLINT_PRIMITIVES_ALL_GLSL
 #define GLINT_PRIMITIVES_ALL_GLSL
 

@@ -3,7 +3,7 @@
 #define GLINT_PRIMITIVES_PLANE_GLSL
 
 #include "primitives/surface.glsl"
-#include "textbook.glsl"
+#include "primitives/textbook.glsl"
 
 // t from an anchor point, not from a stored plane constant: a distant constant would cancel.
 bool intersectPlane(Ray ray, RayFrame frame, Plane plane, out float t) {

@@ -3,7 +3,7 @@
 #define GLINT_PRIMITIVES_SPHERE_GLSL
 
 #include "primitives/surface.glsl"
-#include "textbook.glsl"
+#include "primitives/textbook.glsl"
 
 // Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al.,
 // Numerical Recipes, sec. 5.6). disc is b^2 - a c, computed by the caller in the way that suits the sphere.

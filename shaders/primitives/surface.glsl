@@ -2,9 +2,9 @@
 #ifndef GLINT_PRIMITIVES_SURFACE_GLSL
 #define GLINT_PRIMITIVES_SURFACE_GLSL
 
-#include "ray.glsl"
+#include "traversal/ray.glsl"
 #include "storage.glsl"
-#include "texcoord.glsl"
+#include "shading/texcoord.glsl"
 
 struct Surface {
     vec3 position;

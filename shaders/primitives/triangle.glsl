@@ -2,9 +2,9 @@
 #ifndef GLINT_PRIMITIVES_TRIANGLE_GLSL
 #define GLINT_PRIMITIVES_TRIANGLE_GLSL
 
-#include "instance.glsl"
+#include "traversal/instance.glsl"
 #include "primitives/surface.glsl"
-#include "textbook.glsl"
+#include "primitives/textbook.glsl"
 
 // Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Edges shared by two triangles
 // get the same products with the same roundings, so no ray slips between them. t is that of the triangle's
@@ -145,8 +145,7 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
 
 bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
                   out float v) {
-    if (INTERSECTOR == kTriangleWatertight)
-        return intersectTriangle(ray, frame, triangle, normal, t, u, v);
+    if (INTERSECTOR == kTriangleWatertight) return intersectTriangle(ray, frame, triangle, normal, t, u, v);
     bool isHit = INTERSECTOR == kTriangleBarycentric  ? triangleByCramer(ray, triangle, t, u, v)
                  : INTERSECTOR == kTriangleProjection ? triangleByProjection(ray, triangle, t, u, v)
                                                       : triangleInSpace(ray, triangle, t, u, v);

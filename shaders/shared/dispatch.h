@@ -53,7 +53,7 @@
     X(82, GIVEN, given)           \
     X(75, LIST, list)
 
-// Not a mode but the device's: all lanes leave the loops of a traversal together (lanes.glsl).
+// Not a mode but the device's: all lanes leave the loops of a traversal together (traversal/lanes.glsl).
 #define GLINT_CONVERGENT_ID 83
 
 // X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle..., kSphere...,

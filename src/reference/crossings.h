@@ -1,4 +1,4 @@
-// Crossings in double and beyond: what shaders/crossings.glsl counts, by formulas of its own.
+// Crossings in double and beyond: what shaders/traversal/crossings.glsl counts, by formulas of its own.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Where the reference's samples lie, from the packed rows; written apart from shaders/sample.glsl.
+// Where the reference's samples lie, from the packed rows; written apart from shaders/shading/sample.glsl.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // What a surface does to light: what it sends back of a light, and the rays that leave it. The shaders' is
-// shaders/scatter.glsl, written apart; the formulas are those of docs/reference/shading.md.
+// shaders/shading/scatter.glsl, written apart; the formulas are those of docs/reference/shading.md.
 #pragma once
 
 #include <algorithm>

@@ -26,7 +26,7 @@ uint32_t loopsOf(const SceneFeatures& features) {
     return sum;
 }
 
-// What the middle loop counts for each of its trips, as tripsOfPass in shaders/leaf.glsl.
+// What the middle loop counts for each of its trips, as tripsOfPass in shaders/traversal/leaf.glsl.
 uint32_t tripsOfPass(const SceneFeatures& features) {
     return loopsOf(features) + 1;
 }
@@ -69,7 +69,7 @@ uint32_t budgetOf(Kernels kernels, const gpu::DeviceInfo& device, const SceneFea
 
 constexpr uint32_t kTripsElsewhere = 1u << 16;
 // In whole.comp: of the loop over a material's textures and of that over bounces, for a ray at most; and of
-// what makes a sample of a pixel (sample.glsl), for a path.
+// what makes a sample of a pixel (shading/sample.glsl), for a path.
 constexpr uint32_t kTripsOfShading = 5;
 constexpr uint32_t kTripsOfSample = 64;
 

@@ -12,7 +12,7 @@
 namespace glint::render {
 
 // The any-hit packet traversal keeps a node's number in the upper 23 bits of a word (kLevelFirstShift in
-// packet_any.glsl). A wide tree has at most as many nodes as the binary one.
+// packet/any.glsl). A wide tree has at most as many nodes as the binary one.
 inline constexpr size_t kMostPacketNodes = size_t{1} << 23;
 
 // Triangles, spheres and boxes below which packet kernels take longer to compile than they save: 9 samples of
@@ -42,8 +42,8 @@ std::string_view nameOf(const TraversalChoice& choice);
 bool runsPackets(const gpu::DeviceInfo& device);
 
 // True if all lanes of a subgroup leave the loops of a traversal together (kConvergent in
-// shaders/lanes.glsl). Needs lanes as packets do. It pays on llvmpipe (docs/lab/nodes.md) and is unmeasured
-// elsewhere.
+// shaders/traversal/lanes.glsl). Needs lanes as packets do. It pays on llvmpipe (docs/lab/nodes.md) and is
+// unmeasured elsewhere.
 bool loopsConverge(const gpu::DeviceInfo& device);
 
 // Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles, spheres, boxes and planes.

@@ -27,12 +27,12 @@ PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "packet_light")
 # Shaders of tests: their defines, and what they include.
 PROBES = {
     "tests/render/arithmetic_probe.comp": ((), ("arithmetic.glsl",)),
-    "tests/stability/primitive_probe.comp": ((), ("intersect.glsl", "primitives/all.glsl")),
+    "tests/stability/primitive_probe.comp": ((), ("traversal/box.glsl", "primitives/all.glsl")),
 }
 # Files about how rays walk, and what every walk does in its own way. The others' functions are the same for all of them: rays that walk by
 # themselves, with a stack, judge those.
-WALKS = ("traversal.glsl", "stackless.glsl", "state.glsl", "leaf.glsl", "hit.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "light.comp", "light.glsl",
-         "lighting.glsl", "intersect.comp", "path.glsl", "passage.glsl", "packet.glsl", "packet_any.glsl", "packet_closest.glsl", "packet_intersect.comp", "packet_light.comp", "whole.comp")
+WALKS = ("traversal/stack.glsl", "traversal/stackless.glsl", "traversal/state.glsl", "traversal/leaf.glsl", "traversal/hit.glsl", "traversal/box.glsl", "traversal/instance.glsl", "traversal/ray.glsl", "light.comp", "shading/light.glsl",
+         "shading/lighting.glsl", "intersect.comp", "path.glsl", "shading/passage.glsl", "packet/packet.glsl", "packet/any.glsl", "packet/closest.glsl", "packet_intersect.comp", "packet_light.comp", "whole.comp")
 # Cases that are drawn with glint's own quotients and roots judge this file alone.
 ARITHMETIC = "arithmetic.glsl"
 # spirv-opt -O without what takes 20 s a kernel: functions stay functions.
@@ -40,7 +40,7 @@ OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-loca
              "--eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive --redundancy-elimination "
              "--eliminate-dead-code-aggressive --compact-ids").split()
 # Shaders that verify never runs: crossing counts are for the library, the probe is for the device.
-LEFT_OUT = ("count.comp", "count.glsl", "crossings.glsl", "probe.comp")
+LEFT_OUT = ("count.comp", "traversal/count.glsl", "traversal/crossings.glsl", "probe.comp")
 
 
 def includes(name, seen=None):

@@ -72,7 +72,7 @@ TEST(TraversalRule, PacketsAreRefusedWhereTheDeviceCannot) {
     }
 }
 
-// packet_any.glsl: a packet makes no more than 200 trips beyond its budget, one for each of 24 groups, and
+// packet/any.glsl: a packet makes no more than 200 trips beyond its budget, one for each of 24 groups, and
 // one to look for the next; before, each of a lane's rays meets all planes.
 TEST(TraversalRule, PacketsInTurnStayBelowTheDriversTrips) {
     const uint32_t walk = deriveTripBudget(deviceOf(true, 8, true), SceneFeatures()) + 200 + 24 + 1;

@@ -4,8 +4,8 @@
 #ifndef GLINT_PASSAGE_GLSL
 #define GLINT_PASSAGE_GLSL
 
-#include "material.glsl"
-#include "optics.glsl"
+#include "shading/material.glsl"
+#include "shading/optics.glsl"
 
 struct Passage {
     vec3 depth;   // optical depth so far

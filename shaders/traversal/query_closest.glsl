@@ -2,7 +2,7 @@
 #ifndef GLINT_QUERY_CLOSEST_GLSL
 #define GLINT_QUERY_CLOSEST_GLSL
 
-#include "state.glsl"
+#include "traversal/state.glsl"
 
 bool isAnyHit(Traversal traversal) { return false; }
 bool isShadowRay(Traversal traversal) { return false; }

@@ -1,10 +1,10 @@
-// What a surface does to light: what light.comp, shade.comp and tree.glsl know of materials. The reference's
-// is src/reference/scatter.cpp; the formulas are those of docs/reference/shading.md.
+// What a surface does to light: what light.comp, shade.comp and shading/tree.glsl know of materials. The
+// reference's is src/reference/scatter.cpp; the formulas are those of docs/reference/shading.md.
 #ifndef GLINT_SCATTER_GLSL
 #define GLINT_SCATTER_GLSL
 
-#include "material.glsl"
-#include "optics.glsl"
+#include "shading/material.glsl"
+#include "shading/optics.glsl"
 
 float greatestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
 

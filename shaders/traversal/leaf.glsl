@@ -2,8 +2,8 @@
 #ifndef GLINT_LEAF_GLSL
 #define GLINT_LEAF_GLSL
 
-#include "hit.glsl"
-#include "state.glsl"
+#include "traversal/hit.glsl"
+#include "traversal/state.glsl"
 
 // True if the ray may pass through surfaces: holes, and as a shadow ray dielectrics.
 bool mayPass(Traversal traversal) {

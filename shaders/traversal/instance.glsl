@@ -3,7 +3,7 @@
 #ifndef GLINT_INSTANCE_GLSL
 #define GLINT_INSTANCE_GLSL
 
-#include "ray.glsl"
+#include "traversal/ray.glsl"
 
 // The rows of a matrix times a vector.
 vec3 timesRows(vec3 x, vec3 y, vec3 z, vec3 v) {

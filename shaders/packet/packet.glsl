@@ -13,8 +13,8 @@
 #ifndef GLINT_PACKET_GLSL
 #define GLINT_PACKET_GLSL
 
-#include "leaf.glsl"
-#include "state.glsl"
+#include "traversal/leaf.glsl"
+#include "traversal/state.glsl"
 
 #define GLINT_EACH_RAY for (uint r = 0u; r < kPacketRays; ++r)
 
@@ -243,7 +243,7 @@ void testPacketLeaf(uint leaf, uint axis, uint lane, uint rows, inout uint trips
     if (FEATURE_CUBOIDS) testPacketCuboids(kind == kKindCuboid ? first : end, end, trips);
 }
 
-// Walks with the rays of a group: packet_closest.glsl or packet_any.glsl. False if the group was given up.
+// Walks with the rays of a group: packet/closest.glsl or packet/any.glsl. False if the group was given up.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips);
 
 // Returns false if some group was given up.
@@ -308,8 +308,9 @@ uint packetPath(uint turns, uint turn, uint r, out bool present) {
 bool mayHaveRay(uint path);
 
 // A subgroup traces `turns` any-hit packets one after the other. Many packets of a picture's shadow rays are
-// empty, as nothing was hit there, and an empty packet costs the kernel's whole code (lanes.glsl). Returns
-// the next packet from `turn` on that may have rays, the last if none has; `turn` becomes the one after it.
+// empty, as nothing was hit there, and an empty packet costs the kernel's whole code (traversal/lanes.glsl).
+// Returns the next packet from `turn` on that may have rays, the last if none has; `turn` becomes the one
+// after it.
 uint nextPacket(uint turns, inout uint turn) {
     uint found = turn;
     bool searching = turn < turns;

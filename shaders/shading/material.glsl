@@ -3,7 +3,7 @@
 #ifndef GLINT_MATERIAL_GLSL
 #define GLINT_MATERIAL_GLSL
 
-#include "texture.glsl"
+#include "shading/texture.glsl"
 
 const bool kHasTextures = FEATURE_TEXTURES || FEATURE_CHECKERS;
 

@@ -2,7 +2,7 @@
 #ifndef GLINT_QUERY_SHADOW_GLSL
 #define GLINT_QUERY_SHADOW_GLSL
 
-#include "state.glsl"
+#include "traversal/state.glsl"
 
 bool isAnyHit(Traversal traversal) { return true; }
 bool isShadowRay(Traversal traversal) { return true; }

@@ -3,13 +3,13 @@
 // 2009: an inner loop over nodes up to the next leaf, an outer loop over leaves.
 //
 // A ray that runs out of trips is finished by further dispatches of the same kernel with MODE_RESUME, which
-// traverse without a stack (stackless.glsl). The closest hit is the same in any order.
+// traverse without a stack (traversal/stackless.glsl). The closest hit is the same in any order.
 #ifndef GLINT_TRAVERSAL_GLSL
 #define GLINT_TRAVERSAL_GLSL
 
-#include "leaf.glsl"
-#include "stackless.glsl"
-#include "state.glsl"
+#include "traversal/leaf.glsl"
+#include "traversal/stackless.glsl"
+#include "traversal/state.glsl"
 
 // One entry for each level of the tree at most, and a free place above it.
 uint stack[kMaxBvhDepth + 1u];
@@ -68,7 +68,7 @@ uint descend(inout Traversal traversal, uint current, uint base, uint budget, in
 }
 
 // A ray at an instance, or at the end of one, waits there until all rays of the subgroup do: else every trip
-// would pay for the transform (lanes.glsl).
+// would pay for the transform (traversal/lanes.glsl).
 bool isInSpace(uint child) { return child != kNone && !isInstance(child); }
 
 // From the root. Returns kNone when finished, else 0: the slot to begin from again, with what is known by

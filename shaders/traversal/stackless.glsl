@@ -5,9 +5,9 @@
 #ifndef GLINT_STACKLESS_GLSL
 #define GLINT_STACKLESS_GLSL
 
-#include "state.glsl"
+#include "traversal/state.glsl"
 
-// Tests the primitives of a leaf: leaf.glsl or crossings.glsl.
+// Tests the primitives of a leaf: traversal/leaf.glsl or traversal/crossings.glsl.
 void testLeaf(inout Traversal traversal, uint leaf);
 
 // Tests the box of a slot. Returns the leaf in it if the ray enters that, else kNone; `slot` becomes the

@@ -2,7 +2,7 @@
 #ifndef GLINT_QUERY_PATH_GLSL
 #define GLINT_QUERY_PATH_GLSL
 
-#include "state.glsl"
+#include "traversal/state.glsl"
 
 bool isAnyHit(Traversal traversal) { return traversal.any; }
 bool isShadowRay(Traversal traversal) { return traversal.any; }

@@ -2,7 +2,7 @@
 #ifndef GLINT_INTERSECT_GLSL
 #define GLINT_INTERSECT_GLSL
 
-#include "ray.glsl"
+#include "traversal/ray.glsl"
 #include "storage.glsl"
 
 // Distances along the ray of the two planes of each slab, the far one enlarged. A division good to 2.5 ulp

@@ -1,11 +1,11 @@
-// The textbooks' intersection tests, between which and the sound ones meetTriangle and meetSphere choose. Each
-// is what its book says, faults included (docs/reference/command-line.md tells where they fail); the choice is
-// a specialization constant, so that the code of the others is not in the pipeline. Those of the reference
-// are in src/reference/textbook.cpp.
+// The textbooks' intersection tests, between which and the sound ones meetTriangle and meetSphere choose.
+// Each is what its book says, faults included (docs/reference/command-line.md tells where they fail); the
+// choice is a specialization constant, so that the code of the others is not in the pipeline. Those of the
+// reference are in src/reference/textbook.cpp.
 #ifndef GLINT_TEXTBOOK_GLSL
 #define GLINT_TEXTBOOK_GLSL
 
-#include "ray.glsl"
+#include "traversal/ray.glsl"
 #include "storage.glsl"
 
 bool inInterval(Ray ray, float t) { return t > 0.0 && t > ray.tMin && t <= ray.tMax; }

@@ -2,11 +2,11 @@
 #ifndef GLINT_STATE_GLSL
 #define GLINT_STATE_GLSL
 
-#include "instance.glsl"
-#include "intersect.glsl"
-#include "lanes.glsl"
-#include "material.glsl"
-#include "passage.glsl"
+#include "traversal/instance.glsl"
+#include "traversal/box.glsl"
+#include "traversal/lanes.glsl"
+#include "shading/material.glsl"
+#include "shading/passage.glsl"
 #include "primitives/all.glsl"
 
 // In place of a slot: the ray has not begun.
@@ -26,7 +26,7 @@ struct Traversal {
     uint trips;      // loop trips so far, at most dispatch.tripBudget
     uint cost;
     // Of any-hit and shadow queries; the others never use them.
-    bool any;         // in query_path.glsl: a shadow ray, a constant at each call
+    bool any;         // in traversal/query_path.glsl: a shadow ray, a constant at each call
     Passage passage;  // light that is left after dielectrics
 };
 

@@ -6,7 +6,7 @@
 #define GLINT_TREE_GLSL
 
 #include "path.glsl"
-#include "scatter.glsl"
+#include "shading/scatter.glsl"
 
 uvec4 loadMedia(uint path) {
     return FEATURE_TRANSMISSION ? loadRow(treeRow(kTreeRowMedia), path) : uvec4(0u);

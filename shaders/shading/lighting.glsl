@@ -1,12 +1,12 @@
 // What lights add to a hit: a shadow ray to each, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980).
-// Needs Traversal, of traversal.glsl or packet.glsl with GLINT_SHADOW_RAYS.
+// Needs Traversal, of traversal/stack.glsl or packet/packet.glsl with GLINT_SHADOW_RAYS.
 #ifndef GLINT_LIGHTING_GLSL
 #define GLINT_LIGHTING_GLSL
 
 #include "path.glsl"
-#include "scatter.glsl"
+#include "shading/scatter.glsl"
 #include "shared/shading.h"
-#include "tree.glsl"
+#include "shading/tree.glsl"
 
 struct LightSample {
     vec3 toLight;    // shadow ray direction: from the surface to the light, unnormalised for a point light

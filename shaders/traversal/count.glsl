@@ -3,9 +3,9 @@
 #ifndef GLINT_COUNT_GLSL
 #define GLINT_COUNT_GLSL
 
-#include "crossings.glsl"
-#include "hit.glsl"
-#include "stackless.glsl"
+#include "traversal/crossings.glsl"
+#include "traversal/hit.glsl"
+#include "traversal/stackless.glsl"
 
 bool isAnyHit(Traversal traversal) { return false; }
 bool isShadowRay(Traversal traversal) { return false; }

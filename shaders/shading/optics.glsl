@@ -3,7 +3,7 @@
 #ifndef GLINT_OPTICS_GLSL
 #define GLINT_OPTICS_GLSL
 
-#include "surface.glsl"
+#include "shading/surface.glsl"
 
 // Of a medium as Material::medium numbers them; not of 0, air, for which anything may come back.
 Optics opticsOf(uint medium) { return loadOptics(medium == 0u ? 0u : medium - 1u); }

@@ -4,7 +4,7 @@
 #ifndef GLINT_PACKET_ANY_GLSL
 #define GLINT_PACKET_ANY_GLSL
 
-#include "packet.glsl"
+#include "packet/packet.glsl"
 
 // A ray that has hit needs nothing more. True, in all lanes, if some ray does.
 bool updateAwake() {

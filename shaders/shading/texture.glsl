@@ -3,7 +3,7 @@
 #ifndef GLINT_TEXTURE_GLSL
 #define GLINT_TEXTURE_GLSL
 
-#include "surface.glsl"
+#include "shading/surface.glsl"
 
 // A coordinate brought into [0, 1]; NaN and what is beyond kMaxTextureCoordinate to 0.
 float wrapped(float s, uint wrap) {

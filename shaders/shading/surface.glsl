@@ -2,7 +2,7 @@
 #ifndef GLINT_SURFACE_GLSL
 #define GLINT_SURFACE_GLSL
 
-#include "instance.glsl"
+#include "traversal/instance.glsl"
 #include "primitives/all.glsl"
 
 void surfaceInWorld(Instance instance, inout Surface surface) {

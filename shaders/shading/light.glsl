@@ -2,7 +2,7 @@
 #ifndef GLINT_LIGHT_GLSL
 #define GLINT_LIGHT_GLSL
 
-#include "lighting.glsl"
+#include "shading/lighting.glsl"
 #include "path.glsl"
 
 Lit loadLit(uint path, bool present, uvec4 walkRow) {

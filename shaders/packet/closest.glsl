@@ -2,7 +2,7 @@
 #ifndef GLINT_PACKET_CLOSEST_GLSL
 #define GLINT_PACKET_CLOSEST_GLSL
 
-#include "packet.glsl"
+#include "packet/packet.glsl"
 
 // The topmost entry that some ray may still reach, kNone if there is none; all above it are dropped. `end` is
 // the key of the farthest point that any ray may still reach. rows: those that enter its box.

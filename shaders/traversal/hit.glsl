@@ -2,10 +2,10 @@
 #ifndef GLINT_HIT_GLSL
 #define GLINT_HIT_GLSL
 
-#include "state.glsl"
+#include "traversal/state.glsl"
 
 // The closest hit of triangle `index` in the interval of `ray`, which is the traversal's or the rest of it.
-// Crossings have a test of their own: leaf.glsl or count.glsl.
+// Crossings have a test of their own: traversal/leaf.glsl or traversal/count.glsl.
 bool hitTriangle(inout Traversal traversal, Ray ray, uint index, uint primitive, out Hit hit);
 
 // The same for a primitive of any kind. Each kind's file has the formulas.

@@ -3,8 +3,8 @@
 #ifndef GLINT_CAMERA_GLSL
 #define GLINT_CAMERA_GLSL
 
-#include "ray.glsl"
-#include "sample.glsl"
+#include "traversal/ray.glsl"
+#include "shading/sample.glsl"
 
 // The ray of the sample at hand through a pixel, and what it counts by.
 Ray cameraRay(uvec2 pixel, out vec3 weight) {
