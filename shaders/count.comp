@@ -18,6 +18,7 @@ void main() {
     traversal.hit = Hit(uintBitsToFloat(hitRow.x), 0.0, 0.0, kNone, kNone, 0u);
     traversal.trips = 0u;
     traversal.cost = 0u;
+    traversal.nearest = kInfinity;
     crossings = CrossingCount(hitRow.y, hitRow.z, uvec2(0u));
     if (MODE_LIST) crossings.list = loadRow(kRowThroughput, path).xy;
     bool live = isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);

@@ -22,7 +22,8 @@ void main() {
     if (!MODE_RESUME && kBounces && later) traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, 0u);
     traversal.trips = 0u;
     traversal.cost = 0u;
-    if (MODE_RESUME && (floatBitsToUint(traversal.hit.t) & kStartAgain) != 0u) {
+    bool packetGaveUp = MODE_RESUME && (floatBitsToUint(traversal.hit.t) & kStartAgain) != 0u;
+    if (packetGaveUp) {
         // The id is not known here: with this one any primitive at the same t is taken, the hit's own when it
         // is met again. Planes are not met again.
         traversal.hit.t = abs(traversal.hit.t);
@@ -36,6 +37,13 @@ void main() {
     if (MODE_TALLY && FEATURE_TRANSMISSION)
         live = live && loadRow(treeRow(kTreeRowBranch), path).z == dispatch.rayClass;
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
+    // What earlier dispatches know of the closest hit's place (accept).
+    traversal.nearest = traversal.hit.t;
+    if (MODE_RESUME && !packetGaveUp) {
+        uvec4 bounds = loadRow(kRowLight, path);
+        traversal.nearest = uintBitsToFloat(bounds.y);
+        if (live) traversal.ray.tMax = uintBitsToFloat(bounds.z);
+    }
     uvec4 instanceRow = loadInstanceRow(path);
     uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
     Hit hit = traversal.hit;
@@ -52,5 +60,8 @@ void main() {
     if (live && (MODE_RESUME || MODE_AOVS || MODE_COST || slot != kNone)) {
         storeRow(kRowWalk, path, uvec4(slot, hit.id, walkRow.z + traversal.cost, walkRow.w));
     }
+    if (live && slot != kNone)
+        storeRow(kRowLight, path,
+                 uvec4(0u, floatBitsToUint(traversal.nearest), floatBitsToUint(traversal.ray.tMax), 0u));
     if (live && slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
 }

@@ -22,6 +22,7 @@ void main() {
     Traversal traversal;
     traversal.trips = 0u;
     traversal.cost = 0u;
+    traversal.nearest = kInfinity;
     bool going = lit.live && rest.light < end;
     do {
         if (takesPart(going)) {

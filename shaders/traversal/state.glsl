@@ -114,7 +114,7 @@ bool prepare(inout Traversal traversal, Environment environment) {
         traversal.world = traversal.ray;
         if (traversal.ray.sourceInstance != kNone) traversal.ray.source = kElsewhere;
     }
-    traversal.nearest = traversal.hit.t;
+    if (!MODE_RESUME) traversal.nearest = traversal.hit.t;  // else intersect.comp has set it
     traversal.frame = makeFrame(traversal.ray.origin, traversal.ray.direction, traversal.pad);
     return traversal.ray.tMax > traversal.ray.tMin;
 }
