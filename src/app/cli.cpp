@@ -55,13 +55,13 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
             return static_cast<int>(code);
         }
         // Several errors of a scene stand below each other, indented; any other line break is a character of
-        // a name.
-        err << "glint: ";
+        // a name. In one piece, so that mpirun does not put its own lines in between.
+        std::string text = "glint: ";
         for (size_t at = 0, end = 0; at <= message.size(); at = end + 3) {
             end = std::min(message.find("\n  ", at), message.size());
-            err << (at == 0 ? "" : "  ") << printable(std::string_view(message).substr(at, end - at))
-                << std::endl;
+            text += (at == 0 ? "" : "  ") + printable(std::string_view(message).substr(at, end - at)) + "\n";
         }
+        err << text << std::flush;
         abortRanks(static_cast<int>(code));
         return static_cast<int>(code);
     };
