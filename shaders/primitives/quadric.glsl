@@ -194,7 +194,9 @@ bool intersectQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, out Ca
     precise float B = dot(at.y, image) + dot(at.linear, d);
     precise vec3 form = bilinear(q.squares, q.products, at.y) + 2.0 * at.linear;
     precise float C = dot(at.y, form) + at.constant;
-    precise float middle = A * C <= 0.5 * B * B ? 0.0 : quotient(-B, A);
+    precise float productAC = A * C;
+    precise float halfSquare = 0.5 * B * B;
+    precise float middle = productAC <= halfSquare ? 0.0 : quotient(-B, A);
     float reach = larger(p.leave - begin, 0.0);
     middle = middle < reach ? larger(middle, 0.0) : reach;
     bool fromSide = own && ownPart == kPartSide;

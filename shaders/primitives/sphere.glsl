@@ -81,16 +81,16 @@ bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uin
 // gamma_8 |w| / r. A ray that starts on the sphere may leave through it.
 vec3 towardsRayAtLimb(Ray ray, Hit hit, Sphere sphere, vec3 outward) {
     vec3 w = ray.origin - sphereCenter(sphere);
-    float away = dot(outward, ray.direction);
-    float square = dot(w, w);
-    float size = dot(ray.direction, ray.direction);
+    precise float away = dot(outward, ray.direction);
+    precise float awaySquare = away * away;
+    precise float radiusSquare = sphere.radius * sphere.radius;
+    precise float square = dot(w, w);
+    precise float size = dot(ray.direction, ray.direction);
     bool own = ray.source == hit.primitive && ray.sourceInstance == hit.instance;
-    float sine = quotient(gammaBound(8.0) * gammaBound(8.0) * size * square, sphere.radius * sphere.radius);
-    bool isLimb = away > 0.0 && away * away <= sine;
+    precise float sine = quotient(gammaBound(8.0) * gammaBound(8.0) * size * square, radiusSquare);
+    bool isLimb = away > 0.0 && awaySquare <= sine;
     isLimb = isLimb && !(own && SPHERE_FORM == kSphereRobust);
-    return isLimb && square > sphere.radius * sphere.radius
-               ? outward - quotient(2.0 * away, size) * ray.direction
-               : outward;
+    return isLimb && square > radiusSquare ? outward - quotient(2.0 * away, size) * ray.direction : outward;
 }
 
 // The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5),

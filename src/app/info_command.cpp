@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <ostream>
@@ -58,6 +60,20 @@ std::string traversalText(const PackedScene& packed, const Request& request) {
     }
 }
 
+// The widest gap between two surfaces that shadows may miss, by the rule for rays that leave surfaces
+// (docs/design/numerics.md): 12 units of the coordinates across it, and of planes that are not parallel to an
+// axis 6 units of the scene's size too, along each of three axes.
+void printLeastGap(const PackedScene& packed, std::ostream& out) {
+    const glm::vec3 lo = packed.boundsLo, hi = packed.boundsHi;
+    const glm::vec3 far = glm::max(glm::abs(lo), glm::abs(hi)), size = hi - lo;
+    const double coordinate = std::max({far.x, far.y, far.z}), extent = std::max({size.x, size.y, size.z});
+    constexpr double kUnit = 0x1p-24;
+    char line[256];
+    std::snprintf(line, sizeof(line), "  least gap     %.2g along an axis, %.2g in other directions\n",
+                  12 * kUnit * coordinate, std::sqrt(3.0) * kUnit * (12 * coordinate + 6 * extent));
+    out << line;
+}
+
 void printGeometry(const PackedScene& packed, std::ostream& out) {
     char line[256];
     const PackStatistics& s = packed.statistics;
@@ -70,6 +86,7 @@ void printGeometry(const PackedScene& packed, std::ostream& out) {
         std::snprintf(line, sizeof(line), "  bounds        (%.9g %.9g %.9g) .. (%.9g %.9g %.9g)%s\n", lo.x,
                       lo.y, lo.z, hi.x, hi.y, hi.z, packed.planes.empty() ? "" : ", planes apart");
         out << line;
+        printLeastGap(packed, out);
         std::snprintf(line, sizeof(line), ", depth %u, SAH cost %.2f, built in %s\n", s.depth, s.sahCost,
                       formatSeconds(s.buildSeconds).c_str());
         if (s.splitTriangles > 0)
