@@ -11,7 +11,7 @@ import pathlib
 import re
 import sys
 
-FILES = ["shaders/primitives/*.glsl", "shaders/intersect.glsl", "shaders/ray.glsl"]
+FILES = ["shaders/primitives/*.glsl", "shaders/traversal/box.glsl", "shaders/traversal/ray.glsl"]
 # Products with powers of two are exact.
 ALLOWED = [
     "longest > 32.0 * length(n)",

@@ -35,7 +35,8 @@ bool triangleByCramer(Ray ray, Triangle triangle, out float t, out float u, out 
     if (gamma < 0.0 || gamma > 1.0) return false;
     precise float beta = quotient(w.x * eiHf + w.y * gfDi + w.z * dhEg, m);
     u = beta;
-    return beta >= 0.0 && beta <= 1.0 - gamma;
+    precise float rest = 1.0 - gamma;
+    return beta >= 0.0 && beta <= rest;
 }
 
 // The plane's point, then inside or not in the coordinate plane that the normal leans to most (Badouel, "An

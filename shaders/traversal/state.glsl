@@ -59,16 +59,18 @@ void accept(inout Traversal traversal, float t, float u, float v, uint primitive
     if (FEATURE_INSTANCES) id = (traversal.idBase | (ownId & kDielectricRank)) + (ownId & ~kDielectricRank);
     precise float near = t - tSlip;
     precise float far = t + tSlip;
+    bool isFirst = traversal.hit.primitive == kNone;
     bool isCloser = far < traversal.nearest;
-    bool better = traversal.hit.primitive == kNone || isCloser || id < traversal.hit.id;
-    if (better) {
+    bool isBeyondEnd = isFirst && t > traversal.ray.tMax;  // the ray's own
+    bool better = isFirst || isCloser || id < traversal.hit.id;
+    if (better && !isBeyondEnd) {
         bool exchanged =
             FEATURE_INSTANCES && traversal.mirrored && primitive >> kPrimitiveKindShift == kKindTriangle;
         traversal.hit = Hit(t, exchanged ? v : u, exchanged ? u : v, primitive,
                             FEATURE_INSTANCES ? traversal.instance : kNone, id);
         traversal.nearest = near;
     }
-    traversal.ray.tMax = far < traversal.ray.tMax ? far : traversal.ray.tMax;
+    traversal.ray.tMax = far < traversal.ray.tMax && !isBeyondEnd ? far : traversal.ray.tMax;
 }
 
 // Takes the ray into an instance, or back into the world for kNone. Returns the root of the instance's tree,
