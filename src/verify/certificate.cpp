@@ -83,6 +83,7 @@ class Certifier {
         Branch camera = tracer_.firstBranch(cameraRay);
         pending_.push_back({camera, nullptr, 0});
         const bool holds = follow();
+        for (const uint64_t key : keys_) result_.decisions = (result_.decisions ^ key) * 0x100000001b3u;
         result_.verdict = holds                         ? Certificate::Verdict::Holds
                           : result_.steps >= mostSteps_ ? Certificate::Verdict::Undecided
                                                         : Certificate::Verdict::Fails;
@@ -128,6 +129,7 @@ class Certifier {
     Certificate result_;
     size_t cursor_ = 0;
     std::vector<Pending> pending_;  // the next ray last
+    std::vector<uint64_t> keys_;    // of the steps so far
     bool failed_ = false;           // no rounding of a step gives what the device has of it
 };
 
@@ -216,7 +218,9 @@ bool Certifier::advance(const Branch& branch, const std::shared_ptr<Outcome>& ou
     for (size_t i = outcome->step.next.size(); i-- > 0;)
         pending_.push_back({outcome->step.next[i], outcome, i, branch});
     ++cursor_;
+    keys_.push_back(outcome->key);
     if (follow()) return true;
+    keys_.pop_back();
     --cursor_;
     pending_.resize(waiting);
     return false;
