@@ -47,7 +47,7 @@ void main() {
     uvec4 instanceRow = loadInstanceRow(path);
     uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
     Hit hit = traversal.hit;
-    // Stores are dear on lavapipe (packet_intersect.comp): a camera ray's rows stay as they are where nothing
+    // Stores are expensive (traversal/lanes.glsl): a camera ray's rows stay as they are where nothing
     // changes.
     bool changes = MODE_RESUME || hit.primitive != before || (kBounces && later);
     if (live && changes) {

@@ -33,7 +33,7 @@ void onePacket(uint turn) {
     }
     packetTrips = 0u;
     bool complete = tracePacket(loadEnvironment(0u));
-    // lavapipe stores word by word and lane by lane, 14 instructions each: so nothing is stored that does not
+    // Stores are expensive (traversal/lanes.glsl): so nothing is stored that does not
     // change, and the walk row only for kernels that read what is in it.
     uint unfinished = 0u;
     GLINT_EACH_RAY {

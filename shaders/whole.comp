@@ -67,8 +67,8 @@ void main() {
     vec3 throughput;
     Ray ray = cameraRay(pixel, throughput);
     uvec4 sum = uvec4(0u);
-    // lavapipe loads whatever the condition is: for the first sample all lanes the same row, as their own lie
-    // in pages that nobody has touched.
+    // A load is made whatever the condition is (traversal/lanes.glsl): for the first sample all lanes the
+    // same row, as their own lie in pages that nobody has touched.
     uint summed = dispatch.sampleIndex == 0u ? 0u : path;
     if (!MODE_ADAPTIVE && dispatch.sampleIndex != 0u) sum = loadRow(kRowRadiance, summed);
     Ledger ledger = dispatch.sampleIndex == 0u ? emptyLedger() : loadLedger(path);

@@ -132,7 +132,7 @@ void testLeaves(uint leaves, uint leafChild, uint leafRows, uint axis, uint lane
 
 // As the closest hit's walkGroup. Of a node's children the leaves are tested at once, the others wait. No
 // more than 200 trips pass between two looks at the budget (8 boxes, and 8 leaves of 22), so that
-// kPacketTurns packets stay far below what lavapipe allows a subgroup.
+// kPacketTurns packets stay far below what a subgroup may make (lanes.glsl).
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketLevels levels = PacketLevels(uvec2(0u), 0u);
     float end = -1.0;

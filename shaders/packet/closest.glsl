@@ -32,7 +32,7 @@ void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uin
 }
 
 // Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or
-// two of four, and on lavapipe only a loop skips. The row is taken out of the packet and put back by
+// two of four, and only a loop skips work (lanes.glsl). The row is taken out of the packet and put back by
 // selection, as an index that is no constant costs more. Two triangles for a load and a trip.
 void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
     uint left = first < end ? rows : 0u;
@@ -136,10 +136,10 @@ bool pushChildren(uint node, PacketBounds bounds, bvec3 negative, uint end, uint
 }
 
 // Returns false for a group that was given up: it ran out of trips or of stack.
-// `trips` is no less than the trips that all loops have made: it is the same in all lanes, so lavapipe's
-// count for the subgroup is this one, and no more than 40 pass between two looks at the budget (8 children
-// and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The per-lane budget, which leaves room for
-// every lane to take its own way, is far below what a packet could use, and is kept.
+// `trips` is no less than the trips that all loops have made: it is the same in all lanes, so the
+// driver's count for the subgroup is this one, and no more than 40 pass between two looks at the budget (8
+// children and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The per-lane budget, which leaves
+// room for every lane to take its own way, is far below what a packet could use, and is kept.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketStack stack;
     stack.child = uvec4(kNone);

@@ -24,9 +24,8 @@ void count(Traversal traversal, uint kind, Hit hit) {
         bool exchanged = FEATURE_INSTANCES && traversal.mirrored && kind == kKindTriangle;
         uint place = (kPathRows + (FEATURE_INSTANCES ? 1u : 0u)) * dispatch.capacity +
                      2u * (crossings.list.x + crossings.count);
-        storePathRow(place,
-               uvec4(floatBitsToUint(hit.t), floatBitsToUint(exchanged ? hit.v : hit.u),
-                     floatBitsToUint(exchanged ? hit.u : hit.v), hit.primitive));
+        storePathRow(place, uvec4(floatBitsToUint(hit.t), floatBitsToUint(exchanged ? hit.v : hit.u),
+                                  floatBitsToUint(exchanged ? hit.u : hit.v), hit.primitive));
         storePathRow(place + 1u, uvec4(FEATURE_INSTANCES ? traversal.instance : kNone, 0u, 0u, 0u));
     }
     ++crossings.count;

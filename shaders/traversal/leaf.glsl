@@ -91,7 +91,7 @@ GLINT_TEST_EACH(Quadric)
 GLINT_TEST_EACH(Cuboid)
 
 // Trips that one pass through the loops around a leaf counts, in scenes with instances: those loops, and each
-// loop in them, of which lavapipe makes one trip even if no lane has work there.
+// loop in them, of which a subgroup makes one trip even if no lane has work there.
 uint tripsOfPass() {
     uint trips = 3u;
 #define GLINT_ADD(FEATURE, kinds, loops) trips += FEATURE_##FEATURE ? loops : 0u;
@@ -99,8 +99,8 @@ uint tripsOfPass() {
     return trips;
 }
 
-// Tests the primitives of a leaf, which are of one kind: a loop for each kind, of which lavapipe skips those
-// that no lane enters.
+// Tests the primitives of a leaf, which are of one kind: a loop for each kind, of which a subgroup skips
+// those that no lane enters.
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint kind = kindOfLeaf(leaf);
     uint first = leaf & kLeafFirstMask;

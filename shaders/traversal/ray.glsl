@@ -11,7 +11,7 @@
 const float kUnit = 5.9604645e-8;
 float gammaBound(float n) { return quotient(n * kUnit, 1.0 - n * kUnit); }
 
-// max() without its promise about NaN, which costs lavapipe two more instructions.
+// max() without its promise about NaN, which costs two more instructions on processors.
 float larger(float a, float b) { return a > b ? a : b; }
 
 // Points origin + t direction, tMin < t <= tMax.

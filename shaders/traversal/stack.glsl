@@ -77,7 +77,7 @@ uint traverse(inout Traversal traversal, uint root) {
     uint top = 0u;
     uint base = 0u;  // of the stack within an instance: entries below belong to the world
     uint current = root;
-    uint budget = dispatch.tripBudget;  // a local copy, as lavapipe loads it anew for each use
+    uint budget = dispatch.tripBudget;  // a local copy: see lanes.glsl
     uint pass = FEATURE_INSTANCES ? tripsOfPass() : 0u;
     do {
         bool goes = current != kNone && traversal.trips < budget;

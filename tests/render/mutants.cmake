@@ -17,7 +17,7 @@ mutant(wrong_weight primitives/triangle.glsl "u = uHit;" "u = vHit;" intersect)
 mutant(tie_rule traversal/state.glsl "id < traversal.hit.id" "id > traversal.hit.id" intersect)
 mutant(small_boxes traversal/box.glsl "kFarPad = 1.00000226497650" "kFarPad = 0.99" intersect light)
 mutant(instance_normal traversal/instance.glsl "return n;" "return normal;" light shade)
-mutant(instance_ray traversal/instance.glsl "origin - instance.place" "origin - 1.001 * instance.place" intersect light)
+mutant(instance_ray traversal/instance.glsl "vec3 away = origin - instance.place" "vec3 away = origin - 1.001 * instance.place" intersect light)
 mutant(sphere_normal primitives/sphere.glsl "vec3 outward = quotient(offset, length(offset));"
        "vec3 outward = normalize(quotient(offset, length(offset)) + vec3(0.01, 0.0, 0.0));" light shade)
 mutant(far_offset traversal/ray.glsl "vec3 offset = clearance(error, n) * n;" "vec3 offset = (clearance(error, n) + 0.05) * n;" light shade)
