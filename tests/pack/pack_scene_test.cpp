@@ -138,7 +138,7 @@ TEST(PackScene, LeavesNameTheirPrimitives) {
     EXPECT_LE(packed.statistics.depth, shared::kMaxBvhDepth);
 }
 
-// As shaders/crossings_walk.glsl takes for granted.
+// The traversal that counts crossings relies on this order.
 TEST(PackScene, LeavesOfANodeFollowEachOther) {
     std::mt19937 random(9);
     std::uniform_real_distribution<double> uniform(0, 1);

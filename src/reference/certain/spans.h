@@ -1,5 +1,5 @@
-// Where on a ray a surface may be met, in double with bounds on every rounding: what lies outside a span is
-// proven. The formulas are those of shaders/certainty.glsl with 2^-53 for 2^-24, written anew.
+// Spans of t that contain every hit, in double with bounds on each rounding error. Outside the spans a miss is
+// proven.
 #pragma once
 
 #include <array>
