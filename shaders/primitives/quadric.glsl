@@ -181,7 +181,6 @@ bool intersectQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, out Ca
     // 2^-exponent, exactly: d gets components up to 2.
     float unit = uintBitsToFloat(0x7f000000u - (floatBitsToUint(size) & 0x7f800000u));
     precise vec3 d = along * unit;
-
     bool own = (ray.source & ~(kPartMask << kPartShift)) == primitive;
     uint ownPart = (ray.source >> kPartShift) & kPartMask;
     QuadricSpan p = passThrough(q, o, d, own ? ownPart : kPartSide);
