@@ -191,17 +191,16 @@ TEST_F(MethodsTest, AFixedOffsetLeaksThroughAThinGap) {
     EXPECT_GT(litPixels(device(), c, OriginOffset::Fixed), 96u) << "more than half of 192 show the floor";
 }
 
-// Two triangles in one place: a shadow ray is spared the one that it starts on, and must be above the other.
-TEST_F(MethodsTest, WithoutAnOffsetASurfaceShadesItself) {
+// Two coincident triangles: shadow rays count no hit below the bound on t's error (docs/design/numerics.md).
+// The bound alone decides without an offset, where half of the hit points lie below the plane.
+TEST_F(MethodsTest, CoincidentTrianglesDoNotShadeEachOther) {
     const Case c = textCase(R"({"camera": {"eye": [0.1, 0.2, 5], "fovY": 40},
         "lights": [{"type": "directional", "direction": [0.2, -0.3, -1]}], "materials": {"m": {"diffuse": 0.5}},
         "objects": [{"type": "triangle", "vertices": [[-7, -5, 0.7], [5, -6, 0.3], [0.3, 9, -0.9]], "material": "m"},
                     {"type": "triangle", "vertices": [[-7, -5, 0.7], [5, -6, 0.3], [0.3, 9, -0.9]], "material": "m"}]})",
                             32, 24);
     EXPECT_EQ(litPixels(device(), c, OriginOffset::ErrorBox), 32u * 24u);
-    const size_t lit = litPixels(device(), c, OriginOffset::None);
-    EXPECT_GT(lit, 32u * 24u / 10);
-    EXPECT_LT(lit, 32u * 24u * 9 / 10) << "the hit point is below the plane about as often as above";
+    EXPECT_EQ(litPixels(device(), c, OriginOffset::None), 32u * 24u);
 }
 
 // Pads widen boxes, which hold the same primitives.
