@@ -10,7 +10,6 @@ import sys
 import tempfile
 import time
 
-import compaction as compaction_scenes
 import measure
 import scaling
 
@@ -346,11 +345,6 @@ def in_turns(bench, scenes, ways, base):
 
     bench.measure_each(scenes, time_scene)
     part.outcome = part.rows and f"{len(part.rows)} scenes"
-
-
-def compaction(bench):
-    folder = pathlib.Path(bench.folder.name)
-    in_turns(bench, list(compaction_scenes.scenes(folder, bench.info["processor"])), {mode: ["--compaction", mode] for mode in ("off", "on", "auto")}, "off")
 
 
 def forms(bench):

@@ -7,7 +7,7 @@ import gpu_parts
 import measure
 
 TITLES = {"devices": "Devices", "hashes": "Hashes of pictures", "verify": "Against the reference", "tests": "Tests", "traversals": "Ways to find hits",
-          "compaction": "Compaction", "forms": "Forms of kernels"}
+          "forms": "Forms of kernels"}
 
 
 def slug(name):

@@ -26,7 +26,6 @@ struct BenchCommand {
     SceneOptions common;
     Backend backend = Backend::Gpu;
     DeviceChoice device;
-    render::Compaction compaction = render::Compaction::Auto;
     int repeats = 7;
     bool everyWalk = false;  // --traversal all
     bool full = false;       // the code of every feature
@@ -52,10 +51,6 @@ void declare(OptionTable& table, BenchCommand& c) {
                     c.device.traversal =
                         c.everyWalk ? render::Traversal::Auto : parseNamed<render::Traversal>(t);
                 });
-    table.choice<render::Compaction>(
-        "--compaction",
-        "after a bounce, whether kernels run over the paths that go on alone (default auto: if fewer)",
-        c.compaction);
     table.whole("--repeat", "N", "pictures to take the median of, after the warm-up (default 7)", 1, 1000,
                 c.repeats);
     table.value("--with", "LIST",
@@ -75,8 +70,6 @@ void checkOptions(const BenchCommand& c) {
     if (c.everyWalk) throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
     if (c.full || c.with != SceneFeatures{})
         throw Error(ErrorKind::Argument, "--full, --with: need --backend gpu");
-    if (c.compaction != render::Compaction::Auto)
-        throw Error(ErrorKind::Argument, "--compaction: needs --backend gpu");
     if (c.wholePaths) throw Error(ErrorKind::Argument, "--whole-paths: needs --backend gpu");
 }
 
@@ -91,7 +84,6 @@ bench::Options optionsOf(const BenchCommand& command) {
     options.renderer.traversal = command.device.traversal;
     options.renderer.leaveOut = !command.full;
     options.renderer.also = command.with;
-    options.renderer.compaction = command.compaction;
     if (command.wholePaths) options.renderer.wholePaths = render::WholePaths::On;
     options.repeats = command.repeats;
     options.everyWalk = command.everyWalk;

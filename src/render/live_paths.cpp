@@ -3,8 +3,7 @@
 namespace glint::render {
 
 void LivePaths::bounced(uint32_t alive) {
-    const bool pays = compaction_ == Compaction::On || (compaction_ == Compaction::Auto && alive < running_);
-    if (!pays) return;
+    if (alive >= running_) return;
     list_ ^= 1u;
     listed_ = true;
     running_ = alive;

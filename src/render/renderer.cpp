@@ -9,6 +9,7 @@
 #include "core/stopwatch.h"
 #include "render/film.h"
 #include "render/host_rays.h"
+#include "render/live_paths.h"
 #include "render/renderer_state.h"
 #include "render/whole_paths.h"
 
@@ -150,7 +151,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     record(KernelId::Generate, modes, dispatch, slice.groups());
     if (options.profile) submit(&KernelTimes::generate);
     const TraversalChoice choice = traversalOf(request.methods);
-    LivePaths live(options.compaction, slice.paths());
+    LivePaths live(slice.paths());
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
         live.writeTo(dispatch);
         const uint32_t groups = live.groups();

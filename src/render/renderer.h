@@ -14,7 +14,6 @@
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
 #include "render/kernels.h"
-#include "render/live_paths.h"
 #include "render/traversal_choice.h"
 #include "render/whole_paths.h"
 #include "trace/picture.h"
@@ -34,9 +33,7 @@ struct Options {
     bool profile = false;         // times camera rays' generation apart, see KernelTimes
     std::optional<gpu::Access> access;  // empty: chooseAccess (scene_buffers.h)
     Traversal traversal = Traversal::Auto;
-    Compaction compaction = Compaction::Auto;
-    // Auto: only where nothing is asked for that takes a kernel for each step, as `profile`, a traversal, a
-    // compaction, or `kernels`.
+    // Auto: where one kernel pays, unless `profile`, packets or `kernels` require a kernel for each step.
     WholePaths wholePaths = WholePaths::Auto;
     // Quotients and square roots by shaders/arithmetic.glsl even where the device's own proved to be the
     // same.

@@ -15,14 +15,12 @@ uint32_t Renderer::State::wholeBudget(const shared::Environment& of) const {
                               : wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of);
 }
 
-// Not where something is asked for that it does not have: times of each step, paths in lists, another walk,
-// or kernels that are not its own.
+// Auto excludes what whole.comp lacks: times of each step, packets, and the caller's kernels.
 bool Renderer::State::drawsWholePaths(const TraceModes& modes, const TraversalChoice& choice,
                                       const shared::Environment& of) const {
     if (options.wholePaths == WholePaths::Off || wholePathsGivenUp || !wholePathsKnow(modes)) return false;
     if (options.wholePaths == WholePaths::On) return true;
-    const bool free = options.traversal != Traversal::Packet && options.compaction == Compaction::Auto &&
-                      !options.profile && !options.kernels;
+    const bool free = options.traversal != Traversal::Packet && !options.profile && !options.kernels;
     const WholePathsWork work = {
         .furtherRays = goesOnAfterHits(scene.features) && of.maxDepth > 0,
         .tripBudget = wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of),

@@ -57,26 +57,18 @@ TEST_F(GpuBench, CountsTheReferencesRays) {
     EXPECT_GT(device["bytes"]["device"].get<double>(), 64 * 48 * 16);
 }
 
-// A mirror ball in the middle of 64 x 48 pixels of sky: later bounces need fewer invocations than pixels,
-// unless every kernel runs over them all.
-TEST_F(GpuBench, CompactionDrawsTheSameBitsWithFewerInvocations) {
+// A mirror ball in the middle of 64 x 48 pixels of sky: later bounces need fewer invocations than pixels.
+TEST_F(GpuBench, LaterBouncesRunOverLivePathsOnly) {
     writeText("a.json", sceneText(64, 48, R"("maxDepth": 3,
   "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
   "materials": {"chrome": {"diffuse": 0.1, "mirror": 0.9}},
   "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0.3, "material": "chrome"}])"));
     const uint64_t pixels = 64 * 48;
-    const nlohmann::json off = bench({"--compaction", "off"}), on = bench({"--compaction", "on"}),
-                         chosen = bench({});
-    EXPECT_EQ(off["paths"]["invocations"].get<uint64_t>() % pixels, 0u);
-    EXPECT_GE(off["paths"]["invocations"].get<uint64_t>(), 2 * pixels);
-    for (const nlohmann::json& json : {on, chosen}) {
-        EXPECT_EQ(json["picture"], off["picture"]);
-        EXPECT_EQ(json["paths"]["live"], off["paths"]["live"]);
-        EXPECT_GT(json["paths"]["live"].get<uint64_t>(), pixels);
-        EXPECT_LT(json["paths"]["invocations"].get<uint64_t>(), 2 * pixels);
-        EXPECT_GE(json["paths"]["invocations"], json["paths"]["live"]);
-    }
-    EXPECT_GT(on["seconds"]["processors"]["median"].get<double>(), 0);
+    const nlohmann::json found = bench({});
+    EXPECT_GT(found["paths"]["live"].get<uint64_t>(), pixels);
+    EXPECT_LT(found["paths"]["invocations"].get<uint64_t>(), 2 * pixels);
+    EXPECT_GE(found["paths"]["invocations"], found["paths"]["live"]);
+    EXPECT_GT(found["seconds"]["processors"]["median"].get<double>(), 0);
 }
 
 // Steps have no times of their own then.

@@ -121,7 +121,6 @@ class Judge {
         const uint32_t trips = render::wholeTripBudget(device_.info(), scene.features,
                                                        scene.polygonTripsPerLeaf, scene.environment);
         return trial.device.traversal == render::Traversal::Lane &&
-               trial.device.compaction == render::Compaction::Auto &&
                render::wholePathsPay(device_.info(), {}, {.furtherRays = true, .tripBudget = trips});
     }
 

@@ -47,7 +47,7 @@ FOR_ALL_FILES = ("heap_spheres", "heap_ellipsoids")
 def case_names(file=None):
     """All cases, or those that may judge a file."""
     lines = (line for line in (HERE / "cases.txt").read_text().splitlines() if line and not line.startswith("#"))
-    walks, own = re.compile(r" (traversal|trips|stack|compaction)="), re.compile(r" own\b")
+    walks, own = re.compile(r" (traversal|trips|stack)="), re.compile(r" own\b")
     return [line.split()[0] for line in lines if file is None or ((file in WALKS or not walks.search(line) or line.split()[0] in FOR_ALL_FILES) and
                                                                   (file == ARITHMETIC or not own.search(line)))]
 

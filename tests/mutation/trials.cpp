@@ -39,8 +39,6 @@ void readOption(const std::string& text, Trial& trial, ImageSettings& image) {
         trial.device.ownArithmetic = true;
     else if (name == "traversal")
         trial.device.traversal = valueOf<render::Traversal>(value);
-    else if (name == "compaction")
-        trial.device.compaction = valueOf<render::Compaction>(value);
     else if (name == "trips")
         trial.device.tripBudget = static_cast<uint32_t>(std::stoul(value));
     else if (name == "triangles")

@@ -121,7 +121,7 @@ def interrupted(folder):
 def real(folder):
     code, found, page, seconds = gpu(folder, GLINT, "--seconds", "20")
     expect("on a device", code == 0 and seconds < 23 and [p["name"] for p in found["parts"]] ==
-           ["devices", "hashes", "verify", "tests", "traversals", "compaction", "forms"] and part(found, "devices")["rows"] and not
+           ["devices", "hashes", "verify", "tests", "traversals", "forms"] and part(found, "devices")["rows"] and not
            any(p["failed"] for p in found["parts"]), f"{seconds} s\n{page}")
 
 
