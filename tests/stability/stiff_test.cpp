@@ -39,7 +39,6 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     verify::Options options;
     options.width = c.width;
     options.height = c.height;
-    const bool ties = GetParam() == "coplanar_decals";
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
     std::cout << "[ measured ] " << GetParam() << ": kappa " << report.sensitivity.kappa << " ("
               << glint::nameOf(verify::classOf(report.sensitivity.kappa)) << "), expected "
@@ -48,10 +47,8 @@ TEST_P(StiffTest, NothingIsUnexplained) {
               << "; RMSE on the same paths " << report.rmseSamePath << '\n';
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_TRUE(report.passed()) << report.explained() << " of " << report.pixels;
-    if (ties) {
-        EXPECT_GT(report.ties, 0u);
-        EXPECT_LE(report.edges + report.roundings, report.allowedOthers());
-    }
+    // Device and reference order coincident surfaces by the same rule.
+    if (GetParam() == "coplanar_decals") EXPECT_EQ(report.explained(), 0u);
     const Picture picture = draw(renderer, c);
     EXPECT_EQ(picture.notFinite, 0u);
     const auto misses = std::count_if(picture.data.begin(), picture.data.end(),
