@@ -24,12 +24,7 @@ void main() {
     traversal.cost = 0u;
     bool packetGaveUp = MODE_RESUME && (floatBitsToUint(traversal.hit.t) & kStartAgain) != 0u;
     if (packetGaveUp) {
-        // The id is not known here: with this one any primitive at the same t is taken, the hit's own when it
-        // is met again. Planes are not met again.
         traversal.hit.t = abs(traversal.hit.t);
-        traversal.hit.id = kNone;
-        bool isPlane = FEATURE_PLANES && traversal.hit.primitive >> kPrimitiveKindShift == kKindPlane;
-        if (isPlane) traversal.hit.id = loadPlane(traversal.hit.primitive & kPrimitiveIndexMask).id;
         walkRow.x = 0u;
     }
     uint before = traversal.hit.primitive;
@@ -39,8 +34,9 @@ void main() {
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     // What earlier dispatches know of the closest hit's place (accept).
     traversal.nearest = traversal.hit.t;
-    if (MODE_RESUME && !packetGaveUp) {
+    if (MODE_RESUME) {
         uvec4 bounds = loadRow(kRowLight, path);
+        traversal.hit.id = bounds.x;
         traversal.nearest = uintBitsToFloat(bounds.y);
         if (live) traversal.ray.tMax = uintBitsToFloat(bounds.z);
     }
@@ -62,6 +58,6 @@ void main() {
     }
     if (live && slot != kNone)
         storeRow(kRowLight, path,
-                 uvec4(0u, floatBitsToUint(traversal.nearest), floatBitsToUint(traversal.ray.tMax), 0u));
+                 uvec4(hit.id, floatBitsToUint(traversal.nearest), floatBitsToUint(traversal.ray.tMax), 0u));
     if (live && slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
 }

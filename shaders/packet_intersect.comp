@@ -44,6 +44,10 @@ void onePacket(uint turn) {
             storeRow(kRowHit, paths[r],
                      uvec4(t, floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
         }
+        if (goesOn)
+            storeRow(
+                kRowLight, paths[r],
+                uvec4(hit.id, floatBitsToUint(packet[r].nearest), floatBitsToUint(packet[r].ray.tMax), 0u));
         if (MODE_AOVS || MODE_COST) {
             uvec4 walkRow = loadRow(kRowWalk, paths[r]);
             if (live[r])

@@ -113,7 +113,7 @@ GLINT_CONST_UINT(kRowThroughput, 3u);
 GLINT_CONST_UINT(kRowRadiance, 4u);
 // slot where an unfinished ray goes on (kNone: finished), id of the best hit, cost, shadow bits
 GLINT_CONST_UINT(kRowWalk, 5u);
-// the light of an unfinished shadow ray, or Traversal::nearest and Ray::tMax of another ray; 0
+// the light of an unfinished shadow ray; of another ray Hit::id, Traversal::nearest, Ray::tMax; 0
 GLINT_CONST_UINT(kRowLight, 6u);
 GLINT_CONST_UINT(kPathRows, 7u);
 // position.xyz (local), depth

@@ -175,6 +175,27 @@ TEST_F(PacketTest, PacketsThatGiveUpLoseNothing) {
     for (const uint32_t budget : {1u, 9u, 60u}) expectSameTrace(crowd.c.packed, crowd.rays, budget);
 }
 
+// In one plane, whose triangles have t that differ by rounding: the lowest id that the packet knew is still
+// hit, and so is a lower one that lanes find.
+TEST_F(PacketTest, PacketsThatGiveUpKeepTheOrderOfCoincidentSurfaces) {
+    Scene scene = emptyScene();
+    Random random(23);
+    const dvec3 across(2.0 / 3, 1.0 / 3, -2.0 / 3), along(2.0 / 3, -2.0 / 3, 1.0 / 3), up(1, 2, 2);
+    const auto inPlane = [&] {
+        const dvec3 p = random.box(2);
+        return p.x * across + p.y * along;
+    };
+    for (int i = 0; i < 300; ++i) {
+        const dvec3 a = inPlane(), b = inPlane(), c = inPlane();
+        addTriangle(scene, a, b, c);
+    }
+    // Without split triangles, of which either place may be the one that is named.
+    const Case c = makeCase(scene, 8, 8, BuildQuality::Fast);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 2048; ++i) rays.push_back(rayTowards(up + random.box(1), inPlane(), true));
+    for (const uint32_t budget : {1u, 60u, 300u}) expectSameTrace(c.packed, rays, budget);
+}
+
 // More waits than the stack's 32 entries can hold; 60 primitives take too few trips to give up for those.
 TEST_F(PacketTest, PacketsThatRunOutOfStackLoseNothing) {
     const RayCase nested = nestedCase();

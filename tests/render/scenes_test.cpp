@@ -161,7 +161,8 @@ void SceneTest::comparePixel(const Case& c, const reference::Tracer& tracer, int
         EXPECT_EQ(data.shadowBits, 0u);
         return;
     }
-    const reference::Ray ray = tracer.cameraRay(c.camera, x + 0.5, y + 0.5);
+    reference::Ray ray = tracer.cameraRay(c.camera, x + 0.5, y + 0.5);
+    ray.ties = true;  // as the rays of the picture
     const std::optional<reference::Hit> hit = tracer.closest(ray);
     ASSERT_TRUE(hit);
     const reference::Surface surface = tracer.surfaceAt(ray, *hit);

@@ -139,24 +139,42 @@ class TraversalTest : public RenderTest, public testing::WithParamInterface<Subj
         const dvec3 normal = glm::cross(dvec3(t.v1) - dvec3(t.v0), dvec3(t.v2) - dvec3(t.v0));
         return std::abs(glm::dot(glm::normalize(normal), glm::normalize(dvec3(ray.direction))));
     }
+    // How far t of a triangle may be off: the rule of docs/design/numerics.md.
+    double slip(uint32_t triangle, double t, const RayInput& ray) const {
+        const dvec3 anchor(packed_.triangles[triangle].v0), normal(packed_.triangleSurfaces[triangle].normal);
+        const dvec3 reach = glm::abs(anchor - dvec3(ray.origin)) + glm::abs(t * dvec3(ray.direction));
+        const double height = 0x1p-24 * glm::dot(glm::abs(normal), 2.0 * glm::abs(anchor) + 6.0 * reach);
+        return height / std::abs(glm::dot(normal, dvec3(ray.direction)));
+    }
+    // True if t +- slip of the triangle overlaps that of the hit: the rule lets either of them be hit.
+    bool isInOnePlace(uint32_t triangle, double t, const RayHit& hit, const RayInput& ray) const {
+        if (!hit.hit || hit.kindAndIndex >> shared::kPrimitiveKindShift != shared::kKindTriangle)
+            return false;
+        const uint32_t other = hit.kindAndIndex & shared::kPrimitiveIndexMask;
+        return std::abs(t - double(hit.t)) <= slip(triangle, t, ray) + slip(other, double(hit.t), ray);
+    }
     // A ray in a triangle's plane, within rounding: there fp32 cannot tell where along its line the triangle
-    // ends, and may find it anywhere on it. Boxes can; so trees differ in such hits, which are none, and in
-    // nothing else.
+    // ends, and may find it anywhere on it. Boxes can; so trees differ in such hits, which are none, in
+    // which of several triangles is hit whose intervals of t overlap, and in nothing else.
     void expectPhantom(const RayInput& ray, const RayHit& byTree, const RayHit& byAll) const {
         ASSERT_TRUE(byAll.hit) << text(ray);
         ASSERT_EQ(byAll.kindAndIndex >> shared::kPrimitiveKindShift, shared::kKindTriangle) << text(ray);
-        const oracle::Truth phantom = truthOf(byAll.kindAndIndex & shared::kPrimitiveIndexMask, ray);
-        EXPECT_FALSE(phantom.hit) << text(ray);
-        EXPECT_LT(phantom.margin, 16 * 0x1p-24) << text(ray);
-        EXPECT_LT(slope(byAll.kindAndIndex & shared::kPrimitiveIndexMask, ray), 1e-4) << text(ray);
-        EXPECT_FALSE(byTree.hit && byTree.t < byAll.t) << text(ray);
-        // What is hit beyond doubt, the tree has found, or something before it.
+        const uint32_t found = byAll.kindAndIndex & shared::kPrimitiveIndexMask;
+        EXPECT_LT(slope(found, ray), 1e-4) << text(ray);
+        if (!isInOnePlace(found, double(byAll.t), byTree, ray)) {
+            const oracle::Truth phantom = truthOf(found, ray);
+            EXPECT_FALSE(phantom.hit) << text(ray);
+            EXPECT_LT(phantom.margin, 16 * 0x1p-24) << text(ray);
+            EXPECT_FALSE(byTree.hit && byTree.t < byAll.t) << text(ray);
+        }
+        // What is hit beyond doubt, the tree has found, or something before it or in its place.
         for (uint32_t i = 0; i < packed_.triangles.size(); ++i) {
             const oracle::Truth truth = truthOf(i, ray);
             if (!truth.hit || truth.margin < 64 * 0x1p-24 || truth.t <= ray.tMin || truth.t > ray.tMax)
                 continue;
             ASSERT_TRUE(byTree.hit) << text(ray);
-            EXPECT_LE(byTree.t, truth.t * (1 + 1e-5)) << text(ray);
+            EXPECT_TRUE(byTree.t <= truth.t * (1 + 1e-5) || isInOnePlace(i, truth.t, byTree, ray))
+                << text(ray) << " " << byTree.t << " " << truth.t;
         }
     }
 
@@ -186,7 +204,7 @@ TEST_P(TraversalTest, TreeAndBruteForceHitTheSame) {
         }
         std::cout << "[ measured ] "
                   << "trips " << tripBudget << ": " << phantoms << " of " << rays.size()
-                  << " rays hit what is none\n";
+                  << " rays hit another triangle\n";
         const size_t hitCount = rays.size() - misses(hits);
         EXPECT_GT(hitCount, rays.size() / 4);
         EXPECT_GT(misses(hits), rays.size() / 100);
