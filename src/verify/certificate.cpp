@@ -246,7 +246,6 @@ bool Certifier::follow() {
 
 bool Certifier::explore(Branch branch, const TrailRay& ray) {
     Step step = stepOf(branch, {});
-    if (step.record.surface) branch.scale = std::max(branch.scale, step.record.surface->scale);
     auto still = std::make_shared<Outcome>();
     still->key = keyOf(step);
     still->box = boxOf(branch, step);
@@ -263,6 +262,8 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
     std::vector<size_t> tried;
     uint64_t seed = 0;
     const double gain = scene_.instances.empty() ? 1 : 1 + scene_.instanceGain;
+    const auto& surface = still.step.record.surface;
+    if (surface) branch.scale = std::max(branch.scale, surface->scale);
     for (int turn = 0; turn < kTurns && !exhausted(); ++turn) {
         // Every other turn by what an instance's transform may add.
         const bool wide = gain > 1 && turn % 2 == 1;

@@ -61,15 +61,16 @@ TEST_F(GpuVerify, ScenesOfTheSameNameGetPicturesOfTheirOwn) {
     EXPECT_EQ(readImage("a-2.verify.png").width, 5);
 }
 
-// Two triangles of different colours in planes 1e-8 apart, seen from distance 5, where fp32 resolves 5e-7:
-// which one a ray meets first is a matter of rounding. Every pixel is explained, and as many as the scene
-// demands: a note, not a fault. The second scene does not pass: a textbook's sphere test on a planet.
+// Two spheres of different colours, one 3.4e-6 in front of the other, seen from distance 4: nearly as far as
+// surfaces that count as one may be apart, so rounding decides which of them a ray meets. Every pixel is
+// explained, and as many as the scene demands: a note, not a fault. The second scene does not pass: a
+// textbook's sphere test on a planet.
 TEST_F(GpuVerify, TiesAreAsTheSceneDemandsAndAMethodThatLosesDigitsFails) {
     writeText("fight.json",
               R"({"image": {"width": 64, "height": 64}, "ambient": 1, "camera": {"eye": [0.3, 0.2, 5]},
         "materials": {"red": {"diffuse": [1, 0, 0]}, "green": {"diffuse": [0, 1, 0]}},
-        "objects": [{"type": "triangle", "vertices": [[-7, -5, 0], [5, -6, 0], [0.3, 5, 0]], "material": "red"},
-                    {"type": "triangle", "vertices": [[-6, -5, 1e-8], [5, -5.5, -2e-8], [0.1, 6, 1e-8]], "material": "green"}]})");
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "red"},
+                    {"type": "sphere", "center": [0, 0, 3.4e-6], "radius": 1, "material": "green"}]})");
     writeText("empty.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
     writeText("planet.json",
               R"({"image": {"width": 64, "height": 48}, "ambient": 0.1, "camera": {"eye": [0, 2, 5]},

@@ -121,7 +121,8 @@ TEST_F(FlatMeshTest, NeedlesDoNotShadeTheirNeighbours) {
     EXPECT_EQ(verified(c, nullptr).unexplained, 0u);
 }
 
-// And verify knows that rounding is no excuse for it.
+// And verify knows that rounding is no excuse for it: the mutant counts hits whose interval reaches behind
+// the origin, so that rays meet the faces around their start.
 TEST_F(FlatMeshTest, NeighboursThatAreMetAreUnexplained) {
     const Case c = floorCase(Made::OneMesh, 0);
     const verify::Report sound = verified(c, nullptr);

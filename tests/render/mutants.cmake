@@ -23,7 +23,7 @@ mutant(sphere_normal primitives/sphere.glsl "vec3 outward = quotient(offset, len
 mutant(far_offset traversal/ray.glsl "vec3 offset = clearance(error, n) * n;" "vec3 offset = (clearance(error, n) + 0.05) * n;" light shade)
 mutant(narrow_box primitives/sphere.glsl "abs(scaled) + abs(sphere.point)" "abs(scaled) + sphere.point" shade)
 mutant(wide_box primitives/triangle.glsl "gammaBound(7.0) * (abs(p0)" "gammaBound(7.007) * (abs(p0)" shade)
-mutant(near_faces traversal/ray.glsl "bool ahead = ray.source == kNone || near > 0.0;" "bool ahead = t > 0.0;" light)
+mutant(near_faces primitives/triangle.glsl "speed != 0.0 && t > 0.0 && countsAt(ray, t)" "speed != 0.0 && t + tSlip >= 0.0 && t - tSlip <= ray.tMax" light)
 mutant(short_shadows shading/lighting.glsl "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
 mutant(long_shadows shading/lighting.glsl "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
 mutant(disc_rim primitives/disc.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
