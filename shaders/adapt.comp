@@ -5,7 +5,8 @@
 #include "path.glsl"
 #include "shared/shading.h"
 
-// Whether the mean of `count` samples is uncertain. spread: the sum of their squared differences from it.
+// True if the mean of `count` samples is uncertain. spread: sum of the squared differences of the samples
+// from the mean.
 bool needsMore(vec3 mean, vec3 spread, uint count) {
     vec3 bound = dispatch.threshold * max(mean, vec3(kDarkestMean));
     vec3 errorSquared = quotient(spread, float(count) * float(max(count, 2u) - 1u));

@@ -145,7 +145,7 @@ float logarithmSeries(float f) {
     return f * (f * f * sum);
 }
 
-// Of a normal x > 0, within 1 ulp.
+// Natural logarithm of a normal x > 0, within 1 ulp.
 float logarithm(float x) {
     float n;
     float f = splitPower(x, n);
@@ -155,7 +155,7 @@ float logarithm(float x) {
 }
 vec3 logarithm(vec3 x) { return vec3(logarithm(x.x), logarithm(x.y), logarithm(x.z)); }
 
-// Of a normal x > 0, within 1.5 ulp. 0.44269504 is log2(e) - 1.
+// Binary logarithm of a normal x > 0, within 1.5 ulp. 0.44269504 is log2(e) - 1.
 float binaryLogarithm(float x) {
     float n;
     float f = splitPower(x, n);

@@ -32,7 +32,7 @@ void main() {
     if (MODE_TALLY && FEATURE_TRANSMISSION)
         live = live && loadRow(treeRow(kTreeRowBranch), path).z == dispatch.rayClass;
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
-    // What earlier dispatches know of the closest hit's place (accept).
+    // Bound on the closest hit's t from earlier dispatches (accept).
     traversal.nearest = traversal.hit.t;
     if (MODE_RESUME) {
         uvec4 bounds = loadRow(kRowLight, path);

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-// What the lights add to each hit. A dispatch goes through as many lights as its loop trips allow
+// Adds the light of the scene's lights to each hit. A dispatch covers as many lights as its loop trips allow
 // (Dispatch::lightEnd).
 #define GLINT_SHADOW_RAYS
 #include "traversal/query_shadow.glsl"

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_shader_subgroup_basic : require
-// What the lights add to each hit, packet by packet: light.comp for subgroups of 8 lanes.
+// Adds the light of the scene's lights to each hit, packet by packet: light.comp for subgroups of 8 lanes.
 #define GLINT_SHADOW_RAYS
 #include "traversal/query_shadow.glsl"
 #include "packet/any.glsl"
@@ -33,7 +33,7 @@ void onePacket(uint turn) {
             ++index;
         }
     } while (complete && index < end);
-    // Of a packet that was given up, rays that are not settled are to be started again.
+    // After a packet was given up, rays that are not settled must start again.
     GLINT_EACH_RAY {
         bool again = sights[r].facing && !settled(packet[r]);
         uint further = index < end ? kSlotFresh : kNone;

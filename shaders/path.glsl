@@ -28,7 +28,7 @@ bool pixelOf(uint path, out uvec2 pixel) {
            local.y < dispatch.regionHeight;
 }
 
-// Of kRowWalk: only resume dispatches and pictures with data read what is in it.
+// Row kRowWalk of a path. Only resume dispatches and renders with AOVs read its contents.
 uvec4 loadWalkRow(uint path) {
     uvec4 row = uvec4(kNone, 0u, 0u, 0u);
     if (MODE_RESUME || MODE_AOVS || MODE_COST) row = loadRow(kRowWalk, path);

@@ -1,9 +1,8 @@
 #version 450
-// What the device's own arithmetic gives for operands that the host has chosen; see src/gpu/probe.cpp.
+// Results of the device's own arithmetic for operands that the host has chosen; see src/gpu/probe.cpp.
 layout(local_size_x = 64, local_size_y = 1, local_size_z = 1) in;
 
-// Of each case three rows: a, b, c, 0, which the host writes; a + b, a * b, a * b + c, 0; a / b, sqrt(|c|),
-// 0, 0.
+// Three rows per case: a, b, c, 0, which the host writes; a + b, a * b, a * b + c, 0; a / b, sqrt(|c|), 0, 0.
 layout(set = 0, binding = 0, std430) restrict buffer Cases { uvec4 rows[]; };
 
 void main() {

@@ -38,7 +38,7 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
     return finished && (!lit.live || index >= end);
 }
 
-// Whether a ray follows, which takes the place of the one before.
+// True if another ray follows; it takes the place of the previous ray.
 bool goesOn(uint path, Interaction at, Environment environment, inout Ledger ledger, inout bool complete,
             inout uvec2 state, inout uvec4 media, inout vec3 throughput, inout Ray ray, inout uint followed) {
     Branch next;

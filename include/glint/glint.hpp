@@ -28,7 +28,7 @@ class Error : public std::runtime_error {
   public:
     // For check().
     Error(glint_status status, const std::string& message) : std::runtime_error(message), status_(status) {}
-    // Of the call that failed.
+    // Status of the failed call.
     glint_status status() const noexcept { return status_; }
 
   private:
@@ -247,7 +247,7 @@ class Device {
         owner_ = decltype(owner_)(opened);
     }
 
-    // What it is.
+    // Properties of the device.
     DeviceInfo info() const {
         GLINT_INIT(glint_device_info, found);
         check(glint_device_info_of(get(), &found));
@@ -281,7 +281,7 @@ struct Rays {
     View<1> tMax = {};        // default: infinity
     bool coherent = false;    // neighbours go about the same way
 
-    // As C has it.
+    // Same data as the struct of the C API.
     glint_rays raw() const {
         GLINT_INIT(glint_rays, rays);
         rays.origins = origins.raw;
@@ -307,7 +307,7 @@ struct Hits {
     Out<1> tLower = {};     // the exact t is not below it
     Out<1> tUpper = {};     // nor above it
 
-    // As C has it.
+    // Same data as the struct of the C API.
     glint_hits raw() const {
         GLINT_INIT(glint_hits, hits);
         hits.hit = hit.raw;
@@ -427,13 +427,13 @@ class Scene {
         check(glint_scene_commit_with(get(), &options.options));
     }
 
-    // Of the committed scene.
+    // Properties of the committed scene.
     SceneInfo info() const {
         GLINT_INIT(glint_scene_info, found);
         check(glint_scene_info_of(get(), &found));
         return found;
     }
-    // What was ignored or mended, one line each.
+    // Warnings about ignored or fixed parts of the scene, one line each.
     std::vector<std::string> warnings() const {
         std::vector<std::string> texts(info().warnings);
         for (std::uint32_t i = 0; i < texts.size(); ++i) {
@@ -451,7 +451,7 @@ class Scene {
         const detail::RawOptions options(control);
         check(glint_query_closest(get(), &asked, &wanted, &options.options));
     }
-    // Whether each ray hits anything, uint8_t.
+    // Any hit: writes a uint8_t per ray, 1 if the ray hits anything.
     void any(const Rays& rays, const Out<1>& hit, const Control& control = {}) const {
         const glint_rays asked = rays.raw();
         const detail::RawOptions options(control);

@@ -74,9 +74,10 @@ const uint kLevels = 16u;
 const uint kLevelFirstShift = 9u;  // kMostPacketNodes in src/render/traversal_choice.h
 const uint kLevelAscends = 256u;
 
-// Where to go from a node whose inner children are `first` and those that follow, and of which those in the
-// lanes `entered` are to be visited: to the one in lane `farthest`, while the others wait, taken from its end
-// of the node; or, if there are none, to the next of the deepest level; kNone if no level is left.
+// Returns the next node to visit, or kNone if no level is left. `first`: first inner child of the current
+// node; the other inner children follow it. `entered`: lanes of the children to visit. The child in lane
+// `farthest` comes next. The others wait as one level, and are taken from that end of the node. If no child
+// is entered, the next node comes from the deepest level.
 uint nextChild(inout PacketLevels levels, uint first, uint entered, uint farthest, uint lane) {
     bool down = entered != 0u;
     uint bit = 1u << farthest;
@@ -130,9 +131,9 @@ void testLeaves(uint leaves, uint leafChild, uint leafRows, uint axis, uint lane
     } while (leaves != 0u);
 }
 
-// As the closest hit's walkGroup. Of a node's children the leaves are tested at once, the others wait. No
-// more than 200 trips pass between two looks at the budget (8 boxes, and 8 leaves of 22), so that
-// kPacketTurns packets stay far below what a subgroup may make (lanes.glsl).
+// Any-hit counterpart of the closest hit's walkGroup. Tests the leaves among a node's children at once; the
+// inner children wait. At most 200 trips pass between two checks of the budget (8 boxes, and 8 leaves of 22).
+// kPacketTurns packets therefore stay far below the trip limit of a subgroup (lanes.glsl).
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketLevels levels = PacketLevels(uvec2(0u), 0u);
     float end = -1.0;

@@ -186,7 +186,7 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
     stack.top += pushed ? 1u : 0u;
 }
 
-// What the walk keeps of a hit.
+// Records a hit in the traversal: for any-hit queries the primitive is enough.
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id);
 
 // corners: of triangle `index`, turned, in the lanes from `lane` on.
@@ -274,7 +274,7 @@ bool traversePacket(uint root) {
                 }
                 next = leastUint(next, groups[r]);
             }
-            // What was given up is started again whole: further groups would only add to the trips.
+            // A packet that is given up starts again as a whole; further groups would only add trips.
             group = complete ? leastOfLanes(next) : kNone;
             ++trips;
         }
@@ -284,8 +284,8 @@ bool traversePacket(uint root) {
     return complete;
 }
 
-// As trace() of the per-lane traversal. Returns false for a packet that was given up: what its rays have hit
-// by then is kept, and those that are not settled are to be started again.
+// Packet version of the per-lane traversal's trace(). Returns false if the packet was given up: hits found so
+// far are kept, and rays that are not settled must start again.
 bool tracePacket(Environment environment) {
     GLINT_EACH_RAY {
         if (!prepare(packet[r], environment)) packet[r].ray.tMax = -1.0;

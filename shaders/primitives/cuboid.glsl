@@ -49,9 +49,9 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
     float enter = near[nearAxis];
     float leave = far[farAxis];
     bool meets = enter <= leave;
-    // What a line touches in one point it enters and leaves: the media count surfaces.
+    // A line that touches the box in one point enters and leaves there: the media count both surfaces.
     if (enter > 0.0 && leave == enter) leave = uintBitsToFloat(floatBitsToUint(enter) + 1u);
-    // As slipOfFlat; the faces' normals are the rows.
+    // Same bound as slipOfFlat; the rows are the faces' normals.
     precise vec3 terms = 2.0 * abs(cuboid.point) + 6.0 * abs(offset);
     vec3 reach = vec3(dot(abs(cuboid.toLocal0), terms), dot(abs(cuboid.toLocal1), terms),
                       dot(abs(cuboid.toLocal2), terms));

@@ -42,7 +42,7 @@ QuadricPlace placeOf(Quadric q, vec3 y) {
     return place;
 }
 
-// Where a line crosses a box, and by which of the two planes that may be capped.
+// Interval in which a line crosses a box, and which of the two planes that may be capped bound it.
 struct QuadricSpan {
     float enter, leave;
     bool byCap, toCap;         // it enters, or leaves, through a plane y.z that is capped
@@ -86,16 +86,16 @@ struct Crossings {
     bool between;
 };
 
-// Of A t^2 + 2 B t + C <= 0, with t measured from `start`. The roots by the form that cancels nothing (Press
-// et al., Numerical Recipes, sec. 5.6). `slack`: what B^2 - A C may be off by; a line that is tangent within
-// it touches.
+// Solves A t^2 + 2 B t + C <= 0, with t measured from `start`. The form of the roots avoids cancellation
+// (Press et al., Numerical Recipes, sec. 5.6). slack: error bound of B^2 - A C; a line that is tangent within
+// it touches the surface.
 Crossings crossingsOf(float A, float B, float C, float slack, float start) {
     precise float disc = B * B - A * C;
     bool real = disc >= -slack;
     precise float root = squareRoot(larger(disc, 0.0));
     precise float q = -(B + (B < 0.0 ? -root : root));
     precise float r1 = start + quotient(q, A == 0.0 ? 1.0 : A);
-    // Of a tangent within rounding both roots are -B / A: C and q, what rounding has left of 0, say nothing.
+    // If the line is tangent within rounding, both roots are -B / A: C and q hold only rounding error.
     precise float r0 = disc < 0.0 ? r1 : start + (q == 0.0 ? 0.0 : quotient(C, q));
     Crossings c;
     c.between = A > 0.0;
@@ -140,7 +140,7 @@ void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint 
 // ends, whatever rounding does.
 Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c, float capSlip) {
     Candidate best = Candidate(0.0, kPartSide, false, 0.0, 0.0, 0.0, capSlip);
-    // Of the first stretch inside, and of the second.
+    // The first stretch inside runs from a to b, the second from e to p.leave.
     float a = c.between ? larger(c.lower, p.enter) : p.enter;
     float end = c.between ? c.upper : c.lower;
     float b = end <= p.leave ? end : p.leave;
@@ -240,13 +240,14 @@ struct QuadricPoint {
     vec3 normal;
 };
 
-// As towardsRayAtLimb of spheres: where a line touches the side, rounding alone would say which way the
-// normal looks, and an open pipe's bright limb would be shaded as its inside. A line that touches is outside
-// of the surface if the equation's A is positive, and comes upon it; it is inside if A is negative, and
-// leaves. What slope.d may be off by: y by gamma_8 of the magnitudes it is a sum of, as start and middle are
-// sums too, and the sums of slope and product by as much again. A line that passes by within rounding is
-// moved onto the surface (`offset`), where the normal is another one: the ray that leaves has to leave that.
-// A ray that starts on the side may leave through it.
+// Normal at a point where a line touches the side, like towardsRayAtLimb for spheres. Rounding alone would
+// decide which way the normal faces, and the bright limb of an open pipe would be shaded as its inside. A
+// line that touches is outside of the surface if the equation's A is positive, and arrives at it. If A is
+// negative, the line is inside and leaves.
+// The error bound of slope.d: y errs by gamma_8 of the magnitudes that it sums, as start and middle are sums
+// too; the sums of slope and product add as much again. A line that passes by within rounding is moved onto
+// the surface (`offset`), where the normal differs: a ray that leaves must leave with respect to this other
+// normal. A ray that starts on the side may leave through it.
 vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 normal) {
     uint kindAndIndex = ~(kPartMask << kPartShift);
     if ((ray.source & kindAndIndex) == (hit.primitive & kindAndIndex)) return normal;

@@ -74,11 +74,12 @@ bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uin
     return isHit;
 }
 
-// Where rounding makes the discriminant 0, t is that of the closest approach, and the rounding of t alone
-// says whether the normal looks at the ray: this happened to 1 of 2.8 million camera rays of scenes/lens.json
-// at 320x240 (a radius of 1/2, 13 away), whose bright limb was shaded as the sphere's back, and happens to
-// many of a textbook's. Seen from outside it does. t errs by gamma_8 |w| / |d| in any form, and so n.d by
-// gamma_8 |w| / r. A ray that starts on the sphere may leave through it.
+// Outward normal of a hit, turned towards the ray at the limb. If rounding makes the discriminant 0, t is
+// that of the closest approach, and the rounding of t alone decides whether the normal faces the ray. From
+// outside it must. Without this correction, 1 of 2.8 million camera rays of scenes/lens.json at 320x240
+// (radius 1/2, distance 13) shades the bright limb as the sphere's back; with a textbook's intersection many
+// do. t errs by gamma_8 |w| / |d| in any form, so n.d errs by gamma_8 |w| / r. A ray that starts on the
+// sphere may leave through it.
 vec3 towardsRayAtLimb(Ray ray, Hit hit, Sphere sphere, vec3 outward) {
     vec3 w = ray.origin - sphereCenter(sphere);
     precise float away = dot(outward, ray.direction);

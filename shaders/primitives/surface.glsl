@@ -20,9 +20,9 @@ struct Surface {
     vec3 color;  // of the vertices, interpolated; white without
 };
 
-// Who counts surfaces, or says of each whether light comes into a medium there or leaves it, must not lose
-// one of two that a line meets at one t. Which of the two it is the normal does not tell where rounding
-// decides its sign: Hit.u of what is round says so in such kernels.
+// If a line hits two surfaces at one t, kernels that count surfaces must keep both. The same holds for
+// kernels that decide per surface whether light enters or leaves a medium. The normal does not distinguish
+// them if rounding decides its sign. In these kernels round primitives therefore return the side in Hit.u.
 #if defined(GLINT_CROSSINGS)
 const bool kCountsSurfaces = true;
 const bool kTellsSides = false;
@@ -42,9 +42,9 @@ float afterT(float before, float t) {
     return same ? uintBitsToFloat(floatBitsToUint(before) + 1u) : t;
 }
 
-// Of a flat primitive with this point and unit normal. The point is moved back to the plane as an offset from
-// `anchor`: the product with the normal errs by gamma_4 of the offset, the subtraction and the anchor's
-// addition by a unit each.
+// Surface of a flat primitive with this point and unit normal. The hit point is moved back to the plane as an
+// offset from `anchor`. The product with the normal errs by gamma_4 of the offset; the subtraction and the
+// addition of the anchor err by a unit each.
 void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surface) {
     precise vec3 offset = (ray.origin - anchor) + hit.t * ray.direction;
     precise vec3 projected = offset - dot(normal, offset) * normal;

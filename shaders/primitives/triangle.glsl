@@ -26,8 +26,8 @@ SeenTriangle seenAlong(RayFrame frame, vec3 a, vec3 b, vec3 c) {
     return SeenTriangle(a2, b2, c2, ea, eb, ec);
 }
 
-// Whether the corners lie around the ray, along either axis. Beside a needle, in the line of it, products
-// round to the same number, and each edge whose function is 0 for that seems to be met.
+// True if the projected triangle's bounds contain the ray. Rejects false hits in line with a sliver, where
+// products round to the same number and edge functions to 0.
 bool isAround(SeenTriangle seen) {
     vec2 lo = min(min(seen.a, seen.b), seen.c);
     vec2 hi = max(max(seen.a, seen.b), seen.c);
@@ -48,7 +48,7 @@ bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, vec3 ancho
     u = uHit;
     v = vHit;
 
-    // Where the ray runs nearly in the plane, t stays between those of the corners.
+    // Clamp t to the range of the corners; for a ray nearly in the plane, tPlane may lie outside.
     precise vec3 ts = frame.shear.z * vec3(a.z, b.z, c.z);
     vec3 along = vec3(frame.shear.xy, 1.0);
     precise float speed = dot(normal, along);
@@ -77,18 +77,18 @@ bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, 
     return intersectTurned(ray, frame, a, b, c, anchor, turnToZ(normal, frame.axis), t, u, v);
 }
 
-// Of an edge from p to q that the ray meets as exactly as rounding tells: the side on which a ray passes that
-// is moved by (e, e^2), e > 0 as small as one likes. (p - m) x (q - m) = p x q + e (p.y - q.y) + e^2 (q.x -
-// p.x): the other triangle of the edge, which goes from q to p, gets the other sign (Edelsbrunner, Mucke,
-// "Simulation of Simplicity", ACM Trans. Graph. 9(1), 1990).
+// Side of the edge from p to q on which the ray passes. If rounding leaves the ray exactly on the edge
+// (product 0), the side is that of a ray moved by (e, e^2), with e > 0 arbitrarily small: (p - m) x (q - m) =
+// p x q + e (p.y - q.y) + e^2 (q.x - p.x). The other triangle of the edge, which goes from q to p, gets the
+// other sign (Edelsbrunner, Mucke, "Simulation of Simplicity", ACM Trans. Graph. 9(1), 1990).
 float sideOfEdge(float product, vec2 p, vec2 q) {
     float moved = p.y != q.y ? p.y - q.y : q.x - p.x;
     return product != 0.0 ? product : moved;
 }
 
-// Of a triangle that intersectTriangle says is hit: whether it is the one of those that share the edge, or
-// the corner, that the ray crosses. Where a ray ends an edge may belong to both; where it goes through and
-// counts what it crosses, to one.
+// True if the ray crosses this triangle, of those that share the edge or corner that it hits.
+// intersectTriangle must have reported a hit. If a ray ends at an edge, the edge may belong to both
+// triangles. If the ray continues and counts crossings, the edge belongs to one.
 bool crossesTriangle(Ray ray, RayFrame frame, Triangle triangle) {
     precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
     precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);

@@ -1,4 +1,4 @@
-// What light.comp and packet_light.comp load and store of a path.
+// Loads and stores of path state in light.comp and packet_light.comp.
 #ifndef GLINT_LIGHT_GLSL
 #define GLINT_LIGHT_GLSL
 
@@ -11,7 +11,7 @@ Lit loadLit(uint path, bool present, uvec4 walkRow) {
                  uintBitsToFloat(loadRow(kRowThroughput, path).xyz));
 }
 
-// Where a path goes on that has run out of trips, kNone in `slot` if it has not.
+// Resume point of a path that has run out of trips; `slot` is kNone if it has not.
 struct Rest {
     uint slot;
     uint light;

@@ -1,5 +1,5 @@
-// What lights add to a hit: a shadow ray to each, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980).
-// Needs Traversal, of traversal/stack.glsl or packet/packet.glsl with GLINT_SHADOW_RAYS.
+// Light of the scene's lights at a hit: a shadow ray to each, then Lambert and Blinn-Phong (Blinn 1977;
+// Whitted 1980). Needs Traversal, of traversal/stack.glsl or packet/packet.glsl with GLINT_SHADOW_RAYS.
 #ifndef GLINT_LIGHTING_GLSL
 #define GLINT_LIGHTING_GLSL
 
@@ -50,7 +50,7 @@ LightSample sampleLight(Light light, vec3 position) {
 
 const bool kFiltered = FEATURE_COLORED_SHADOWS && !MODE_SHADOWLESS;
 
-// What a path keeps from light to light.
+// State that a path keeps from one light to the next.
 struct Lit {
     uint path;
     bool live;

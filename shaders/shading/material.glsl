@@ -40,8 +40,8 @@ Material materialAt(Surface surface) {
     return material;
 }
 
-// What comes from infinitely far away against this unit direction: the background, or the environment map,
-// whose middle column is seen along -z.
+// Background radiance against `direction`. shift: added to the environment map's coordinates. `environment`:
+// the tracer's.
 vec3 surroundings(Environment environment, vec3 direction) {
     vec3 radiance = environment.background;
     if (FEATURE_ENVIRONMENT_MAP) {
@@ -62,14 +62,14 @@ bool holeAt(Surface surface) {
     return textureAt(number, surface).w < material.alphaCutoff;
 }
 
-// What a walk meets and may go through.
+// A surface that a traversal hits and may pass through.
 struct Met {
     Surface surface;  // with its material and, with textures, where it is in the world
     bool leaving;     // the ray comes from the inner side
 };
 
-// Whether a ray that meets a surface of this kind comes from the inner side. What is round says so itself
-// where sides count (kTellsSides), and needs no normal then.
+// True if a ray that hits a surface of this kind comes from the inner side. Where sides count (kTellsSides),
+// round primitives return the side themselves, and need no normal.
 const bool kSpheresTell = kTellsSides && SPHERE_FORM == kSphereRobust;
 bool leavesThrough(uint kind, Hit hit, Surface surface, vec3 direction) {
     bool told = (kSpheresTell && kind == kKindSphere) || (kTellsSides && kind == kKindQuadric);

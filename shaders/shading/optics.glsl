@@ -5,7 +5,7 @@
 
 #include "shading/surface.glsl"
 
-// Of a medium as Material::medium numbers them; not of 0, air, for which anything may come back.
+// Optics of a medium, numbered as in Material::medium. The result for 0, air, is arbitrary.
 Optics opticsOf(uint medium) { return loadOptics(medium == 0u ? 0u : medium - 1u); }
 
 float iorOf(uint medium) { return medium == 0u ? 1.0 : opticsOf(medium).ior; }
@@ -74,8 +74,8 @@ Crossing crossingAt(uvec4 media, uint medium, bool entering) {
     return c;
 }
 
-// What Beer's law leaves after `way` (A. Beer, "Bestimmung der Absorption des rothen Lichts in farbigen
-// Fluessigkeiten", 1852).
+// Transmittance of a path of length `way`, by Beer's law (A. Beer, "Bestimmung der Absorption des rothen
+// Lichts in farbigen Fluessigkeiten", 1852).
 vec3 transmittance(uint medium, float way) {
     if (!FEATURE_ATTENUATION) return vec3(1.0);
     vec3 attenuation = attenuationOf(medium);

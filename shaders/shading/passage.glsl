@@ -1,6 +1,6 @@
-// What a shadow ray keeps of its light where it goes through dielectrics: straight on, without refraction.
-// The optical depth is a sum over the surfaces it crosses, so their order does not matter, and the walk
-// through the BVH may be cut and resumed anywhere.
+// Light that a shadow ray keeps on its way through dielectrics: straight on, without refraction. The optical
+// depth is a sum over the surfaces that the ray crosses. Their order does not matter, so the traversal of the
+// BVH may be cut and resumed anywhere.
 #ifndef GLINT_PASSAGE_GLSL
 #define GLINT_PASSAGE_GLSL
 
@@ -14,7 +14,7 @@ struct Passage {
     bool counts;  // of the triangle at hand: crossesOnce
 };
 
-// What the media that a ray starts in take of light, per unit of its way.
+// Attenuation by the media that a ray starts in, per unit of its length.
 vec3 attenuationAround(uvec4 media) {
     if (!FEATURE_ATTENUATION) return vec3(0.0);
     return attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);

@@ -1,4 +1,4 @@
-// Where a sample of a pixel lies on the film and on the lens (docs/guide/sampling.md).
+// Position of a pixel's sample on the film and on the lens (docs/guide/sampling.md).
 #ifndef GLINT_SAMPLE_GLSL
 #define GLINT_SAMPLE_GLSL
 
@@ -53,10 +53,10 @@ uvec2 sobolPair(uint index) {
     return uvec2(bitfieldReverse(index), y);
 }
 
-// As many dimensions as anybody asks for: the same points of two dimensions for each pair, shuffled and
-// scrambled by a hash of pixel and pair (padding; Burley 2020, sec. 3). A shuffle that is itself Owen's
-// leaves every aligned block of 2^k samples one of 2^k points, so each pair is as even as the first two
-// dimensions are, and pairs are independent of each other.
+// Provides any number of dimensions: each pair uses the same two-dimensional points, shuffled and scrambled
+// by a hash of pixel and pair (padding; Burley 2020, sec. 3). An Owen shuffle keeps every aligned block of
+// 2^k samples a block of 2^k points. Each pair is therefore as even as the first two dimensions, and pairs
+// are independent of each other.
 uvec2 paddedPair(uint index, uvec2 pixel, uint pair, uint seed) {
     uvec4 random = scrambleSeeds(uvec4(pixel, kPaddingKey + pair, seed));
     uint shuffled = owenScrambled(uvec2(index), random.xx).x;

@@ -1,5 +1,5 @@
-// What a surface does to light: what light.comp, shade.comp and shading/tree.glsl know of materials. The
-// reference's is src/reference/scatter.cpp; the formulas are those of docs/reference/shading.md.
+// Scattering of light at a surface: the materials of light.comp, shade.comp and shading/tree.glsl. The
+// reference's version is src/reference/scatter.cpp; the formulas are those of docs/reference/shading.md.
 #ifndef GLINT_SCATTER_GLSL
 #define GLINT_SCATTER_GLSL
 
@@ -37,7 +37,7 @@ Interaction interactionAt(Ray ray, Hit hit, uvec4 media) {
 // False for a surface inside a medium of greater priority: light passes as if it were not there.
 bool counts(Interaction at) { return !FEATURE_TRANSMISSION || at.crossing.counts; }
 
-// What the medium on the ray's way leaves of light.
+// Transmittance of the medium along the ray.
 vec3 transmittanceOfWay(Interaction at) {
     return transmittance(at.crossing.mediumBefore, at.isHit ? at.hit.t : kInfinity);
 }
@@ -48,7 +48,7 @@ vec3 ambientAt(Interaction at, Environment environment) {
     return counts(at) ? at.material.ambient * environment.ambient : vec3(0.0);
 }
 
-// What comes without a ray to a light: ambient light, or that of the surroundings.
+// Light that needs no ray to a light: ambient light, or that of the surroundings.
 vec3 ownLight(Interaction at, Environment environment) {
     return at.isHit ? ambientAt(at, environment) : surroundings(environment, at.ray.direction);
 }
@@ -77,7 +77,7 @@ vec3 evaluate(Interaction at, vec3 toLight) {
 // ---- Rays that go on (T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980)
 // ----
 
-// What passes a surface of this medium.
+// Transmission of a surface of this medium.
 vec3 transmissionAt(uint medium, Surface surface) {
     Optics optics = opticsOf(medium);
     return FEATURE_TEXTURED_GLASS ? optics.transmission * textureAt(optics.transmissionTexture, surface).xyz
@@ -95,7 +95,7 @@ struct Scattering {
     vec3 refractedWeight;
 };
 
-// Of what is no dielectric.
+// Scattering at a surface that is no dielectric.
 Scattering mirrorAt(Interaction at) {
     Scattering s;
     s.reflects = at.isHit && greatestOf(at.material.mirror) > 0.0;

@@ -64,7 +64,7 @@ Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance, bool unbou
     || (uv == 1 && kind == kKind##Kind)
 bool hasOwnUv(uint kind) { return false GLINT_PRIMITIVES(GLINT_OWN_UV, 0); }
 
-// Where the surface is in the world.
+// Fills in texture coordinates from the object's frame. The surface must be in world coordinates.
 void fillObjectUv(uint kind, inout Surface surface) {
     if ((FEATURE_TEXTURES || FEATURE_CHECKERS) && !hasOwnUv(kind))
         surface.uv = objectUv(surface.object, surface.position, surface.geometricNormal);

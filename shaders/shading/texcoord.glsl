@@ -41,7 +41,8 @@ vec2 latitudeLongitude(vec3 d) {
     return vec2(u, v);
 }
 
-// Of what is no triangle, by the object's frame (kUv...); (0, 0) in a scene without textures.
+// Texture coordinates of primitives other than triangles, by the object's frame (kUv...); (0, 0) in a scene
+// without textures.
 vec2 objectUv(uint object, vec3 position, vec3 outward) {
     vec2 uv = vec2(0.0);
     uint index = object < loadEnvironment(0u).frameCount ? object : kNone;

@@ -67,8 +67,8 @@ void book(inout Ledger ledger, bool lost, uint reason, float bound) {
     }
 }
 
-// Whether a branch that the surface asks for is followed; if not, the ledger says why. depth: rays before the
-// one that met the surface.
+// True if a branch that the surface needs is followed; otherwise the ledger records the reason. depth: rays
+// before the one that hit the surface.
 bool isFollowed(inout Ledger ledger, bool wanted, uint depth, vec3 throughput, Environment environment) {
     bool inDepth = depth < environment.maxDepth;
     if (!MODE_LEDGER) return wanted && inDepth;
@@ -150,7 +150,7 @@ bool nextBranch(uint path, inout Ledger ledger, bool alive, Interaction at, inou
         next = mirrorBranch;
         second = innerBranch;
     }
-    // Of one branch more than may wait and the one at hand, the weaker is dropped.
+    // If a second branch exceeds the room for waiting branches, drop the weaker of the two.
     bool crowded = both && state.y >= kMaxWaiting;
     float weakest = min(greatestOf(abs(next.throughput)), greatestOf(abs(second.throughput)));
     if (MODE_LEDGER) book(ledger, crowded, kLostRoom, weakest * environment.radianceBound);

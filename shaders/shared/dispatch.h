@@ -1,4 +1,4 @@
-// What the host tells a kernel: bindings, specialization constants, push constants, and the rows of the path
+// Interface of host and kernels: bindings, specialization constants, push constants, and the rows of the path
 // state.
 #ifndef GLINT_SHARED_DISPATCH_H
 #define GLINT_SHARED_DISPATCH_H

@@ -20,10 +20,10 @@
     V3U(A, lo1, escape)                  \
     V3U(A, hi1, reserved)
 
-// What shading needs of a triangle. normal: unit, outward by winding, computed in double from the rounded
-// vertices. vertexNormals: index into the VertexNormals array, or kNone. attributes: the first of the
-// triangle's rows in the VertexAttribute array, with the flags kAttribute... in its upper bits; 0: it has
-// none.
+// Shading data of a triangle. normal: unit, outward by winding, computed in double from the rounded vertices.
+// vertexNormals: index into the VertexNormals array, or kNone. attributes: the first of the triangle's rows
+// in the VertexAttribute array, with the flags kAttribute... in its upper bits; 0 if the triangle has no such
+// rows.
 #define GLINT_TRIANGLE_SURFACE_ROWS(V3F, V3U, U4, A) \
     V3U(A, normal, object)                           \
     U4(A, primitive, material, vertexNormals, attributes)
@@ -46,8 +46,8 @@
     V3U(A, mirror, medium)                   \
     U4(A, ambientTexture, diffuseTexture, specularTexture, mirrorTexture)
 
-// What a dielectric material has besides. density: -ln(transmission), so that the light which passes many
-// surfaces is the exponential of a sum; attenuation: per unit length; rank: the priority as an unsigned
+// Additional data of a dielectric material. density: -ln(transmission), so that the light that passes many
+// surfaces is the exponential of a sum. attenuation: per unit length. rank: the priority as an unsigned
 // number of the same order (kRankOfZero is priority 0).
 #define GLINT_OPTICS_ROWS(V3F, V3U, U4, A) \
     V3F(A, transmission, ior)              \
@@ -70,9 +70,9 @@
 // colours of its three vertices.
 #define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4, A) V3F(A, value, reserved)
 
-// Of an object: its own coordinates of a local position p are toObjectX.p + offsetX, ..., counted from where
-// the cubes of solid checkers are (src/pack/object_frame.h). What texture coordinates are made of, by uvKind
-// (kUv... below), are U = toU.p + offsetU, V and W.
+// Coordinate frame of an object. Its own coordinates of a local position p are toObjectX.p + offsetX, ...,
+// counted from the cubes of solid checkers (src/pack/object_frame.h). Texture coordinates are made, by uvKind
+// (kUv... below), of U = toU.p + offsetU, V and W.
 #define GLINT_OBJECT_FRAME_ROWS(V3F, V3U, U4, A) \
     V3F(A, toObjectX, offsetX)                   \
     V3F(A, toObjectY, offsetY)                   \
@@ -236,11 +236,11 @@ enum class PrimitiveKind : uint8_t { GLINT_PRIMITIVES(GLINT_KIND_NAME, 0) };
 static_assert(kKindCount <= kLeafKindMask + 1, "a leaf has three bits for its kind");
 #endif
 
-// Of a solid with several surfaces, the part that is hit stands in the primitive too, above the 25 bits that
-// a leaf leaves to an index: a ray that starts there must not meet that part again, but may meet the others.
+// For a solid with several surfaces, the primitive also holds the part that is hit, above the 25 bits that a
+// leaf leaves to an index. A ray that starts on this part must not hit it again, but may hit the others.
 GLINT_CONST_UINT(kPartShift, 25u);
 GLINT_CONST_UINT(kPartMask, 7u);
-// Of a quadric:
+// Parts and caps of a quadric:
 GLINT_CONST_UINT(kPartSide, 0u);
 GLINT_CONST_UINT(kPartLowerCap, 1u);
 GLINT_CONST_UINT(kPartUpperCap, 2u);

@@ -39,13 +39,15 @@
     V3U(A, normal, object)                  \
     U4(A, primitive, material, firstVertex, trips)
 
-// What of the surface y.Qy + 2 linear.y + constant = 0, y = T (x - point), lies in the box lo <= y <= hi. T
-// has the rows toLocal0..2 and makes a length of about 1 of the surface's own size, so that no square leaves
-// fp32's range. Q: squares on the diagonal, products beside it (yz, xz, xy: each stands there twice). Inside
-// is where the left side is negative; `caps` closes it where it leaves the box through y.z = lo.z (kCapLower)
-// or hi.z (kCapUpper). The box then has room on its other sides. Where the eye is close to a surface of
-// little curvature, `point` lies on it, and constant vanishes. Of a cone with a tip that is close (kFromApex
-// in `caps`) `linear` is y - y', y' = T (x - apex), and y'.Qy' = 0 its equation; `constant` that of y.
+// The part of the surface y.Qy + 2 linear.y + constant = 0, y = T (x - point), in the box lo <= y <= hi. T
+// has the rows toLocal0..2. It scales a length of the surface's own size to about 1, so that no square leaves
+// fp32's range. Q has the squares on the diagonal and the products beside it (yz, xz, xy: each stands there
+// twice).
+// The left side is negative inside. `caps` closes the solid where it leaves the box through y.z = lo.z
+// (kCapLower) or hi.z (kCapUpper); the box then has room on its other sides. If the eye is close to a surface
+// of little curvature, `point` lies on the surface, and constant vanishes. For a cone with a tip that is
+// close (kFromApex in `caps`), `linear` is y - y', y' = T (x - apex), and y'.Qy' = 0 is its equation;
+// `constant` is that of y.
 #define GLINT_QUADRIC_ROWS(V3F, V3U, U4, A) \
     V3U(A, point, id)                       \
     V3F(A, toLocal0, constant)              \
@@ -71,10 +73,10 @@
     V3F(A, toWorldY, reserved1)              \
     V3F(A, toWorldZ, reserved2)
 
-// What lies between three pairs of parallel faces: lo <= y <= hi for y = T (x - point), T having the rows
+// The solid between three pairs of parallel faces: lo <= y <= hi for y = T (x - point). T has the rows
 // toLocal0..2, unit normals of the faces. Without a transform T is the identity and point is 0, so that the
-// faces are exactly where lo and hi say. The part of a primitive (kPartShift): 2 axis + 1 for the face at hi,
-// + 0 at lo.
+// faces are exactly at lo and hi. The part of a primitive (kPartShift) is 2 axis + 1 for the face at hi, 2
+// axis + 0 for the face at lo.
 #define GLINT_CUBOID_ROWS(V3F, V3U, U4, A) \
     V3U(A, point, id)                      \
     V3U(A, toLocal0, object)               \

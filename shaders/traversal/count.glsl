@@ -10,7 +10,7 @@
 bool isAnyHit(Traversal traversal) { return false; }
 bool isShadowRay(Traversal traversal) { return false; }
 
-// Of the ray at hand.
+// Crossings of the current ray.
 struct CrossingCount {
     uint count;     // surfaces so far
     uint doubtful;  // 1: rounding decides about one of them, and the host counts again

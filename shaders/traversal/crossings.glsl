@@ -10,7 +10,7 @@
 
 #include "primitives/triangle.glsl"
 
-// Whether it matters where a crossing is, beside that it is in the interval.
+// True if the position of a crossing matters, besides that it is in the interval.
 const bool kPlacesMatter = MODE_LIST || FEATURE_ALPHA_MASK;
 
 // The magnitude of x is m 2^(e - 150).
@@ -60,17 +60,17 @@ int compareProducts(float a, float b, float c, float d) {
     return first != second ? sign(first - second) : first * bits;
 }
 
-// Of the edge from p to q, on which side of it the moved ray passes: 1 or -1, 0 only where p and q are one
-// place. The edge from q to p gets the other sign.
+// Side of the edge from p to q on which the moved ray passes: 1 or -1; 0 only if p and q coincide. The edge
+// from q to p gets the other sign.
 int sideExactly(vec2 p, vec2 q) {
     int side = compareProducts(p.x, q.y, p.y, q.x);
     int moved = p.y != q.y ? (p.y > q.y ? 1 : -1) : (p.x != q.x ? (q.x > p.x ? 1 : -1) : 0);
     return side != 0 ? side : moved;
 }
 
-// What rounded numbers say of a triangle: that the ray may cross it, and whether that is certain. Three signs
-// that are not zero are right (a rounded difference of rounded products has the sign of the true one), and t
-// lies between those of the corners.
+// Result of rounded arithmetic for a triangle: whether the ray may cross it, and whether this is certain.
+// Three nonzero signs are right (a rounded difference of rounded products has the sign of the exact
+// difference), and t lies between those of the corners.
 struct Look {
     SeenTriangle seen;
     vec3 z;  // of the corners, along the ray
@@ -102,8 +102,8 @@ Look lookAt(Ray ray, RayFrame frame, Triangle triangle) {
     return lookAtTurned(ray, frame, a, b, c);
 }
 
-// Whether the ray crosses the triangle at a t of its interval, 0 excluded. doubtful: rounding decides whether
-// that is so behind the origin or before it. t, u and v are only known where they are wanted.
+// True if the ray crosses the triangle at a t of its interval, 0 excluded. doubtful: rounding decides whether
+// the crossing is behind the origin or before it. t, u and v are valid only if they are needed.
 bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips, out float t, out float u,
                    out float v, out bool doubtful) {
     Look look = lookAt(ray, frame, triangle);

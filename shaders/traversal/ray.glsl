@@ -38,7 +38,7 @@ struct Hit {
 
 bool isFinite(vec3 v) { return all(lessThanEqual(abs(v), vec3(kInfinity))); }
 
-// What the box and triangle tests need of a ray, once a ray.
+// Values of a ray that the box and triangle tests need, computed once per ray.
 struct RayFrame {
     vec3 nearOrigin;  // the origin as near planes of boxes are measured from it
     vec3 farOrigin;   // the same for far ones: apart where boxes are to be wider, see makeFrame

@@ -25,7 +25,7 @@ struct Traversal {
     uint worldSlot;  // where a stackless traversal continues after the instance
     uint trips;      // loop trips so far, at most dispatch.tripBudget
     uint cost;
-    // Of any-hit and shadow queries; the others never use them.
+    // Only any-hit and shadow queries use these.
     bool any;         // in traversal/query_path.glsl: a shadow ray, a constant at each call
     Passage passage;  // light that is left after dielectrics
 };

@@ -20,7 +20,7 @@ class AnimatedScene {
     // object.
     AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err, bool quiet);
 
-    // What stays in its place as time goes on: the arrays are changed where they are.
+    // The scene of the current frame; its arrays change in place.
     const LoadedScene& loaded() const { return loaded_; }
     LoadedScene take() && { return std::move(loaded_); }
 

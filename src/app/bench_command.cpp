@@ -73,7 +73,7 @@ void checkOptions(const BenchCommand& c) {
     if (c.wholePaths) throw Error(ErrorKind::Argument, "--whole-paths: needs --backend gpu");
 }
 
-// What compiling takes is what it takes the first time. Whoever sets these himself has reasons.
+// Measure the first compilation: switch the drivers' caches off, unless the user set these variables.
 void switchShaderCachesOff() {
     setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
     setenv("__GL_SHADER_DISK_CACHE", "0", 0);

@@ -49,7 +49,7 @@ struct CommandFacts {
 // Every command's options, as they are declared.
 std::vector<CommandFacts> commandFacts();
 
-// Of the program itself: -h, --version, --verbose.
+// Options of the program itself: -h, --version, --verbose.
 std::vector<OptionFacts> programOptions();
 
 }  // namespace glint::app

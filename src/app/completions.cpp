@@ -53,7 +53,7 @@ Text quotedFor(const Text& plain, const Text& special, const Text& apostrophe) {
 
 // ---- bash ----
 
-// What follows an option: a line of its `case`.
+// Completion after an option: a line of its `case`.
 Text bashCase(const Text& command, const OptionFacts& option) {
     std::vector<Text> patterns;
     for (const Text& name : split(option.names)) patterns.push_back("'" + command + " " + name + "'");
@@ -112,7 +112,7 @@ Text fishOption(const Text& condition, const OptionFacts& option) {
     return made + " -d " + fishQuoted(option.help) + "\n";
 }
 
-// What stands in place of arguments that are files, or a folder.
+// Placeholder of arguments that are files or folders.
 Value positionalValue(const CommandFacts& command) {
     for (const OptionFacts& option : command.options)
         if (option.positional()) return option.value;

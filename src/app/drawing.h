@@ -1,4 +1,4 @@
-// Who draws a scene: a device, or the reference.
+// Renders a scene on a device or with the reference.
 #pragma once
 
 #include <future>
@@ -53,9 +53,8 @@ class Drawing {
     // A picture of the scene that was loaded, by its camera.
     Picture draw(const Request& request);
 
-    // What `work` makes by draw(). If the device fails on the way and --fallback allows it, what it has drawn
-    // is dropped and `work` begins anew on the reference, which draws from then on: a result is of one of
-    // them alone.
+    // Runs `work`, which calls draw(). If the device fails and --fallback allows it, the partial result is
+    // dropped and `work` starts again on the reference: a result comes from one backend only.
     template <typename Work>
     auto whole(const Work& work) {
         try {
@@ -66,10 +65,10 @@ class Drawing {
         return work();
     }
 
-    // Who draws now.
+    // The backend in use.
     Backend backend() const { return backend_; }
 
-    // Of all pictures so far.
+    // Facts of all images so far.
     DrawingFacts facts() const;
 
     // Prints what the validation layer said; throws Error(Device) if it said anything.
@@ -89,7 +88,7 @@ class Drawing {
     std::optional<render::Renderer> renderer_;
     const LoadedScene* loaded_ = nullptr;
     shared::Camera camera_{};
-    // Of the host.
+    // The host's model.
     std::shared_ptr<reference::Model> truth_;
     reference::rows::Camera truthCamera_;
     Request expected_;

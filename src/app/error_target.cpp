@@ -43,7 +43,7 @@ double roundingOf(const LoadedScene& loaded, const Request& request, Backend bac
                                  backend == Backend::Cpu ? 0x1p-53 : verify::kFloatUnit);
 }
 
-// As short as it can be read back from: 0.999999999 is not 1.
+// Shortest text that parses to the same number.
 std::string probability(double value) {
     char text[32];
     return {text, std::to_chars(text, text + sizeof(text), value).ptr};

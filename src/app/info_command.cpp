@@ -47,7 +47,7 @@ std::string kindCounts(const PackedScene& packed) {
     return text;
 }
 
-// What --traversal auto comes to on the device that would be taken; without one, says so.
+// Choice of --traversal auto on the default device; says so if there is none.
 std::string traversalText(const PackedScene& packed, const Request& request) {
     try {
         const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
@@ -113,7 +113,7 @@ void printInstances(const PackedScene& packed, std::ostream& out) {
         << '\n';
 }
 
-// Of a single sample in the middle there is nothing to say.
+// A single sample in the centre has no sampler.
 std::string samplerText(const ImageSettings& image) {
     const Sampler sampler = samplerOf(image);
     if (image.samplesPerPixel == 1 && sampler == Sampler::Grid) return "";

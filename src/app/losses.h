@@ -1,4 +1,4 @@
-// What a picture lacks of the whole tree of rays, for people and for programs.
+// Reports omitted branches of the ray tree, for people and programs.
 #pragma once
 
 #include <iosfwd>

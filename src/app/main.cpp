@@ -10,7 +10,7 @@
 
 namespace {
 
-// Of processes that mpirun has started one speaks.
+// Only rank 0 prints.
 volatile std::sig_atomic_t silent = 0;
 
 // Until a command has something to save (installInterruptHandler), Ctrl-C and kill end the program at once.

@@ -106,8 +106,7 @@ void addDevice(OptionTable& table, DeviceChoice& device) {
 void addTraversal(OptionTable& table, DeviceChoice& device) {
     table.choice<render::Traversal>(
         "--traversal",
-        "how the device finds hits: ray by ray, by packets of rays, or ray by ray in a wide tree "
-        "(default auto: see glint info)",
+        "trace each ray alone (lane) or 32 rays together (packet); default auto: see glint info",
         device.traversal);
 }
 

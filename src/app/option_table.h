@@ -17,7 +17,7 @@ class App;
 
 namespace glint::app {
 
-// What a page or a shell has to know of an option.
+// Facts about an option for man pages and shell completions.
 struct OptionFacts {
     enum class Value { None, Text, File, Folder };
 

@@ -55,7 +55,7 @@ FilterChoice parseFilter(const std::string& text);        // "NAME" or "NAME,RAD
 AdaptiveSampling parseAdaptive(const std::string& text);  // "MAX" or "MAX,THRESHOLD"
 uint32_t parseSeed(const std::string& text);
 
-// Of a file or folder, `what` ("the file name") in the error; not empty.
+// Parses a path; `what` ("the file name") names it in the error for an empty one.
 std::filesystem::path parsePath(const std::string& what, const std::string& text);
 
 [[noreturn]] void refuse(const std::string& wanted, const std::string& text);

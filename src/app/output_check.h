@@ -1,4 +1,4 @@
-// What can be known to go wrong before hours of rendering are spent.
+// Checks before rendering: output, memory.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@ namespace {
 std::vector<Page> allPages() {
     const std::vector<CommandFacts> facts = commandFacts();
     std::vector<Page> pages = manPages(facts);
-    // Where each shell looks below /usr/share, and bash and fish below ~/.local/share, too.
+    // Folders below /usr/share that each shell reads; bash and fish also read them below ~/.local/share.
     pages.push_back({"bash-completion/completions/glint", bashCompletion(facts)});
     pages.push_back({"zsh/vendor-completions/_glint", zshCompletion(facts)});
     pages.push_back({"fish/vendor_completions.d/glint.fish", fishCompletion(facts)});

@@ -12,7 +12,7 @@ namespace glint::app {
 
 namespace {
 
-// Where the box around all finite geometry lies as the camera sees it.
+// Position of the box around all finite geometry in the camera's view.
 struct Placement {
     double depthMin = std::numeric_limits<double>::infinity();   // beyond the plane through the eye that
     double depthMax = -std::numeric_limits<double>::infinity();  // is parallel to the image plane
@@ -53,7 +53,7 @@ class Scout {
                                               r.y0 + (i / kSide + 0.5) * r.height() / kSide));
         }
     }
-    // What the rays meet, without their near and far ends.
+    // Hits of the rays without near and far limits.
     std::vector<reference::Hit> unboundedHits() const {
         std::vector<reference::Hit> hits;
         for (reference::Ray ray : rays_) {

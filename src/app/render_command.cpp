@@ -144,7 +144,7 @@ int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream&
         request.progress = [&](double fraction) { progress.update(fraction); };
         std::optional<converge::Job> job;
         if (command.target.error) job = jobOf(command.target, loaded, command.backend, request, progress);
-        // As many as an error takes are not known.
+        // The number of samples for an error target is unknown.
         drawing.load(loaded, request, job ? 0 : cameraRaysOf(request));
         if (bandRows > 0)
             drawBands(drawing, command, loaded, request, output, bandRows, outcome);

@@ -1,5 +1,4 @@
-// What a picture of `glint render` is made from: parts of it, and what is left of an interrupted one, must
-// agree on that.
+// Identity of an image of `glint render`: parts and checkpoints must agree on it.
 #pragma once
 
 #include "app/render_options.h"

@@ -43,7 +43,7 @@ std::filesystem::path outputOf(const RenderCommand& command);
 // texture often has its model's name.
 void checkNotRead(const RenderCommand& command, const Scene& scene);
 
-// Of the picture itself and a copy of each layer for the file; what a device or the encoder holds on top is
+// Bytes for the image and a copy of each layer for the file. Further memory of the device or the encoder is
 // bounded or smaller.
 uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data);
 

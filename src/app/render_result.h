@@ -1,4 +1,4 @@
-// What came of `glint render`, for people and for programs.
+// Result of `glint render`, for people and programs.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace glint::app {
 
-// Of a picture in bands, none of which is kept.
+// Totals of an image in bands, which are not kept.
 struct BandTotals {
     int bands = 0;
     uint64_t done = 0, sum = 0;  // pixels, and their samples
@@ -43,7 +43,7 @@ struct Outcome {
 Picture drawPicture(Drawing& drawing, const Request& request, const std::optional<converge::Job>& job,
                     Outcome& outcome);
 
-// What the picture's file tells about it: with --error, what was asked for and reached.
+// Notes for the image file: with --error, the target and the result.
 PictureNotes notesOf(const Outcome& outcome, const RenderCommand& command);
 
 // Warnings about what the picture shows, or lacks.
@@ -54,7 +54,7 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                  std::ostream& out);
 
-// Of --stats, about the device that --fallback replaced.
+// JSON for --stats about the device that --fallback replaced.
 nlohmann::json fallbackJson(const FailedDevice& failed);
 
 // Says on `err` how many pixels are not finite, each line after `start`; nothing if all are.

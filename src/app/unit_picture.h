@@ -39,9 +39,9 @@ class UnitPicture {
     double writeSeconds_ = 0;
 };
 
-// Whether the picture must go into the file row by row, or is to by `wanted`. `heldBytes`: of the largest
-// unit, times those that may wait for one that stands before them. `available`: bytes of memory. Throws
-// Error(Failed) if the picture fits neither at once nor, in a format that has them, in rows.
+// True if the image must be written row by row, or is to by `wanted`. `heldBytes`: bytes of the largest unit
+// times those that may wait for an earlier one. `available`: bytes of memory. Throws Error(Failed) if the
+// image fits neither at once nor in rows.
 bool needsRows(const farm::UnitHeader& header, const std::filesystem::path& output, uint64_t heldBytes,
                uint64_t available, bool wanted = false);
 
@@ -51,7 +51,7 @@ std::string producerText(const farm::Producer& producer);
 void warnOfMixedBits(const std::vector<farm::Producer>& producers, const std::string& start,
                      std::ostream& err);
 
-// Of a unit of so many pixels while it is drawn, or waits.
+// Bytes of a unit of so many pixels while it is rendered or waits.
 uint64_t unitBytes(const std::vector<Aov>& aovs, uint64_t pixels);
 
 }  // namespace glint::app

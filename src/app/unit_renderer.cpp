@@ -22,7 +22,7 @@ uint64_t pixelsOf(const std::vector<Region>& regions) {
     return pixels;
 }
 
-// Where the picture was cut must be the same for all parts, so that none is drawn twice or never.
+// All parts must use the same cut, so that each pixel is rendered exactly once.
 std::string hashOf(const std::vector<std::vector<Region>>& cut) {
     std::string text;
     for (const auto& regions : cut) {
@@ -51,7 +51,7 @@ uint64_t mostPixelsOf(const std::vector<std::vector<Region>>& cut) {
     return most;
 }
 
-// What draws and what gathers holds whole units: of those the cheapest, of sky, have most pixels.
+// Renderer and collector hold whole units. The cheapest units, of sky, have most pixels.
 std::vector<std::vector<Region>> cutToHold(const farm::CostMap& costs, int parts, uint64_t bytesPerPixel) {
     constexpr uint64_t kUnitBytes = uint64_t{1} << 28;
     auto cut = farm::cutPicture(costs, parts);

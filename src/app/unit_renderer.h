@@ -25,7 +25,7 @@ class UnitRenderer {
     const Drawing& drawing() const { return drawing_; }
     uint64_t pixelsOf(int part) const;
 
-    // Of the unit that has most.
+    // Pixels of the largest unit.
     uint64_t mostPixels() const;
 
     // Nothing if it was interrupted, or `unwanted` says that nobody wants the unit any more. `progress` hears
@@ -33,7 +33,7 @@ class UnitRenderer {
     std::optional<farm::UnitResult> draw(int part, const std::function<void(double)>& progress,
                                          const std::function<bool()>& unwanted = {});
 
-    // What is known of the drawing, and warnings, once the picture is written.
+    // Adds facts and warnings once the image is written.
     void complete(Outcome& outcome, const std::vector<farm::Producer>& producers, std::ostream& err) const;
 
   private:

@@ -11,8 +11,8 @@ class ParseError;
 
 namespace glint::app {
 
-// What is wrong with the first word of a command line, which must be one of `app`'s commands or an option
-// that stands alone; empty if nothing is.
+// Error in the first word of a command line, which must be a command of `app` or an option that stands alone;
+// empty if there is none.
 std::string firstWordError(const CLI::App& app, const std::vector<std::string>& args);
 
 // The line for what CLI11 refused.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kPrintedPixels = 10;
 
-// What one side has seen in a pixel.
+// Result of one tracer for a pixel.
 struct Seen {
     const char* who;
     glm::dvec3 color;

@@ -9,8 +9,7 @@ namespace glint::app {
 // archive says it).
 const char* builtCommit();
 
-// What was built in, and which devices Vulkan finds: lines "NAME: VALUE", without an end after the last.
-// Never throws.
+// Build configuration and Vulkan devices: lines "NAME: VALUE" without a final line end. Never throws.
 std::string builtIn();
 
 }  // namespace glint::app

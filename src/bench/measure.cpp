@@ -43,7 +43,7 @@ std::vector<std::string> namesOf(const SceneFeatures& features) {
     return names;
 }
 
-// Of linux/getrusage(2): kilobytes.
+// getrusage(2) counts in kilobytes.
 uint64_t hostPeak() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -88,7 +88,7 @@ Task taskOf(const LoadedScene& loaded, const Options& options) {
     Task task = {loaded, options, cameraOf(loaded, options.request),
                  requestOf(image, loaded.scene.camera.lensRadius > 0)};
     static_cast<Tracing&>(task.request) = options.request;
-    // As `glint render` without --stats.
+    // Same request as `glint render` without --stats.
     task.request.ledger = loaded.packed.features.transmission;
     task.request.cancelled = options.cancelled;
     return task;

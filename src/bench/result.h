@@ -1,4 +1,4 @@
-// What was measured of one scene.
+// Measurements of one scene.
 #pragma once
 
 #include <array>
@@ -23,17 +23,17 @@ struct Result {
     std::vector<std::string> used, also;  // features of the scene; further ones that there is code for
 
     render::RayCounts rays;  // of one picture
-    // Of one picture each. The host's reference does not tell its rays apart: `trace` alone.
+    // Seconds for one image. The reference does not separate ray classes and fills `trace` only.
     Quartiles generate, primary, shadow, secondary, shade, trace, readback;
-    // Of one picture with its readback, the seconds of all threads together: where the device is the
-    // processor they depend less than `trace` on what else the machine does.
+    // Processor seconds of all threads for one image with its readback. On a software device they depend less
+    // than `trace` on other work of the machine.
     Quartiles processors;
     Quartiles mirrored, refracted;  // where a picture has both: in dispatches of their own
     // The reference's rays, by RayClass: of the first sample of a grid of pixels; on the host, of all.
     std::array<reference::RayTally, reference::kRayClasses> counted;
     uint64_t countedPixels = 0;
 
-    // Of one picture, over all bounces: paths that were alive, and those that the kernels ran over.
+    // For one image, over all bounces: living paths, and paths that the kernels ran over.
     uint64_t livePaths = 0, invocations = 0;
 
     double open = 0, load = 0, build = 0, pack = 0, upload = 0, compile = 0;

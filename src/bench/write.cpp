@@ -21,7 +21,7 @@ double testsOf(const Result& result, std::initializer_list<reference::RayClass> 
     return sum.rays > 0 ? static_cast<double>(sum.tests) / static_cast<double>(sum.rays) : 0;
 }
 
-// Of the rates that belong to times: a short time is a high rate.
+// Rates of the given times: the shortest time has the highest rate.
 Quartiles perSecond(const Rate& rate) {
     const auto of = [&](double seconds) {
         return seconds > 0 ? static_cast<double>(rate.rays) / seconds : 0;

@@ -29,7 +29,7 @@ constexpr uint32_t kChunk = 65536;
 // A range of at most this many boxes, or of a 64th of them all, is built by one thread; none of this depends
 // on the number of threads, so neither does the tree.
 constexpr uint32_t kMinSubtree = 16384;
-// Of the time that a large tree takes, the levels above these ranges.
+// Part of a large tree's build time that the levels above these ranges take.
 constexpr double kTopPart = 0.3;
 
 struct Range {

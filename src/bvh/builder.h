@@ -43,9 +43,8 @@ struct BvhOptions {
     uint32_t maxLevels =
         48;  // levels below the root; SAH gives way to median splits where needed to stay within
     uint32_t bins = 16;
-    // Of one node, in units of one primitive test. Measured on the mountain of 524 k triangles: packets trace
-    // a tenth faster with 2 than with 1.5, lanes are as fast; from 2 to 5 nothing changes by more than noise
-    // (docs/lab/traversal.md).
+    // Cost of a node, in primitive tests. Measured on the mountain of 524 k triangles: packets trace a tenth
+    // faster with 2 than with 1.5, single rays are equal; 2 to 5 differ by noise (docs/lab/traversal.md).
     double traversalCost = 2;
     unsigned threads = 0;  // 0: all
     // Optional, one per box: a leaf never mixes groups (shared::kKind...). Empty: one group.

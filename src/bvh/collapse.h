@@ -46,7 +46,7 @@ class Collapse {
     }
 
   private:
-    // Of a subtree, in places j + 1 = 1..kWidth of its wide parent.
+    // Cost and choice of a subtree in j + 1 = 1..kWidth places of its wide parent.
     struct Plan {
         std::array<float, kWidth> cost;     // with at most so many places
         std::array<uint8_t, kWidth> first;  // the places of the first child, if opened

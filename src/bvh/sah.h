@@ -50,8 +50,8 @@ struct LaneBox {
         b.hi = toVec3(hi);
         return b;
     }
-    // Of a box that is not empty. May be infinite or NaN beyond 1e38, which no comparison below takes for a
-    // better split.
+    // Half the surface area of a non-empty box. Infinite or NaN beyond 1e38, which no comparison below
+    // prefers.
     double halfArea() const {
         alignas(16) float d[4];
         (hi - lo).store(d);

@@ -34,9 +34,10 @@ MeanSquare meanSquareOf(std::span<const glm::dvec3> first, std::span<const glm::
 // their ratio is Fisher's. Infinite if the estimate is of too few pixels for any statement.
 double rootMeanSquareBound(const MeanSquare& estimate, double tail);
 
-// What a detail of one pixel, no brighter than full scale, may add to the root mean square over the pixels
-// though none of `samples` of that pixel hit it: with probability 1 - tail it covers at most 1 -
-// tail^(1 / samples) of the pixel. Details in more pixels that come to as much are missed less often.
+// Largest contribution of an unseen detail to the root mean square over the pixels. The detail lies in one
+// pixel, is at most full scale bright, and is missed by all `samples` of that pixel. With probability 1 -
+// tail it covers at most 1 - tail^(1 / samples) of the pixel. Details in more pixels with the same
+// contribution are missed less often.
 double unseenBound(size_t pixels, double samples, double tail);
 
 // The tail for Fisher's quantile with which "the error is at most E" may be claimed: claimed if E^2 is at

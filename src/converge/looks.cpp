@@ -80,7 +80,7 @@ bool Looks::look(const MeanSquare& estimate, uint32_t count, double allowed) {
     if (holds) bound_ = std::min(bound_, allowed);
     // A guess that is too low costs a further look, one too high samples.
     const double ratio = allowed > 0 ? claimed / allowed : std::numeric_limits<double>::infinity();
-    // What is not seen falls with the samples' number itself.
+    // The bound on unseen details is about proportional to 1 / samples.
     const double worth = std::max(worthOf(count) * std::pow(ratio, 1 / slope_), count * unseen / allowed);
     next_ = countWorth(count, worth);
     return holds;

@@ -17,8 +17,8 @@ class Looks {
   public:
     explicit Looks(const Target& target) : risk_(1 - target.confidence) {}
 
-    // What the replicates' `count` samples each show. `allowed`: of the target, what is left for sampling.
-    // True if the claim may be made that the sampling error is at most that.
+    // Examines the replicates, each with `count` samples. `allowed`: part of the target that is left for
+    // sampling. True if the claim may be made that the sampling error is at most `allowed`.
     bool look(const MeanSquare& estimate, uint32_t count, double allowed);
 
     // An upper bound of the sampling error at the last look; with the confidence for all looks together.

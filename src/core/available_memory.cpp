@@ -99,7 +99,7 @@ std::string gibibytes(uint64_t bytes) {
 void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available, const char* advice) {
     const uint64_t needed = static_cast<uint64_t>(width) * static_cast<uint64_t>(height) * bytesPerPixel;
     if (needed <= available) return;
-    // Of the same shape.
+    // Keep the aspect ratio.
     const double scale = std::sqrt(static_cast<double>(available) / static_cast<double>(needed));
     const auto fitting = [scale](int side) {
         return std::to_string(std::max(static_cast<int>(scale * side), 1));

@@ -1,5 +1,5 @@
-// What the caller of a library's call has to say about threads, cancelling and memory. In force in the thread
-// that has a CallScope, and in those that parallelFor starts for it: nothing is global.
+// Terms of a library call: threads, cancelling, progress and memory. They hold in the thread with a CallScope
+// and in threads that parallelFor starts for it.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace glint {
 
-// Who keeps count of memory, and may refuse it by an exception.
+// Counts memory and may refuse it by an exception.
 class MemoryAccount {
   public:
     MemoryAccount() = default;
@@ -85,7 +85,7 @@ inline void paceLoop(uint64_t step, uint64_t count = 0) {
     if (count > 0) tellProgress(static_cast<double>(step) / static_cast<double>(count));
 }
 
-// Of a reader of bytes, which asks and tells whenever it has come so much further.
+// Checks for cancellation and reports progress at intervals while bytes are read.
 class ReadingPace {
   public:
     ReadingPace(const char* begin, const char* end) : begin_(begin), end_(end), pause_(begin + kBytes) {}

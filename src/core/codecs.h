@@ -23,7 +23,7 @@ class CodecError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// Where the bytes of a file go, in any order.
+// Receives the bytes of a file, in any order.
 class ByteSink {
   public:
     virtual ~ByteSink() = default;

@@ -13,7 +13,7 @@ namespace glint {
 uint64_t contentHash(std::span<const uint8_t> bytes);
 uint64_t contentHash(std::string_view text);
 
-// As 16 hexadecimal digits.
+// 16 hexadecimal digits.
 std::string hashText(uint64_t hash);
 
 }  // namespace glint

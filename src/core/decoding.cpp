@@ -1,4 +1,4 @@
-// What the decoders share.
+// Helpers of the decoders.
 #include "core/call_terms.h"
 #include "core/codecs.h"
 #include "core/quantize.h"

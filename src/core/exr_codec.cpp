@@ -233,7 +233,7 @@ class SinkStream : public Imf::OStream {
   public:
     explicit SinkStream(ByteSink& sink) : OStream("the file"), sink_(sink) {}
 
-    // Where offsets are known late, the library goes back and fills them in.
+    // The library seeks back to fill in offsets that it learns late.
     void write(const char bytes[], int count) override {
         const ByteView view(reinterpret_cast<const uint8_t*>(bytes), static_cast<size_t>(count));
         try {

@@ -55,7 +55,7 @@ class Reader {
         begun_ = begun_ || result == EXR_ERR_SUCCESS;
         return result == EXR_ERR_SUCCESS;
     }
-    // Where channels[c] of the chunk goes: to `first` + c, interleaved. False if one is not there.
+    // Sends channels[c] of the chunk to `first` + c, interleaved. False if a channel is missing.
     bool into(float* first, size_t rowSamples, const std::vector<std::string>& channels) {
         const size_t count = channels.size();
         size_t found = 0;

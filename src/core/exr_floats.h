@@ -9,7 +9,7 @@
 
 namespace glint {
 
-// What the older library, by which sizes were checked, takes the file for.
+// Shape of the file as OpenEXR's C++ library, which checked the sizes, reports it.
 struct ExrShape {
     int width, height;
     int channels;     // of the file

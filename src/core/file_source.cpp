@@ -30,7 +30,7 @@ class FileSystem : public FileSource {
     fs::path real(const fs::path& path) override {
         const fs::path last = path.filename();
         std::error_code code;
-        // What is no link lies where its folder does, which is looked for once.
+        // A name that is no link lies in its folder, which is resolved once.
         if (last.empty() || last == "." || last == ".." || fs::is_symlink(fs::symlink_status(path, code)))
             return found(path, path);
         if (code && code != std::errc::no_such_file_or_directory && code != std::errc::not_a_directory)

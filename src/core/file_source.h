@@ -1,4 +1,4 @@
-// Where the files of a scene come from: the file system, or a machine that reads them for others.
+// Source of a scene's files: the file system, or another rank that reads them.
 #pragma once
 
 #include <cstdint>

@@ -57,7 +57,7 @@ class HdrReader {
             if (text.starts_with("FORMAT=") && text.substr(7) != "32-bit_rle_rgbe")
                 throw CodecError(
                     "the file is damaged or of a kind that is not supported (unsupported format)");
-            // What the samples were multiplied with; several count together.
+            // Factors that multiplied the samples; several multiply together.
             if (text.starts_with("EXPOSURE=")) exposure_ *= numberAt(text.substr(9));
         }
         if (!(exposure_ > 0 && exposure_ < kMostExposure && 1 / exposure_ < kMostExposure))

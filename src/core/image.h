@@ -33,7 +33,7 @@ struct Layer {
     Image image;
 };
 
-// What is to be told about a picture in its file: names, with numbers or texts.
+// Notes stored in an image file: names with numbers or texts.
 using PictureNotes = std::vector<std::pair<std::string, std::variant<double, std::string>>>;
 
 }  // namespace glint

@@ -87,8 +87,8 @@ struct Decoder {
     std::vector<float> linear = linearOfCodes(256);
 };
 
-// What libjpeg calls may jump back over. Nothing here or in run() has a destructor that a jump would miss:
-// all that needs one is in Decoder.
+// libjpeg's error handler jumps back over this function. Nothing here or in run() has a destructor that a
+// jump would skip; such objects live in Decoder.
 void start(Decoder& decoder, ByteView file) {
     jpeg_decompress_struct& info = decoder.info;
     jpeg_create_decompress(&info);

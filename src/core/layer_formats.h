@@ -1,5 +1,4 @@
-// What the writers of pictures share: formats by extension, and what layers become in them. Internal to
-// image_io.cpp and picture_rows.cpp.
+// Formats by extension, and the mapping of layers to them, for image_io.cpp and picture_rows.cpp.
 #pragma once
 
 #include <filesystem>

@@ -35,7 +35,7 @@ struct Decoder {
     bool truncated = false;
     bool cancelled = false;
     std::array<char, 128> message{};
-    // Of the samples as libpng hands them over.
+    // Shape of the samples that libpng returns.
     size_t width = 0, height = 0, channels = 0, rowBytes = 0;
     bool interlaced = false, wide = false;
     std::vector<uint8_t> bytes;

@@ -26,8 +26,8 @@ constexpr std::array<uint8_t, 5> kColorTypes = {0, 0, 4, 2, 6};
 
 struct PngRows::State {
     State(ByteSink& to, size_t bytesInRow) : sink(to), rowBytes(bytesInRow), above(bytesInRow, 0) {
-        // As encodePng compresses (stb_encoders.cpp), but for zlib's header and sum, which are ours, since
-        // blocks are written again that zlib sees once.
+        // Same compression as encodePng (stb_encoders.cpp). zlib's header and checksum are written here,
+        // since one compressed block may be written several times.
         if (deflateInit2(&stream, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK)
             throw CodecError("not enough memory to compress the picture");
         piece[0] = 0x78;

@@ -5,7 +5,8 @@
 
 namespace glint {
 
-// Of all threads of the process, from construction on: what a busy machine spoils least.
+// Processor time of all threads of the process since construction. Other work of the machine affects it
+// least.
 class ProcessorWatch {
   public:
     double seconds() const { return now() - start_; }

@@ -23,7 +23,7 @@ double encoded(double linear) {
 
 using Plane = std::vector<double>;  // row by row
 
-// Of the rows y0 <= y < y1.
+// Luma of rows y0 <= y < y1.
 Plane lumaOf(const Image& image, int y0, int y1) {
     constexpr std::array kShares = {0.299, 0.587, 0.114};
     Plane luma;

@@ -42,7 +42,7 @@ bool sync(int file) {
     return ::fsync(file) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
 }
 
-// Where a link leads, even if there is no file yet. A link in a circle stays: writing it fails.
+// Target of a link, even if there is no file yet. A circular link stays: writing it fails.
 fs::path followLinks(const fs::path& path) {
     constexpr int kMostLinks = 40;  // as many as Linux follows
     std::error_code error;

@@ -34,7 +34,7 @@ struct Character {
     bool shown = false;
 };
 
-// What the text begins with; a byte that is not shown if that is not UTF-8.
+// First character of the text, or an unprintable byte if it is not UTF-8.
 Character firstCharacter(std::string_view text) {
     constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // of a character of so many bytes
     const auto lead = static_cast<unsigned char>(text[0]);
@@ -97,7 +97,7 @@ std::string readWholeFile(const std::filesystem::path& path) {
 
 std::string printable(std::string_view text) {
     if (text.size() <= kLongestMessage) return shown(text);
-    // What is said about a name stands behind it.
+    // Keep the end of a long message: the problem follows the name.
     constexpr size_t kHalf = kLongestMessage / 2;
     return shown(text.substr(0, kHalf)) + " ... " + shown(text.substr(text.size() - kHalf));
 }

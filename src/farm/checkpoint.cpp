@@ -82,7 +82,7 @@ void Checkpoint::append(const UnitResult& result) {
     if (!writeAll(file_, bytes, size_) || ::fdatasync(file_) != 0) {
         const int number = errno;
         if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) {
-            // What is left of the unit is cut off when the file is opened next.
+            // The next open cuts off the rest of the unit.
         }
         fail(path_, "cannot write: " + reason(number));
     }

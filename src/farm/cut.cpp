@@ -10,11 +10,11 @@ namespace glint::farm {
 
 namespace {
 
-// Of a pixel whose rays meet nothing: generating, shading, storing. In tests.
+// Cost of a pixel whose rays hit nothing, in tests: generating, shading, storing.
 constexpr uint64_t kPixelCost = 8;
 
 constexpr double kLeastProbes = 512, kMostProbes = 8192;
-// Of a part's work, which every part spends on the estimate besides.
+// Share of a part's work that every part spends on the estimate in addition.
 constexpr double kShare = 0.03;
 
 // Parts of so many rows of tiles end with a row: at most a twelfth of a part's height off.

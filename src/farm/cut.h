@@ -11,7 +11,7 @@
 
 namespace glint::farm {
 
-// What the tiles of a region cost, in tests of boxes and primitives; rows of tiles from the top.
+// Cost of each tile of a region, in tests of boxes and primitives; rows of tiles from the top.
 struct CostMap {
     Region region;
     // Pixels along an edge of a tile: that of the device's tiles, or a multiple where there would be more

@@ -1,4 +1,5 @@
-// What a picture is made from, in words: results are put together only if they agree on all of it.
+// Identity of an image: the facts that it is made from, in words. Results are merged only if they agree on
+// all of them.
 #pragma once
 
 #include <string>

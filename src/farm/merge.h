@@ -34,7 +34,7 @@ class Assembly {
     // rows.
     Rows take();
 
-    // Of all units so far, as in Picture.
+    // Losses and non-finite pixels of all units so far, as in Picture.
     const TreeLosses& losses() const { return losses_; }
     uint64_t notFinite() const { return notFinite_; }
     glm::ivec2 firstNotFinite() const { return firstNotFinite_; }

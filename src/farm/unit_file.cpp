@@ -321,7 +321,7 @@ class RecordFile {
         return read;
     }
 
-    // What stands before the records.
+    // Reads the signature before the records.
     void open() { opened(next(std::min<uint64_t>(kSignature.size(), left()))); }
     // The whole record that begins here.
     std::vector<uint8_t> nextRecord() {

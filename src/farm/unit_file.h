@@ -22,7 +22,7 @@ namespace glint::farm {
 // Into which a picture may be cut.
 inline constexpr int kMostParts = 1 << 20;
 
-// Of the files that `glint render --part` writes.
+// Extension of the files that `glint render --part` writes.
 inline constexpr const char* kPartExtension = ".part";
 
 struct UnitHeader {
@@ -48,7 +48,7 @@ std::vector<uint8_t> encodePart(const UnitHeader& header, const UnitResult& resu
 std::vector<uint8_t> encodeHeader(const UnitHeader& header);
 std::vector<uint8_t> encodeUnit(const UnitResult& result);
 
-// What a file holds, by a look at where its records begin.
+// Contents of a file, as found from the starts of its records.
 struct UnitOutline {
     UnitHeader header;
     std::vector<Unit> units;
@@ -57,7 +57,8 @@ struct UnitOutline {
 // Throws like readUnits for what it sees; whether the samples are whole it does not.
 UnitOutline outlineOf(const std::filesystem::path& path);
 
-// What encodeHeader and encodeUnit made; `name` stands for it in messages. Both throw Error(Failed).
+// Decode the output of encodeHeader and encodeUnit. `name`: the source, for messages. Both throw
+// Error(Failed).
 UnitHeader decodeHeader(std::span<const uint8_t> bytes, const std::string& name);
 UnitResult decodeUnit(std::span<const uint8_t> bytes, const UnitHeader& header, const std::string& name);
 

@@ -21,7 +21,7 @@ struct Unit {
 };
 std::string nameOf(const Unit& unit);  // "part 3 of 8", "part 1 of 2 of frame 17"
 
-// Who drew a unit.
+// Device and driver that rendered a unit.
 struct Producer {
     std::string device, driver;
     // Its bits are those of all devices that keep Vulkan's promises (docs/design/reproducibility.md).
@@ -29,7 +29,7 @@ struct Producer {
     bool operator==(const Producer&) const = default;
 };
 
-// What all layers but "color" and "alpha" of a picture are called, and how many channels they have.
+// Names and channel counts of an image's layers, except "color" and "alpha".
 using LayerShapes = std::vector<std::pair<std::string, int>>;
 
 struct Block {

@@ -43,8 +43,8 @@ struct DeviceInfo {
     DeviceLimits limits;
 };
 
-// What a library that opens windows brings along. Handles are Vulkan's, without its header: VkInstance,
-// VkSurfaceKHR.
+// Extensions and surface of a library that opens windows. Handles are Vulkan's, without its header:
+// VkInstance, VkSurfaceKHR.
 struct WindowSystem {
     std::vector<std::string> instanceExtensions;
     // Makes the window's surface, which the device then owns. With it, only devices and queues that can

@@ -33,7 +33,8 @@ std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyPropertie
 // Format Support"), nor than `limits` have. Memory stays.
 DeviceLimits leastLimits(DeviceLimits limits);
 
-// What a device lacks, as a phrase; empty if glint runs on it. `apiVersion` is the device's.
+// Missing capability of a device, as a phrase; empty if glint runs on the device. `apiVersion` is the
+// device's.
 std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits);
 
 // The memory type among `allowedTypes` (a bit for each). Device: device-local; `unified` says that the host
@@ -78,7 +79,7 @@ struct BufferState {
 // upload").
 void checkRange(const char* what, const Buffer& buffer, uint64_t offset, uint64_t bytes);
 
-// What a kernel is compiled from, and what it is compiled to.
+// Input of a kernel's compilation (ProgramKey) and its result (Program).
 struct ProgramKey {
     std::vector<uint32_t> spirv;
     std::vector<Access> bindings;

@@ -65,7 +65,7 @@ class Flattener {
         for (Block& block : function.blocks) copyBlock(block);
         for (Block& block : blocks_) {
             for (Instruction& i : block.body) {
-                // Of one call the result may be the argument of the next.
+                // The result of one call may be the argument of the next.
                 eachId(i, [&](uint32_t& id) {
                     while (const uint32_t other = results_[id]) id = other;
                 });
@@ -175,11 +175,11 @@ class Flattener {
     Table exact_;    // 1: not to be contracted
     Table names_;    // of what is in the function that is put in the place of a call
     Table results_;  // of calls
-    // Of the function at hand: what it comes to be.
+    // Resulting code of the current function.
     std::vector<Block> blocks_;
     Block current_;
     std::vector<Instruction> variables_;  // of functions called
-    // Of blocks that were divided: the last part's label, by the first's.
+    // Label of the last part of each divided block, by the label of the first part.
     std::unordered_map<uint32_t, uint32_t> tails_;
 };
 

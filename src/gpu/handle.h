@@ -11,7 +11,7 @@ namespace glint::gpu {
 // the errors; DeviceLost for that one.
 void check(VkResult result, const char* call);
 
-// What every object of a device needs to destroy itself.
+// Data that every object of a device needs to destroy itself.
 struct DeviceContext {
     VkDevice device = VK_NULL_HANDLE;
     VolkDeviceTable vk{};  // one table a device: two devices may belong to different drivers

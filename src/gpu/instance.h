@@ -24,7 +24,7 @@ namespace glint::gpu {
     X(vkCreateDevice)                           \
     X(vkGetDeviceProcAddr)
 
-// Of VK_KHR_surface; null in an instance without that extension.
+// Functions of VK_KHR_surface; null in an instance without that extension.
 #define GLINT_SURFACE_FUNCTIONS(X)               \
     X(vkDestroySurfaceKHR)                       \
     X(vkGetPhysicalDeviceSurfaceSupportKHR)      \

@@ -29,7 +29,7 @@ struct Random {
     }
 };
 
-// Of a normal number; -126 <= least.
+// Random normal number with an exponent from `least` to `greatest`; -126 <= least.
 float withExponent(Random& random, int least, int greatest) {
     const auto exponent =
         static_cast<uint32_t>(127 + least) + random() % static_cast<uint32_t>(greatest - least + 1);

@@ -1,13 +1,13 @@
-// Whether a device's arithmetic is what Vulkan promises, and what it is beyond that.
+// Tests a device's arithmetic for what Vulkan requires, and for further guarantees.
 #pragma once
 
 #include <string>
 
 namespace glint::gpu {
 
-// What a device proved to be in 2^16 cases, most of which lie where the next bit decides: quotients and roots
-// next to the middle between two floats, results at and below the least normal float 2^-126, sums that leave
-// a tie.
+// Properties that a device showed in 2^16 cases. Most cases lie where the next bit decides: quotients and
+// roots next to the middle between two floats, results at and below the least normal float 2^-126, sums that
+// leave a tie.
 struct Arithmetic {
     // Promised by Vulkan: sums and products of normal floats are correctly rounded, to even, and not fused
     // where SPIR-V forbids it.

@@ -71,7 +71,7 @@ bool leastAreWanted() {
                 std::string("GLINT_LIMITS: expected minimum, or nothing, got \"") + wanted + "\"");
 }
 
-// What needs Vulkan 1.1: driver, allocation size, subgroups.
+// Queries that need Vulkan 1.1: driver, allocation size, subgroups.
 void queryVulkan11(const InstanceTable& vk, PhysicalDevice& device,
                    const std::vector<VkExtensionProperties>& extensions) {
     VkPhysicalDeviceDriverProperties driver{};

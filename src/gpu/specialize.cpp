@@ -14,7 +14,7 @@ namespace {
 
 using namespace spirv;
 
-// What is known of ids: the values of booleans and 32-bit numbers.
+// Known values of booleans and 32-bit numbers, by id.
 using Known = std::unordered_map<uint32_t, uint32_t>;
 
 std::optional<uint32_t> valueOf(const Known& known, uint32_t id) {
@@ -22,7 +22,7 @@ std::optional<uint32_t> valueOf(const Known& known, uint32_t id) {
     return found == known.end() ? std::nullopt : std::optional(found->second);
 }
 
-// What an operation gives; of two booleans one may be enough.
+// Result of an operation. For two booleans one known operand may be enough.
 std::optional<uint32_t> folded(uint32_t op, std::optional<uint32_t> a, std::optional<uint32_t> b) {
     switch (op) {
         case OpLogicalNot:
@@ -234,8 +234,9 @@ class Module {
         });
     }
 
-    // Of shuffles, so that a device without them gets a kernel that chose not to shuffle. (An entry point may
-    // not name what another instruction needs, so nothing but functions can.)
+    // Removes the capabilities of shuffles if no function uses them, so that a device without shuffles can
+    // run a kernel that chose not to shuffle. (An entry point may not name what another instruction needs, so
+    // only functions can.)
     void keepUsedCapabilities() {
         for (const Function& function : code_.functions)
             for (const Block& block : function.blocks)

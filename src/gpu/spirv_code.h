@@ -9,7 +9,7 @@
 
 namespace glint::gpu::spirv {
 
-// Of the SPIR-V specification 1.3, section 3.32.
+// Opcodes of the SPIR-V specification 1.3, section 3.32.
 enum Op : uint32_t {
     OpUndef = 1,
     OpSourceContinued = 2,
@@ -152,7 +152,7 @@ void eachId(Words& i, Use use) {
     }
     const size_t end = endOfIds(i);
     if (end == 0) refuse(i);
-    // Of OpExtInst word 3 is the set of instructions and word 4 which of it.
+    // In OpExtInst, word 3 is the instruction set and word 4 the instruction in it.
     for (size_t at = op == OpExtInst ? 5 : resultPlace(i) + 1; at < end; ++at) use(i[at]);
 }
 

@@ -8,7 +8,7 @@
 
 namespace glint::gpu::spirv {
 
-// What the globals of a module say of types and constants; gives new ids, and new globals.
+// Types and constants that a module's globals declare; gives new ids, and new globals.
 class Ids {
   public:
     explicit Ids(Code& code);
@@ -22,7 +22,7 @@ class Ids {
     uint32_t partOf(uint32_t type, uint32_t index) const;
     const std::vector<uint32_t>& membersOf(uint32_t type) const { return structs_.at(type); }
     uint32_t pointeeOf(uint32_t pointerType) const { return pointees_.at(pointerType); }
-    // Of an integer constant; null for other ids.
+    // Value of an integer constant; null for other ids.
     const uint32_t* constantOf(uint32_t id) const;
     // How many components a vector type has, 0 for other types.
     uint32_t componentsOf(uint32_t type) const;

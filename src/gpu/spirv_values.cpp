@@ -144,7 +144,7 @@ class Values {
         }
     }
 
-    // What a leaf holds at the end of what is known of a block.
+    // Value of a leaf at the end of the known part of a block.
     uint32_t read(uint32_t slot, size_t block) {
         if (const uint32_t known = defined(slot, block)) return known;
         const std::vector<size_t>& before = before_[block];
@@ -472,7 +472,7 @@ class Values {
     Table& live_;
     Table& makers_;  // by id, the number from 1 on of the instruction, or of the phi after all of those
     std::vector<uint32_t> pending_;
-    // Of the block at hand.
+    // Index and new body of the current block.
     size_t at_ = 0;
     std::vector<Instruction> body_;
 };

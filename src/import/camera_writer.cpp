@@ -62,7 +62,7 @@ class Places {
         std::string name;
         size_t key = 0, value = 0, end = 0;  // `end` is behind the value
     };
-    // Of the object that begins at `at`.
+    // Members of the object that begins at `at`.
     std::vector<Member> members(size_t at) const {
         std::vector<Member> list;
         for (at = afterBlanks(at + 1); at < text_.size() && text_[at] == '"';) {

@@ -11,7 +11,7 @@
 
 namespace glint {
 
-// What a node's file says, or else what its animation does.
+// Animated transform of a node. A part that is absent keeps the value of the node's file.
 struct GltfPlace {
     std::optional<std::vector<double>> translation, rotation, scale;  // 3, 4 (x y z w) and 3 numbers
 };

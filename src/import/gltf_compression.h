@@ -8,7 +8,7 @@
 
 namespace glint {
 
-// Whether this build reads geometry compressed by Draco (KHR_draco_mesh_compression).
+// True if this build reads geometry compressed by Draco (KHR_draco_mesh_compression).
 bool readsDraco();
 
 // The bytes of a buffer view with EXT_meshopt_compression (or KHR_, the same), whose object is `extension`,

@@ -34,7 +34,7 @@ enum class GltfList {
 };
 inline constexpr size_t kGltfLists = 12;
 
-// What an accessor stands for.
+// Numbers of an accessor.
 struct GltfNumbers {
     size_t count = 0;       // elements
     size_t components = 1;  // of each
@@ -58,14 +58,14 @@ class GltfFile {
     // The index that stands at `reference`, which fails if the list has no such item.
     size_t index(GltfList list, const JsonCursor& reference) const;
 
-    // Of item `view` of bufferViews; external files are read, and compressed views decoded, when they are
-    // first used.
+    // Bytes of item `view` of bufferViews. External files are read, and compressed views decoded, on first
+    // use.
     std::string_view bufferView(size_t view);
     // Accessors whose numbers were compressed on their own; null for all others.
     const GltfNumbers* decoded(size_t accessor) const;
     void setDecoded(size_t accessor, GltfNumbers numbers) { decoded_[accessor] = std::move(numbers); }
-    // What a "uri" holds: decoded base64 of a data: URI, or the bytes of the file it names; of a picture also
-    // those of the file of that name beside the model.
+    // Contents of a "uri": decoded base64 of a data: URI, or the bytes of the named file. An image may also
+    // be the file of that name beside the model.
     std::string readUri(const JsonCursor& uri, bool picture = false);
 
     // To be asked for memory before it is taken.

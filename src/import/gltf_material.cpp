@@ -12,11 +12,11 @@ namespace {
 
 // Its highlight is 0.4 degrees wide at half its height; narrower ones fall between pixels.
 constexpr double kGreatestShininess = 1e5;
-// What is left of light after the attenuation distance where glTF says 0: e^-14.
+// Transmittance over the attenuation distance that stands for glTF's 0: e^-14.
 constexpr double kLeastAttenuationColor = 1e-6;
-// Where a texture decides what is blended, the nearer of there and not there.
+// Alpha cutoff for blending by a texture: chooses the nearer of present and absent.
 constexpr double kBlendCutoff = 0.5;
-// What dielectrics reflect, most of them: a reflectance beyond it is a metal's.
+// Reflectance of most dielectrics; a higher reflectance is a metal's.
 constexpr double kDielectric = 0.04;
 
 double greatest(const Color& c) {
@@ -269,7 +269,8 @@ void GltfMaterials::setAmbient(const Surface& s, Material& material) {
         material.ambient = emission;
         return;
     }
-    // What a rough metal reflects of its surroundings no mirror colour can say.
+    // Ambient light replaces a rough metal's reflection of its surroundings, which a mirror colour cannot
+    // express.
     const double rough = std::min(1.0, 2 * s.roughness);
     const Color metal =
         s.reflectance ? glm::max(*s.reflectance - Color(kDielectric), Color(0)) : s.metallic * s.base;

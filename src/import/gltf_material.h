@@ -13,7 +13,7 @@
 
 namespace glint {
 
-// Of texture coordinates as glTF counts them: u' = u u.x + v v.x + shift.x, and so on.
+// Transform of texture coordinates as glTF counts them: u' = u u.x + v v.x + shift.x, and so on.
 struct GltfUvTransform {
     glm::dvec2 u{1, 0}, v{0, 1}, shift{0};
     glm::dvec2 operator()(const glm::dvec2& uv) const { return uv.x * u + uv.y * v + shift; }
@@ -34,10 +34,10 @@ class GltfMaterials {
         bool needsTexCoord = false;                  // it has textures
         std::optional<GltfUvTransform> turned = {};  // texture coordinates, first
     };
-    // Of a primitive; without a reference glint's default material.
+    // Material of a primitive; without a reference, glint's default material.
     Use use(const std::optional<JsonCursor>& reference);
 
-    // Whether a converted material emits light.
+    // True if a converted material emits light.
     bool anyEmission() const { return anyEmission_; }
 
   private:

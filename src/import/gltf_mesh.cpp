@@ -16,7 +16,7 @@ enum Mode { kPoints, kLines, kLineLoop, kLineStrip, kTriangles, kTriangleStrip, 
 
 constexpr glm::uvec3 kNone(Mesh::kNoIndex);
 
-// Where the elements of an accessor went: primitives may share them.
+// Range that holds the elements of an accessor; primitives may share it.
 struct Range {
     uint32_t first = 0;
     size_t count = 0;

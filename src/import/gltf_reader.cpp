@@ -30,7 +30,7 @@ Affine matrixOf(const JsonCursor& node, const std::vector<double>& m) {
     return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
 }
 
-// Of a quaternion x y z w, which files hold with seven digits; normalised here.
+// Rotation of a quaternion x y z w. Files store it with seven digits, so it is normalised here.
 glm::dmat3 rotationOf(const JsonCursor& node, const std::vector<double>& q) {
     const double length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (!(length2 > 0) || !std::isfinite(length2)) node.fail("the rotation must not be zero");
@@ -45,7 +45,7 @@ glm::dvec3 vectorOf(const std::vector<double>& v) {
     return {v[0], v[1], v[2]};
 }
 
-// Where the file puts the node, but for what is animated.
+// Transform of the node in the file, except for its animated parts.
 Affine placeOf(const JsonCursor& node, const GltfPlace& animated) {
     const std::vector<double> matrix = gltfNumbers(node, "matrix", 16);
     if (!matrix.empty()) return matrixOf(node, matrix);
@@ -225,7 +225,8 @@ class GltfScene::Reader {
         return name;
     }
 
-    // What is wrong with a camera beside the first one must not make the file useless.
+    // Adds a camera. An invalid camera after the first one only causes a warning, so that the file stays
+    // usable.
     void addCamera(const JsonCursor& reference, const JsonCursor& node, const Affine& place) {
         const size_t index = file_.index(GltfList::Cameras, reference);
         const JsonCursor object = file_.item(GltfList::Cameras, index);
@@ -342,7 +343,8 @@ class GltfScene::Reader {
                          glm::length(glm::cross(unit[2], unit[0]))}) < 1 / kMaxCondition;
     }
 
-    // What vanishes may grow in an animation.
+    // Reads the meshes of the instances. An animated file also needs those of vanishing instances, which may
+    // grow.
     void readMeshes(GltfMaterials& materials) {
         const ProgressPart all(0.2, 1);  // the JSON text is done
         for (size_t i = 0; i < instances_.size(); i++) {

@@ -15,7 +15,7 @@ class GltfScene {
     ~GltfScene();
     GltfScene(GltfScene&&) noexcept;
 
-    // What was read; once.
+    // Returns the scene that was read; call it once.
     ImportedScene take();
 
     // Puts objects, and lights and cameras if the file has any, into `scene` as they are at that time in

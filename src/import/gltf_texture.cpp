@@ -146,7 +146,7 @@ std::optional<GltfMaterials::Means> GltfMaterials::means(const JsonCursor& info)
     return means_.emplace(*index, means).first->second;
 }
 
-// Of one channel; 1, which changes nothing, for a picture that cannot be read.
+// Mean of one channel; 1, which has no effect, for an image that cannot be read.
 double GltfMaterials::mean(const JsonCursor& info, int channel) {
     const auto found = means(info);
     return found ? found->numbers[channel] : 1;

@@ -102,7 +102,7 @@ class TreeBuilder {
                                                 std::to_string(column) + ": " + what));
     }
 
-    // Where the value that was just read begins: behind what came before it, blanks, commas and comments.
+    // Marks the start of the value that was just read, after the preceding blanks, commas and comments.
     void mark(JsonValue& value) {
         for (;;) {
             token_ = std::min(text_.find_first_not_of(" \t\r\n:,]}", token_), text_.size());

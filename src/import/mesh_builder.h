@@ -42,7 +42,7 @@ class MeshBuilder {
                         std::vector<std::string> warnings);
 
   private:
-    // Of the polygon at hand, by the places of its corners in the scratch.
+    // Adds a triangle of the current polygon, given the places of its corners in the scratch arrays.
     void addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material);
     void keepFace(size_t triangle);
     void keepMaterial(size_t triangle, uint32_t material);

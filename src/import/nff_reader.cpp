@@ -163,7 +163,7 @@ class NffReader {
         scene_.objects.push_back({name, std::move(shape), fill()});
     }
 
-    // Of negative radii only the inside is to be seen.
+    // Magnitude of a radius. Counts negative radii, for which only the inside should be visible.
     double radius(double given) {
         if (given < 0) insideOut_++;
         return std::abs(given);

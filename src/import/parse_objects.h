@@ -49,7 +49,7 @@ class ObjectParser {
         uint32_t material = 0;              // the first of the file's materials in the scene
     };
 
-    // What the groups around an object say.
+    // Settings that an object inherits from the groups around it.
     struct Surrounding {
         std::optional<Affine> transform;
         std::optional<uint32_t> material;  // of objects that name none

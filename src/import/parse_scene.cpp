@@ -252,7 +252,7 @@ Material parseMaterial(const JsonCursor& material, std::string_view name, Textur
     return result;
 }
 
-// Of materials as [r, g, b] codes, and of angles in radians.
+// Warns of material colours as [r, g, b] codes, and of angles in radians.
 void warnOfUnits(Scene& scene, const std::string& name) {
     constexpr double kBright = 10, kLeastRadians = 0.2, kMostRadians = 1.6;
     const auto bright = [&](const Color& c) { return std::max({c.x, c.y, c.z}) > kBright; };
@@ -293,7 +293,7 @@ void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
     parser.warnOfUnusedMeshes();
 }
 
-// Of the time that a scene file takes, its text; the rest are its objects.
+// Part of a scene file's load time for its text; its objects take the rest.
 constexpr double kJsonPart = 0.1;
 
 }  // namespace

@@ -11,7 +11,7 @@
 
 namespace glint {
 
-// As the function of import/load.h; meshes that `memory` holds are not read again.
+// Same as the function of import/load.h, but does not read meshes again that `memory` holds.
 Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files, MeshMemory& memory);
 

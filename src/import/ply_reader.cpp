@@ -96,7 +96,7 @@ class PlyBody {
         bool positions = false, normals = false, uvs = false, colors = false;
     };
 
-    // Of the groups of properties that stand in an element whole; the rest is ignored.
+    // Finds the groups of properties that are complete in an element, and ignores the rest.
     Slots findSlots(const PlyElement& element, size_t firstWanted) {
         // Texture coordinates go by several names: Blender s t, MeshLab texture_u texture_v, others u v.
         constexpr std::pair<std::string_view, size_t> kNames[] = {{"x", 0},
@@ -141,7 +141,7 @@ class PlyBody {
         return slots;
     }
 
-    // Of faces: vertices, and a pair of texture coordinates for each.
+    // True for lists of faces: vertices, or a pair of texture coordinates for each vertex.
     static bool isFaceList(const PlyProperty& p) {
         return p.isList && (p.name == "vertex_indices" || p.name == "vertex_index" || p.name == "texcoord");
     }
@@ -182,7 +182,7 @@ class PlyBody {
         vertexColors_ = slots.colors;
     }
 
-    // Of the faces, or the strips: the list of their vertices.
+    // Property with the vertex lists of the faces or strips.
     const PlyProperty& indicesOf(const PlyElement& element, const std::string& plural) const {
         int list = element.find("vertex_indices");
         if (list < 0) list = element.find("vertex_index");
@@ -246,9 +246,9 @@ class PlyBody {
         }
     }
 
-    // As scanners write them (Cyberware, Stanford): each vertex makes a triangle with the two before it,
-    // every other one the other way round, so that all face the same side; -1 begins anew. Vertices that are
-    // repeated, to join strips, make no triangle.
+    // Reads a strip as scanners write it (Cyberware, Stanford): each vertex forms a triangle with the two
+    // before it. Every other triangle is reversed, so that all face the same side; -1 starts a new strip.
+    // Repeated vertices, which join strips, form no triangle.
     void readStrip(const PlyProperty& property) {
         const int64_t count = readCount(property);
         std::array<uint32_t, 2> last{};
@@ -319,7 +319,7 @@ class PlyBody {
         faceColors_.clear();
     }
 
-    // What the faces have of their own goes behind what the vertices have.
+    // Adds a face. Its own attributes go behind those of the vertices.
     void addFace(size_t face, size_t begin, size_t count) {
         const auto corners = std::span<const uint32_t>(corners_).subspan(begin, count);
         MeshBuilder::Corners polygon{corners};
@@ -350,8 +350,8 @@ class PlyBody {
     IgnoredNames ignored_;
     int64_t vertexCount_ = 0;
     bool vertexUvs_ = false, vertexColors_ = false;
-    // Of the faces that wait: corners, where those of each face end, and what faces have of their own, each
-    // empty or as long (colours may be fewer).
+    // Pending faces: corners, the end of each face's corners, and the faces' own attributes. Each array is
+    // empty or complete (colours may be fewer).
     static constexpr glm::dvec2 kNoUv{std::numeric_limits<double>::quiet_NaN()};
     std::vector<uint32_t> corners_;
     std::vector<size_t> faceEnds_;

@@ -83,8 +83,8 @@ class PointTree {
         }
     }
 
-    // Whether a point lies in the triangle or on its edge. Not those in the same place as a corner: its own,
-    // and those of a bridge to a hole, walked twice.
+    // True if a point lies in the triangle or on its edge. Points in the same place as a corner do not count:
+    // the corner itself, and points of a bridge to a hole, which the outline passes twice.
     bool anyWithin(const Point& a, const Point& b, const Point& c) const {
         return !order_.empty() && anyWithin(0, a, b, c);
     }
@@ -122,9 +122,9 @@ class PointTree {
         build(2 * node + 2, middle, end);
     }
 
-    // Whether all points of the box are right of a b. Every operation of area() rounds monotonically, so what
-    // is right of it at the farthest corner is so, as computed, everywhere in the box: no point is passed
-    // over that a look at each would find.
+    // True if all points of the box are right of a b. Every operation of area() rounds monotonically: if the
+    // farthest corner is computed to be right of a b, so is every point of the box. The test therefore skips
+    // no point that separate tests would find.
     static bool outside(const Node& n, const Point& a, const Point& b) {
         const Point farthest(b.y - a.y > 0 ? n.lo.x : n.hi.x, b.x - a.x > 0 ? n.hi.y : n.lo.y);
         return area(a, b, farthest) < 0;

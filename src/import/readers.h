@@ -22,12 +22,12 @@ struct ImportedScene {
     bool hasCamera = false;
 };
 
-// What is read, how it is mapped and what is only warned about: docs/reference/file-formats.md. They throw
-// Error(Scene) "FILE:LINE: ..." (NFF), "FILE: /JSON/POINTER: ..." (glTF).
+// docs/reference/file-formats.md lists what is read, how it is mapped and what only causes a warning. Both
+// functions throw Error(Scene) "FILE:LINE: ..." (NFF), "FILE: /JSON/POINTER: ..." (glTF).
 ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files);
 ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files);
 
-// What an imported scene lacks of camera and light is added; validated.
+// Adds a camera and lights if an imported scene lacks them, and validates the scene.
 Scene completed(ImportedScene imported, const std::filesystem::path& path);
 
 // Chooses the camera of that name; without a name, warns if a scene of another program has several.

@@ -23,7 +23,7 @@ struct LoadOptions {
     uint64_t memory = std::numeric_limits<uint64_t>::max();
     // The camera of this name becomes the scene's own (scene/cameras.h); empty: the file's default.
     std::string camera = {};
-    // Where the files are; empty: in the file system.
+    // Source of the files; empty: the file system.
     std::shared_ptr<FileSource> source = {};
 };
 
@@ -64,7 +64,7 @@ class SceneFiles {
     // for is more than options.memory, or out of all proportion to the files that were read.
     void take(uint64_t bytes, const std::string& where);
 
-    // What was read so far, by name.
+    // Files read so far, by name.
     std::vector<SourceFile> sources() const;
 
   private:

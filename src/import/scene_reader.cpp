@@ -39,7 +39,7 @@ struct SceneReader::State {
         if (!camera.empty()) chooseCamera(made, camera, name);
         return made;
     }
-    // As they were if it throws.
+    // Updates the cameras; an exception leaves them unchanged.
     void moveCameras(const JsonValue& json) {
         const Camera own = scene.camera;
         const std::vector<NamedCamera> named = scene.cameras;

@@ -21,7 +21,7 @@ class SceneReader {
 
     const Scene& scene() const;
 
-    // What a later moment changes. Camera: Scene::camera and cameras, and nothing else.
+    // Parts of the scene that a later moment changes. Camera: only Scene::camera and cameras.
     enum class Change { Nothing, Camera, Scene };
     // Throws Error(Scene) where the file's rules forbid what the animation comes to; then the moment before
     // stays.

@@ -5,7 +5,7 @@
 
 namespace glint::library {
 
-// Where the three go.
+// Writes `sure`, `t_lower` and `t_upper`.
 class CertaintyWriter {
   public:
     CertaintyWriter(const glint_hits& hits, uint64_t count);

@@ -46,7 +46,7 @@ std::vector<gpu::DeviceInfo> vulkanDevices() {
     }
 }
 
-// What a device's settings say of memory.
+// Memory limit and callbacks of a device's settings.
 class SettingsAccount final : public MemoryAccount {
   public:
     explicit SettingsAccount(const glint_settings& settings) : settings_(settings) {}

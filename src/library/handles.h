@@ -1,4 +1,4 @@
-// What the opaque handles point to.
+// Objects behind the opaque handles.
 #pragma once
 
 #include <atomic>
@@ -35,7 +35,7 @@ struct glint_scene {
     std::atomic<uint32_t> owners{1};
     glint_device* device = nullptr;  // an owner of it
 
-    // What changes work on.
+    // The scene that changes edit.
     glint::Scene draft;
     std::vector<glint::Affine> added;         // for each object, its transform as it was added
     bool framed = true;                       // there is no camera yet: commit finds one
@@ -43,7 +43,7 @@ struct glint_scene {
     uint64_t trees = 0;                       // built so far
     std::vector<glint::MemoryCharge> loaded;  // of meshes from files and texts
 
-    // What queries see.
+    // The committed scene that queries read.
     mutable std::mutex mutex;
     std::shared_ptr<const glint::library::Snapshot> committed;
     const std::shared_ptr<glint::library::Retired> retired;
@@ -63,7 +63,7 @@ uint64_t meshBytes(const Scene& scene);
 // By the device's settings, if they ask for it.
 void logLine(const glint_device& device, int32_t level, const std::string& text);
 
-// Of the scene's device; null without a scene.
+// Terms of the scene's device; null without a scene.
 inline const CallTerms* termsOf(const glint_scene* scene) {
     return scene == nullptr ? nullptr : &scene->device->terms;
 }

@@ -142,7 +142,7 @@ Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, cons
     job.image = image;
     job.image.adaptive.reset();
     if (job.image.sampler == Sampler::Grid) job.image.sampler = Sampler::LowDiscrepancy;
-    // What fp32, or double, has a right to; and what storing the picture takes.
+    // Rounding error of fp32 or double arithmetic, and of storing the image.
     const double kappa = verify::conditionNumber(reference::Tracer(snapshot.part().packed, request), camera,
                                                  request.width, request.height, 1);
     job.rounding = kappa * (snapshot.onDevice() ? verify::kFloatUnit : 0x1p-53) + verify::kFloatUnit;

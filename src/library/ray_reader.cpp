@@ -175,7 +175,7 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
     normal_.put(i, surface.geometricNormal);
 }
 
-// What Tracer::surfaceAt would say of triangles, array by array, as that is what costs least.
+// Tracer::surfaceAt for triangles, array by array, which is the fastest order.
 void HitWriter::writeTriangles(const render::RayNumbers& numbers, const render::FoundHits& found,
                                const Rows& rows) const {
     const auto hits = found;
@@ -211,7 +211,7 @@ void HitWriter::writePlaces(const render::RayNumbers& numbers, const render::Fou
     });
 }
 
-// Of triangles without instances.
+// Surfaces of triangles without instances.
 void HitWriter::writeSurfaces(const render::RayNumbers& numbers, const render::FoundHits& found,
                               const Rows& rows) const {
     const PackedScene& packed = part_.packed;

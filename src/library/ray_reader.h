@@ -22,7 +22,7 @@ class RayReader {
         directions_.foresee(i);
     }
     LocalRay local(uint64_t i) const { return localRay(world(i), origin_); }
-    // As the device reads them; true if some of them are rescaled (LocalRay::exponent).
+    // Rays rounded for the device. True if some of them are rescaled (LocalRay::exponent).
     bool rounded(const render::RayNumbers& numbers, std::span<render::RayInput> inputs) const;
 
   private:
@@ -43,11 +43,11 @@ class HitWriter {
 
     // hit: what the tracer found for a local ray, with hit.primitive kNone on a miss.
     void write(uint64_t i, const LocalRay& ray, const reference::Hit& hit) const;
-    // What a device found; rescaled: some of all rays are.
+    // Writes hits that a device found. `rescaled`: some of the rays are.
     void write(const render::RayNumbers& numbers, const render::FoundHits& found, const RayReader& rays,
                bool rescaled) const;
     bool wantsAny() const;
-    // Whether a hit goes to three arrays or more.
+    // True if a hit goes to three or more arrays.
     bool spreads() const;
     // t, u and v once more, t in units of the caller's direction.
     void writePlace(uint64_t i, const reference::Hit& hit) const {
@@ -74,7 +74,7 @@ class HitWriter {
     bool surfaces_ = false;  // point or normal
 };
 
-// As the reference follows it.
+// The ray for the reference.
 inline reference::Ray referenceRay(const LocalRay& ray) {
     return {ray.origin, ray.direction, ray.tMin, ray.tMax};
 }

@@ -21,7 +21,7 @@ glint_status glint_scene_create(glint_device* device, glint_scene** scene) {
 
 namespace {
 
-// Of the time that a file takes: it is read; then it is packed and its tree built.
+// Parts of the load time: reading, then packing and building the BVH.
 constexpr double kRead = 0.5, kCommitted = 0.99;
 
 // One call at a time, and never less than before.

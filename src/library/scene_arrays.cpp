@@ -1,4 +1,4 @@
-// What scenes are filled with.
+// Adds and changes the geometry of scenes.
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -41,7 +41,7 @@ void checkGeometry(const glint_scene* scene, uint32_t geometry, const char* call
                std::to_string(scene->draft.objects.size()));
 }
 
-// What is numbered by U32, of which the last is GLINT_NONE.
+// Counts are numbered by U32, whose last value is GLINT_NONE.
 void checkCount(uint64_t count, const char* what, const char* call) {
     if (count >= GLINT_NONE)
         refuse(std::string(call) + ": " + std::to_string(count) + " " + what + ", the limit is " +

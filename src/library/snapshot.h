@@ -18,7 +18,7 @@
 
 namespace glint::library {
 
-// What of an object may change from one version of a scene to the next without new trees.
+// Parts of an object that may change between commits without a new BVH.
 struct Whereabouts {
     std::shared_ptr<const Mesh> mesh;  // null for other shapes
     std::optional<Affine> transform;

@@ -25,7 +25,7 @@ class NumberView {
     // Element i will be asked for.
     void foresee(uint64_t i) const { __builtin_prefetch(at(i)); }
     double one(uint64_t i) const { return number(at(i)); }
-    // Of fp32.
+    // Elements that are stored as fp32.
     glm::vec3 narrowThree(uint64_t i) const { return threeOf<float>(at(i)); }
     glm::dvec3 three(uint64_t i) const {
         return wide_ ? threeOf<double>(at(i)) : glm::dvec3(threeOf<float>(at(i)));
@@ -72,7 +72,7 @@ class CornerView {
     int64_t stride_;
 };
 
-// Where results go; one that is not wanted swallows them.
+// Receives results. An unwanted output discards them.
 class Output {
   public:
     enum class Kind { Real, Index, Flag, Long };  // F32 or F64; U32; U8; U64
@@ -142,7 +142,7 @@ class Output {
         return glm::vec<N, double>(v);
     }
 
-    // What is stored may, for all that the compiler knows, be members of ours: it is told that they stay.
+    // Stores may alias members as far as the compiler can tell; local copies state that they do not.
     template <class Numbers, class ValueOf>
     void putEach(const Numbers& numbers, size_t count, const ValueOf& valueOf) const {
         if (data_ == nullptr) return;

@@ -6,7 +6,7 @@
 
 namespace glint {
 
-// Where double cannot tell.
+// Exact area vector for nearly degenerate polygons.
 glm::dvec3 exactAreaVector(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
 // (v1 - v0) x (v2 - v0): along the triangle's normal, as long as twice its area. Exactly zero if and only if

@@ -10,9 +10,9 @@ namespace {
 // Further entries that splitting may add, in triangles. Measured on a hall of arches (docs/lab/building.md):
 // box and triangle tests of a camera ray 187 without, 99 with 0.3, 77 with 1, 76 with 3.
 constexpr double kSplitBudget = 1;
-// Of a random ray that meets the scene, the triangles tested only because their boxes are too large for them.
-// Measured: 1.0 to 3.8 on all scanned and modelled meshes at hand, which splitting makes 2 to 60 % dearer; 51
-// on the hall of arches, which it makes 2.4 times cheaper.
+// Triangles that a random ray tests only because their boxes are too large. Measured: 1.0 to 3.8 for scanned
+// and modelled meshes, where splitting costs 2 to 60 %; 51 for the hall of arches, where it gains a factor of
+// 2.4.
 constexpr double kMuchEmptiness = 6;
 // And of all that such a ray tests, the least share that is worth a try by default: 0.43 in the hall of
 // arches; 0.08 in a shader ball of 64 k triangles, whose splitting took six times as long as its tree and was

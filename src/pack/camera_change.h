@@ -1,4 +1,4 @@
-// Whether another camera needs other arrays.
+// Tests if another camera needs other arrays.
 #pragma once
 
 #include "pack/packed_scene.h"
@@ -6,10 +6,9 @@
 
 namespace glint {
 
-// What packScene makes depends on where the camera stands: the local origin, and from which of its points a
-// huge sphere or quadric next to the eye, or a plane, is measured. True if for `camera` it would make the
-// same arrays as it did of `scene`, whose camera was another one; `packed` is what it made. `scene` is placed
-// (scene/placement.h). At worst false where they are the same.
+// The camera determines the local origin and the anchors of planes and of huge spheres and quadrics next to
+// the eye. True if packScene would make the same arrays for `camera` as it made in `packed` for `scene`,
+// which is placed (scene/placement.h). May be false for equal arrays.
 bool keepsArrays(const PackedScene& packed, const Scene& scene, const Camera& camera);
 
 // Sets what of the arrays follows the eye all the same: the media that it is in.

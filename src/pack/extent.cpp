@@ -34,7 +34,7 @@ Extent boundsOf(const Scene& scene, uint32_t object, uint32_t begin, uint32_t en
     return extent;
 }
 
-// What a chunk has of objects that go on in other ones: its first and its last at most.
+// First and last object of a chunk that continue in other chunks.
 struct Piece {
     uint32_t object;
     Extent extent;

@@ -22,14 +22,14 @@ struct Extent {
     double halfSize() const;  // along the longest edge
 };
 
-// Where the finite geometry is, and where most of it is.
+// Bounds of the finite geometry, and of most of it.
 struct Geometry {
     Extent extent;
     glm::dvec3 middle{0};  // the median, axis by axis, of the centres of the nearer half of the objects
     double reach = 0;      // half of all objects lie no farther from there in any axis, with all their parts
 };
 
-// Of each object, empty for planes; `instances` may be null where there are none.
+// Bounds of each object, empty for planes; `instances` may be null if there are none.
 std::vector<Extent> objectExtents(const Scene& scene, const PrimitiveNumbers& numbers,
                                   const Instances* instances, unsigned threads);
 Geometry geometryOf(const Scene& scene, std::vector<Extent> objects);

@@ -23,9 +23,8 @@ void addLightKind(const shared::Light& light, SceneFeatures& features) {
     }
 }
 
-// Where the longest side was at most 16 times the height above it, none of 10^5 rays was found to meet a
-// triangle behind it, and up to 40 times none of 1.2 x 10^6, of those up to 64 times one of 10^5
-// (SliverTest.TrianglesBehindARayAreNotMet).
+// Of 10^5 rays none hit a triangle behind it if the longest side was at most 16 times the height above it; of
+// 1.2 x 10^6 none up to 40 times; of 10^5 one up to 64 times (SliverTest.TrianglesBehindARayAreNotMet).
 bool isSliver(const shared::Triangle& t) {
     constexpr float kLongest = 16;
     const glm::vec3 a = t.v1 - t.v0, b = t.v2 - t.v0, c = t.v2 - t.v1;

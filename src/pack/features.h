@@ -7,11 +7,11 @@
 
 namespace glint {
 
-// What the arrays and the materials that are used say of the features; those of packTextures are there
-// already, those of the camera and of shadows come later (packScene).
+// Features of the arrays and of the materials in use. packTextures has added its own; packScene adds those of
+// the camera and of shadows.
 SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used);
 
-// Whether some triangle is so narrow that rounding may find a ray to meet it that has left the plane.
+// True if a triangle is so narrow that rounding may report a hit behind a ray's origin.
 bool haveSlivers(const std::vector<shared::Triangle>& triangles);
 
 }  // namespace glint

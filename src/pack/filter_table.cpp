@@ -9,7 +9,7 @@ namespace glint {
 
 namespace {
 
-// Of the sums below: a multiple of 4, so that the zeros of Mitchell's filter lie between two of them.
+// Steps of the sums below: a multiple of 4, so that the zeros of Mitchell's filter lie between two steps.
 constexpr int kSteps = 1 << 16;
 
 double mitchell(double x) {

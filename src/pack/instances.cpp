@@ -92,7 +92,7 @@ Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxLe
     return prototype;
 }
 
-// Where the arrays of a part begin in the whole.
+// First index of a part's arrays in the whole.
 struct Bases {
     std::array<uint32_t, shared::kKindCount> kinds;
     uint32_t nodes, vertexNormals, polygonVertices, vertexAttributes;

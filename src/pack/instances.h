@@ -17,7 +17,7 @@ namespace glint {
 class PrimitiveNumbers;
 struct PackOptions;
 
-// What instances show.
+// A prototype that instances share.
 struct Prototype {
     PackedScene geometry;    // arrays, statistics and warnings; local to geometry.origin
     std::vector<Box> boxes;  // of the tree's top, together around everything
@@ -29,7 +29,7 @@ class Instances {
     // left to the instances for each factor of two in their number and 4 more.
     Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options);
 
-    // Of the time that packing takes where there are prototypes.
+    // Part of the packing time that prototypes take.
     static constexpr double kPrototypesPart = 0.5;
 
     bool any() const { return !prototypes_.empty(); }
@@ -41,8 +41,8 @@ class Instances {
     // Rounds transforms relative to the origin of the packed scene and boxes the instances.
     void place(const Scene& scene, const PrimitiveNumbers& numbers, const glm::dvec3& origin,
                unsigned threads);
-    // Of an object that shows something and whose place is within the range of fp32. `root` is the number of
-    // its prototype until append is called.
+    // Instance of a visible object whose placement is within the range of fp32. `root` is the number of its
+    // prototype until append is called.
     bool showsAnything(uint32_t object) const { return !prototypeOf(object).boxes.empty(); }
     bool isFinite(uint32_t object) const { return !placed_[slot_[object]].box.empty(); }
     const Box& box(uint32_t object) const { return placed_[slot_[object]].box; }
@@ -55,7 +55,7 @@ class Instances {
     // Puts the prototypes' arrays behind those of the scene, completes its instances, and says how far boxes
     // are to be widened for them (Environment::instancePad...).
     void append(PackedScene& packed);
-    // Where their nodes begin in a scene that has them.
+    // First node of the instances.
     size_t firstNode(const PackedScene& packed) const { return any() ? ownNodes_ : packed.nodes.size(); }
 
   private:

@@ -1,5 +1,5 @@
-// What the packing has to know of a kind of primitive: one object of this type for each kind of
-// shaders/shared/primitives.h, each in a file of its own (src/pack/primitives/).
+// Packing interface of a kind of primitive: one object for each kind of shaders/shared/primitives.h, each in
+// a file of src/pack/primitives/.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace glint {
 
-// What becomes of a primitive: Absent, without a word, or kept, or dropped with a warning.
+// Outcome for a primitive: absent without a warning, kept, or dropped with a warning.
 enum class Fate : uint8_t { Absent, Kept, NoArea, NotFinite };
 
 // Rows that primitives have in further arrays; where the next ones begin.
@@ -50,7 +50,8 @@ class KindPacker {
     virtual Fate judge(const Object&, uint32_t /*face*/, const Frame&) const { return Fate::Kept; }
     // Takes in where the faces from begin to end are in the world.
     virtual void extend(const Object& object, uint32_t begin, uint32_t end, Extent& extent) const = 0;
-    // Of a primitive that is kept: encloses it as rounded, and what the device may take for it.
+    // Box of a kept primitive: contains the rounded primitive and everything that the device's test may
+    // accept.
     virtual Box box(const Object& object, uint32_t face, const Frame& frame) const = 0;
     // Adds the rows that the primitive will have in further arrays.
     virtual void count(const Packing&, Primitives::Source, FurtherRows&) const {}

@@ -13,7 +13,7 @@ namespace {
 
 using glm::dvec3;
 
-// What is known of a material's surfaces around a point.
+// Surfaces of a material around a point.
 struct Enclosure {
     double windings = 0;  // how often they go round it
     double size = 0;      // the diagonal of their box, infinite with a plane
@@ -52,7 +52,7 @@ class MediaFinder {
   private:
     uint32_t mediumOf(uint32_t material) const { return scene_.materials[material].medium; }
 
-    // Where a tree stands: the world itself, or an instance.
+    // Space of a BVH: the world, or an instance.
     struct Place {
         const shared::Instance* instance = nullptr;
 

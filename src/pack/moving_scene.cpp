@@ -125,7 +125,7 @@ void MovingScene::followVertices(const Object& object, size_t number) {
     for (const Extent& part : parts) extents_[number].include(part);
 }
 
-// What does not move keeps its extent.
+// Objects that do not move keep their extent.
 void MovingScene::measure(const Scene& scene, const std::vector<bool>& moved) {
     const bool first = extents_.empty();
     vertices_.resize(scene.objects.size());
@@ -146,7 +146,7 @@ void MovingScene::measure(const Scene& scene, const std::vector<bool>& moved) {
     }
 }
 
-// Where coordinates start from elsewhere now, everything moves with them; false if something does not follow.
+// Moves everything to a new origin of coordinates; false if something cannot follow.
 bool MovingScene::followOrigin(const Scene& scene, const PrimitiveNumbers& numbers,
                                std::vector<bool>& moved) {
     const Geometry geometry = geometryOf(scene, extents_);

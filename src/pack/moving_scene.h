@@ -43,7 +43,7 @@ class MovingScene {
     struct Face {
         uint32_t object, face;
     };
-    // Of an object of triangles that are in the world themselves.
+    // Vertices of an object whose triangles lie in the world.
     struct Vertices {
         std::shared_ptr<const std::vector<uint8_t>> used;  // 1: a corner of some triangle
         std::vector<glm::vec3> rounded;                    // relative to the origin; NaN: out of fp32's range

@@ -5,9 +5,9 @@
 
 namespace glint {
 
-// Where the cubes of a scene's solid checkers are counted from, in the space of every object: a corner of the
-// first one's, of which nothing but differences is rounded then. `period`: the cubes repeat after so much
-// along each axis, if all solid checkers have cubes of one size; else 0.
+// Origin of the cubes of a scene's solid checkers, in the space of every object: a corner of the first
+// checker, so that only differences are rounded. `period`: period of the cubes along each axis if all solid
+// checkers have one cube size; else 0.
 struct CubeOrigin {
     glm::dvec3 corner{0};
     double period = 0;

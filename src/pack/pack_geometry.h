@@ -43,7 +43,7 @@ struct Extent;
 void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Extent& extent,
                 PackedScene& packed);
 
-// What packScene makes of a scene that is placed. `instances`: of it, still to be placed.
+// packScene for a placed scene. `instances`: its instances, still to be placed.
 PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
                        const PackOptions& options);
 

@@ -53,7 +53,7 @@ void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& pac
     packed.polygonTripsPerLeaf = options.maxLeafSize * (trips + 2);
 }
 
-// Of the time that packing takes, until the primitives are collected, and until their tree is built.
+// Parts of the packing time until the primitives are collected, and until their BVH is built.
 constexpr double kCollected = 0.1, kBuilt = 0.9;
 
 void fillStatistics(const Tree& tree, PackStatistics& statistics) {

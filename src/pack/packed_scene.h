@@ -12,7 +12,7 @@
 
 namespace glint {
 
-// What a scene uses. The device pipeline leaves out whatever is false.
+// Features of a scene. The device pipeline leaves out those that are false.
 struct SceneFeatures {
 #define GLINT_KIND_FEATURE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
                            loops, uv)                                                                      \
@@ -92,7 +92,8 @@ struct PackedScene {
     SceneFeatures features;
     PackStatistics statistics;
     std::vector<std::string> warnings;
-    // Of the finite geometry, world; lo above hi if there is none. Without what fp32 cannot hold.
+    // Bounds of the finite geometry, world space; lo above hi if there is none. Excludes coordinates beyond
+    // fp32.
     glm::dvec3 geometryLo{0}, geometryHi{0};
     glm::dvec3 geometryMiddle{0};  // and where most of it is, as chooseOrigin describes it
     double geometryReach = 0;

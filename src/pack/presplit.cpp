@@ -50,7 +50,7 @@ Plane bestPlane(const Box& box, const Box& root) {
     return best;
 }
 
-// Of the parts of a triangle, as of a whole one (edgeMargin); and the rounding of where it was cut.
+// Margin of a triangle's part, as of a whole triangle (edgeMargin), plus the rounding error of the cut.
 float partMargin(const Box& whole) {
     const glm::vec3 far = glm::max(glm::abs(whole.lo), glm::abs(whole.hi));
     return edgeMargin(whole) + 0x1p-23f * std::max({far.x, far.y, far.z});
@@ -59,7 +59,7 @@ float partMargin(const Box& whole) {
 // A part of a triangle, as a convex polygon.
 using Outline = std::vector<glm::dvec3>;
 
-// What of it lies on one side of a plane (Sutherland & Hodgman, "Reentrant Polygon Clipping", 1974).
+// Clips an outline at a plane (Sutherland & Hodgman, "Reentrant Polygon Clipping", 1974).
 Outline clipped(const Outline& outline, const Plane& plane, bool upper) {
     Outline result;
     const double sign = upper ? 1 : -1;

@@ -72,7 +72,7 @@ class TriangleSource {
 
 class Instances;
 
-// Where the packed scene is seen from: what rounding needs to know.
+// Viewpoint of the packed scene, for bounds on rounding errors.
 struct Frame {
     glm::dvec3 origin{0};
     glm::dvec3 eye{0};                     // world
@@ -131,17 +131,17 @@ glm::dvec3 discExtent(const glm::dvec3& normal, double radius);
 // Its own vertices without the repetitions of the device's array; nothing if one of them is not finite or
 // beyond fp32.
 std::optional<std::vector<glm::vec3>> roundPolygon(const PolygonShape& polygon, const glm::dvec3& origin);
-// As doubles, for polygonPlane.
+// Widens to double for polygonPlane.
 std::vector<glm::dvec3> widened(const std::vector<glm::vec3>& vertices);
 // Encloses the outline and what of the plane, as the device has it, lies opposite to its vertices.
 Box polygonBox(const std::vector<glm::vec3>& vertices, const glm::vec3& point, const glm::vec3& normal);
 // Loop trips that the device takes around the outline.
 uint32_t polygonTrips(size_t vertices);
 
-// Of the primitives that the object becomes: instances, if it keeps a transform that its shape cannot take.
+// Kind of the object's primitives: instances if its shape cannot absorb its transform.
 shared::PrimitiveKind kindOf(const Object& object);
 
-// What goes into the BVH, in the order of ids.
+// Entries of the BVH in the order of ids.
 struct Primitives {
     struct Source {
         uint32_t object, face;

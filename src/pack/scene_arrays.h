@@ -25,7 +25,7 @@ void visitArrays(const PackedScene& scene, const Visit& visit) {
     detail::visitArrays(scene, visit);
 }
 
-// What a kind of primitive is called, and how many of it there are.
+// Name and count of a kind of primitive.
 struct KindCount {
     shared::PrimitiveKind kind;
     const char* array;       // of PackedScene

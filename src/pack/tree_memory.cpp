@@ -16,8 +16,8 @@ uint64_t hashOf(const std::vector<T>& items) {
     return contentHash(std::span(reinterpret_cast<const uint8_t*>(items.data()), items.size() * sizeof(T)));
 }
 
-// Of the triangles' corners, at which splitting looks; by pieces, as together they would take half as much
-// memory as the tree.
+// Hash of the triangles' corners, which splitting reads; in pieces, since together they would take half as
+// much memory as the BVH.
 uint64_t hashOfCorners(const Primitives& primitives, const Scene& scene) {
     constexpr size_t kPiece = 4096;
     std::vector<glm::dvec3> corners;

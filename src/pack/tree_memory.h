@@ -35,7 +35,7 @@ class TreeMemory {
     uint64_t built_ = 0;
 };
 
-// Of everything that the tree depends on.
+// Hash of everything that the BVH depends on.
 uint64_t treeKey(const Primitives& primitives, const Scene& scene, const Frame& frame,
                  const TreeOptions& options);
 

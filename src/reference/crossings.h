@@ -7,9 +7,9 @@
 
 namespace glint::reference {
 
-// Where a local ray goes through surfaces, nearest first: of triangles that share the edge or corner that it
-// meets those alone that it crosses, so that a closed surface is entered and left in turns. Triangles of the
-// scene must stand in its tree once each (packScene without `split`).
+// Crossings of a local ray, nearest first. At a shared edge or corner of triangles it counts only those that
+// it crosses, so a closed surface is entered and left in turns. Each triangle must stand in the BVH once
+// (packScene without `split`).
 std::vector<Hit> crossings(const Tracer& tracer, const Ray& ray);
 
 // True if rounding to fp32 cannot tell the local point from a surface: if it lies within 4 u (|point| + |v|)

@@ -14,7 +14,7 @@ constexpr double gammaOf(double n) {
     return n * kFloatUnit / (1 - n * kFloatUnit);
 }
 
-// Of a point that is put back onto its surface as an offset from an anchor, and then added to that.
+// Error box of a point that is formed as an anchor plus an offset on the surface.
 inline glm::dvec3 errorBox(const glm::dvec3& offset, const glm::dvec3& anchor) {
     return gammaOf(7) * (glm::abs(offset) + glm::abs(anchor));
 }

@@ -350,7 +350,7 @@ bool intersectDisc(const rows::Disc& disc, const PreparedRay& ray, double tMax, 
     const Extended nd = dot(n, toVec<Extended>(ray.direction));
     if (nd == 0) return false;
     const int side = discSide<double>(disc, ray, kUnitRoundoff);
-    // What quadruple precision cannot tell from the rim is on it.
+    // A point that quadruple precision cannot separate from the rim lies on it.
     if (side < 0 || (side == 0 && discSide<Quad>(disc, ray, kQuadRoundoff) < 0)) return false;
     const Vec<Extended> w = toVec<Extended>(disc.center) - toVec<Extended>(ray.origin);
     const Extended t = dot(n, w) / nd;

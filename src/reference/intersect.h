@@ -17,7 +17,7 @@ namespace glint::reference {
 
 inline constexpr double kUnitRoundoff = 0x1p-53;  // of double
 
-// What the tests need of a ray, computed once.
+// Values of a ray that every test needs, computed once.
 struct PreparedRay {
     double origin[3];
     double direction[3];
@@ -25,8 +25,8 @@ struct PreparedRay {
     double tMin;        // >= 0
     int kx, ky, kz;     // kz: the axis along which the direction is greatest
     double shearX, shearY;
-    // Where, in floats from the start of a node, the nearer and the farther plane of each axis of its first
-    // box lie.
+    // Offset, in floats from the start of a node, of the nearer and farther plane of each axis of its first
+    // box.
     int nearPlane[3], farPlane[3];
     bool valid;           // false: the ray misses everything
     bool leaves = false;  // it starts on a surface
@@ -62,8 +62,8 @@ inline bool countsAt(const PreparedRay& ray, double t, double slip, double tMax)
 bool solveTriangle(const rows::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,
                    Root& root);
 
-// Of a triangle that the ray hits: whether it is the one of those that share the edge or the corner met which
-// the ray crosses. Of a closed surface's triangles around a point, as many as a ray just beside it crosses.
+// True if the ray crosses this triangle of those that share the edge or corner that it hits. Around a point
+// of a closed surface as many triangles count as a ray just beside it crosses.
 bool crossesTriangle(const rows::Triangle& triangle, const PreparedRay& ray);
 
 // Watertight by the argument of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1),

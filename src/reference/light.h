@@ -1,4 +1,4 @@
-// What a light sends to a point, without shadow.
+// Light from a source at a point, without shadows.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -19,11 +19,11 @@ bool isSpot(const rows::Light& light);
 // The part of its intensity that a light sends back along `toLight`, by the cone of a spot light.
 double spotFactor(const rows::Light& light, const glm::dvec3& toLight);
 
-// What arrives at this distance of the light that a spotFactor of `part` lets through.
+// Radiance at this distance for a spotFactor of `part`.
 glm::dvec3 intensityAt(const rows::Light& light, double distance, double part);
 
-// What an error of `turn` units of 2^-24 in the direction to the light does to a spotFactor `part`, relative
-// to it and in the same units; 0 outside of a penumbra.
+// Relative error of a spotFactor `part`, in units of 2^-24, for an error of `turn` units in the direction to
+// the light; 0 outside a penumbra.
 double spotError(const rows::Light& light, const glm::dvec3& toLight, double part, double turn);
 
 }  // namespace glint::reference

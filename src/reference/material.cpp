@@ -59,13 +59,14 @@ void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
         return glm::dot(row, surface.position) + offset;
     };
     const dvec3 own(along(f.toU, f.offsetU), along(f.toV, f.offsetV), along(f.toW, f.offsetW));
-    // What each is a sum of, the point's own rounding included.
+    // Magnitudes of each sum, including the rounding error of the point.
     const auto terms = [&](const dvec3& row, double offset) {
         const dvec3 magnitude = glm::abs(row);
         return 2 * glm::dot(magnitude, glm::abs(surface.position)) + std::abs(offset);
     };
     const dvec3 sums(terms(f.toU, f.offsetU), terms(f.toV, f.offsetV), terms(f.toW, f.offsetW));
-    // Of an angle, in turns: at most half a turn in units of 2^-24, as on the axis it is any.
+    // Error of an angle, in turns: at most half a turn in units of 2^-24, as the angle is arbitrary on the
+    // axis.
     const auto angle = [](double sum, double size) {
         return std::min(sum / (2 * std::numbers::pi * std::max(size, 1e-300)), 0x1p23);
     };

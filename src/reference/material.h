@@ -1,4 +1,4 @@
-// What a surface point looks like: texture coordinates, textures and the surroundings, in double.
+// Appearance of a surface point: texture coordinates, textures and environment, in double.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -19,7 +19,7 @@ void keepHeight(const Model& scene, Surface& surface);
 // The surface's material, its colours times those of textures and vertices.
 rows::Material materialAt(const Model& scene, const Surface& surface);
 
-// What of light passes a surface of this medium (rows::Material::medium, not 0).
+// Transmission of a surface of this medium (rows::Material::medium, not 0).
 glm::dvec3 transmissionAt(const Model& scene, uint32_t medium, const Surface& surface);
 
 // A hash of what textures show that change in steps: checkers, and images without filtering.
@@ -28,8 +28,8 @@ uint32_t cellsAt(const Model& scene, const Surface& surface);
 // True where the diffuse texture's alpha is below the material's alphaCutoff.
 bool holeAt(const Model& scene, const Surface& surface);
 
-// What comes from infinitely far away against `direction`. shift: added to the environment map's coordinates.
-// `environment`: of the tracer.
+// Background radiance against `direction`. shift: added to the environment map's coordinates. `environment`:
+// the tracer's.
 glm::dvec3 surroundings(const Model& scene, const rows::Environment& environment, const glm::dvec3& direction,
                         const glm::dvec2& shift);
 

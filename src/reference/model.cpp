@@ -37,8 +37,8 @@ struct Disturbance {
     }
 };
 
-// What the device holds of a cone with a tip near the eye (GLINT_QUADRIC_ROWS), as one equation: in double
-// it loses nothing that counts at either end.
+// The device's two equations of a cone with a tip near the eye (GLINT_QUADRIC_ROWS) as one equation, which
+// double evaluates accurately at either end.
 void asOneEquation(rows::Quadric& cone) {
     if (!(cone.caps & shared::kFromApex)) return;
     const glm::dvec3 a = cone.linear;

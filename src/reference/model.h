@@ -95,10 +95,9 @@ struct Model {
     glm::dvec3 boundsLo{0}, boundsHi{0};  // of everything in the tree
 };
 
-// What rounding each number of the model to fp32 could make of it: each is moved by up to `units` * 2^-24 of
-// itself, at random by its own value and `seed`, so that equal numbers stay equal, a mesh stays closed, and
-// zero stays zero; of materials and textures, which are copied, what fp32 holds stays. The tree is the same:
-// boxes of truthOf have room for kDisturbanceRoom units. Texels and counts stay.
+// A model that rounding to fp32 could have produced: each number is moved by up to `units` * 2^-24 of itself,
+// at random by its value and `seed`. Equal numbers stay equal, meshes stay closed, zero stays zero; texels
+// and counts stay. The BVH is the same: its boxes have room for kDisturbanceRoom units.
 Model disturbed(const Model& model, uint64_t seed, double units);
 rows::Camera disturbed(const rows::Camera& camera, uint64_t seed, double units);
 inline constexpr double kDisturbanceRoom = 32;

@@ -21,7 +21,7 @@ uint32_t rulingMedium(const Model& scene, const Media& media);
 double iorOf(const Model& scene, uint32_t medium);
 glm::dvec3 attenuationOf(const Model& scene, uint32_t medium);
 
-// What a way of `length` through a medium leaves of light, by Beer's law.
+// Transmittance of a path of `length` through a medium, by Beer's law.
 glm::dvec3 transmittance(const Model& scene, uint32_t medium, double length);
 
 struct Crossing {

@@ -1,6 +1,5 @@
-// What the tracer asks of each kind of primitive of shaders/shared/primitives.h, by overloads that a kind
-// defines in a file of its own (those of the first kinds are in primitives.cpp); the linker names one that is
-// missing.
+// Functions that each kind of primitive of shaders/shared/primitives.h overloads in its own file (the first
+// kinds in primitives.cpp). The linker names a missing overload.
 #pragma once
 
 #include "pack/scene_arrays.h"
@@ -50,8 +49,7 @@ struct Place {
 #define GLINT_MEETS_INSTANCES(Kind)
 GLINT_PRIMITIVES(GLINT_MEETS, 0)
 
-// Whether the ray starts on the triangle with this id: one that was split for the tree stands in it more than
-// once.
+// True if the ray starts on the triangle with this id. A split triangle stands in the BVH more than once.
 inline bool isOwnTriangle(const Meeting& m, uint32_t id) {
     return m.source != shared::kNone && kindOfPrimitive(m.source) == shared::PrimitiveKind::Triangle &&
            m.scene.triangles[m.source & shared::kPrimitiveIndexMask].id == id;
@@ -74,9 +72,8 @@ constexpr bool hasOwnUv(shared::PrimitiveKind kind) {
 #undef GLINT_OWN_UV
 }
 
-// Whether both are hits of the same part of two primitives of one kind that are stored with the same numbers,
-// in one instance: the same arithmetic then gives both the same t. Of outlines, which are arrays of their
-// own, never.
+// True if both are hits of the same part of two primitives of one kind with equal numbers, in one instance,
+// so that equal arithmetic gives equal t. False for outlines, which have their own arrays.
 bool isSameSurface(const Model& scene, const Hit& a, const Hit& b);
 
 // Calls visit with primitive `index` of a kind that can be hit.

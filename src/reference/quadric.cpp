@@ -104,8 +104,8 @@ struct Equation {
     Equation(const HomogeneousForm<T>& form, const LocalRay<T>& ray)
         : a(form(ray.d, ray.d)), b(form(ray.o, ray.d)), c(form(ray.o, ray.o)), disc(b * b - a * c) {}
 
-    // Of the error of `disc`. Each sum has 16 products of three factors, one of them a sum of three products
-    // of a difference: its error is below 32 u of its terms.
+    // Bound on the error of `disc`. Each sum has 16 products of three factors, one of which is a sum of three
+    // products of a difference: its error is below 32 u of its terms.
     T bound(const HomogeneousForm<T>& form, const LocalTerms<T>& terms, double roundoff) const {
         return static_cast<T>(64 * roundoff) *
                (magnitude(b) * form.terms(terms.o, terms.d) + magnitude(a) * form.terms(terms.o, terms.o) +
@@ -116,7 +116,7 @@ struct Equation {
 // Beside numbers as small as this double has too few digits to prove anything.
 constexpr double kLeastProof = 0x1p-900;
 
-// What double proves of a ray, in a small part of the time that more digits take: most misses.
+// Double-precision filter: proves most misses in a small part of the time that extended precision takes.
 class Rough {
   public:
     Rough(const rows::Quadric& quadric, const PreparedRay& ray)
@@ -153,7 +153,7 @@ class Rough {
     double bound_;
 };
 
-// What the roots of a sound equation may be off, so that a clip plane through the point does not lose it.
+// Tolerance of the clipping planes, so that a plane through the point does not reject it.
 constexpr double kClipSlack = 0x1p-44;
 
 class Search {
@@ -193,7 +193,7 @@ class Search {
             const HomogeneousForm<Quad> form(quadric_);
             const Equation<Quad> exact(form, LocalRay<Quad>(quadric_, ray_));
             const Quad bound = exact.bound(form, LocalTerms<Quad>(quadric_, ray_), kQuadRoundoff);
-            // What quadruple precision cannot tell from a tangent is one.
+            // A ray that quadruple precision cannot separate from a tangent is one.
             e.disc = magnitude(exact.disc) <= bound ? 0 : static_cast<Extended>(exact.disc);
             e.a = static_cast<Extended>(exact.a);
             e.b = static_cast<Extended>(exact.b);
@@ -238,7 +238,7 @@ class Search {
         return countsAt(ray_, t, slip, tMax_) && !(found_ && best_ <= t);
     }
 
-    // As slipOfFlat: the third axis, which is no unit vector, is the caps' normal.
+    // slipOfFlat for a cap: the third axis, which is no unit vector, is the caps' normal.
     double slipOfCap(Extended t) const {
         if (!ray_.leaves && !ray_.ties) return 0;
         const dvec3 axis(quadric_.toLocal2), point(quadric_.point);

@@ -102,7 +102,7 @@ class RowRenderer {
     Picture& picture_;
 };
 
-// What a cancelled render had begun of a row is taken back.
+// Clears a row that a cancelled render had begun.
 void clearRow(Picture& picture, int y) {
     const auto first = static_cast<std::ptrdiff_t>(picture.indexOf(picture.region.x0, y));
     const std::ptrdiff_t width = picture.region.width();

@@ -1,6 +1,6 @@
-// What fp32 makes of shading where all rays and hits are given: bounds derived from the formulas, not from
-// the shaders. In units of 2^-24, absolute, beside the value that they are of. What the errors of rays,
-// points and normals do to a colour is left to Jitter.
+// Bounds on the fp32 error of shading for given rays and hits, derived from the formulas and not from the
+// shaders. Absolute, in units of 2^-24. Jitter covers the effect of errors of rays, points and normals on a
+// colour.
 #pragma once
 
 #include <algorithm>
@@ -18,31 +18,31 @@ inline constexpr double kProductRoundings = 16;
 // roundings of a and b, at most 11 units; twice that for its square, and for the sum of two, halved, as much.
 inline constexpr double kReflectanceError = 32;
 
-// Of a light's direction: subtraction, length and division, 5 units together (a sum of squares errs by 3, its
-// root by half of that and one), and what the hit point itself may be off by, 9 units of the numbers that it
-// is a sum of (Site::offset), seen from the light. scale: of the point; infinity: a light infinitely far
-// away, whose direction is given.
+// Error of the direction to a light: 5 units for subtraction, length and division (a sum of squares errs by
+// 3, its root by half of that and one), and the error of the hit point, 9 units of the numbers that it is a
+// sum of (Site::offset), seen from the light. scale: of the point. Infinite distance: a light whose direction
+// is given.
 inline double lightTurn(double scale, double distance) {
     return std::isinf(distance) ? 1 : 5 + 9 * scale / distance;
 }
 
-// Of a unit normal: 4 for its own arithmetic, and what the point's error turns it by on a surface of this
-// `bend` (Surface): o + t d errs by 8 units of the numbers it is a sum of, where jitter moves it along
-// rulings, or not at all. gain: of an instance's transform, which normals go back by.
+// Error of a unit normal: 4 units for its arithmetic, plus the turn by the point's error on a surface of this
+// `bend` (Surface): o + t d errs by 8 units of the numbers it is a sum of. Jitter moves it along rulings, or
+// not at all. gain: of the instance's transform that normals return by.
 inline double normalError(double bend, double scale, double gain) {
     return (4 + 8 * bend * scale) * (1 + gain);
 }
 
-// Of the cosine between unit vectors: a sum of three products errs by 3 units of the sum of their magnitudes,
-// at most sqrt(3); the normal by `normal`, the other vector by `turn`.
+// Error of the cosine between unit vectors: a sum of three products errs by 3 units of the sum of their
+// magnitudes, at most sqrt(3); the normal by `normal`, the other vector by `turn`.
 inline double cosineError(double turn, double normal) {
     return 6 + normal + turn;
 }
 
-// Of cosine^n, cosine the normal's with the vector half way between two directions that add up to `length`,
-// one of them off by `turn`, the other by 4 units; n times the relative error of the cosine, and the power's
-// own (docs/numerics.md 1.1): log2 errs by 1.5 ulp, at most 3 units, its product y with n by one more, which
-// exp2 makes 4 |y| log(2), and by 1.2 ulp itself; then comes the product with the light.
+// Error of cosine^n, where cosine is that of the normal and the half vector of two directions whose sum has
+// `length`; one errs by `turn`, the other by 4 units. n times the relative error of the cosine, plus the
+// power's own (docs/numerics.md 1.1): log2 errs by 1.5 ulp, at most 3 units, its product y with n by one
+// more, which exp2 makes 4 |y| log(2), and by 1.2 ulp itself; then the product with the light.
 inline double powerError(double cosine, double n, double power, double length, double turn, double normal) {
     const double sway = cosineError(2 * (turn + 6) / length, normal) / cosine;
     const double y = 1.45 * n * std::max(1 - cosine, 0.0) / cosine;  // at least n |log2(cosine)|
@@ -50,10 +50,10 @@ inline double powerError(double cosine, double n, double power, double length, d
     return std::min(power * relative, 0x1p24);
 }
 
-// Of e^-x for an x that is a sum of magnitudes `sum`, by 8 roundings each; exp by an ulp, at most 2 units,
-// and by its product with the light. `ends`: what the ends of the way through a medium may be off by, each 9
-// units of the numbers that its point is a sum of (lightTurn), times what the medium takes of a unit of way:
-// of a triangle with corners a hundred times as far away as the hit they are more than the way itself.
+// Error of e^-x for an x that sums magnitudes `sum` with 8 roundings each; exp errs by an ulp, at most 2
+// units, and its product with the light by one. `ends`: error of the ends of the path through a medium, each
+// 9 units of the numbers that its point is a sum of (lightTurn), times the attenuation per unit. For a
+// triangle whose corners are a hundred times as far away as the hit they exceed the path itself.
 inline double exponentialRoundings(double sum, double ends) {
     return 4 + 8 * sum + 9 * ends;
 }

@@ -64,8 +64,8 @@ Pair sobolPair(uint32_t index) {
     return point;
 }
 
-// Of sequences of two dimensions, one for each pair, each pixel takes the samples in another order and
-// scrambled anew (B. Burley 2020, section 3).
+// Padding: each pixel takes the samples of each pair in another order and scrambled separately (B. Burley
+// 2020, section 3).
 Pair paddedPair(uint32_t seed, uint32_t index, uint32_t pair, uint32_t x, uint32_t y) {
     const Words random = evenWords({x, y, shared::kPaddingKey + pair, seed});
     Pair at = sobolPair(owenScrambled(index, random[0]));

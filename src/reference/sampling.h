@@ -1,4 +1,4 @@
-// Where the reference's samples lie, from the packed rows; written apart from shaders/shading/sample.glsl.
+// Sample positions of the reference, from the packed rows; written apart from shaders/shading/sample.glsl.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct FilmSample {
 std::array<uint32_t, 2> samplePair(const shared::Sample& s, uint32_t index, uint32_t pair, uint32_t x,
                                    uint32_t y);
 
-// Of pixel (x, y) of the whole picture.
+// Sample of pixel (x, y) of the whole image.
 FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, uint32_t y);
 
 // The point of the unit disc that belongs to (a, b) of [0, 1]^2 (P. Shirley, K. Chiu 1997).

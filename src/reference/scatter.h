@@ -1,5 +1,5 @@
-// What a surface does to light: what it sends back of a light, and the rays that leave it. The shaders' is
-// shaders/shading/scatter.glsl, written apart; the formulas are those of docs/reference/shading.md.
+// Reflection of a light at a surface, and the rays that leave it. Written apart from
+// shaders/shading/scatter.glsl, by the formulas of docs/reference/shading.md.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ struct Interaction {
     Crossing crossing;
 };
 
-// Where on the way to `direction` a ray leaves the surface: to the side it points to.
+// Origin of a ray that leaves the surface towards `direction`, on the side that it points to.
 glm::dvec3 offsetOrigin(const Interaction& at, const glm::dvec3& direction);
 
 // ---- Light that the surface sends back along the ray

@@ -38,9 +38,8 @@ class PathTracer {
     struct Light {
         dvec3 radiance{0}, error{0};
     };
-    // What is left of a light behind what it shines through; `fade`: the sum of the magnitudes that its
-    // optical depth is made of; `ends`: what the points between its parts are sums of, each times its
-    // medium's attenuation.
+    // Light that passes surfaces on its way. `fade`: sum of the magnitudes of its optical depth. `ends`: sums
+    // of magnitudes of the points between its parts, each times its medium's attenuation.
     struct Passed {
         dvec3 part{1};
         double fade = 0, ends = 0;
@@ -91,7 +90,7 @@ void PathTracer::decide(const Hit& hit) {
     record_.meetsInstance = record_.meetsInstance || hit.instance != shared::kNone;
 }
 
-// Of what changes in steps, not continuously.
+// Decides quantities that change in steps.
 void PathTracer::decideCells(const Surface& textured) {
     if (!scene_.textures.empty()) decide(cellsAt(scene_, textured));
 }
@@ -160,9 +159,8 @@ Ray PathTracer::rayFrom(const Interaction& at, const dvec3& direction, double tM
     return ray;
 }
 
-// What comes through of the light at the end of a shadow ray: nothing if an opaque surface is in the way,
-// else the product of the transmissions of all surfaces there, and Beer's law on the way between them, in
-// every medium that the ray is inside of by its count of crossings.
+// Light from the end of a shadow ray: 0 if an opaque surface blocks it, else the product of all transmissions
+// and Beer's law in every medium that contains the ray by its count of crossings.
 std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const Interaction& at,
                                                            bool directional) {
     if (!tracer_.shadows()) return Passed();
@@ -183,7 +181,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     for (uint32_t medium : at.crossing.before) sigma += attenuationOf(scene_, medium);
     std::vector<dvec3> change;
     double ends = at.scale * greatestCoordinate(sigma);
-    // What is opaque blocks with its edges too.
+    // Opaque surfaces block with their edges too.
     for (const Hit& hit : hits)
         if (scene_.materials[tracer_.surfaceAt(ray, hit).material].medium == 0) return std::nullopt;
     std::erase_if(hits, [&](const Hit& hit) { return !tracer_.crosses(ray, hit); });
@@ -302,7 +300,7 @@ bool PathTracer::isFollowed(const Branch& next) {
     return false;
 }
 
-// Of two branches where there is no room for one to wait, the weaker.
+// Drops the weaker of two branches if there is no room for one to wait.
 void PathTracer::dropOne(std::vector<Branch>& next) {
     const bool keepSecond = contribution(next[1]) > contribution(next[0]);
     ++record_.lost.room.count;

@@ -18,9 +18,9 @@ struct Branch {
     uint32_t depth = 0;    // rays before it
     uint32_t waiting = 0;  // branches that are followed only after all that comes of this one
     Media media;
-    // Where it leaves a surface: the point, the unit normal on the ray's side (0 for camera rays), the
-    // distance from the point at which the device's ray begins, and the greatest number that a coordinate of
-    // the point is a sum of.
+    // Start on a surface: the point, the unit normal on the ray's side (0 for camera rays), the distance from
+    // the point at which the device's ray begins, and the greatest number that a coordinate of the point is a
+    // sum of.
     glm::dvec3 start{0}, out{0};
     double clearance = 0, scale = 0;
 };

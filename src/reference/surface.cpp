@@ -1,4 +1,4 @@
-// What a ray has hit: the point, moved onto its surface, and the normals there.
+// Surface at a hit: the point, moved onto the surface, and its normals.
 #include <algorithm>
 #include <cmath>
 #include <utility>

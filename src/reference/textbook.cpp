@@ -91,15 +91,10 @@ bool textbookTriangle(TriangleMethod method, const rows::Triangle& triangle, con
 
 namespace {
 
-// What fp32 loses in either form, by what it sums, with u = 2^-24 and w the way from the ray's origin to the
+// Error of fp32 in either form, by the terms it sums, with u = 2^-24 and w from the ray's origin to the
 // centre; a = d.d.
 // - geometric, r^2 - (w.w - s^2 a) with s = w.d / a: w rounds once, w.w errs by gamma_5 |w|^2, s by gamma_8
-// |w| /
-//   |d|, s^2 a by gamma_21 |w|^2, each difference by one more: 29 u |w|^2 + 2 u r^2;
-// - algebraic, (b^2 - 4 a c) / 4 a with b = -2 w.d and c = w.w - r^2: b errs by gamma_4, its square by
-// gamma_9, c
-//   by gamma_5 |w|^2 and 2 u (|w|^2 + r^2), 4 a c by gamma_5 more: 21 u |w|^2 + 8 u r^2.
-// And s, the middle of the chord, by gamma_8 |w| / |d|.
+// |w| / |d|, s^2 a by gamma_21 |w|^2, each difference by one more: 29 u |w|^2 + 2 u r^2;
 constexpr double kSquareRoundings = 30, kMiddleRoundings = 8;
 
 // Up to as many of so many roundings as the ray's noise has units, by the sphere.

@@ -18,8 +18,7 @@
 
 namespace glint::reference {
 
-// What a textbook's test of spheres may lose of a ray by its own formula, at random (textbook.cpp); nothing
-// for step 0.
+// Random error within the bound of a textbook sphere test's formula (textbook.cpp); none for step 0.
 struct FormulaNoise {
     uint64_t seed = 0;
     double step = 0;
@@ -32,13 +31,13 @@ struct Ray {
     glm::dvec3 direction{0, 0, -1};
     double tMin = 0;
     double tMax = std::numeric_limits<double>::infinity();
-    // Of a camera ray: the greatest numbers that a coordinate of the origin, or of the unit direction, is the
-    // sum of. They cancel where a ray starts near 0, or leaves in a direction far from that of an oblique
-    // camera; rounding, and hence Jitter, goes with them.
+    // Camera ray: the greatest numbers that a coordinate of the origin, or of the unit direction, is a sum
+    // of. They cancel if a ray starts near 0, or leaves far from an oblique camera's direction; rounding, and
+    // hence Jitter, scales with them.
     double originScale = 0;
     double directionScale = 1;
     FormulaNoise noise = {};
-    // Of the rays of a picture: of surfaces in one place, as far as fp32 tells, the lowest id is hit.
+    // True for rays of an image: among surfaces that coincide within fp32's error the lowest id is hit.
     bool ties = false;
 };
 
@@ -51,7 +50,7 @@ struct Hit {
     bool operator==(const Hit&) const = default;
 };
 
-// What a ray starts on: a primitive in the world by itself, or one of an instance. Of a hit: sourceOf.
+// Start of a ray: a primitive in the world or of an instance. For a hit: sourceOf.
 struct Source {
     Source(uint32_t p = shared::kNone, uint32_t i = shared::kNone) : primitive(p), instance(i) {}
     uint32_t primitive;  // kind and index
@@ -150,7 +149,7 @@ struct PixelRecord {
     // A hash over all that was decided on the way: primitives hit, lights faced and hidden, cells of
     // checkers. Between paths of equal decisions the colour changes continuously with the rays.
     uint32_t decisions = 0;
-    // Whether a ray of the path, or under jitter a blocked shadow ray, met an instance.
+    // True if a ray of the path, or under jitter a blocked shadow ray, hit an instance.
     bool meetsInstance = false;
     std::array<RayTally, kRayClasses> tally;  // by RayClass; the tests sum up to `cost`
     Losses lost;
@@ -162,15 +161,15 @@ struct Step;
 
 class Tracer {
   public:
-    // Of the rounded scene, whose arrays are widened here: one tracer for many rays. The scene must outlive
-    // the tracer. Of Tracing::methods, those of slabs and offsets are the device's.
+    // Traces the rounded scene, whose arrays are widened here; use one tracer for many rays. The scene must
+    // outlive the tracer. Methods::slabs and Methods::offsets concern only the device.
     explicit Tracer(const PackedScene& scene, const Tracing& tracing = {});
-    // Of any model. radianceBound: by which branches are cut (radianceBoundOf).
+    // Traces any model. radianceBound: cuts branches (radianceBoundOf).
     Tracer(std::shared_ptr<const Model> model, const Tracing& tracing, double radianceBound);
 
     const Model& model() const { return scene_; }
 
-    // What it obeys: as asked for, or the scene's own.
+    // Methods in force: the requested ones, or the scene's.
     const Methods& methods() const { return tracing_.methods; }
     bool shadows() const { return tracing_.shadows; }
     const std::vector<rows::Light>& lights() const { return lights_; }

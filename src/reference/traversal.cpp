@@ -50,9 +50,8 @@ struct World {
     const Source& source;
 };
 
-// Where the ray is inside the box of a child (0 or 1) of a node: from the returned t on; NaN-free. > limit:
-// not within [0, limit]. A comparison with NaN is false, so a plane that a parallel ray runs in (0 * inf)
-// constrains nothing: boxes are closed.
+// Entry t into the box of a child (0 or 1) of a node; NaN-free. > limit: not within [0, limit]. A comparison
+// with NaN is false, so a plane that a parallel ray runs in (0 * inf) constrains nothing: boxes are closed.
 inline double enterBox(const double* node, int child, const PreparedRay& ray, double limit) {
     const double* box = node + 8 * child;
     double tNear = ray.tMin * (2 - kCullPad), tFar = std::numeric_limits<double>::infinity();
@@ -93,7 +92,7 @@ bool testPrimitive(const Model& scene, const PreparedRay& ray, const Primitive& 
         const bool hole = isHole(scene, search, hit);
         if (!hole && !search.all) return true;
         if (!hole) search.all->insert(search.all->end(), root.twice ? 2 : 1, hit);
-        // What is hit more than once: again from there on.
+        // Search again behind a root, for surfaces that are hit more than once.
         further.tMin = root.t;
     } while (meets(one, {scene, methods, further, primitive, source, search.end}, root, part));
     return false;

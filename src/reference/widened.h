@@ -1,4 +1,4 @@
-// What was rounded for the device, as the reference reads it.
+// Arrays that were rounded for the device, widened for the reference.
 #pragma once
 
 #include "pack/packed_scene.h"

@@ -13,7 +13,8 @@ namespace glint::render {
 void writeRays(const PathState& paths, const gpu::Device& device, const SceneFeatures& features,
                const TraceModes& modes, std::span<const RayInput> rays);
 
-// What the kernels found for the first rays, but not the surfaces: those are in the rows of layers.
+// Reads the hits that the kernels found for the first rays, without their surfaces: those are in the rows of
+// layers.
 void readHits(const PathState& paths, const gpu::Device& device, const TraceModes& modes,
               std::span<RayHit> hits);
 

@@ -12,8 +12,8 @@ namespace {
 // lavapipe ends all loops of a subgroup after this many trips in all (LP_MAX_TGSI_LOOP_ITERATIONS,
 // lp_bld_limits.h of Mesa 22.3).
 constexpr uint32_t kLlvmpipeTrips = 65535;
-// Of path state: 2^20 paths of 176 bytes (208 with mirrors), or fewer where each has a tree of branches to
-// keep.
+// Memory of the path state: 2^20 paths of 176 bytes (208 with mirrors), or fewer if each path keeps a tree of
+// branches.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
 
 // See budgetOf: the loop of the nodes, those of the kinds that a pipeline knows, and one for the compiler's
@@ -26,12 +26,12 @@ uint32_t loopsOf(const SceneFeatures& features) {
     return sum;
 }
 
-// What the middle loop counts for each of its trips, as tripsOfPass in shaders/traversal/leaf.glsl.
+// Count of the middle loop for each of its trips, like tripsOfPass in shaders/traversal/leaf.glsl.
 uint32_t tripsOfPass(const SceneFeatures& features) {
     return loopsOf(features) + 1;
 }
 
-// Of the stack traversal, as all in whole.comp are.
+// True if the stack traversal has a middle loop. All traversals in whole.comp use the stack.
 bool haveMiddleLoop(const SceneFeatures& features) {
     return features.instances;
 }
@@ -75,7 +75,7 @@ constexpr uint32_t kTripsOfSample = 64;
 
 // kPacketTurns packets, one after the other, have the trips of a subgroup together.
 constexpr uint32_t kMostTrips = 3000;
-// Of one dispatch; and of the first one, whose rays may prove to need many trips.
+// Lights of one dispatch, and of the first dispatch, whose rays may turn out to need many trips.
 constexpr uint32_t kMostLightsAtOnce = 64;
 constexpr uint32_t kFirstLightsAtOnce = 8;
 

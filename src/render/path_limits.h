@@ -11,7 +11,7 @@
 
 namespace glint::render {
 
-// Whether paths may have further rays after the camera's.
+// True if paths may have further rays after the camera's.
 bool goesOnAfterHits(const SceneFeatures& features);
 
 // Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.

@@ -25,7 +25,7 @@ struct Slice {
     uint32_t paths() const { return groups() * shared::kWorkgroupSize; }
     // False for a path without a pixel (a tile past the end, or past the region's edge).
     bool pixelOf(uint32_t path, glm::ivec2& pixel) const;
-    // Where the pixel stands in arrays of the region's size.
+    // Index of the pixel in arrays of the region's size.
     size_t indexOf(const glm::ivec2& pixel) const {
         return static_cast<size_t>(pixel.y - region.y0) * region.width() + (pixel.x - region.x0);
     }

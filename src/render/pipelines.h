@@ -13,7 +13,7 @@
 
 namespace glint::render {
 
-// What a request makes of the kernels: GLINT_MODES in shaders/shared/dispatch.h, the tests of rays.
+// Kernel modes that a request selects: GLINT_MODES in shaders/shared/dispatch.h, and the tests of rays.
 struct TraceModes {
     bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
     bool scattered = false, adaptive = false, tally = false, given = false;
@@ -23,10 +23,11 @@ struct TraceModes {
 };
 TraceModes modesOf(const Request& request);
 
-// What one of them has.
+// Features that at least one of the two has.
 SceneFeatures either(SceneFeatures features, const SceneFeatures& also);
 
-// What shaders/arithmetic.glsl rounds in the device's place: GLINT_ARITHMETIC in shaders/shared/dispatch.h.
+// Operations that shaders/arithmetic.glsl rounds in place of the device: GLINT_ARITHMETIC in
+// shaders/shared/dispatch.h.
 struct OwnArithmetic {
     bool quotients = false, roots = false;
 };

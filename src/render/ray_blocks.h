@@ -28,7 +28,7 @@ class Unset {
     alignas(Element) std::byte bytes_[kBlock * sizeof(Element)];
 };
 
-// Where the blocks of a piece stand.
+// Positions of a piece's blocks.
 struct Placement {
     size_t blocks, runs, perRun;
     Placement(size_t count, bool dealt)

@@ -77,7 +77,7 @@ std::unique_ptr<uint32_t[]> blocksOf(size_t row, size_t count) {
 
 // ---- Whether packets pay
 
-// Whether most packets, of those that are looked at, have rays that go about the same way.
+// True if most sampled packets have rays with nearby origins and directions.
 bool isCoherent(const ReadRays& read, const RayNumbers& numbers, size_t count, float diagonal) {
     constexpr size_t kPacket = 32, kLooks = 32;
     // Squared. 32 rays that are so far apart take packets and single rays the same time in meshes of 10^5

@@ -43,9 +43,9 @@ struct Space {
     glm::vec3 lower{0}, upper{0};
 };
 
-// Of rays `first` to `first + count - 1`, or some of the first of them. Rows of a picture are put into blocks
-// of 8 x 4, which packets take; rays that have nothing to do with their neighbours are sorted by where they
-// enter and leave the space. `told`: the caller says that they are coherent. Reads from several threads.
+// Order of rays `first` to `first + count - 1`, or of a leading part of them. Rows of an image become blocks
+// of 8 x 4, which packets trace. Rays unrelated to their neighbours are sorted by where they enter and leave
+// the space. told: the caller declares the rays coherent. Reads from several threads.
 RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Space& space, bool told);
 
 }  // namespace glint::render

@@ -30,7 +30,7 @@ constexpr size_t kAhead = 32;
 // Nodes of the smallest tree for which rays are put in order.
 constexpr size_t kFewestForOrder = 64;
 
-// What of a scene decides hits; the rest of it would be dead code.
+// Features of a scene that affect hits; the others would be dead code.
 SceneFeatures hitFeatures(SceneFeatures features) {
     features.mirrors = features.transmission = features.coloredShadows = features.attenuation = false;
     features.vertexNormals = features.specular = features.environmentMap = false;
@@ -201,8 +201,9 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
     }
 }
 
-// Where answers of sorted rays go to several arrays of the caller's, each would be a line of memory of its
-// own for each ray. They are put back in order first, one line a ray, and then written array by array.
+// Buffer for the hits of sorted rays that go to several arrays of the caller; null if not needed. Written
+// directly, each ray would need one cache line per array. The hits are put in order first, one line per ray,
+// and then written array by array.
 std::unique_ptr<RowEntry[]> RayQueries::State::gatherFor(const RayTask& task, const RayOrder& order) const {
     const bool sorted = order.numbers && order.run == 1;
     if (!sorted || !task.spreads || task.ask != RayTask::Ask::Nearest || features.instances) return nullptr;
@@ -217,7 +218,7 @@ void RayQueries::State::giveGathered(const RayTask& task, size_t first, const Ro
     });
 }
 
-// Of a window that was cancelled before all of it could be given: a piece that was finished.
+// Delivers a finished piece of a window that was cancelled before all of it could be delivered.
 void RayQueries::State::givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered,
                                   size_t count) const {
     std::vector<RowEntry> hits(kBlock);
@@ -270,7 +271,7 @@ void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, si
     take(slot, placement, task, rays, count, gathered);
 }
 
-// What was not listed would be read from memory that nobody has written.
+// Checks that the device listed every crossing: others would be read from uninitialized memory.
 void RayQueries::State::checkListed(const Slot& slot, std::span<const RowEntry> wanted) const {
     for (size_t i = 0; i < wanted.size(); ++i) {
         const uint32_t listed = slot.row(kHitRow)[i].u[1];

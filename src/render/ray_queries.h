@@ -19,13 +19,13 @@ struct FoundHit {
     float t = 0, u = 0, v = 0;           // u and v as in reference::Hit
     uint32_t primitive = shared::kNone;  // kind and index; kNone: a miss
     uint32_t instance = shared::kNone;   // that the primitive is one of
-    // Of Ask::Count alone: surfaces crossed; doubtful: rounding decides whether one of them lies before the
-    // origin.
+    // Only for Ask::Count: number of surfaces crossed. doubtful: rounding decides whether one of them lies
+    // before the origin.
     uint32_t crossings = 0;
     bool doubtful = false;
 };
 
-// Of rays that follow each other, read where the device wrote it.
+// Hits of consecutive rays, read where the device wrote them.
 class FoundHits {
   public:
     // instances: null where none are.
@@ -81,9 +81,10 @@ class RayQueries {
     // False if it was cancelled.
     bool run(const RayTask& task);
 
-    // Where ray i crosses surfaces, counts[i] of them as Ask::Count has it with RayTask::forList, in no
-    // order; 0: the ray is left out. `take` is called for one ray after the other. Throws Error(Device) if
-    // one ray crosses more than fit into a piece, or the device finds another number of crossings.
+    // Lists the crossings of each ray i: counts[i] of them, as counted by Ask::Count with RayTask::forList,
+    // in no order. A count of 0 leaves the ray out. Calls `take` for one ray after the other. Throws
+    // Error(Device) if one ray crosses more surfaces than fit into a piece, or if the device finds another
+    // number of crossings.
     void list(std::span<const uint32_t> counts,
               const std::function<void(size_t first, std::span<RayInput> rays)>& fill,
               const std::function<void(size_t i, std::span<const FoundHit> hits)>& take);
@@ -97,8 +98,8 @@ class RayQueries {
     std::unique_ptr<State> state_;
 };
 
-// As the kernels read it: t that fp32 cannot hold is kInfinity, NaN stays NaN and misses. They may take what
-// lies behind the origin where tMin is below 0.
+// The ray as the kernels read it. t that fp32 cannot hold becomes kInfinity; NaN stays NaN and misses. tMin
+// is clamped to 0: kernels may otherwise report hits behind the origin.
 inline RayInput roundedRay(const LocalRay& ray) {
     const auto bound = [](double t) {
         constexpr double kLimit = static_cast<double>(shared::kInfinity);

@@ -19,8 +19,8 @@ inline constexpr std::array kSlotRows = {shared::kRowOrigin, shared::kRowDirecti
                                          shared::kPathRows};
 inline constexpr size_t kInstanceRow = 3, kHitRow = 2;  // of kSlotRows
 
-// What one piece of rays needs to be on its way. `rows` of a software device are written and read in place;
-// else `staging` holds copies of the rows that change hands.
+// Resources of one piece of rays in flight. On a software device `rows` is written and read in place;
+// otherwise `staging` holds copies of the rows that are exchanged.
 struct Slot {
     gpu::Buffer counters, rows, staging;
     Pipelines pipelines;

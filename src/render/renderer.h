@@ -109,13 +109,13 @@ class Renderer {
     std::vector<Trail> trails(const shared::Camera& camera, Request request,
                               const std::vector<glm::ivec2>& pixels);
 
-    // What the rays of a batch hit, in pieces of bounded memory. Rays are rounded to fp32 relative to the
+    // Hits of a batch's rays, traced in pieces of bounded memory. Rays are rounded to fp32 relative to the
     // scene's origin.
     std::vector<WorldHit> trace(const RayBatch& batch, BatchTimes* times = nullptr);
     // The same of local fp32 rays, bit for bit as they are: the closest hit of each, or with `any` whether
     // there is a hit (then only RayHit::hit is filled).
     std::vector<RayHit> trace(const std::vector<RayInput>& rays, bool any, const Methods& methods = {});
-    // What the middle of pixel (x, y) of the picture that is asked for shows, as the device sees it.
+    // Data at the centre of pixel (x, y) of the requested image, as the device computes it.
     PixelData pixel(const shared::Camera& camera, Request request, int x, int y);
 
     const PackedScene& scene() const;
@@ -123,7 +123,7 @@ class Renderer {
     const StageTimes& times() const;  // of construction and all renders since
     const RayCounts& rays() const;
     gpu::Access access() const;
-    // What requests with these methods are traced by.
+    // Traversal of requests with these methods.
     TraversalChoice traversal(const Methods& methods = {}) const;
     uint64_t deviceBytes() const;
     uint64_t codeBytes() const;  // SPIR-V of the kernels used so far

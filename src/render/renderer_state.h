@@ -1,4 +1,4 @@
-// What a renderer keeps; for the sources of this module that Renderer is made of.
+// State of a renderer, for the source files that implement Renderer.
 #pragma once
 
 #include <functional>
@@ -40,7 +40,7 @@ struct Renderer::State {
     std::vector<shared::Light> lights;  // the same
     uint32_t sliceTiles = 256;          // of the next slice, of the next picture too
     TrailRecorder* recorder = nullptr;  // of the image at hand, or null
-    // Of the submissions of the slice at hand.
+    // Longest submission of the current slice, in seconds.
     double longestInSlice = 0;
 
     State(const gpu::Device& dev, const PackedScene& packed, const Options& opts)
@@ -87,7 +87,7 @@ struct Renderer::State {
                      const std::function<bool()>& cancelled);
     void traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets);
     TraversalChoice traversalOf(const Methods& methods) const;
-    // Of a path in whole.comp.
+    // Trip budget of a path in whole.comp.
     uint32_t wholeBudget(const shared::Environment& of) const;
     bool drawsWholePaths(const TraceModes& modes, const TraversalChoice& choice,
                          const shared::Environment& of) const;

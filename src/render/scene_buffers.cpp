@@ -29,8 +29,8 @@ constexpr uint64_t kHeadBytes =
     (GLINT_BINDING_COUNT * sizeof(uint32_t) + kTexelBytes - 1) / kTexelBytes * kTexelBytes;
 static_assert(samplesBinding == shared::kSamplesBinding);
 
-// What stands in for an absent array: as much as the first of any struct, or as the rows of a triangle's
-// colours, takes.
+// Size of the zeros that stand in for an absent array: the first element of any struct, or the rows of a
+// triangle's colours, whichever is larger.
 #define GLINT_LARGER_STRUCT(binding, field, Struct, ROWS) largest = std::max(largest, sizeof(shared::Struct));
 constexpr size_t kZeroBytes = [] {
     size_t largest = 5 * sizeof(shared::VertexAttribute);

@@ -46,7 +46,7 @@ class SceneBuffers {
     void setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const;
     // True if the array had to grow: bind anew. No rows: nothing is done.
     bool setSamples(const gpu::Device& device, std::span<const shared::Sample> rows);
-    // What to bind at `binding` (2 and up).
+    // Buffer to bind at `binding` (2 and up).
     const gpu::Buffer& at(uint32_t binding) const;
     uint64_t bytes() const;
 

@@ -48,9 +48,9 @@ bool loopsConverge(const gpu::DeviceInfo& device);
 
 // Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles, spheres, boxes and planes.
 // They pay where a load costs the same for one lane as for all, which is so on llvmpipe alone, and from
-// kFewestForPackets primitives on. All other rays are traced one per lane. Throws Error(Device) if packets are
-// wanted and the device cannot run them; if they are wanted for a scene or methods that they do not support,
-// the choice is Lane.
+// kFewestForPackets primitives on. All other rays are traced one per lane. Throws Error(Device) if packets
+// are wanted and the device cannot run them; if they are wanted for a scene or methods that they do not
+// support, the choice is Lane.
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
                                 const Methods& methods = {});
 

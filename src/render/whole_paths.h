@@ -28,13 +28,13 @@ uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environ
 // All rays of a path, shadow rays too.
 uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment);
 
-// Of the first slice, whose one submission has all rays of its paths.
+// Tiles of the first slice, whose one submission traces all rays of its paths.
 uint32_t firstWholeTiles(uint64_t mostRays);
 
 // False where more is wanted than the picture.
 bool wholePathsKnow(const TraceModes& modes);
 
-// What there is to draw.
+// Work of a render by whole paths.
 struct WholePathsWork {
     bool furtherRays = false;  // there are mirrored or refracted ones
     uint32_t tripBudget = 0;   // of each ray of a path

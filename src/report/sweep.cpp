@@ -155,7 +155,7 @@ render::Renderer* SceneSweep::rendererOf(const Setting& s) {
     return renderer.get();
 }
 
-// As `glint render` does without AOVs. An --error includes all its rounds.
+// Renders as `glint render` does without AOVs. An --error includes all its rounds.
 Picture SceneSweep::draw(const Setting& s, uint32_t seed) {
     const Request request = requestFor(s, seed);
     if (s.onReference) return reference::render(loaded_.packed, camera_, request);
@@ -178,7 +178,7 @@ Picture SceneSweep::draw(const Setting& s, uint32_t seed) {
     return std::move(result.picture);
 }
 
-// Of one sample per pixel, warm.
+// Seconds for one sample per pixel, warm.
 double SceneSweep::secondsOf(const Setting& s) {
     const std::string who = s.onReference ? "the reference" : s.on;
     if (const auto known = seconds_.find(who); known != seconds_.end()) return known->second;

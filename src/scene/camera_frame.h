@@ -13,7 +13,7 @@ struct CameraFrame {
     glm::dvec3 u, v, w, view;
 };
 
-// Of a valid camera (P. Shirley, S. Marschner, "Fundamentals of Computer Graphics", 3rd ed., 4.3).
+// Frame of a valid camera (P. Shirley, S. Marschner, "Fundamentals of Computer Graphics", 3rd ed., 4.3).
 CameraFrame cameraFrame(const Camera& camera);
 
 // "perspective", "orthographic", "oblique perspective" or "oblique parallel".

@@ -116,8 +116,8 @@ class PartVisitor {
     const Visit& visit_;
 };
 
-// Of meshes that stand in several places the corners of their boxes, so that the time does not grow with the
-// number of places.
+// Visits the box corners of meshes with several instances, so that time does not grow with the number of
+// instances.
 template <typename Visit>
 void forEachPart(const Scene& scene, DrawnVertices& drawn, const Visit& visit) {
     std::map<const Mesh*, std::pair<size_t, Box>> shared;

@@ -5,7 +5,7 @@
 
 namespace glint {
 
-// What surrounds a model that says nothing about it: an unlit side is still seen.
+// Background of a model without one. Unlit sides stay visible against it.
 inline constexpr Color kModelBackground{0.42, 0.50, 0.60};
 inline constexpr Color kModelAmbient{0.2};
 

@@ -11,7 +11,7 @@ namespace glint {
 inline constexpr double kMaxCoordinate = 1e18;
 inline constexpr double kMinRadius = 1e-14;
 inline constexpr double kMaxRadius = 1e18;
-// Of a quadric's coefficients: the equation is scaled in double before it is rounded.
+// Largest magnitude of a quadric's coefficients: the equation is scaled in double before it is rounded.
 inline constexpr double kMaxCoefficient = 1e100;
 // Height over radius, and radius over height, of bodies of revolution: the square, 1e16, still leaves a
 // quadratic equation's terms within fp32's range.
@@ -53,7 +53,7 @@ inline constexpr double kMaxCondition = 1e12;
 // (kMaxPolygonTrips in shaders/shared/layout.h).
 inline constexpr size_t kMaxPolygonVertices = 8192;
 
-// Of groups within groups: within kMaxJsonDepth, of which a group takes two levels.
+// Nesting of groups; each takes two levels of kMaxJsonDepth.
 inline constexpr size_t kMaxGroupDepth = 24;
 
 // Against input that would exhaust the stack or the memory.

@@ -71,15 +71,15 @@ glm::dvec3 widestTriangle(std::span<const glm::dvec3> vertices) {
         if (glm::length(glm::cross(ab, v - vertices[0])) > glm::length(glm::cross(ab, ac)))
             ac = v - vertices[0];
     }
-    // As in newell(): of one cross product, whose vertices were rounded.
+    // Rounding error of one cross product of rounded vertices, as in newell().
     const double rounding = kUnit * (8 * glm::length(ab) * glm::length(ac) +
                                      4 * std::numbers::sqrt3 * scale * (glm::length(ab) + glm::length(ac)));
     const glm::dvec3 twice = glm::cross(ab, ac);
     return glm::length(twice) > rounding ? twice : glm::dvec3(0);
 }
 
-// Whether the side that `triangle` (widestTriangle) points to is the front: Newell's, or if the areas on both
-// sides are about the same, that from which the first sharp corner is a turn to the left.
+// True if `triangle` (widestTriangle) points to the front: Newell's side, or, if both areas are about equal,
+// the side from which the first sharp corner turns left.
 bool facesFront(const glm::dvec3& triangle, const glm::dvec3& sum, std::span<const glm::dvec3> vertices) {
     const double enough = kSameArea * glm::dot(triangle, triangle);
     if (std::abs(glm::dot(sum, triangle)) > enough) return glm::dot(sum, triangle) > 0;

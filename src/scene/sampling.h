@@ -13,14 +13,13 @@ namespace glint {
 // others.
 inline constexpr int kLeastLowDiscrepancySamples = 16;
 
-// Where the samples lie in the end, never Auto. Adaptive sampling, which cannot go on from a grid, makes Auto
-// LowDiscrepancy whatever the number.
+// Resolves Auto. Adaptive sampling makes Auto LowDiscrepancy, since it cannot extend a grid.
 Sampler samplerOf(const ImageSettings& image);
 
 // Pixels: box 0.5, tent 1, Gaussian 1.5, Mitchell 2.
 double defaultRadius(Filter filter);
 
-// What is wrong with settings that are right each by itself, and how to mend it; empty if nothing is.
+// Conflict between settings and its remedy; empty if there is none.
 std::string samplingConflict(const ImageSettings& image);
 
 // Offsets of the samples of a pixel, in [0,1)^2: the centre for 1, a regular grid for a square number, else

@@ -1,4 +1,5 @@
-// What a user describes: plain data in double precision, world space, right-handed, y up, colours linear RGB.
+// A scene as the user describes it: plain data in double precision, world space, right-handed, y up, linear
+// RGB colours.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +18,9 @@ namespace glint {
 
 using Color = glm::dvec3;  // linear RGB radiance or reflectance
 
-// Where the samples of a pixel lie (docs/guide/sampling.md). Grid: the same regular grid in every pixel.
-// Jittered: one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel.
-// Auto: Grid or LowDiscrepancy by the number of samples, see samplerOf (scene/sampling.h).
+// Positions of a pixel's samples (docs/guide/sampling.md). Grid: one regular grid for all pixels. Jittered:
+// one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel. Auto: Grid
+// or LowDiscrepancy by the number of samples, see samplerOf (scene/sampling.h).
 enum class Sampler { Auto, Grid, Jittered, LowDiscrepancy };
 constexpr auto entriesOf(Sampler) {
     return std::to_array<EnumEntry<Sampler>>({{Sampler::Auto, "auto"},
@@ -75,8 +76,8 @@ struct Camera {
     glm::dvec3 eye{0, 0, 5};
     glm::dvec3 target{0, 0, 0};
     glm::dvec3 up{0, 1, 0};
-    // Of the image plane, either side. Absent: the view direction. Given: an oblique camera, neither zero nor
-    // perpendicular to the view direction.
+    // Normal of the image plane, either side. Absent: the view direction. Given: an oblique camera; neither
+    // zero nor perpendicular to the view direction.
     std::optional<glm::dvec3> planeNormal;
     double fovY = 40;                  // perspective: degrees, vertical, in (0, 180)
     double height = 4;                 // orthographic: of the window, > 0
@@ -178,7 +179,7 @@ struct Material {
     double shininess = 32;  // >= 0
     Color mirror{0};        // each channel in [0, 1]
 
-    // What passes through the surface, each channel in [0, 1]; not black: a dielectric, whose exact Fresnel
+    // Transmitted light, each channel in [0, 1]. If not black, the material is a dielectric whose Fresnel
     // reflectance splits light into a reflected and a refracted part (docs/reference/shading.md).
     Color transmission{0};
     double ior = 1.5;      // index of refraction, inside over outside; > 0
@@ -192,7 +193,7 @@ struct Material {
     uint32_t specularTexture = kNoTexture;
     uint32_t mirrorTexture = kNoTexture;
     uint32_t transmissionTexture = kNoTexture;
-    // Where the diffuse texture's alpha is below this the surface is not there; 0: alpha is ignored.
+    // Alpha of the diffuse texture below which the surface is cut out; 0 ignores alpha.
     double alphaCutoff = 0;
 };
 
@@ -293,8 +294,8 @@ struct Object {
     // From the shape's coordinates to the world's, regular, of any kind. Meshes that several objects share
     // are stored once.
     std::optional<Affine> transform = {};
-    // What the reader has applied to the shape already, from the object's own coordinates: textures are fixed
-    // in those.
+    // Transform from the object's own coordinates that the reader has already applied to the shape. Textures
+    // are fixed in object coordinates.
     Affine applied = {};
 };
 
@@ -307,8 +308,8 @@ struct EnvironmentMap {
     Color intensity{1};
 };
 
-// What a transmissive object does to shadow rays: block them, or let through what its transmission and
-// attenuation leave, straight on (docs/reference/shading.md).
+// Effect of dielectrics on shadow rays: block them, or pass them straight on, coloured by transmission and
+// attenuation (docs/reference/shading.md).
 enum class TransmissiveShadows { Colored, Full };
 constexpr auto entriesOf(TransmissiveShadows) {
     return std::to_array<EnumEntry<TransmissiveShadows>>(

@@ -71,7 +71,7 @@ class NormalTransform {
     glm::dmat3 matrix_;
 };
 
-// Of factors that should be equal: what matrices written with seven digits leave of them.
+// Difference between equal factors that a matrix written with seven digits leaves.
 constexpr double kTolerance = 1e-6;
 
 glm::dvec3 apply(const Affine& transform, const glm::dvec3& point) {

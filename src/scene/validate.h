@@ -1,4 +1,4 @@
-// What no tracer can render: the whole scene, or part by part at the place in the file where it is read.
+// Checks for scenes that no tracer can render: the whole scene, or each part where the reader finds it.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ void validateScene(const Scene& scene, const std::string& name);
 // The same for a scene with a camera of frameModel's: what makes that useless is where the objects are.
 void validateFramedScene(const Scene& scene, const std::string& name);
 
-// Where something stands, for messages: "FILE: POINTER/KEY: what".
+// Place of a value for messages: "FILE: POINTER/KEY: what".
 struct Place {
     std::string file;
     std::string pointer;

@@ -1,4 +1,4 @@
-// Who traces.
+// Selects the backend.
 #pragma once
 
 #include "core/enum_names.h"
@@ -13,7 +13,7 @@ constexpr auto entriesOf(Backend) {
     return std::to_array<EnumEntry<Backend>>({{Backend::Gpu, "gpu"}, {Backend::Cpu, "cpu"}});
 }
 
-// Who draws on when the device fails.
+// Backend that continues after a device failure.
 enum class Fallback { None, Cpu };
 constexpr auto entriesOf(Fallback) {
     return std::to_array<EnumEntry<Fallback>>(

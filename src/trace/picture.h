@@ -1,5 +1,4 @@
-// What a tracer makes: colour for each pixel, and on request everything else known about the pixel's first
-// sample.
+// Result of a tracer: colour for each pixel and, on request, layers of the pixel's first sample.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +19,8 @@ struct Region {
     int height() const { return y1 - y0; }
 };
 
-// Of a pixel's first sample; definitions in docs/reference/shading.md. Indices are kNoIndex, depth infinite
-// and all else 0 on a miss.
+// Layers of a pixel's first sample (docs/reference/shading.md). On a miss indices are kNoIndex, depth is
+// infinite and everything else 0.
 struct PixelData {
     static constexpr uint32_t kNoIndex = 0xffffffffu;
     glm::dvec3 position{0};  // world
@@ -50,7 +49,7 @@ struct LostBranches {
         sum += bound;
         greatest = bound > greatest ? bound : greatest;
     }
-    // Of other pixels.
+    // Adds the counts of other pixels.
     void add(const LostBranches& other) {
         count += other.count;
         sum += other.sum;
@@ -58,14 +57,14 @@ struct LostBranches {
     }
 };
 
-// What a picture lacks of the whole tree of rays.
+// Branches of the ray tree that the image omits.
 struct TreeLosses {
     LostBranches cut;    // below the least contribution asked for
     LostBranches depth;  // beyond maxDepth
     LostBranches room;   // more than could wait at a time
     uint64_t crowdedMedia =
         0;  // surfaces that a ray passed as if they were not there: it was in too many media
-    // Of other pixels.
+    // Adds the counts of other pixels.
     void add(const TreeLosses& other) {
         cut.add(other.cut);
         depth.add(other.depth);
@@ -95,7 +94,7 @@ struct Picture {
     // Counts the pixel if its colour is not finite.
     void checkFinite(int x, int y);
 
-    // Where a pixel of the whole picture stands in the arrays.
+    // Array index of a pixel of the whole image.
     size_t indexOf(int x, int y) const {
         return static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0);
     }
@@ -107,7 +106,7 @@ struct Picture {
 // Alpha, the count and the place stay.
 void blackenNotFinite(Picture& picture);
 
-// What a picture holds for each pixel, as layers of files (docs/reference/shading.md).
+// Layers of an image (docs/reference/shading.md).
 enum class Aov {
     Radiance,
     Alpha,

@@ -41,8 +41,8 @@ struct RayBatch {
 struct WorldHit {
     bool hit = false;
     double t = std::numeric_limits<double>::infinity();
-    // Of a triangle: the point is (1 - u - v) a + u b + v c. Of other surfaces 0 by the reference, texture
-    // coordinates by a device.
+    // Triangle: the point is (1 - u - v) a + u b + v c. Other surfaces: 0 from the reference, texture
+    // coordinates from a device.
     double u = 0, v = 0;
     glm::dvec3 point{0};   // world
     glm::dvec3 normal{0};  // geometric, outward, unit
@@ -71,8 +71,8 @@ struct LocalRay {
 };
 LocalRay rescaledRay(const LocalRay& ray, double greatest);
 
-// Of a direction's greatest component. Of a shorter one t would be more than double holds; such a ray has no
-// direction.
+// Least value of a direction's largest component. For shorter directions t would exceed double; such rays
+// miss.
 inline constexpr double kShortestDirection = 1e-290;
 
 // Squares of directions far from unit length overflow or vanish, in fp32 at 2^64 already: they are rescaled

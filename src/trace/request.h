@@ -20,14 +20,13 @@ namespace glint {
 
 // Lights and background instead of the scene's, as the window's panel changes them.
 struct Lighting {
-    // As PackedScene::lights, in the scene's local coordinates: of kinds that the scene has, and no more of
-    // them than it has.
+    // Lights in the scene's local coordinates, as PackedScene::lights: the same kinds, and at most as many.
     std::vector<shared::Light> lights;
     glm::vec3 background{0};  // linear radiance; of a scene with an environment map: its factor
 };
 
-// What the rays of a picture do, wherever they start. Both tracers obey all of it but Methods::slabs and
-// Methods::offsets, which are the device's.
+// Settings of ray paths. Both tracers obey all but Methods::slabs and Methods::offsets, which only the device
+// has.
 struct Tracing {
     // The tests of rays with triangles and spheres; the defaults hold, the others show why they are needed.
     Methods methods = {};
@@ -48,8 +47,8 @@ struct Request : Tracing {
     // Size, sampler, filter, seed and adaptivity as the user wishes; `width`, `height` and `samples` are made
     // from them (requestOf in pack/pack_samples.h).
     ImageSettings image = {};
-    // What each pixel takes; the default is its middle. A thin lens needs scattered samples, or stays a
-    // pinhole. (pack/pack_samples.h).
+    // Samples of each pixel; default: its centre. A thin lens needs scattered samples, or acts as a pinhole.
+    // They include sampler, filter, seed and adaptivity (pack/pack_samples.h).
     PackedSamples samples = PackedSamples::fixed({{0.5, 0.5}});
 
     // ---- what is wanted ----
@@ -73,7 +72,7 @@ struct Request : Tracing {
 // The pixels that are asked for; empty if the region lies outside of the picture.
 Region regionOf(const Request& request);
 
-// As many as there are at most: an adaptive picture may take fewer.
+// Upper bound: an adaptive image may take fewer.
 uint64_t cameraRaysOf(const Request& request);
 
 // A picture of the region with nothing done yet: what is asked for has its size.

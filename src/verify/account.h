@@ -1,5 +1,6 @@
-// What a picture's rays left out: branches that were not followed, and media that a ray had no room for. The
-// device says of a whole picture what it lost, so its account is held against that of all pixels together.
+// Account of the losses of an image's rays: branches that were not followed, and media that a ray had no room
+// for. The device reports its losses for the whole image, so the account compares them with the sum over all
+// pixels.
 #pragma once
 
 #include "reference/tracer.h"

@@ -21,7 +21,8 @@ constexpr uint64_t kResponseMoves = 16;
 // Moves of a step in turns, as parts of kStepUnits: narrow gaps need small ones.
 constexpr double kSizes[] = {1, 0.25, 1.0 / 34};
 constexpr int kMovesAtOnce = 48, kTurns = 32;
-// Of a class of at least so many members the box may be missed by its own size, of fewer by 4 times.
+// Least number of members of a class whose box may be missed by its own size; smaller classes may miss it by
+// 4 times their size.
 constexpr size_t kEnoughMembers = 8;
 
 // Bounds of numbers, and the rounding that may be added to each.

@@ -30,7 +30,7 @@ struct SeenPath {
     bool fromDevice = true;  // false: by the reference, of other numbers; then starts of rays are not judged
 };
 
-// Of a record with its path.
+// Trail of a record that includes its path.
 Trail trailOf(const reference::PixelRecord& record);
 
 // Beyond so many steps a path is undecided.

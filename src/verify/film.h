@@ -20,7 +20,7 @@ class Film {
     // Sample `index`, drawn for all pixels, in the order of the indices; those of the first round with data.
     void add(uint32_t index, const Picture& sample);
 
-    // What it takes, the colours of adaptive pictures too.
+    // Bytes per pixel that a film needs, including the colours of adaptive images.
     static uint64_t bytesPerPixel(const PackedSamples& samples);
 
     // Pixels of `whole`, drawn with the samples of the constructor, that took others than they had to, or

@@ -58,9 +58,10 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
 
 namespace {
 
-// What the numbers of the first hit are sums of, and what its normal may be turned by, in units. slant: of a
-// triangle 1 / the cosine between ray and normal. Its test sees the edges moved sideways by units of the
-// corners' distance (explain.cpp), and along the ray, and in shares of the triangle, that is so much more.
+// Magnitude of the sums behind the first hit's numbers, and turn of its normal, in units. slant: for a
+// triangle, 1 / the cosine between ray and normal. Rounding in the triangle test moves the edges sideways by
+// units of the corners' distance (explain.cpp). Along the ray, and in shares of the triangle, the move is
+// larger by `slant`.
 struct Reach {
     double way, turn, slant;
 };

@@ -1,4 +1,4 @@
-// What a pixel's two answers are compared by: the colour, and what is known of the first hit.
+// Quantities by which a pixel's two answers are compared: the colour, and the layers of the first hit.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ using Quantities = std::array<double, kQuantities>;
 Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& origin);
 Quantities quantitiesOf(const glm::vec3& color, const PixelData& data);
 
-// What arithmetic may add to each where the ray and the hit are given: of the colour
+// Rounding error that arithmetic may add to each quantity for a given ray and hit; for the colour
 // PixelRecord::rounding. `ray`: the camera's.
 Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
                     const reference::Ray& ray);
@@ -24,7 +24,7 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
 // Units of 2^-24 by which fp32 may turn the normal of the hit.
 double normalTurn(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray);
 
-// Whether rays that leave the first hit begin as far from it as rounding demands.
+// True if rays that leave the first hit start as far from it as rounding demands.
 bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
                  const PixelData& device);
 

@@ -150,8 +150,9 @@ void RepresentationCheck::searchOn(Doubt& doubt) const {
     if (certificate.verdict == Certificate::Verdict::Holds) doubt.state = Doubt::State::Explained;
 }
 
-// What rays tell of how much hangs on rounding, numbers may exceed: of facets a hundredth of the scene in
-// size the corners' last places turn the normals by a hundred units, behind each of which a ray goes on.
+// Share of pixels that change when the scene's numbers are moved. It may exceed the share for moved rays. On
+// facets a hundredth of the scene in size, the last places of the corners turn each normal by a hundred
+// units. A ray continues behind each facet.
 double RepresentationCheck::changedShare() const {
     std::vector<Place> places;
     for (const Row& row : rows_) places.insert(places.end(), row.probed.begin(), row.probed.end());

@@ -58,7 +58,7 @@ struct RowCounts {
     uint64_t changed = 0, changedWidely = 0, ties = 0, tiesWidely = 0;
 };
 
-// Whether any ray leaves a surface.
+// True if any ray leaves a surface.
 bool leaves(const reference::PixelRecord& record) {
     uint64_t rays = 0;
     for (const reference::RayTally& tally : record.tally) rays += tally.rays;

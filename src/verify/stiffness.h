@@ -25,10 +25,10 @@ struct Sensitivity {
     double kappaLimit = 0;
     uint64_t tried = 0;  // pixels, with so many moves of one unit each, and one of kWideUnits
     uint64_t moves = 1;
-    // Of those moves, for which the reference itself sees a pixel otherwise: `changed` of all of one unit,
-    // `changedWidely` of kWideUnits: other primitives, or other decisions and a colour off by more than
-    // arithmetic. Where first hits tie, `ties` at one unit and nothing else. Identical surfaces do not tie
-    // (Jitter): the device has to follow the rule for equal t.
+    // Moves for which the reference itself changes a pixel: `changed` of all moves of one unit,
+    // `changedWidely` of the moves of kWideUnits. A change is a hit of other primitives, or other decisions
+    // with a colour difference above the error of arithmetic. If first hits tie, a move of one unit counts in
+    // `ties` only. Identical surfaces do not tie (Jitter): the device must follow the rule for equal t.
     uint64_t changed = 0, changedWidely = 0, ties = 0;
     // Ties for the move of kWideUnits: mostly at edges of neighbouring faces.
     uint64_t tiesWidely = 0;
@@ -47,17 +47,17 @@ inline constexpr double kShareOfPrediction = 2;
 // A pixel of cell number `cell` of step x step pixels, at random.
 glm::ivec2 placeInCell(size_t cell, int step);
 
-// Whether a pixel is seen otherwise: by another path, or by other decisions and another colour.
+// True if a pixel changes: by another path, or by other decisions and another colour.
 bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved);
 
-// Of the pixels' samples in turns.
+// Sensitivity through the pixels' samples in turn.
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
                           int height, const PackedSamples& samples, int seeds = 3,
                           size_t mostPixels = kMaxKappaPixels);
 // Through the pixels' middles.
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds = 4);
-// What arithmetic of so large a unit, and storing as fp32, may err by.
+// Error that arithmetic with a rounding unit of `unit`, and storing as fp32, may cause.
 double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                      double unit);
 

@@ -100,7 +100,8 @@ class Comparison {
     }
 
     double radianceBound() const { return static_cast<double>(tracer_.environment().radianceBound); }
-    // Where no ray follows another the device has no code for mirrors, and counts none that are left out.
+    // False without secondary rays: the device then has no code for mirrors and does not count omitted
+    // branches.
     bool countsBranches() const { return tracer_.environment().maxDepth > 0; }
 
     RowSums row(int y) const {
@@ -163,7 +164,8 @@ class Comparison {
         pixel.deviceColor = color;
         pixel.device = data;
         pixel.reference = expected;
-        // What is right but for where rays begin no rounding of a ray explains, nor another name of a hit.
+        // Rounding of a ray cannot explain a pixel that is wrong only in the starts of its rays or in the
+        // indices of a hit.
         pixel.inDoubt = covered && finite && !predicted && (!samePath || isSameHit(data, expected));
         sums.idsDiffer += samePath ? 0 : 1;
         sums.differing.push_back(std::move(pixel));
@@ -183,7 +185,7 @@ class Comparison {
                4 * kFloatUnit * std::abs(expected);
     }
 
-    // What the path says of the first hit, and what the device says beside it.
+    // True if the device's layers of the first hit agree with the reference path.
     static bool isSameHit(const PixelData& data, const reference::PixelRecord& expected) {
         if (data.bounces != expected.bounces) return false;
         if (!expected.hit) return data.object == PixelData::kNoIndex;
@@ -334,7 +336,7 @@ double Report::allowedP99() const {
 
 namespace {
 
-// What is gathered over the samples.
+// Values gathered over the samples.
 struct Gathered {
     std::vector<float> differences, floors;
     uint64_t samePath = 0;

@@ -38,8 +38,8 @@ constexpr auto entriesOf(Reason) {
                                              {Reason::Unexplained, "unexplained"}});
 }
 
-// What is to be compared: each sample (adaptive: of the first round) is a picture of its own, of the whole
-// view. Region and what a request wants besides colour are not looked at.
+// Settings of a comparison. Each sample (adaptive: of the first round) is an image of its own, of the whole
+// view. The request's region and its outputs besides colour are ignored.
 struct Options : Request {
     Options() { width = 640, height = 480; }
     size_t worstCount = 10;
@@ -47,10 +47,10 @@ struct Options : Request {
     uint64_t allowedUnexplained = 0;
     // Once more pixels are unexplained than may be explained, the others that differ are left undecided.
     bool verdictAlone = false;
-    // Whether each picture is drawn without data too, as `glint render` draws it, maybe by other kernels.
+    // Also render each image without layers, as `glint render` does, possibly with other kernels.
     bool plainToo = true;
-    // Whether the picture of all samples together is drawn too, if there are several: samples that are right
-    // may be added up wrong.
+    // Also render the image of all samples together, if there are several: correct samples may be added
+    // incorrectly.
     bool filmToo = true;
 };
 
@@ -79,7 +79,7 @@ struct Report {
     double maxSamePath = 0;
     double p99 = 0;       // |device - reference|, greatest channel, 99th percentile of all pixels
     double floorP99 = 0;  // the same of what the arithmetic of shading may add (PixelRecord::rounding)
-    // Of the reference alone, so that no defect of the device can change it: see stiffness.h.
+    // Sensitivity of the reference alone, which defects of the device cannot change (stiffness.h).
     Sensitivity sensitivity;
     std::vector<DifferingPixel> worst;  // unexplained first, then by difference
     Image device, reference;            // 3 channels, linear; of the first sample
@@ -87,14 +87,14 @@ struct Report {
                        // rounding, magenta undecided; of the first sample
     bool interrupted = false;
     uint64_t allowedUnexplained = 0;  // Options'
-    // Of the rounding of the scene; absent if nobody said what it was made from.
+    // Effect of the scene's rounding; absent if the source of the packed scene is not given.
     std::optional<Representation> representation;
 
     uint64_t explained() const { return ties + edges + roundings; }
     // The greatest numbers of pixels that may be explained, with kConfidence (ceiling.h).
     uint64_t allowedTies() const;
     uint64_t allowedOthers() const;
-    // What the 99th percentile may be.
+    // Largest allowed 99th percentile.
     double allowedP99() const;
     bool passed() const {
         return !interrupted && unexplained <= allowedUnexplained && plainDiffers == 0 && filmDiffers == 0 &&

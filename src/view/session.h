@@ -72,9 +72,9 @@ class Session {
     // The settings as a tracer takes them.
     Tracing tracing() const;
     shared::Camera packedCamera() const;
-    // What pictures of the view and what is shown of them take at most, of a device that is the processor
-    // too: the full picture and the coarse one with what they came from, colours as they are shown, here, in
-    // the window and in up to four images of its swapchain.
+    // Upper bound of the memory per pixel of a view's images and their display, for a device that is the
+    // processor too. It counts the full and the coarse image with their source data. It also counts displayed
+    // colours here, in the window and in up to four images of its swapchain.
     static constexpr uint64_t bytesPerPixel() {
         return 2 * (4 * sizeof(float) + 1 + sizeof(PixelData)) + 4 * sizeof(float) + 6 * sizeof(uint32_t);
     }

@@ -19,8 +19,7 @@ TEST(ReportArguments, AreChecked) {
         {{"report", "a.json", "-o", "x", "--devices", ""}, "--devices: a device's name is empty in \"\""},
         {{"report", "a.json", "-o", "x", "--devices", "cpu,,0"},
          "--devices: a device's name is empty in \"cpu,,0\""},
-        {{"report", "a.json", "-o", "x", "--only", "device"},
-         "--only device requires --devices"},
+        {{"report", "a.json", "-o", "x", "--only", "device"}, "--only device requires --devices"},
         {{"report", "a.json", "-o", "x", "--size", "3"},
          "--size: expected a whole number from 4 to 4096, got \"3\""},
     };

@@ -24,7 +24,8 @@ Split meet(double cosine, double ratio) {
     return splitAt({std::sqrt((1 - cosine) * (1 + cosine)), 0, -cosine}, up, up, ratio);
 }
 
-// tests/stability/cases.md T91, from the equations in cosines: r = (n1 c1 - n2 c2) / (n1 c1 + n2 c2) and its twin.
+// tests/stability/cases.md T91, from the equations in cosines: r = (n1 c1 - n2 c2) / (n1 c1 + n2 c2) and its
+// twin.
 TEST(OpticsTest, ReflectanceOfGlass) {
     EXPECT_NEAR(meet(1, 1 / 1.5).reflectance, 0.04, 1e-15);
     EXPECT_NEAR(meet(0.5, 1 / 1.5).reflectance, 0.0891867128022, 1e-13);
@@ -80,7 +81,8 @@ uint32_t addGlass(PackedScene& scene, uint32_t material, float ior, int priority
     return medium;
 }
 
-// tests/stability/cases.md T89: thickness 1, 60 degrees, n = 1.5: shift sin(a) (1 - cos a / sqrt(n^2 - sin^2 a)).
+// tests/stability/cases.md T89: thickness 1, 60 degrees, n = 1.5: shift sin(a) (1 - cos a / sqrt(n^2 - sin^2
+// a)).
 TEST(OpticsTest, SlabShiftsARay) {
     SceneMaker maker;
     maker.plane({0, 0, 0}, {0, 0, 1});

@@ -72,8 +72,8 @@ void addBox(Scene& scene, const dvec3& lo, const dvec3& hi, uint32_t material) {
             material);
 }
 
-// tests/stability/cases.md T91. What is refracted ends on black, so a white sky shows the reflectance alone. Its
-// slope in the cosine is below 6, and a cosine good to 16 u.
+// tests/stability/cases.md T91. What is refracted ends on black, so a white sky shows the reflectance alone.
+// Its slope in the cosine is below 6, and a cosine good to 16 u.
 TEST_F(OpticsTest, ReflectanceOfGlass) {
     struct Point {
         double cosine, reflectance;
@@ -92,8 +92,8 @@ TEST_F(OpticsTest, ReflectanceOfGlass) {
     }
 }
 
-// tests/stability/cases.md T86. From below the surface the sky is seen up to the critical angle and no farther; the
-// eye's own medium is found by packing.
+// tests/stability/cases.md T86. From below the surface the sky is seen up to the critical angle and no
+// farther; the eye's own medium is found by packing.
 TEST_F(OpticsTest, TotalReflectionFromTheCriticalAngleOn) {
     for (double ior : {1.33, 1.5, 2.417}) {
         for (double side : {-1.0, 1.0}) {
@@ -118,8 +118,8 @@ TEST_F(OpticsTest, TotalReflectionFromTheCriticalAngleOn) {
     }
 }
 
-// tests/stability/cases.md T88: what is of the same index is not there at all, to the bit, where nothing behind it
-// depends on the point that is hit.
+// tests/stability/cases.md T88: what is of the same index is not there at all, to the bit, where nothing
+// behind it depends on the point that is hit.
 TEST_F(OpticsTest, SlabOfIndexOneChangesNothing) {
     Scene scene = emptyScene();
     scene.background = {0.3, 0.6, 0.9};
@@ -134,8 +134,8 @@ TEST_F(OpticsTest, SlabOfIndexOneChangesNothing) {
             for (int c = 0; c < 3; ++c) EXPECT_EQ(without.color.at(x, y, c), with.color.at(x, y, c));
 }
 
-// tests/stability/cases.md T89: seen through a slab of thickness 1 at 60 degrees, the edge of a screen appears
-// 0.512472013191 to the side.
+// tests/stability/cases.md T89: seen through a slab of thickness 1 at 60 degrees, the edge of a screen
+// appears 0.512472013191 to the side.
 TEST_F(OpticsTest, SlabShiftsWhatIsBehind) {
     const double a = std::numbers::pi / 3, shift = 0.512472013191;
     const dvec3 d(std::sin(a), -std::cos(a), 0), side(-std::cos(a), -std::sin(a), 0);

@@ -17,10 +17,10 @@ constexpr double kUnit = 0x1p-24;
 // What rounding may do to the first hit of a pixel, for pixels that hit the same primitive as the reference.
 //
 // Let D be the greatest distance from the eye to a point that the primitive is given by, c = |n.d|. The
-// camera ray's direction is good to 8 units (src/reference/ray_mover.h), which moves a hit by at most 8 sqrt(3)
-// u t along the ray's sides, that is by 14 u D. A sphere's discriminant errs by 22 u r D (o - centre, b, the
-// perpendicular part and the subtraction, about 20 roundings of numbers up to D), its root r c by half of
-// that over r c, so t by 11 u D / c; q and the last division add 10 u D. A plane's t errs by 14 u D / c
+// camera ray's direction is good to 8 units (src/reference/ray_mover.h), which moves a hit by at most 8
+// sqrt(3) u t along the ray's sides, that is by 14 u D. A sphere's discriminant errs by 22 u r D (o - centre,
+// b, the perpendicular part and the subtraction, about 20 roundings of numbers up to D), its root r c by half
+// of that over r c, so t by 11 u D / c; q and the last division add 10 u D. A plane's t errs by 14 u D / c
 // (docs/numerics.md 2.5: gamma_7 of both sums), a triangle's by its edge functions, below. Doubled for second
 // order: 64 u D / c for t. The normal of a sphere turns by that over its radius.
 struct Bounds {

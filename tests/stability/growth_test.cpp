@@ -19,8 +19,8 @@ constexpr double kUnit = 0x1p-24;
 constexpr int kSide = 16;  // pixels
 
 // Three mirrors of radius 1 with their centres `side` apart in the plane z = 0, and a ray from (side / 2,
-// 0.2) at `angle`, which stays between them for more than `bounces` (tests/stability/cases.md T85). growth: what the
-// catalogue measured for a bounce.
+// 0.2) at `angle`, which stays between them for more than `bounces` (tests/stability/cases.md T85). growth:
+// what the catalogue measured for a bounce.
 struct Trap {
     double side, angle;
     int bounces;

@@ -49,8 +49,8 @@ uint32_t polygonTrips(size_t vertices) {
 
 namespace {
 
-// Of the vertices as they were read: of an outline that crosses itself little may be left of Newell's sum,
-// and rounded vertices would turn the plane by their rounding over that.
+// Uses the vertices as read: in an outline that crosses itself Newell's sum may nearly cancel, and rounded
+// vertices would turn the plane by their rounding error over the rest.
 PolygonPlane localPlane(const PolygonShape& polygon, const glm::dvec3& origin) {
     PolygonPlane plane = polygonPlane(polygon.vertices).value();
     plane.point -= origin;

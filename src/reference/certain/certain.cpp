@@ -71,10 +71,10 @@ dmat3 magnitudes(const dmat3& m) {
     return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
 }
 
-// What rounding to fp32 moves a surface by, twice for good measure: centres, corners, radii and what unit
-// vectors are times, by u of the scene's size each; the rows D R A^-1 of a quadric or a box that a transform
-// A has placed (R turned to its axis, D its sizes, which cancel) by u |A R^T| |R A^-1| of twice that size,
-// where the sums of |R^T| |R| are at most 3.
+// Bound on how far rounding to fp32 moves a surface, times two. Centres, corners, radii and factors of unit
+// vectors: u of the scene's size each. Rows D R A^-1 of a quadric or box under a transform A (R turns to its
+// axis, D holds its sizes, which cancel): u |A R^T| |R A^-1| of twice that size; the sums of |R^T| |R| are at
+// most 3.
 double greatestMove(const Scene& scene, const PackedScene& packed) {
     if (packed.spheres.empty() && packed.discs.empty() && packed.polygons.empty() &&
         packed.quadrics.empty() && packed.cuboids.empty())
@@ -147,8 +147,8 @@ class Search {
         }
     }
 
-    // Where the ray enters the box, which holds what was rounded to fp32 and may lie a unit of its
-    // coordinates outside; infinite if it does not.
+    // Entry t of the box, or infinity. The box contains the fp32 geometry and may lie a unit of its
+    // coordinates outside.
     double enter(const BoxRay& ray, uint32_t child, const glm::vec3& lo, const glm::vec3& hi) const {
         if (child == kNone) return kInfinity;
         const double size = std::max(greatest(dvec3(lo)), greatest(dvec3(hi)));

@@ -1,5 +1,5 @@
-// Spans of t that contain every hit, in double with bounds on each rounding error. Outside the spans a miss is
-// proven.
+// Spans of t that contain every hit, in double with bounds on each rounding error. Outside the spans a miss
+// is proven.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct Span {
     bool met = false;
 };
 
-// What is asked of a ray again and again. The ray is finite and has a direction.
+// Values of a ray that every test needs. The ray is finite and has a direction.
 class PreparedRay {
   public:
     explicit PreparedRay(const WorldRay& ray);
@@ -28,7 +28,7 @@ class PreparedRay {
     // within the ray's interval.
     std::optional<Span> span(const std::array<glm::dvec3, 3>& corners, const Affine* place) const;
     std::optional<Span> span(const PlaneShape& plane) const;
-    // Where the ray enters it and where it leaves it.
+    // Spans of the entry into and the exit from the sphere.
     std::array<std::optional<Span>, 2> spans(const SphereShape& sphere) const;
 
     const WorldRay& ray() const { return ray_; }

@@ -43,7 +43,7 @@ struct Seen {
             d[i] = along(normals[i], ray.direction, glm::dvec3(0));
         }
     }
-    // Where the plane y_axis = height is crossed; d[axis] is not 0.
+    // t at the plane y_axis = height; d[axis] is not 0.
     Extended reach(int axis, Extended height) const { return (height - o[axis].value) / d[axis].value; }
     bool isBetween(const rows::Cuboid& c, int axis, Extended t) const {
         const Extended y = o[axis].value + t * d[axis].value;
@@ -54,7 +54,7 @@ struct Seen {
     }
 };
 
-// As slipOfFlat, of the face across an axis.
+// slipOfFlat for the face across an axis.
 double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t, const PreparedRay& ray) {
     if (!ray.leaves && !ray.ties) return 0;
     const glm::dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};

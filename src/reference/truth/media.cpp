@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// Of a triangle seen from 0, in turns of the whole sphere (A. van Oosterom, J. Strackee 1983).
+// Solid angle of a triangle seen from 0, in whole spheres (A. van Oosterom, J. Strackee 1983).
 double turnsOf(const dvec3& a, const dvec3& b, const dvec3& c) {
     const double x = glm::length(a), y = glm::length(b), z = glm::length(c);
     const double over = glm::dot(glm::cross(a, b), c);

@@ -1,4 +1,4 @@
-// What stands in one tree on its way into the model; internal to truth.
+// Contents of one BVH on the way into the model; internal to truth.
 #pragma once
 
 #include "reference/model.h"
@@ -19,7 +19,7 @@ struct Place {
     glm::dvec3 operator()(const glm::dvec3& p) const { return linear * p + offset; }
 };
 
-// Who a primitive is.
+// Identity of a primitive.
 struct Identity {
     uint32_t id = 0, object = 0, face = 0, material = 0;
 };
@@ -36,7 +36,7 @@ struct Part {
     void addDisc(const DiscShape& disc, const glm::dvec3& origin, const Identity& who);
     void addPolygon(const PolygonShape& polygon, const glm::dvec3& origin, const Identity& who);
     void addBox(const BoxShape& box, const Place* place, const glm::dvec3& origin, const Identity& who);
-    // Of any shape that is a quadric.
+    // Adds any shape that is a quadric.
     void addQuadric(const Shape& shape, const Place& place, const glm::dvec3& origin, const glm::dvec3& eye,
                     const Identity& who);
     void addTriangle(const glm::dvec3 (&vertices)[3], const glm::dvec3& origin, const Identity& who);

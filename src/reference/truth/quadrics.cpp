@@ -10,7 +10,7 @@ namespace {
 using glm::dmat3;
 using glm::dvec3;
 
-// Where a side of the clipping box is not to clip.
+// Half extent of a side that does not clip.
 constexpr double kBeyond = 1.25;
 
 // y = (rows of toLocal).(x - point), in the coordinates of the shape.
@@ -178,8 +178,8 @@ double valueAt(const Surface& s, const dvec3& y, dvec3& slope) {
     return glm::dot(y, image + 2.0 * s.linear) + s.constant;
 }
 
-// Where the eye is nearer to the surface than 1/64 of its size, the surface is measured from its point
-// nearest the eye, where the constant vanishes.
+// If the eye is nearer to the surface than 1/64 of its size, measure the surface from its point nearest the
+// eye, where the constant vanishes.
 void measureFromNear(const dvec3& eye, Surface& s) {
     const dvec3 from = s.toLocal * (eye - s.point);
     dvec3 y = from, slope;

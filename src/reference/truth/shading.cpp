@@ -191,7 +191,7 @@ Across axesOf(const dvec3& normal) {
     return {u, glm::cross(normal, u)};
 }
 
-// Of a shape whose coordinates `own` takes to the object's.
+// Texture coordinates of a shape; `own` maps its coordinates to the object's.
 struct CoordinatesOf {
     const Place& own;
 

@@ -1,4 +1,4 @@
-// What a scene says beside shapes; internal to truth.
+// Shading data of a scene; internal to truth.
 #pragma once
 
 #include "reference/model.h"

@@ -225,7 +225,7 @@ void Part::addAttributes(const Mesh& mesh, uint32_t face) {
     }
 }
 
-// What has no finite corner, or no area at all, is not there.
+// Skip triangles with a corner that is not finite, or without area.
 void Part::addMesh(const Mesh& mesh, const dvec3& origin, const Identity& first) {
     const size_t count = mesh.corners.size();
     reserveMore(items, count);

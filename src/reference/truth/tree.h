@@ -39,7 +39,7 @@ struct Bounds {
     glm::dvec3 corner(int i) const { return {i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z}; }
 };
 
-// What stands in a tree: number `index` of its kind.
+// Entry of a BVH: number `index` of its kind.
 struct Item {
     Bounds box;
     uint32_t kind = 0, index = 0;
