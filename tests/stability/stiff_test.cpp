@@ -48,7 +48,9 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_TRUE(report.passed()) << report.explained() << " of " << report.pixels;
     // Device and reference order coincident surfaces by the same rule.
-    if (GetParam() == "coplanar_decals") EXPECT_EQ(report.explained(), 0u);
+    if (GetParam() == "coplanar_decals") {
+        EXPECT_EQ(report.explained(), 0u);
+    }
     const Picture picture = draw(renderer, c);
     EXPECT_EQ(picture.notFinite, 0u);
     const auto misses = std::count_if(picture.data.begin(), picture.data.end(),
