@@ -361,9 +361,11 @@ TEST(Obj, MaterialNumbers) {
     const TemporaryFolder folder;
     for (const auto& [line, what] : {std::pair{"Kd 0,8 0,8 0,8", "\"0,8\" is not a number (Kd needs one)"},
                                      {"Ns x", "\"x\" is not a number (Ns needs one)"},
-                                     {"map_Kd -s 0,5 1 1 a.png", "\"0,5\" is not a number (-s needs one)"}})
-        EXPECT_EQ(errorOf([&] { importWith(folder, std::string("newmtl m\n") + line + "\n"); }),
+                                     {"map_Kd -s 0,5 1 1 a.png", "\"0,5\" is not a number (-s needs one)"}}) {
+        const std::string text = std::string("newmtl m\n") + line + "\n";
+        EXPECT_EQ(errorOf([&] { importWith(folder, text); }),
                   (folder.path() / "m.mtl").string() + ":2: " + what);
+    }
 }
 
 TEST(Obj, MaterialFilesFromElsewhereAreLookedForBesideTheModel) {
