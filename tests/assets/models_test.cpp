@@ -27,7 +27,11 @@ void PrintTo(const Model& model, std::ostream* out) {
 
 const Model kModels[] = {
     {"meshes/stanford-bunny.obj", 69451, {-0.09469, 0.032987, -0.061874}, {0.061009, 0.18732, 0.0588}},
-    {"meshes/bun_zipper.ply", 69451, {-0.09469, 0.032987, -0.061874}, {0.061009, 0.18732, 0.0588}},
+    {"meshes/bun_zipper.ply",
+     69451,
+     {-0.09469, 0.032987, -0.061874},
+     {0.061009, 0.18732, 0.0588},
+     "ignored: vertex confidence, vertex intensity"},
     {"meshes/dragon_vrip_res2.ply", 202520, {-0.10819, 0.052739, -0.050345}, {0.096406, 0.19714, 0.041137}},
     {"meshes/dragon_vrip_res3.ply", 47794, {-0.10767, 0.052774, -0.050051}, {0.095982, 0.19664, 0.040826}},
     {"meshes/armadillo.obj", 86482, {-0.43528, -0.5734, -0.37948}, {0.40334, 0.42655, 0.38333}},

@@ -10,10 +10,6 @@ namespace {
 
 using glm::vec3;
 
-constexpr uint32_t primitiveCode(uint32_t kind, uint32_t index) {
-    return kind << shared::kPrimitiveKindShift | index;
-}
-
 struct Bounds {
     vec3 lo{std::numeric_limits<float>::max()}, hi{-std::numeric_limits<float>::max()};
     void include(const vec3& lower, const vec3& upper) {
