@@ -1,6 +1,7 @@
 #include "target.h"
 
 #include <unistd.h>
+#include <algorithm>
 
 #include <cstdio>
 #include <cstdlib>
@@ -48,6 +49,18 @@ bool isOneLine(std::string_view text) {
     return !text.empty() && text.size() < 8192;
 }
 
+// Scene files report up to ten errors, a line each, and that there are more.
+bool areFewLines(std::string_view text) {
+    for (int line = 0; line < 11; ++line) {
+        const size_t end = text.find('\n');
+        if (!isOneLine(text.substr(0, end))) return false;
+        if (end == std::string_view::npos) return true;
+        text.remove_prefix(end + 1);
+        text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+    }
+    return false;
+}
+
 [[noreturn]] void complain(const char* what, const char* message) {
     std::fprintf(stderr, "%s: %s\n", what, message);
     std::abort();
@@ -73,7 +86,7 @@ void expectAnswer(ErrorKind kind, const std::function<void()>& read) {
         read();
     } catch (const Error& error) {
         if (error.kind() != kind) complain("an error of the wrong kind", error.what());
-        if (!isOneLine(error.what())) complain("an error that is not one printable line", error.what());
+        if (!areFewLines(error.what())) complain("an error that is not a few printable lines", error.what());
     }
 }
 
