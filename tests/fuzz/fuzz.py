@@ -201,7 +201,7 @@ def run(build, name, corpus, seconds, runs):
     crashes.mkdir(exist_ok=True)
     command = [build / f"bin/fuzz_{name}", *LIMITS, f"-max_len={TARGETS[name][0]}", f"-dict={build}/seeds/{name}.dict",
                f"-artifact_prefix={crashes}/{name}-", "-print_final_stats=1", f"-max_total_time={seconds}", "-entropic=0",
-               *([f"-runs={runs}"] if runs else []), corpus, build / f"seeds/{name}"]
+               *([f"-runs={runs}", "-seed=1"] if runs else []), corpus, build / f"seeds/{name}"]
     environment = {**os.environ, "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", ASAN)}
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace", env=environment)
     stat = {key: int(value) for key, value in re.findall(r"stat::(\w+):\s*(\d+)", done.stdout)}
