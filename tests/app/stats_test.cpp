@@ -59,7 +59,7 @@ TEST_F(Stats, FileNameThatIsNoUtf8) {
 
 // Of the picture, not of its file; what is told to read it back finds the same.
 TEST_F(Stats, HashIsOfThePicture) {
-    const auto hash = [this](std::vector<std::string> options) {
+    const auto hash = [](std::vector<std::string> options) {
         options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "--stats", "json"});
         return nlohmann::json::parse(runGlint(options).out)["hash"].get<std::string>();
     };
