@@ -35,7 +35,7 @@ uint enterNode(Traversal traversal, uint index, float tEnd, inout uint top, out 
     return both ? first : (hit0 ? node.child0 : (hit1 ? node.child1 : kNone));
 }
 
-// The topmost entry above `base`, kNone if there is none or the ray is done.
+// The topmost entry above `base`; kNone if the stack is empty or the ray is done.
 uint pop(bool done, inout uint top, uint base) {
     bool ends = done || top == base;
     uint next = stack[top == 0u ? 0u : top - 1u];

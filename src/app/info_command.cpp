@@ -47,7 +47,7 @@ std::string kindCounts(const PackedScene& packed) {
     return text;
 }
 
-// Choice of --traversal auto on the default device; says so if there is none.
+// The kernel that --traversal auto chooses on the default device, or the text that no device exists.
 std::string traversalText(const PackedScene& packed, const Request& request) {
     try {
         const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();

@@ -64,7 +64,7 @@ class IndexLoop {
 
 namespace {
 
-// The innermost KeptThreads of this thread; null if there is none.
+// The innermost KeptThreads of this thread, or null.
 thread_local KeptThreads::Team* teamInForce = nullptr;
 
 // Fewer where no further thread is to be had (a limit on processes): those that run do the work.

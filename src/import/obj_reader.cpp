@@ -190,7 +190,7 @@ class ObjReader {
             readLibrary(std::string(name), true);
     }
 
-    // False if there is none, of which `warns` says whether to warn.
+    // Reads a material library. If its file does not exist: a warning with `warns`, otherwise false.
     bool readLibrary(const std::string& name, bool warns) {
         if (libraryNames_.count(name)) return true;
         std::string text;

@@ -221,7 +221,7 @@ class PlyBody {
         }
     }
 
-    // Two for each corner; too few or too many are none.
+    // Two numbers for each corner; a list of any other length is ignored.
     void readTextureCoordinates(const PlyProperty& property) {
         const int64_t count = readCount(property);
         faceUvs_.resize(faceEnds_.empty() ? 0 : faceEnds_.back(), kNoUv);

@@ -37,7 +37,8 @@ void settleCamera(Scene& scene, const std::filesystem::path& path, const std::st
 ImportedMesh flattened(Scene scene);
 
 // Appends the materials of an MTL file with this text, and the textures that they index. What is read and
-// what is only warned about: docs/reference/file-formats.md. Throws Error(Scene) for a number that is none.
+// what is only warned about: docs/reference/file-formats.md. Throws Error(Scene) for text that is not a
+// number.
 void readMtl(const std::string& text, const std::filesystem::path& path, SceneFiles& files,
              std::vector<Material>& materials, std::vector<Texture>& textures,
              std::vector<std::string>& warnings);

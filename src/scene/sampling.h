@@ -19,7 +19,7 @@ Sampler samplerOf(const ImageSettings& image);
 // Pixels: box 0.5, tent 1, Gaussian 1.5, Mitchell 2.
 double defaultRadius(Filter filter);
 
-// Conflict between settings and its remedy; empty if there is none.
+// A conflict between settings and its remedy; empty without a conflict.
 std::string samplingConflict(const ImageSettings& image);
 
 // Offsets of the samples of a pixel, in [0,1)^2: the centre for 1, a regular grid for a square number, else
