@@ -10,6 +10,9 @@ cp "$folder"/scenes/* "$folder"/pictures/* "$folder"/legal/* "$work"
 cd "$work" || exit 1
 mkfifo fifo.png
 ln -s loop.mtl loop.mtl
+# A material library of 2000 materials, read 20,000 times; 200 materials that each read an image twice.
+for _ in {1..2000}; do printf 'newmtl a\nKd 1 1 1\n'; done >m2.mtl
+for i in {0..199}; do printf 'newmtl m%d\nmap_Kd cover.png\nmap_d ./cover.png\n' "$i"; done >cover.mtl
 { for _ in {1..10000}; do printf 'mtllib m2.mtl\nmtllib ./m2.mtl\n'; done && printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n'; } >libs.obj
 # Much of one thing, which took the square of the time: elements of a header, parts of a line, objects of a mesh, points that
 # equal nothing, names of meshes, tracks of an animation.
