@@ -7,6 +7,7 @@ glint_window_packages="libglfw3-dev libimgui-dev"
 glint_mpi_packages="libopenmpi-dev"
 glint_test_packages="python3 python3-numpy python3-pytest libgtest-dev vulkan-validationlayers xvfb xauth xdotool parallel
   $glint_mpi_packages openmpi-bin make fonts-dejavu-core"
+glint_docs_packages="python3-sphinx python3-myst-parser furo doxygen python3-numpy"
 glint_package_packages="dpkg-dev debhelper dh-python fakeroot lintian xz-utils python3"
 
 step() { echo "== $*"; }
