@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <set>
 
 #include "import/scene_keys.h"
@@ -15,47 +13,6 @@ namespace {
 
 // Objects have so many numbers at most (a transform); a list of more is no value that a track may have.
 constexpr size_t kMostComponents = 16;
-
-std::vector<std::string> stepsOf(const JsonCursor& target) {
-    const std::string& pointer = target.string();
-    if (pointer.size() < 2 || pointer[0] != '/')
-        target.failWanted("must be a JSON pointer such as \"/camera/eye\"");
-    std::vector<std::string> steps(1);
-    for (size_t i = 1; i < pointer.size(); ++i) {
-        if (pointer[i] == '/')
-            steps.emplace_back();
-        else if (pointer[i] == '~' && i + 1 < pointer.size() &&
-                 (pointer[i + 1] == '0' || pointer[i + 1] == '1'))
-            steps.back() += pointer[++i] == '0' ? '~' : '/';
-        else
-            steps.back() += pointer[i];
-    }
-    return steps;
-}
-
-// Any index if `text` is none.
-size_t indexOf(const std::string& text) {
-    size_t index = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
-    const bool whole = error == std::errc() && end == text.data() + text.size();
-    const bool leads = text.size() > 1 && text[0] == '0';  // RFC 6901 has no "01"
-    return whole && !leads ? index : static_cast<size_t>(-1);
-}
-
-// The value that a step leads to; null if there is none.
-JsonValue* child(JsonValue& value, const std::string& step) {
-    if (auto* object = std::get_if<JsonObject>(&value.data)) {
-        const auto found = std::find(object->keys.begin(), object->keys.end(), step);
-        return found == object->keys.end() ? nullptr : &object->values[found - object->keys.begin()];
-    }
-    auto* array = std::get_if<JsonArray>(&value.data);
-    const size_t index = indexOf(step);
-    return array && index < array->size() ? &(*array)[index] : nullptr;
-}
-
-const JsonValue* child(const JsonValue& value, const std::string& step) {
-    return child(const_cast<JsonValue&>(value), step);
-}
 
 bool isNumbers(const JsonValue& value) {
     const JsonArray* array = value.array();
@@ -73,7 +30,7 @@ void checkTarget(const JsonCursor& root, const JsonCursor& target, const Animati
                     "objects can)");
     const JsonValue* value = &root.value();
     for (size_t i = 0; i < track.steps.size(); ++i) {
-        const JsonValue* next = child(*value, track.steps[i]);
+        const JsonValue* next = value->child(track.steps[i]);
         if (!next && i + 1 == track.steps.size() && value->object()) return;
         if (!next)
             target.fail("the scene has nothing of that name (\"" + track.steps[i] + "\" is not there)");
@@ -130,11 +87,13 @@ void checkRotations(const JsonCursor& values, const AnimationTrack& track) {
 }
 
 AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
-    cursor.expectKeys(keys::kTrack);
+    cursor.expectKeys(keys::of("animation/track"));
     AnimationTrack track;
     const JsonCursor target = cursor.require("target");
     track.target = target.string();
-    track.steps = stepsOf(target);
+    if (track.target.size() < 2 || track.target[0] != '/')
+        target.failWanted("must be a JSON pointer such as \"/camera/eye\"");
+    track.steps = stepsOf(track.target);
     Keyframes& keyframes = track.keyframes;
     if (const auto name = cursor.find("interpolation"))
         keyframes.interpolation = readNamed<Interpolation>(*name);
@@ -158,7 +117,7 @@ Animation parseAnimation(const JsonCursor& root) {
     root.expectObject();  // a file is asked for its animation before anything else looks at it
     const auto cursor = root.find("animation");
     if (!cursor) return animation;
-    cursor->expectKeys(keys::kAnimation);
+    cursor->expectKeys(keys::of("animation"));
     if (const auto rate = cursor->find("framesPerSecond")) {
         animation.framesPerSecond = rate->number();
         if (!(animation.framesPerSecond > 0)) rate->failWanted("must be > 0");
@@ -188,7 +147,7 @@ AnimationSpan spanOf(const Animation& animation) {
 void setValue(JsonValue& document, const AnimationTrack& track, const std::vector<double>& value) {
     JsonValue* at = &document;
     for (size_t i = 0; i < track.steps.size(); ++i) {
-        JsonValue* next = child(*at, track.steps[i]);
+        auto* next = const_cast<JsonValue*>(at->child(track.steps[i]));
         if (!next) {
             auto& object = std::get<JsonObject>(at->data);
             object.keys.push_back(track.steps[i]);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string_view>
 
 #include "core/error.h"
 #include "import/json_cursor.h"
@@ -14,199 +12,59 @@ namespace glint {
 
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r\n";
-
 std::string quoted(const std::string& name) {
     return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// Finds its way through text that is known to be JSON with comments.
-class Places {
-  public:
-    explicit Places(std::string_view text) : text_(text) {}
-
-    // From `at` on, behind blanks and comments.
-    size_t afterBlanks(size_t at) const {
-        for (;;) {
-            at = std::min(text_.find_first_not_of(kBlanks, at), text_.size());
-            if (text_.substr(at, 2) != "//" && text_.substr(at, 2) != "/*") return at;
-            at = afterComment(at);
-        }
-    }
-
-    size_t afterComment(size_t at) const {
-        const bool line = text_[at + 1] == '/';
-        const size_t end = text_.find(line ? "\n" : "*/", at + 2);
-        if (end == std::string_view::npos) return text_.size();
-        return line ? end : end + 2;
-    }
-
-    // Behind the value that begins at `at`.
-    size_t afterValue(size_t at) const {
-        if (text_[at] == '"') return afterString(at);
-        if (text_[at] != '{' && text_[at] != '[')
-            return std::min(text_.find_first_of(" \t\r\n,]}/", at), text_.size());
-        size_t depth = 0;
-        do {
-            at = afterBlanks(at);
-            if (at >= text_.size()) return at;
-            const char c = text_[at];
-            if (c == '{' || c == '[') ++depth;
-            if (c == '}' || c == ']') --depth;
-            at = c == '"' ? afterString(at) : at + 1;
-        } while (depth > 0);
-        return at;
-    }
-
-    struct Member {
-        std::string name;
-        size_t key = 0, value = 0, end = 0;  // `end` is behind the value
-    };
-    // Members of the object that begins at `at`.
-    std::vector<Member> members(size_t at) const {
-        std::vector<Member> list;
-        for (at = afterBlanks(at + 1); at < text_.size() && text_[at] == '"';) {
-            Member member;
-            member.key = at;
-            at = afterString(at);
-            member.name = nlohmann::json::parse(text_.substr(member.key, at - member.key)).get<std::string>();
-            member.value = afterBlanks(afterBlanks(at) + 1);
-            member.end = afterValue(member.value);
-            at = afterBlanks(member.end);
-            if (text_.substr(at, 1) == ",") at = afterBlanks(at + 1);
-            list.push_back(std::move(member));
-        }
-        return list;
-    }
-
-    // The blanks before `at`, if there is nothing else before it in its line.
-    std::optional<std::string> indentation(size_t at) const {
-        const size_t line = at == 0 ? 0 : text_.rfind('\n', at - 1) + 1;  // npos + 1 is 0
-        const std::string_view before = text_.substr(line, at - line);
-        if (before.find_first_not_of(kBlanks) != std::string_view::npos) return std::nullopt;
-        return std::string(before);
-    }
-
-    // The end of the line of `at` if only blanks and comments come before it, else `at`.
-    size_t lineEnd(size_t at) const {
-        size_t end = at;
-        for (;;) {
-            end = std::min(text_.find_first_not_of(" \t\r", end), text_.size());
-            if (end == text_.size()) return at;
-            if (text_[end] == '\n') return text_[end - 1] == '\r' ? end - 1 : end;
-            const std::string_view next = text_.substr(end, 2);
-            if (next != "//" && next != "/*") return at;
-            const size_t after = afterComment(end);
-            if (next == "/*" && text_.substr(end, after - end).find('\n') != std::string_view::npos)
-                return at;
-            end = after;
-        }
-    }
-
-    std::string_view newLine() const { return text_.find("\r\n") == std::string_view::npos ? "\n" : "\r\n"; }
-
-  private:
-    size_t afterString(size_t at) const {
-        for (++at; at < text_.size() && text_[at] != '"'; ++at)
-            if (text_[at] == '\\') ++at;
-        return at + 1;
-    }
-
-    std::string_view text_;
-};
-
+// Text that is JSON with comments, into which lines are inserted.
 class Writer {
   public:
-    Writer(std::string text, const std::vector<NamedCamera>& cameras)
-        : text_(std::move(text)), places_(text_), cameras_(cameras) {}
+    explicit Writer(const std::string& text)
+        : text_(text), newLine_(text.find("\r\n") == text.npos ? "\n" : "\r\n") {}
 
-    std::string written() && {
-        const size_t root = places_.afterBlanks(text_.starts_with("\xef\xbb\xbf") ? 3 : 0);
-        const std::vector<Places::Member> members = places_.members(root);
-        const auto named = [&](std::string_view name) {
-            return std::find_if(members.begin(), members.end(),
-                                [&](const Places::Member& m) { return m.name == name; });
-        };
-        if (const auto cameras = named("cameras"); cameras != members.end()) {
-            addTo(*cameras);
-        } else if (const auto camera = named("camera"); camera != members.end()) {
-            const auto indent = places_.indentation(camera->key);
-            addAfter(*camera, block(indent, indent), indent);
-        } else {
-            addFirst(root, members);
-        }
-        return std::move(text_);
+    const std::string& text() const { return text_; }
+
+    // The blanks at the beginning of the line that holds byte `at`, and one level more.
+    std::string indentation(size_t at) const {
+        const size_t line = at == 0 ? 0 : text_.rfind('\n', at - 1) + 1;  // npos + 1 is 0
+        const size_t end = std::min(text_.find_first_not_of(" \t", line), at);
+        return text_.substr(line, end - line);
+    }
+    static std::string deeper(const std::string& indent) {
+        return indent + (indent.starts_with('\t') ? "\t" : "  ");
+    }
+
+    // Members of an object, each in a line of its own.
+    std::string lines(const std::vector<std::string>& members, const std::string& indent) const {
+        std::string all;
+        for (const std::string& member : members)
+            all += (all.empty() ? "" : ",") + newLine_ + indent + member;
+        return all;
+    }
+
+    // Inserts lines behind the brace that opens an object.
+    void addFirst(size_t brace, const std::string& lines, const std::string& indent, bool empty) {
+        const size_t rest = brace + 1;
+        const bool ends = text_.find_first_not_of(" \t\r", rest) == text_.find('\n', rest);
+        text_.insert(rest, lines + (empty ? "" : ",") + (ends ? "" : newLine_ + indent));
+    }
+
+    // Inserts lines behind the last member of an object, which ends before `end`; a comment of its line stays
+    // beside it.
+    void addLast(size_t end, const std::string& lines) {
+        const size_t next = std::min(text_.find_first_not_of(" \t", end), text_.size());
+        const size_t line = std::min(text_.find('\n', end), text_.size());
+        const bool comment = text_.compare(next, 2, "//") == 0;
+        text_.insert(comment ? line - (text_[line - 1] == '\r' ? 1 : 0) : end, lines);
+        text_.insert(end, ",");
     }
 
   private:
-    // The cameras, in lines of their own if there is an indentation.
-    std::string lines(const std::optional<std::string>& indent) const {
-        std::string result;
-        for (const NamedCamera& camera : cameras_) {
-            if (!result.empty()) result += indent ? "," + std::string(places_.newLine()) + *indent : ", ";
-            result += quoted(camera.name) + ": " + cameraText(camera.camera);
-        }
-        return result;
-    }
-
-    // "cameras" with its key; what is in it goes in by one more `unit`.
-    std::string block(const std::optional<std::string>& indent,
-                      const std::optional<std::string>& unit) const {
-        if (!indent) return "\"cameras\": {" + lines({}) + "}";
-        const std::string deeper = *indent + (unit && !unit->empty() ? *unit : "  ");
-        const std::string line(places_.newLine());
-        return "\"cameras\": {" + line + deeper + lines(deeper) + line + *indent + "}";
-    }
-
-    void addTo(const Places::Member& cameras) {
-        const std::vector<Places::Member> members = places_.members(cameras.value);
-        if (!members.empty()) {
-            const auto indent = places_.indentation(members.back().key);
-            addAfter(members.back(), lines(indent), indent);
-            return;
-        }
-        const auto indent = places_.indentation(cameras.key);
-        const std::string all = block(indent, indent), head = "\"cameras\": {";
-        const size_t inside = cameras.value + 1;
-        const size_t blank = std::min(text_.find_first_not_of(kBlanks, inside), text_.size());
-        const bool empty = text_[blank] == '}';  // blanks of nothing need not be kept, comments are
-        text_.replace(inside, empty ? blank - inside : 0,
-                      all.substr(head.size(), all.size() - head.size() - 1));
-    }
-
-    void addAfter(const Places::Member& member, const std::string& what,
-                  const std::optional<std::string>& indent) {
-        const size_t next = places_.afterBlanks(member.end);
-        const bool last = text_[next] != ',';
-        const size_t at = last ? member.end : next + 1;
-        if (!indent) {
-            text_.insert(at, last ? ", " + what : " " + what + ",");
-            return;
-        }
-        text_.insert(places_.lineEnd(at),
-                     std::string(places_.newLine()) + *indent + what + (last ? "" : ","));
-        if (last) text_.insert(member.end, ",");
-    }
-
-    void addFirst(size_t root, const std::vector<Places::Member>& members) {
-        if (members.empty()) {
-            const std::string line(places_.newLine());
-            text_.insert(root + 1, line + "  " + block("  ", "  ") + line);
-            return;
-        }
-        const auto indent = places_.indentation(members.front().key);
-        if (indent)
-            text_.insert(root + 1, std::string(places_.newLine()) + *indent + block(indent, indent) + ",");
-        else
-            text_.insert(root + 1, block({}, {}) + ", ");
-    }
-
     std::string text_;
-    Places places_;  // of text_ before it is changed
-    const std::vector<NamedCamera>& cameras_;
+    const std::string newLine_;
 };
 
-// Nothing that belongs to somebody is replaced by what only should be right.
+// The result must mean what is wanted before it may replace a person's file.
 void checkWritten(const std::string& before, const std::string& after, const std::string& file,
                   const std::vector<NamedCamera>& cameras) {
     auto wanted = nlohmann::json::parse(before, nullptr, true, true);
@@ -248,7 +106,8 @@ std::string withCameras(const std::string& text, const std::string& file,
     const JsonCursor root(document, file);
     root.expectObject();
     std::vector<std::string> names;
-    if (const auto there = root.find("cameras")) {
+    const auto there = root.find("cameras");
+    if (there) {
         there->expectObject();
         for (size_t i = 0; i < there->memberCount(); ++i) names.emplace_back(there->memberName(i));
     }
@@ -259,9 +118,29 @@ std::string withCameras(const std::string& text, const std::string& file,
         names.push_back(camera.name);
     }
     if (cameras.empty()) return text;
-    std::string written = Writer(text, cameras).written();
-    checkWritten(text, written, file, cameras);
-    return written;
+    const size_t mark = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
+    std::vector<std::string> members;
+    for (const NamedCamera& camera : cameras)
+        members.push_back(quoted(camera.name) + ": " + cameraText(camera.camera));
+    Writer writer(text);
+    if (!there) {
+        const size_t brace = mark + document.begin;
+        const std::string outer = writer.indentation(brace), indent = Writer::deeper(outer);
+        const std::string list =
+            "\"cameras\": {" + writer.lines(members, Writer::deeper(indent)) + writer.lines({"}"}, indent);
+        writer.addFirst(brace, writer.lines({list}, indent), outer, root.memberCount() == 0);
+    } else if (there->memberCount() == 0) {
+        const size_t brace = mark + there->value().begin;
+        const std::string indent = writer.indentation(brace);
+        writer.addFirst(brace, writer.lines(members, Writer::deeper(indent)), indent, true);
+    } else {
+        const JsonCursor last = there->member(there->memberCount() - 1);
+        last.expectObject();
+        const std::string indent = Writer::deeper(writer.indentation(mark + there->value().begin));
+        writer.addLast(mark + last.value().end, writer.lines(members, indent));
+    }
+    checkWritten(text, writer.text(), file, cameras);
+    return writer.text();
 }
 
 }  // namespace glint

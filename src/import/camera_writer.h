@@ -1,4 +1,4 @@
-// Cameras into a scene file that its owner has written by hand.
+// Adds cameras to a scene file that a person has written.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace glint {
 
-// A camera as the value of "camera" in a scene file, on one line. What is read from it has the same numbers.
+// A camera as the value of "camera" in a scene file, on one line. Reading it gives the same numbers.
 std::string cameraText(const Camera& camera);
 
-// The text of a scene file with `cameras` added at the end of its "cameras", which come after "camera" if
-// there are none yet. What was there stays as it is, byte for byte: order, comments, indentation, line ends;
-// the new lines are indented as their neighbours are. Throws Error(Scene) for text that is no JSON object,
-// Error(Argument) for a name that is there already; `file` stands for the file in messages.
+// The text of a scene file with `cameras` added, a line each, at the end of its "cameras". If the file has no
+// "cameras", they become its first member. All other text stays, byte for byte. Throws Error(Scene) for text
+// that is no JSON object, Error(Argument) for a name that the file has already; `file` stands for the file in
+// messages.
 std::string withCameras(const std::string& text, const std::string& file,
                         const std::vector<NamedCamera>& cameras);
 

@@ -277,12 +277,7 @@ double gltfNumber(const JsonCursor& object, std::string_view key, double missing
 
 std::vector<double> gltfNumbers(const JsonCursor& object, std::string_view key, size_t count) {
     const auto found = object.find(key);
-    if (!found) return {};
-    if (!found->value().array() || found->size() != count)
-        found->failWanted("must be " + std::to_string(count) + " numbers");
-    std::vector<double> values;
-    for (size_t i = 0; i < count; i++) values.push_back(found->item(i).number());
-    return values;
+    return found ? found->numbers(count, std::to_string(count) + " numbers") : std::vector<double>();
 }
 
 glm::dvec3 gltfVector(const JsonCursor& object, std::string_view key, const glm::dvec3& missing) {
@@ -297,10 +292,7 @@ std::string gltfString(const JsonCursor& object, std::string_view key) {
 
 bool gltfFlag(const JsonCursor& object, std::string_view key) {
     const auto found = object.find(key);
-    if (!found) return false;
-    const bool* flag = std::get_if<bool>(&found->value().data);
-    if (!flag) found->failWanted("must be true or false");
-    return *flag;
+    return found && found->boolean();
 }
 
 uint64_t gltfSize(const JsonCursor& object, std::string_view key, uint64_t missing) {

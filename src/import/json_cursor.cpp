@@ -21,16 +21,21 @@ constexpr Synonym kSynonyms[] = {
     {"material", "opacity", "give \"transmission\", which is 1 - opacity"},
     {"material", "emission", "surfaces do not glow; \"ambient\" is what they show without a light"},
     {"material", "reflectivity", "give \"mirror\""},
-    {"objects/mesh", "file",
+    {"object/mesh", "file",
      "name the file in \"meshes\": {\"NAME\": {\"file\": ...}}, and give \"mesh\": \"NAME\""},
-    {"objects/", "color", "give a \"material\" with \"diffuse\""},
-    {"objects/", "colour", "give a \"material\" with \"diffuse\""},
-    {"objects/plane", "position", "give \"point\""},
-    {"objects/", "position", "give \"center\", or \"transform\""},
-    {"lights/", "color", "give \"intensity\", a number or [r, g, b]"},
+    {"object/", "color", "give a \"material\" with \"diffuse\""},
+    {"object/", "colour", "give a \"material\" with \"diffuse\""},
+    {"object/plane", "position", "give \"point\""},
+    {"object/", "position", "give \"center\", or \"transform\""},
+    {"light/", "color", "give \"intensity\", a number or [r, g, b]"},
     {"camera/", "position", "give \"eye\""},
     {"camera/", "lookAt", "give \"target\""},
-    {"camera/", "fov", "give \"fovY\", in degrees"}};
+    {"camera/", "fov", "give \"fovY\", in degrees"},
+    {"camera/orthographic", "fovY",
+     "an orthographic camera has no field of view; give \"height\" or \"window\""},
+    {"camera/perspective", "height", "only an orthographic camera has a height; give \"fovY\" or \"window\""},
+    {"camera/orthographic", "lensRadius", "only a perspective camera has a lens"},
+    {"camera/orthographic", "focusDistance", "only a perspective camera has a lens"}};
 
 }  // namespace
 
@@ -57,14 +62,11 @@ void JsonCursor::expectKeys(const KeyTable& table) const {
     expectObject();
     for (size_t i = 0; i < memberCount(); i++) {
         const std::string_view key = memberName(i);
-        const auto is = [key](std::string_view known) { return known == key; };
-        if (std::any_of(table.keys.begin(), table.keys.end(), is)) continue;
-        if (std::any_of(table.later.begin(), table.later.end(), is))
-            member(i).fail("\"" + std::string(key) + "\" is not supported by this version");
+        if (std::ranges::find(table.keys(), key) != table.keys().end()) continue;
         for (const Synonym& known : kSynonyms)
             if (key == known.key && table.what.starts_with(known.what))
                 member(i).fail("unknown key (" + std::string(known.advice) + ")");
-        const std::string hint = suggestion(key, table.keys, "known");
+        const std::string hint = suggestion(key, table.keys(), "known");
         member(i).fail("unknown key" + (hint.empty() ? "" : " (" + hint + ")"));
     }
 }
@@ -128,15 +130,26 @@ const std::string& JsonCursor::string() const {
     return *value_->string();
 }
 
+void JsonCursor::expectItems(size_t count, const std::string& wanted) const {
+    if (!value_->array() || value_->array()->size() != count) failWanted("must be " + wanted);
+}
+
+std::vector<double> JsonCursor::numbers(size_t count, const std::string& wanted) const {
+    expectItems(count, wanted);
+    std::vector<double> values;
+    for (size_t i = 0; i < count; i++) values.push_back(item(i).number());
+    return values;
+}
+
 glm::dvec3 JsonCursor::vector3() const {
-    if (!value_->array() || value_->array()->size() != 3) failWanted("must be three numbers [x, y, z]");
-    return {item(0).number(), item(1).number(), item(2).number()};
+    const std::vector<double> v = numbers(3, "three numbers [x, y, z]");
+    return {v[0], v[1], v[2]};
 }
 
 glm::dvec3 JsonCursor::color() const {
     if (value_->number()) return glm::dvec3(*value_->number());
-    if (!value_->array() || value_->array()->size() != 3) failWanted("must be a number or [r, g, b]");
-    return vector3();
+    const std::vector<double> c = numbers(3, "a number or [r, g, b]");
+    return {c[0], c[1], c[2]};
 }
 
 }  // namespace glint

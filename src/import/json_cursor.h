@@ -1,22 +1,29 @@
 // A place in a JSON tree that knows its JSON pointer (RFC 6901): typed reading, errors that say where.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/enum_names.h"
 #include "import/json_document.h"
 
 namespace glint {
 
-// The keys of one kind of JSON object. `later` holds those of the format that this version lacks.
+// The keys of one kind of JSON object.
 struct KeyTable {
-    std::string_view what;  // the path of the object in the schema, e.g. "objects/sphere"
-    std::span<const std::string_view> keys;
-    std::span<const std::string_view> later;
+    std::string_view what;                   // the path of the object in the schema, e.g. "object/sphere"
+    std::array<std::string_view, 13> names;  // then empty
+
+    constexpr std::span<const std::string_view> keys() const {
+        return std::span(names).first(
+            static_cast<size_t>(std::ranges::find(names, std::string_view()) - names.begin()));
+    }
 };
 
 // Children hold pointers to their parents: a cursor must not outlive the one it came from. Every reading
@@ -44,6 +51,9 @@ class JsonCursor {
     double number() const;
     int integer(int least, int greatest) const;
     const std::string& string() const;
+    // An array of `count` numbers; else fails with "must be `wanted` (got ...)".
+    std::vector<double> numbers(size_t count, const std::string& wanted) const;
+    void expectItems(size_t count, const std::string& wanted) const;  // the same for values of any kind
     glm::dvec3 vector3() const;
     glm::dvec3 color() const;  // a number means grey
 

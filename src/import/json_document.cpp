@@ -52,14 +52,14 @@ class TreeBuilder {
 
     // The interface that nlohmann::json::sax_parse calls.
     bool null() { return add({}); }
-    bool boolean(bool value) { return add({value, 0, 0}); }
-    bool number_integer(int64_t value) { return add({static_cast<double>(value), 0, 0}); }
-    bool number_unsigned(uint64_t value) { return add({static_cast<double>(value), 0, 0}); }
-    bool number_float(double value, const std::string&) { return add({value, 0, 0}); }
-    bool string(std::string& value) { return add({std::move(value), 0, 0}); }
+    bool boolean(bool value) { return add({value}); }
+    bool number_integer(int64_t value) { return add({static_cast<double>(value)}); }
+    bool number_unsigned(uint64_t value) { return add({static_cast<double>(value)}); }
+    bool number_float(double value, const std::string&) { return add({value}); }
+    bool string(std::string& value) { return add({std::move(value)}); }
     bool binary(nlohmann::json::binary_t&) { return false; }
-    bool start_object(size_t) { return open({JsonObject{}, 0, 0}); }
-    bool start_array(size_t) { return open({JsonArray{}, 0, 0}); }
+    bool start_object(size_t) { return open({JsonObject{}}); }
+    bool start_array(size_t) { return open({JsonArray{}}); }
     bool end_object() { return close(); }
     bool end_array() { return close(); }
 
@@ -116,6 +116,7 @@ class TreeBuilder {
         }
         value.line = line_;
         value.column = column_;
+        value.begin = static_cast<uint32_t>(token_);
         token_ = readSoFar();
     }
 
@@ -146,6 +147,7 @@ class TreeBuilder {
         return true;
     }
     bool close() {
+        open_.back().value->end = static_cast<uint32_t>(readSoFar());
         open_.pop_back();
         return true;
     }
@@ -181,6 +183,32 @@ void describeInto(const JsonValue& value, std::string& out) {
 }
 
 }  // namespace
+
+const JsonValue* JsonValue::child(const std::string& step) const {
+    if (const JsonObject* members = object()) {
+        const auto found = std::ranges::find(members->keys, step);
+        return found == members->keys.end() ? nullptr : &members->values[found - members->keys.begin()];
+    }
+    size_t index = 0;
+    const auto [stop, error] = std::from_chars(step.data(), step.data() + step.size(), index);
+    // RFC 6901 has no "01".
+    const bool isIndex = error == std::errc() && std::to_string(index) == step;
+    return isIndex && array() && index < array()->size() ? &(*array())[index] : nullptr;
+}
+
+std::vector<std::string> stepsOf(std::string_view pointer) {
+    std::vector<std::string> steps;
+    for (size_t i = 0; i < pointer.size(); ++i) {
+        const std::string_view two = pointer.substr(i, 2);
+        if (pointer[i] == '/' || steps.empty())
+            steps.emplace_back();
+        else if (two == "~0" || two == "~1")
+            steps.back() += pointer[++i] == '0' ? '~' : '/';
+        else
+            steps.back() += pointer[i];
+    }
+    return steps;
+}
 
 JsonValue parseJson(std::string_view text, const std::string& file) {
     text = withoutByteOrderMark(text, file);

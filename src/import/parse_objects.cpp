@@ -1,11 +1,12 @@
-#include "import/parse_objects.h"
-
+// The "objects" of a scene file and the meshes and materials that they name.
 #include <algorithm>
 
+#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/near_names.h"
-#include "import/parse_quadrics.h"
-#include "import/parse_transform.h"
+#include "import/importers.h"
+#include "import/parse_scene.h"
+#include "import/scene_keys.h"
 #include "scene/limits.h"
 #include "scene/transform.h"
 #include "scene/validate.h"
@@ -14,20 +15,115 @@ namespace glint {
 
 namespace {
 
-const KeyTable& keysOf(std::string_view type) {
-    if (type == "sphere") return keys::kSphere;
-    if (type == "plane") return keys::kPlane;
-    if (type == "disc") return keys::kDisc;
-    if (type == "box") return keys::kBox;
-    if (type == "triangle") return keys::kTriangle;
-    if (type == "polygon") return keys::kPolygon;
-    if (const KeyTable* table = quadricKeys(type)) return *table;
-    return keys::kMeshObject;
+glm::dvec3 point(const JsonCursor& object, std::string_view key) {
+    return object.require(key).vector3();
 }
 
-std::string hintIn(const std::string& hint) {
-    return hint.empty() ? "" : " (" + hint + ")";
+double number(const JsonCursor& object, std::string_view key) {
+    return object.require(key).number();
 }
+
+double number(const JsonCursor& object, std::string_view key, double missing) {
+    const auto found = object.find(key);
+    return found ? found->number() : missing;
+}
+
+bool isCapped(const JsonCursor& object) {
+    const auto capped = object.find("capped");
+    return capped && capped->boolean();
+}
+
+Shape parseTriangle(const JsonCursor& object) {
+    const JsonCursor vertices = object.require("vertices");
+    vertices.expectItems(3, "three points [[x, y, z], ...]");
+    return TriangleShape{
+        {vertices.item(0).vector3(), vertices.item(1).vector3(), vertices.item(2).vector3()}};
+}
+
+Shape parsePolygon(const JsonCursor& object) {
+    const JsonCursor vertices = object.require("vertices");
+    if (!vertices.value().array() || vertices.size() < 3)
+        vertices.failWanted("must be three points or more [[x, y, z], ...]");
+    PolygonShape polygon;
+    for (size_t i = 0; i < vertices.size(); i++) polygon.vertices.push_back(vertices.item(i).vector3());
+    return polygon;
+}
+
+Shape parseQuadric(const JsonCursor& object) {
+    QuadricShape shape;
+    const std::vector<double> coefficients =
+        object.require("coefficients").numbers(10, "ten numbers [A, B, C, D, E, F, G, H, I, J]");
+    std::ranges::copy(coefficients, shape.coefficients);
+    const JsonCursor bounds = object.require("bounds");
+    bounds.expectItems(2, "two points [[x, y, z], [x, y, z]]");
+    shape.lo = bounds.item(0).vector3();
+    shape.hi = bounds.item(1).vector3();
+    return shape;
+}
+
+// Every type of object but meshes and groups.
+struct ShapeType {
+    std::string_view name;
+    Shape (*parse)(const JsonCursor& object);
+};
+using Json = const JsonCursor&;
+constexpr ShapeType kShapes[] = {
+    {"sphere",
+     [](Json o) -> Shape {
+         return SphereShape{point(o, "center"), number(o, "radius")};
+     }},
+    {"plane",
+     [](Json o) -> Shape {
+         return PlaneShape{point(o, "point"), point(o, "normal")};
+     }},
+    {"disc",
+     [](Json o) -> Shape {
+         return DiscShape{point(o, "center"), point(o, "normal"), number(o, "radius")};
+     }},
+    {"box",
+     [](Json o) -> Shape {
+         return BoxShape{point(o, "min"), point(o, "max")};
+     }},
+    {"triangle", parseTriangle},
+    {"polygon", parsePolygon},
+    {"quadric", parseQuadric},
+    {"ellipsoid",
+     [](Json o) -> Shape {
+         return EllipsoidShape{point(o, "center"), point(o, "radii")};
+     }},
+    {"cylinder",
+     [](Json o) -> Shape {
+         return CylinderShape{point(o, "base"), point(o, "top"), number(o, "radius"), isCapped(o)};
+     }},
+    {"cone",
+     [](Json o) -> Shape {
+         return ConeShape{point(o, "base"), point(o, "apex"), number(o, "radius"), number(o, "topRadius", 0),
+                          isCapped(o)};
+     }},
+    {"hyperboloid",
+     [](Json o) -> Shape {
+         return HyperboloidShape{point(o, "base"), point(o, "top"), number(o, "radius"), number(o, "waist"),
+                                 isCapped(o)};
+     }},
+    {"paraboloid", [](Json o) -> Shape {
+         return ParaboloidShape{point(o, "vertex"), point(o, "top"), number(o, "radius"), isCapped(o)};
+     }}};
+
+// Names of types in other programs, and what to write here.
+struct OtherName {
+    std::string_view kind, name, advice;
+};
+constexpr OtherName kOtherNames[] = {
+    {"object", "cube", "did you mean \"box\"?"},
+    {"object", "cuboid", "did you mean \"box\"?"},
+    {"object", "quad", "did you mean \"polygon\"?"},
+    {"object", "rectangle", "did you mean \"polygon\"?"},
+    {"object", "circle", "did you mean \"disc\"?"},
+    {"object", "ball", "did you mean \"sphere\"?"},
+    {"object", "obj", "did you mean \"mesh\"?"},
+    {"object", "model", "did you mean \"mesh\"?"},
+    {"light", "sun", "did you mean \"directional\"?"},
+    {"camera", "oblique", "\"planeNormal\" makes a perspective or orthographic camera oblique"}};
 
 // First the object's own transform, then that of what is around it.
 std::optional<Affine> composed(const JsonCursor& object, const std::optional<Affine>& around) {
@@ -40,37 +136,67 @@ std::optional<Affine> composed(const JsonCursor& object, const std::optional<Aff
     return both;
 }
 
-}  // namespace
+// Fails for a name that is none of `names`.
+[[noreturn]] void failName(const JsonCursor& cursor, const std::string& what,
+                           const std::vector<std::string_view>& names) {
+    const std::string hint = suggestion(cursor.string(), names, "defined");
+    cursor.fail("no " + what + " \"" + cursor.string() + "\" (" +
+                (hint.empty() ? "the scene defines none" : hint) + ")");
+}
 
-std::string_view readType(const JsonCursor& type, const keys::TypeTable& table) {
-    const std::string& name = type.string();
-    const auto has = [&](std::span<const std::string_view> list) {
-        return std::find(list.begin(), list.end(), name) != list.end();
+class ObjectParser {
+  public:
+    // `meshes` is the scene's object of that name, or null.
+    ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
+                 SceneFiles& files, MeshMemory& memory, const JsonCursor* meshes)
+        : scene_(scene), file_(file), folder_(folder), files_(files), memory_(memory), meshes_(meshes) {
+        for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
+        for (size_t i = 0; meshes && i < meshes->memberCount(); i++)
+            meshNames_.emplace(meshes->memberName(i), i);
+    }
+
+    // Appends the object, or those of a group, to the scene.
+    void parse(const JsonCursor& object) { parse(object, {}); }
+    void warnOfUnusedMeshes();
+
+  private:
+    struct LoadedMesh {
+        std::shared_ptr<const Mesh> own;    // with the file's materials, if it names some
+        std::shared_ptr<const Mesh> plain;  // without
+        uint32_t material = 0;              // the first of the file's materials in the scene
     };
-    if (has(table.types)) return name;
-    if (has(table.later))
-        type.fail("\"" + name + "\" is not supported by this version (supported: " + joinNames(table.types) +
-                  ")");
-    constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
-        {"cube", "box"},          {"cuboid", "box"},  {"quad", "polygon"},
-        {"rectangle", "polygon"}, {"circle", "disc"}, {"ball", "sphere"},
-        {"obj", "mesh"},          {"model", "mesh"},  {"sun", "directional"}};
-    std::string hint = suggestion(name, table.types, "supported");
-    for (const auto& [other, known] : kOtherNames)
-        if (name == other && std::ranges::find(table.types, known) != table.types.end())
-            hint = "did you mean \"" + std::string(known) + "\"?";
-    type.fail("unknown " + std::string(table.what) + " type \"" + name + "\"" + hintIn(hint));
-}
 
-ObjectParser::ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
-                           SceneFiles& files, MeshMemory& memory, const JsonCursor* meshes)
-    : scene_(scene), file_(file), folder_(folder), files_(files), memory_(memory), meshes_(meshes) {
-    for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
-    for (size_t i = 0; meshes && i < meshes->memberCount(); i++) meshNames_.emplace(meshes->memberName(i), i);
-}
+    // Settings that an object inherits from the groups around it.
+    struct Surrounding {
+        std::optional<Affine> transform;
+        std::optional<uint32_t> material;  // of objects that name none
+        size_t depth = 0;
+    };
+
+    void parse(const JsonCursor& object, const Surrounding& around);
+    void parseGroup(const JsonCursor& group, const Surrounding& around);
+    std::shared_ptr<const Mesh> parseMesh(const JsonCursor& object, uint32_t& material);
+    LoadedMesh& load(const JsonCursor& name);
+    LoadedMesh readMesh(const std::filesystem::path& path);
+    const MeshMemory::Read& remembered(const std::filesystem::path& path);
+    uint32_t findMaterial(const JsonCursor& name) const;
+    uint32_t defaultMaterial();
+
+    Scene& scene_;
+    const std::string& file_;
+    const std::filesystem::path& folder_;
+    SceneFiles& files_;
+    MeshMemory& memory_;
+    const JsonCursor* meshes_;
+    std::map<std::string_view, size_t> meshNames_;  // index of each member of `meshes_`
+    std::map<std::string, uint32_t, std::less<>> materials_;
+    std::map<std::string, std::shared_ptr<LoadedMesh>, std::less<>> loaded_;  // by name
+    std::map<std::filesystem::path, std::shared_ptr<LoadedMesh>> byFile_;     // several names may share one
+    uint32_t default_ = Mesh::kNoIndex;
+};
 
 void ObjectParser::parseGroup(const JsonCursor& group, const Surrounding& around) {
-    group.expectKeys(keys::kGroup);
+    group.expectKeys(keys::of("object/group"));
     if (around.depth == kMaxGroupDepth)
         group.fail("groups must not be nested deeper than " + std::to_string(kMaxGroupDepth));
     Surrounding inside = around;
@@ -84,9 +210,9 @@ void ObjectParser::parseGroup(const JsonCursor& group, const Surrounding& around
 
 void ObjectParser::parse(const JsonCursor& object, const Surrounding& around) {
     object.expectObject();
-    const std::string_view type = readType(object.require("type"), keys::kObjectTypes);
+    const std::string type(readType(object.require("type"), "object"));
     if (type == "group") return parseGroup(object, around);
-    object.expectKeys(keysOf(type));
+    object.expectKeys(keys::of("object/" + type));
 
     Object result;
     result.name = object.pointer();
@@ -97,50 +223,13 @@ void ObjectParser::parse(const JsonCursor& object, const Surrounding& around) {
         result.shape = MeshShape{parseMesh(object, result.material)};
     } else {
         result.material = material ? *material : defaultMaterial();
-        result.shape = parseShape(object, type);
+        result.shape = std::ranges::find(kShapes, type, &ShapeType::name)->parse(object);
         // Before the transform, so that the message shows the number in the file; meshes are looked at once,
         // at the end.
         validateShape(result.shape, {file_, result.name}, 0);
     }
     result.transform = composed(object, around.transform);
     scene_.objects.push_back(std::move(result));
-}
-
-Shape ObjectParser::parseShape(const JsonCursor& object, std::string_view type) {
-    if (type == "sphere") {
-        SphereShape sphere;
-        sphere.center = object.require("center").vector3();
-        sphere.radius = object.require("radius").number();
-        return sphere;
-    }
-    if (type == "plane") {
-        PlaneShape plane;
-        plane.point = object.require("point").vector3();
-        plane.normal = object.require("normal").vector3();
-        return plane;
-    }
-    if (type == "disc") {
-        DiscShape disc;
-        disc.center = object.require("center").vector3();
-        disc.normal = object.require("normal").vector3();
-        disc.radius = object.require("radius").number();
-        return disc;
-    }
-    if (type == "box") return BoxShape{object.require("min").vector3(), object.require("max").vector3()};
-    if (auto quadric = parseQuadric(object, type)) return std::move(*quadric);
-    const JsonCursor vertices = object.require("vertices");
-    if (type == "polygon") {
-        if (!vertices.value().array() || vertices.size() < 3)
-            vertices.failWanted("must be three points or more [[x, y, z], ...]");
-        PolygonShape polygon;
-        for (size_t i = 0; i < vertices.size(); i++) polygon.vertices.push_back(vertices.item(i).vector3());
-        return polygon;
-    }
-    if (!vertices.value().array() || vertices.size() != 3)
-        vertices.failWanted("must be three points [[x, y, z], ...]");
-    TriangleShape triangle;
-    for (size_t i = 0; i < 3; i++) triangle.vertices[i] = vertices.item(i).vector3();
-    return triangle;
 }
 
 // `material` is kNoIndex if the object names none; then it becomes the file's first one, or the default.
@@ -168,11 +257,9 @@ ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
     const auto found = meshNames_.find(name);
     if (found == meshNames_.end()) {
         std::vector<std::string_view> names;
-        if (meshes_)
-            for (size_t i = 0; i < meshes_->memberCount(); i++) names.push_back(meshes_->memberName(i));
-        const std::string hint = suggestion(name, names, "defined");
-        nameCursor.fail("no mesh \"" + name + "\"" +
-                        (hint.empty() ? " (the scene defines none)" : hintIn(hint)));
+        for (size_t i = 0; meshes_ && i < meshes_->memberCount(); i++)
+            names.push_back(meshes_->memberName(i));
+        failName(nameCursor, "mesh", names);
     }
     const JsonCursor entry = meshes_->member(found->second), file = entry.require("file");
     std::filesystem::path path;
@@ -230,14 +317,11 @@ void ObjectParser::warnOfUnusedMeshes() {
 uint32_t ObjectParser::findMaterial(const JsonCursor& nameCursor) const {
     if (nameCursor.value().object())
         nameCursor.fail("must be a name: put the material into \"materials\": {\"NAME\": {...}}");
-    const std::string& name = nameCursor.string();
-    const auto found = materials_.find(name);
+    const auto found = materials_.find(nameCursor.string());
     if (found != materials_.end()) return found->second;
     std::vector<std::string_view> names;
     for (const auto& [known, index] : materials_) names.push_back(known);
-    const std::string hint = suggestion(name, names, "defined");
-    nameCursor.fail("no material \"" + name + "\"" +
-                    (hint.empty() ? " (the scene defines none)" : hintIn(hint)));
+    failName(nameCursor, "material", names);
 }
 
 uint32_t ObjectParser::defaultMaterial() {
@@ -246,6 +330,41 @@ uint32_t ObjectParser::defaultMaterial() {
         scene_.materials.emplace_back().name = "default";
     }
     return default_;
+}
+
+}  // namespace
+
+std::string_view readType(const JsonCursor& type, std::string_view kind) {
+    const std::string& name = type.string();
+    const std::vector<std::string_view> types = keys::typesOf(kind);
+    if (std::ranges::find(types, name) != types.end()) return name;
+    std::string hint = suggestion(name, types, "supported");
+    for (const OtherName& other : kOtherNames)
+        if (other.kind == kind && other.name == name) hint = other.advice;
+    type.fail("unknown " + std::string(kind) + " type \"" + name + "\" (" + hint + ")");
+}
+
+void parseObjects(const JsonCursor& root, const std::string& name, const std::filesystem::path& folder,
+                  SceneFiles& files, MeshMemory& memory, Scene& scene, SceneErrors& errors) {
+    const auto meshes = root.find("meshes");
+    if (meshes) {
+        meshes->expectObject();
+        for (size_t i = 0; i < meshes->memberCount(); i++) {
+            errors.attempt([&] {
+                const JsonCursor mesh = meshes->member(i);
+                mesh.expectKeys(keys::of("mesh"));
+                mesh.require("file").string();
+            });
+        }
+    }
+    ObjectParser parser(scene, name, folder, files, memory, meshes ? &*meshes : nullptr);
+    if (const auto objects = root.find("objects"))
+        for (size_t i = 0; i < objects->size(); i++) {
+            const ProgressPart part = ProgressPart::step(i, objects->size());
+            checkCancelled();
+            errors.attempt([&] { parser.parse(objects->item(i)); });
+        }
+    parser.warnOfUnusedMeshes();
 }
 
 }  // namespace glint

@@ -8,9 +8,7 @@
 #include "import/animation.h"
 #include "import/json_cursor.h"
 #include "import/load.h"
-#include "import/parse_objects.h"
 #include "import/parse_scene.h"
-#include "import/parse_textures.h"
 #include "import/scene_keys.h"
 #include "scene/limits.h"
 #include "scene/placement.h"
@@ -20,63 +18,6 @@
 namespace glint {
 
 namespace {
-
-// Collects the errors of a scene file with their places in the text, to tell several at once.
-class SceneErrors {
-  public:
-    SceneErrors(const JsonValue& document, const std::string& name) : document_(document), name_(name) {}
-
-    template <typename Read>
-    void attempt(const Read& read) {
-        if (lines_.size() == kMost) return;
-        try {
-            read();
-        } catch (const Error& error) {
-            if (error.kind() != ErrorKind::Scene) throw;
-            const std::string line = located(error.what());
-            if (std::ranges::find(lines_, line) == lines_.end()) lines_.push_back(line);
-        }
-    }
-
-    void finish() const {
-        std::string all;
-        for (const std::string& line : lines_) all += (all.empty() ? "" : "\n  ") + line;
-        if (!all.empty()) throw Error(ErrorKind::Scene, all);
-    }
-
-  private:
-    static constexpr size_t kMost = 10;
-
-    // "NAME: /POINTER: what" with the line and column of the value that the pointer leads to, or of the
-    // nearest one around it.
-    std::string located(const std::string& message) const {
-        if (!message.starts_with(name_ + ": /")) return message;
-        const std::string rest = message.substr(name_.size());
-        std::string pointer = rest.substr(2, rest.find(": ", 2) - 2);
-        const JsonValue* at = &document_;
-        for (const JsonValue* next = at; next && !pointer.empty();) {
-            const size_t end = std::min(pointer.find('/', 1), pointer.size());
-            next = child(*at, pointer.substr(1, end - 1));
-            if (next && next->line > 0) at = next;
-            pointer.erase(0, end);
-        }
-        return name_ + ":" + std::to_string(at->line) + ":" + std::to_string(at->column) + rest;
-    }
-
-    static const JsonValue* child(const JsonValue& parent, const std::string& step) {
-        if (const JsonArray* array = parent.array())
-            for (size_t i = 0; i < array->size(); i++)
-                if (std::to_string(i) == step) return &(*array)[i];
-        if (const JsonObject* object = parent.object())
-            for (size_t i = 0; i < object->keys.size(); i++)
-                if (escapePointer(object->keys[i]) == step) return &object->values[i];
-        return nullptr;
-    }
-
-    const JsonValue& document_;
-    const std::string& name_;
-    std::vector<std::string> lines_;
-};
 
 // Reads an optional key into `target`.
 template <typename T>
@@ -112,7 +53,7 @@ void parseSampling(const JsonCursor& image, ImageSettings& settings) {
         settings.seed = static_cast<uint32_t>(value);
     }
     if (const auto adaptive = image.find("adaptive")) {
-        adaptive->expectKeys(keys::kAdaptive);
+        adaptive->expectKeys(keys::of("image/adaptive"));
         settings.adaptive.emplace();
         readInteger(*adaptive, "maxSamples", 1, kMaxSamplesPerPixel, settings.adaptive->maxSamples);
         readInto(*adaptive, "threshold", settings.adaptive->threshold);
@@ -120,7 +61,7 @@ void parseSampling(const JsonCursor& image, ImageSettings& settings) {
 }
 
 void parseImage(const JsonCursor& image, ImageSettings& settings) {
-    image.expectKeys(keys::kImage);
+    image.expectKeys(keys::of("image"));
     readInteger(image, "width", 1, kMaxImageSize, settings.width);
     readInteger(image, "height", 1, kMaxImageSize, settings.height);
     readInteger(image, "samplesPerPixel", 1, kMaxSamplesPerPixel, settings.samplesPerPixel);
@@ -129,29 +70,13 @@ void parseImage(const JsonCursor& image, ImageSettings& settings) {
 
 Projection readProjection(const JsonCursor& camera) {
     const auto type = camera.find("type");
-    if (!type) return Projection::Perspective;
-    if (type->value().string() && type->string() == "oblique")
-        type->fail(
-            "a perspective or orthographic camera is made oblique by \"planeNormal\"; \"oblique\" is no "
-            "type");
-    return named<Projection>(readType(*type, keys::kCameraTypes)).value();
+    return type ? named<Projection>(readType(*type, "camera")).value() : Projection::Perspective;
 }
 
 void readCamera(const JsonCursor& camera, Camera& result) {
     camera.expectObject();
     result.projection = readProjection(camera);
-    const bool orthographic = result.projection == Projection::Orthographic;
-    if (const auto fovY = camera.find("fovY"); fovY && orthographic)
-        fovY->fail("an orthographic camera has no field of view; give \"height\" or \"window\"");
-    if (const auto height = camera.find("height"); height && !orthographic)
-        height->fail("only an orthographic camera has a height; give \"fovY\" or \"window\"");
-    for (const char* key : {"lensRadius", "focusDistance"})
-        if (const auto lens = camera.find(key); lens && orthographic)
-            lens->fail(
-                "an orthographic camera has no lens: its rays are parallel and have no centre where one "
-                "could "
-                "stand; use a perspective camera");
-    camera.expectKeys(orthographic ? keys::kOrthographic : keys::kPerspective);
+    camera.expectKeys(keys::of("camera/" + std::string(nameOf(result.projection))));
     readInto(camera, "eye", result.eye);
     readInto(camera, "target", result.target);
     readInto(camera, "up", result.up);
@@ -163,10 +88,8 @@ void readCamera(const JsonCursor& camera, Camera& result) {
     readInto(camera, "lensRadius", result.lensRadius);
     readInto(camera, "focusDistance", result.focusDistance);
     if (const auto window = camera.find("window")) {
-        if (!window->value().array() || window->size() != 4)
-            window->failWanted("must be four numbers [left, right, bottom, top]");
-        result.window = ViewWindow{window->item(0).number(), window->item(1).number(),
-                                   window->item(2).number(), window->item(3).number()};
+        const std::vector<double> w = window->numbers(4, "four numbers [left, right, bottom, top]");
+        result.window = ViewWindow{w[0], w[1], w[2], w[3]};
     }
 }
 
@@ -176,7 +99,7 @@ Falloff readFalloff(const JsonCursor& light) {
 }
 
 PointLight parsePoint(const JsonCursor& light) {
-    light.expectKeys(keys::kPoint);
+    light.expectKeys(keys::of("light/point"));
     PointLight point;
     point.position = light.require("position").vector3();
     readColor(light, "intensity", point.intensity);
@@ -185,7 +108,7 @@ PointLight parsePoint(const JsonCursor& light) {
 }
 
 SpotLight parseSpot(const JsonCursor& light) {
-    light.expectKeys(keys::kSpot);
+    light.expectKeys(keys::of("light/spot"));
     SpotLight spot;
     spot.position = light.require("position").vector3();
     spot.direction = light.require("direction").vector3();
@@ -198,10 +121,10 @@ SpotLight parseSpot(const JsonCursor& light) {
 
 Light parseLight(const JsonCursor& light) {
     light.expectObject();
-    const std::string_view type = readType(light.require("type"), keys::kLightTypes);
+    const std::string_view type = readType(light.require("type"), "light");
     if (type == "point") return parsePoint(light);
     if (type == "spot") return parseSpot(light);
-    light.expectKeys(keys::kDirectional);
+    light.expectKeys(keys::of("light/directional"));
     DirectionalLight directional;
     directional.direction = light.require("direction").vector3();
     readColor(light, "intensity", directional.intensity);
@@ -237,7 +160,7 @@ void parseDielectric(const JsonCursor& material, Material& result, TextureParser
 }
 
 Material parseMaterial(const JsonCursor& material, std::string_view name, TextureParser& textures) {
-    material.expectKeys(keys::kMaterial);
+    material.expectKeys(keys::of("material"));
     Material result;
     result.name = name;
     parseDielectric(material, result, textures);
@@ -269,34 +192,43 @@ void warnOfUnits(Scene& scene, const std::string& name) {
                                  ")");
 }
 
-void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
-                  const std::filesystem::path& folder, SceneFiles& files, MeshMemory& memory,
-                  SceneErrors& errors) {
-    const auto meshes = root.find("meshes");
-    if (meshes) {
-        meshes->expectObject();
-        for (size_t i = 0; i < meshes->memberCount(); i++) {
-            errors.attempt([&] {
-                const JsonCursor mesh = meshes->member(i);
-                mesh.expectKeys(keys::kMesh);
-                mesh.require("file").string();
-            });
-        }
-    }
-    ObjectParser parser(scene, name, folder, files, memory, meshes ? &*meshes : nullptr);
-    if (const auto objects = root.find("objects"))
-        for (size_t i = 0; i < objects->size(); i++) {
-            const ProgressPart part = ProgressPart::step(i, objects->size());
-            checkCancelled();
-            errors.attempt([&] { parser.parse(objects->item(i)); });
-        }
-    parser.warnOfUnusedMeshes();
-}
-
 // Part of a scene file's load time for its text; its objects take the rest.
 constexpr double kJsonPart = 0.1;
 
 }  // namespace
+
+void SceneErrors::attempt(const std::function<void()>& read) {
+    constexpr size_t kMost = 10;
+    if (lines_.size() == kMost) return;
+    try {
+        read();
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::Scene) throw;
+        const std::string line = located(error.what());
+        if (std::ranges::find(lines_, line) == lines_.end()) lines_.push_back(line);
+    }
+}
+
+void SceneErrors::finish() const {
+    std::string all;
+    for (const std::string& line : lines_) all += (all.empty() ? "" : "\n  ") + line;
+    if (!all.empty()) throw Error(ErrorKind::Scene, all);
+}
+
+// "NAME: /POINTER: what" with the line and column of the value that the pointer leads to, or of the nearest
+// value around it.
+std::string SceneErrors::located(const std::string& message) const {
+    if (!message.starts_with(name_ + ": /")) return message;
+    const std::string rest = message.substr(name_.size());
+    const JsonValue* at = &document_;
+    const JsonValue* next = at;
+    for (const std::string& step : stepsOf(rest.substr(2, rest.find(": ", 2) - 2))) {
+        next = next->child(step);
+        if (!next) break;
+        if (next->line > 0) at = next;
+    }
+    return name_ + ":" + std::to_string(at->line) + ":" + std::to_string(at->column) + rest;
+}
 
 Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
                  const LoadOptions& options) {
@@ -339,7 +271,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
     Scene scene;
     SceneErrors errors(document, name);
     TextureParser textures(scene, folder, files);
-    errors.attempt([&] { root.expectKeys(keys::kScene); });
+    errors.attempt([&] { root.expectKeys(keys::of("scene")); });
     errors.attempt([&] {
         if (const auto schema = root.find("$schema")) schema->string();
         if (const auto image = root.find("image")) parseImage(*image, scene.image);
@@ -370,7 +302,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
             });
         }
     });
-    errors.attempt([&] { parseObjects(root, scene, name, folder, files, memory, errors); });
+    errors.attempt([&] { parseObjects(root, name, folder, files, memory, scene, errors); });
     errors.attempt([&] {
         const Animation animation = parseAnimation(root);
         if (!animation.tracks.empty()) scene.animation = spanOf(animation);

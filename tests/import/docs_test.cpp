@@ -60,10 +60,11 @@ TEST(SceneFormatPage, ExamplesAreAcceptedByParserAndSchema) {
 TEST(SceneFormatPage, NamesEveryKeyAndType) {
     const std::string text = page();
     for (const KeyTable& table : keys::kAllTables)
-        for (const std::string_view key : table.keys)
+        for (const std::string_view key : table.keys())
             EXPECT_NE(text.find('`' + std::string(key) + '`'), std::string::npos) << key;
-    for (const keys::TypeTable& table : {keys::kLightTypes, keys::kObjectTypes, keys::kCameraTypes})
-        for (const std::string_view type : table.types) EXPECT_NE(text.find(type), std::string::npos) << type;
+    for (const char* kind : {"light", "object", "camera"})
+        for (const std::string_view type : keys::typesOf(kind))
+            EXPECT_NE(text.find(type), std::string::npos) << type;
 }
 
 // The comments in the examples and the errors at the end of the page are what glint does.
