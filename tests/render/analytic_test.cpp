@@ -45,61 +45,6 @@ TEST_F(AnalyticTest, TriangleAcrossTheAxes) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(hit.data.geometricNormal[i], k, 2 * kUnit);
 }
 
-// embree, verify.cpp, TriangleHitTest: 256 points of the unit triangle, from (0, 0, -1).
-TEST_F(AnalyticTest, InteriorOfTheUnitTriangle) {
-    Random random(10);
-    std::vector<RayInput> rays;
-    std::vector<glm::dvec2> expected;
-    while (rays.size() < 256) {
-        const float u = static_cast<float>(random.uniform(0, 1)),
-                    v = static_cast<float>(random.uniform(0, 1));
-        if (u + v > 0.999f) continue;
-        rays.push_back(rayOf({u, v, -1}, {0, 0, 1}));
-        expected.emplace_back(u, v);
-    }
-    const PackedScene packed = packScene(unitTriangle());
-    Renderer renderer(device(), packed);
-    const std::vector<RayHit> hits = renderer.trace(rays, false);
-    constexpr double kTolerance = 16 * 0x1p-23;
-    for (size_t i = 0; i < rays.size(); ++i) {
-        ASSERT_TRUE(hits[i].hit) << text(rays[i]);
-        const PixelData& data = hits[i].data;
-        EXPECT_NEAR(hits[i].t, 1, kTolerance);
-        EXPECT_NEAR(data.u, expected[i].x, kTolerance);
-        EXPECT_NEAR(data.v, expected[i].y, kTolerance);
-        EXPECT_LE(glm::length(data.position - dvec3(expected[i], 0)), kTolerance);
-        EXPECT_EQ(data.geometricNormal, vec3(0, 0, 1));  // by winding, whatever side the ray comes from
-    }
-}
-
-// Vulkan CTS, ray tracing direction length: t scales with 1 / |d|.
-TEST_F(AnalyticTest, DirectionLengthScalesT) {
-    Scene scene = emptyScene();
-    addTriangle(scene, {0, .5, 5}, {-.5, -.5, 5}, {.5, -.5, 5});
-    scene.camera.eye = {0, 0, 1};  // from where the rays come: coordinates are counted from 0 then
-    Random random(11);
-    std::vector<RayInput> rays = {rayOf({0, 0, 1}, {0, 0, 1})};
-    for (int i = 0; i < 100; ++i) rays.push_back(rayOf({0, 0, 1}, vec3(0, 0, random.uniform(0.5, 10))));
-    const PackedScene packed = packScene(scene);
-    ASSERT_EQ(packed.origin, dvec3(0));
-    Renderer renderer(device(), packed);
-    const std::vector<RayHit> hits = renderer.trace(rays, false);
-    for (size_t i = 0; i < rays.size(); ++i) {
-        ASSERT_TRUE(hits[i].hit);
-        const double t = 4.0 / rays[i].direction.z;
-        EXPECT_NEAR(hits[i].t, t, 4 * kUnit * t);
-    }
-}
-
-// A ray at the corner where twelve triangles of a cube meet.
-TEST_F(AnalyticTest, CornerOfACube) {
-    SceneMaker maker;
-    maker.cube(vec3(0), 1);
-    const RayHit hit = hitOf(packedBy(maker), rayOf({10, 10, 10}, {-1, -1, -1}));
-    ASSERT_TRUE(hit.hit);
-    EXPECT_NEAR(hit.t, 9, 4 * kUnit * 9);
-}
-
 TEST_F(AnalyticTest, RayInTheTrianglesPlaneMisses) {
     EXPECT_FALSE(hitOf(unitTriangle(), rayOf({-1, .5f, 0}, {1, 0, 0})).hit);     // embree issue 298
     EXPECT_FALSE(hitOf(unitTriangle(), rayOf({-1, 0, 0}, {1, 0, 0})).hit);       // along an edge
@@ -176,6 +121,30 @@ TEST_F(PlaneTest, ParallelRaysMiss) {
     EXPECT_FALSE(hitOf(ground(), rayOf({0, 0, 0}, {1, -1, 0})).hit);  // t = 0
     EXPECT_FALSE(hitOf(ground(), rayOf({0, 1, 0}, {1, 1, 0})).hit);   // behind
     EXPECT_TRUE(hitOf(ground(), rayOf({0, -1, 0}, {1, 1, 0})).hit);   // from below
+}
+
+// ---- discs ----
+
+TEST_F(AnalyticTest, RimSidesAndEdgeOfADisc) {
+    Scene scene = emptyScene();
+    addDisc(scene, {0, 0, 0}, {0, 0, 3}, 5);
+    const std::vector<RayInput> hit = {rayOf({0, 0, 2}, {0, 0, -1}), rayOf({3, 4, 2}, {0, 0, -1}),
+                                       rayOf({-5, 0, 2}, {0, 0, -1}), rayOf({3, -4, -2}, {0, 0, 1})};
+    const std::vector<RayInput> missed = {rayOf({3, std::nextafter(4.0f, 5.0f), 2}, {0, 0, -1}),
+                                          rayOf({-9, 0, 0}, {1, 0, 0}),  // in its plane
+                                          rayOf({1, 1, 0}, {0, 0, 1}),   // t = 0
+                                          rayOf({1, 1, 1}, {0, 0, 1})};  // behind
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
+    for (const RayHit& h : renderer.trace(hit, false)) {
+        ASSERT_TRUE(h.hit);
+        EXPECT_EQ(h.t, 2);
+        EXPECT_EQ(h.data.geometricNormal, vec3(0, 0, 1));
+        EXPECT_EQ(h.data.u, 0);
+    }
+    EXPECT_EQ(misses(renderer.trace(hit, true)), 0u);
+    EXPECT_EQ(misses(renderer.trace(missed, false)), missed.size());
+    EXPECT_EQ(misses(renderer.trace(missed, true)), missed.size());
 }
 
 // ---- intervals, ties, rays that are none ----
@@ -284,23 +253,6 @@ TEST_F(AnalyticTest, ManyRaysComeBackInOrder) {
     Renderer renderer(device(), packed);
     const std::vector<RayHit> hits = renderer.trace(rays, false);
     for (uint32_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].t, 1.0f + static_cast<float>(i));
-}
-
-TEST_F(AnalyticTest, NearAndFarBoundCameraRays) {
-    Scene scene = emptyScene();
-    addTriangle(scene, {-9, -9, 0}, {9, -9, 0}, {0, 9, 0});
-    addTriangle(scene, {-9, -9, -2}, {9, -9, -2}, {0, 9, -2});
-    scene.camera.eye = {0, 0, 4};
-    scene.camera.fovY = 5;
-    const auto middle = [&](double nearT, double farT) {
-        scene.camera.nearT = nearT;
-        scene.camera.farT = farT;
-        return draw(device(), makeCase(scene, 9, 9)).at(4, 4);
-    };
-    EXPECT_EQ(middle(0, std::numeric_limits<double>::infinity()).depth, 4);
-    EXPECT_EQ(middle(0, 4).depth, 4);
-    EXPECT_EQ(middle(4, 9).depth, 6);
-    EXPECT_EQ(middle(4, 5).object, PixelData::kNoIndex);
 }
 
 }  // namespace

@@ -1,9 +1,7 @@
-// Boxes on the device and in the reference: hits known by hand, edges and corners, walls of boxes, the
-// reference's hits for random rays, packets.
+// Boxes on the device and in the reference: hits known by hand, edges and corners, walls of boxes.
 #include <cmath>
 
 #include "reference/tracer.h"
-#include "scene/transform.h"
 #include "support.h"
 
 namespace glint::render::test::box_test {
@@ -12,11 +10,8 @@ namespace {
 using glm::dvec3;
 using glm::vec3;
 
-constexpr double kUnit = 0x1p-24;
-
-void addBox(Scene& scene, const dvec3& low, const dvec3& high, const std::optional<Affine>& transform = {}) {
+void addBox(Scene& scene, const dvec3& low, const dvec3& high) {
     scene.objects.push_back({"/objects/" + std::to_string(scene.objects.size()), BoxShape{low, high}, 0});
-    scene.objects.back().transform = transform;
 }
 
 class BoxTest : public RenderTest {
@@ -77,16 +72,6 @@ TEST_F(BoxTest, RaysAlongFacesAndEdges) {
     EXPECT_EQ(misses(hitsOf(scene, missed)), missed.size());
 }
 
-TEST_F(BoxTest, WhatIsNotFiniteMisses) {
-    Scene scene = emptyScene();
-    addBox(scene, {-1, -1, -1}, {1, 1, 1});
-    const float nan = std::nanf(""), inf = INFINITY;
-    const std::vector<RayInput> rays = {rayOf({nan, 0, 5}, {0, 0, -1}), rayOf({0, 0, 5}, {0, nan, -1}),
-                                        rayOf({0, inf, 5}, {0, 0, -1}), rayOf({0, 0, 5}, {0, 0, -inf}),
-                                        rayOf({0, 0, 5}, {0, 0, 0})};
-    EXPECT_EQ(misses(hitsOf(scene, rays)), rays.size());
-}
-
 // Rays at exact corners, edges and inner points of the joints of a wall: no ray gets through, nor past the
 // joints of the boxes behind, whose planes are the same floats.
 TEST_F(BoxTest, NoRayGetsThroughAWall) {
@@ -117,102 +102,6 @@ TEST_F(BoxTest, NoRayGetsThroughAWall) {
     Renderer renderer(device(), packed);
     EXPECT_EQ(misses(renderer.trace(rays, false)), 0u);
     EXPECT_EQ(misses(renderer.trace(rays, true)), 0u);
-}
-
-// Turned, mirrored and sheared boxes. Rays at points of a face whose place is known; those within 1e-4 of an
-// edge are left out.
-TEST_F(BoxTest, RandomBoxesAgreeWithTheReference) {
-    Random random(17);
-    for (int i = 0; i < 40; ++i) {
-        Scene scene = emptyScene();
-        Affine transform{glm::dmat3(random.box(1), random.box(1), random.box(1)), random.box(5)};
-        if (std::abs(glm::determinant(transform.linear)) < 0.05) continue;
-        const dvec3 half(std::exp(random.uniform(-3, 1)), std::exp(random.uniform(-3, 1)),
-                         std::exp(random.uniform(-3, 1)));
-        addBox(scene, -half, half, transform);
-        std::vector<RayInput> rays;
-        std::vector<int> faces;
-        for (int k = 0; k < 60; ++k) {
-            const int face = k % 6, axis = face / 2;
-            dvec3 own = half * random.box(0.9999);
-            own[axis] = face % 2 == 1 ? half[axis] : -half[axis];
-            const dvec3 target = transform.linear * own + transform.offset;
-            dvec3 outwards(0);
-            outwards[axis] = face % 2 == 1 ? 1 : -1;
-            const dvec3 n = glm::normalize(glm::transpose(glm::inverse(transform.linear)) * outwards);
-            rays.push_back(rayTowards(target + 3.0 * (random.direction() + 1.3 * n), target));
-            faces.push_back(face);
-        }
-        const PackedScene packed = packScene(scene);
-        Renderer renderer(device(), packed);
-        const std::vector<RayHit> hits = renderer.trace(rays, false);
-        const reference::Tracer tracer(packed);
-        for (size_t k = 0; k < rays.size(); ++k) {
-            const reference::Ray ray{dvec3(rays[k].origin), dvec3(rays[k].direction)};
-            const auto expected = tracer.closest(ray);
-            ASSERT_TRUE(expected) << text(rays[k]);
-            ASSERT_TRUE(hits[k].hit) << text(rays[k]);
-            ASSERT_EQ(hits[k].kindAndIndex, expected->primitive) << text(rays[k]);
-            EXPECT_EQ(expected->primitive >> shared::kPartShift & shared::kPartMask,
-                      static_cast<uint32_t>(faces[k]));
-            const reference::Surface surface = tracer.surfaceAt(ray, *expected);
-            const double cosine = std::abs(glm::dot(glm::normalize(ray.direction), surface.geometricNormal));
-            const double reach = glm::length(ray.direction) + glm::length(transform.offset) + 10;
-            EXPECT_NEAR(hits[k].t * glm::length(ray.direction), expected->t * glm::length(ray.direction),
-                        64 * kUnit * reach / cosine);
-            EXPECT_LE(glm::distance(dvec3(hits[k].data.geometricNormal), surface.geometricNormal), 8 * kUnit);
-            EXPECT_NEAR(static_cast<double>(hits[k].data.u), surface.uv.x, 1e-3);
-            EXPECT_NEAR(static_cast<double>(hits[k].data.v), surface.uv.y, 1e-3);
-        }
-    }
-}
-
-// A box in the light shades itself only where it looks away, wherever it lies and whatever its size.
-TEST_F(BoxTest, NoAcne) {
-    for (const double offset : {0.0, 1e3}) {
-        for (const double size : {1e-3, 1.0, 1e3}) {
-            for (const bool turned : {false, true}) {
-                Scene scene = emptyScene();
-                const dvec3 at(offset, -offset, offset);
-                std::optional<Affine> transform;
-                if (turned) transform = then(rotation({1, 2, 3}, 50), translation(at));
-                addBox(scene, (turned ? dvec3(0) : at) - size, (turned ? dvec3(0) : at) + size, transform);
-                // From the eye: whatever is seen is lit.
-                scene.camera.eye = at + 4 * size * dvec3(1.1, 1.3, 0.9);
-                scene.camera.target = at;
-                scene.lights.push_back(PointLight{scene.camera.eye, Color(1)});
-                const Picture picture = draw(device(), makeCase(scene, 48, 48));
-                size_t seen = 0, dark = 0;
-                for (const PixelData& data : picture.data) {
-                    seen += data.object == 0;
-                    dark += data.object == 0 && data.shadowBits != 0;
-                }
-                EXPECT_GT(seen, 300u);
-                EXPECT_EQ(dark, 0u) << offset << " " << size << " " << turned;
-            }
-        }
-    }
-}
-
-TEST_F(BoxTest, PacketsFindTheSameBits) {
-    Random random(3);
-    Scene scene = emptyScene();
-    for (int i = 0; i < 300; ++i) {
-        const dvec3 low = random.box(4);
-        std::optional<Affine> turned;
-        if (i % 2 == 1) turned = rotation(random.direction(), random.uniform(0, 360));
-        addBox(scene, low, low + 0.05 + 0.5 * glm::abs(random.box(1)), turned);
-    }
-    scene.camera.eye = {0, 1, 12};
-    scene.camera.target = {0, 0, 0};
-    scene.lights.push_back(PointLight{{5, 9, 8}, Color(1)});
-    const Case c = makeCase(scene, 96, 72);
-    Options options;
-    options.traversal = Traversal::Lane;
-    const Picture lanes = draw(device(), c, options);
-    options.traversal = Traversal::Packet;
-    EXPECT_TRUE(chooseTraversal(Traversal::Packet, device().info(), c.packed).packets);
-    EXPECT_TRUE(sameBits(draw(device(), c, options), lanes));
 }
 
 }  // namespace

@@ -1,82 +1,13 @@
-// The shared structs lie in memory alike for C++, for std430 and for the loaders of shaders/storage.glsl.
-#include <cstddef>
+// The loaders of shaders/storage.glsl and the push constants hold what C++ has written.
 #include <cstring>
-#include <type_traits>
 
 #include "gpu/compute.h"
-#include "layout_probe.spv.h"
 #include "loader_probe.spv.h"
 #include "shared/dispatch.h"
-#include "spirv_reader.h"
 #include "support.h"
 
 namespace glint::render::test::layout_test {
 namespace {
-
-struct Expected {
-    std::vector<SpirvMember> members;
-    size_t size = 0;
-};
-
-#define GLINT_EXPECT_MEMBER(member, type, Type)               \
-    static_assert(std::is_same_v<decltype(S::member), Type>); \
-    expected.members.push_back({#member, type, offsetof(S, member)});
-#define GLINT_EXPECT_V3F(A, a, b)             \
-    GLINT_EXPECT_MEMBER(a, "vec3", glm::vec3) \
-    GLINT_EXPECT_MEMBER(b, "float", float)
-#define GLINT_EXPECT_V3U(A, a, b)             \
-    GLINT_EXPECT_MEMBER(a, "vec3", glm::vec3) \
-    GLINT_EXPECT_MEMBER(b, "uint", uint32_t)
-#define GLINT_EXPECT_U4(A, a, b, c, d)       \
-    GLINT_EXPECT_MEMBER(a, "uint", uint32_t) \
-    GLINT_EXPECT_MEMBER(b, "uint", uint32_t) \
-    GLINT_EXPECT_MEMBER(c, "uint", uint32_t) \
-    GLINT_EXPECT_MEMBER(d, "uint", uint32_t)
-#define GLINT_EXPECT_STRUCT(binding, array, Name, ROWS)              \
-    {                                                                \
-        using S = shared::Name;                                      \
-        Expected expected;                                           \
-        ROWS(GLINT_EXPECT_V3F, GLINT_EXPECT_V3U, GLINT_EXPECT_U4, 0) \
-        expected.size = sizeof(S);                                   \
-        all[#Name] = expected;                                       \
-    }
-
-std::map<std::string, Expected> cppLayouts() {
-    std::map<std::string, Expected> all;
-    GLINT_SCENE_ARRAYS(GLINT_EXPECT_STRUCT)
-    GLINT_EXPECT_STRUCT(0, dispatch, Dispatch, GLINT_DISPATCH_ROWS)
-    return all;
-}
-
-void expectSameMembers(const std::string& name, const std::vector<SpirvMember>& shader, const Expected& cpp) {
-    ASSERT_EQ(shader.size(), cpp.members.size()) << name;
-    for (size_t i = 0; i < shader.size(); ++i) {
-        EXPECT_EQ(shader[i].name, cpp.members[i].name) << name;
-        EXPECT_EQ(shader[i].type, cpp.members[i].type) << name << "." << shader[i].name;
-        EXPECT_EQ(shader[i].offset, cpp.members[i].offset) << name << "." << shader[i].name;
-    }
-}
-
-TEST(Layout, Std430IsTheLayoutOfCpp) {
-    const std::map<std::string, SpirvStruct> structs = readStructs(layout_probe_spv);
-    for (const auto& [name, cpp] : cppLayouts()) {
-        if (name == "Dispatch") continue;
-        ASSERT_TRUE(structs.contains(name)) << name;
-        const SpirvStruct& shader = structs.at(name);
-        expectSameMembers(name, shader.members, cpp);
-        ASSERT_TRUE(shader.arrayStride) << name;
-        EXPECT_EQ(*shader.arrayStride, cpp.size) << name;
-    }
-}
-
-TEST(Layout, PushConstantsAreTheLayoutOfCpp) {
-    const std::map<std::string, SpirvStruct> structs = readStructs(layout_probe_spv);
-    ASSERT_TRUE(structs.contains("DispatchBlock"));
-    const Expected cpp = cppLayouts().at("Dispatch");
-    expectSameMembers("Dispatch", structs.at("DispatchBlock").members, cpp);
-    // The Vulkan specification's least maxPushConstantsSize (table "Required Limits").
-    EXPECT_LE(cpp.size, 128u);
-}
 
 // Every word that a test writes is another normal float, so that no move may change it.
 class WordSource {

@@ -5,7 +5,6 @@
 
 #include "loop_limit.h"
 #include "mutant_kernels.h"
-#include "reference/tracer.h"
 #include "support.h"
 
 namespace glint::render::test::polygon_test {
@@ -126,54 +125,6 @@ TEST_F(PolygonTest, ClosedPrism) {
     EXPECT_EQ(misses(hitsOf(packScene(scene), rays)), 0u);
 }
 
-// Comb after comb: concave, in any attitude; every ray keeps away from the edges by far more than rounding.
-TEST_F(PolygonTest, CombsInAnyAttitude) {
-    Random random(21);
-    size_t found = 0;
-    for (int i = 0; i < 20; ++i) {
-        const dvec3 a = random.direction(), n = glm::normalize(glm::cross(a, random.direction())),
-                    b = glm::cross(n, a);
-        const dvec3 at = random.box(5);
-        const double size = std::exp(random.uniform(-4, 4));
-        // Teeth over [2k, 2k + 1] x [0, 2] on a back [0, 9] x [-1, 0].
-        std::vector<dvec3> comb = {{0, -1, 0}, {9, -1, 0}};
-        for (int k = 4; k >= 0; --k) {
-            for (const dvec3& v :
-                 {dvec3(2 * k + 1, 0, 0), dvec3(2 * k + 1, 2, 0), dvec3(2 * k, 2, 0), dvec3(2 * k, 0, 0)})
-                comb.push_back(v);
-        }
-        const auto place = [&](double x, double y) { return at + size * (x * a + y * b); };
-        std::vector<dvec3> placed;
-        for (const dvec3& v : comb) placed.push_back(place(v.x, v.y));
-        std::vector<RayInput> rays;
-        std::vector<bool> inside;
-        while (rays.size() < 200) {
-            const double x = random.uniform(-1, 10), y = random.uniform(-2, 3);
-            const dvec3 from = random.direction();
-            if (std::abs(x - std::round(x)) < 0.02 || std::abs(y - std::round(y)) < 0.02 ||
-                std::abs(glm::dot(from, n)) < 0.1)
-                continue;
-            const bool within = x > 0 && x < 9 && y < 2;
-            inside.push_back(within && y > -1 && (y < 0 || std::fmod(x, 2) < 1));
-            rays.push_back(rayTowards(place(x, y) + 10 * size * from, place(x, y)));
-        }
-        const PackedScene packed = packScene(sceneOf(placed));
-        const std::vector<RayHit> hits = hitsOf(packed, rays);
-        const reference::Tracer tracer(packed);
-        for (size_t k = 0; k < rays.size(); ++k) {
-            ASSERT_EQ(hits[k].hit, inside[k]) << text(rays[k]);
-            const auto expected = tracer.closest({dvec3(rays[k].origin), dvec3(rays[k].direction)});
-            ASSERT_EQ(expected.has_value(), inside[k]) << text(rays[k]);
-            found += inside[k];
-            if (!expected) continue;
-            // As a plane's: 64 u of the reach, over the cosine of 0.1, in units of a way of 10 sizes.
-            const double reach = 20 * size + glm::length(at - packed.origin);
-            EXPECT_NEAR(hits[k].t, expected->t, 64 * 0x1p-24 * reach / (0.1 * 10 * size));
-        }
-    }
-    EXPECT_GT(found, 1000u);
-}
-
 // As many corners as a polygon may have.
 std::vector<dvec3> longRing(double radius, double z) {
     std::vector<dvec3> ring;
@@ -243,32 +194,6 @@ TEST_F(PolygonTest, MoreEdgesThanLavapipeAllows) {
     options.tripBudget = 1u << 30;
     Renderer ignorant(device(), packed, options);
     EXPECT_EQ(found(ignorant.trace(rays, false)) < 64, endsLoops(device()));
-}
-
-// Neither acne on a polygon nor light under it, near and far from the origin.
-TEST_F(PolygonTest, Shadows) {
-    for (const double offset : {0.0, 1e3}) {
-        Scene scene = emptyScene();
-        const dvec3 at(offset, -offset, offset), a = glm::normalize(dvec3(1, -0.3, 0.1)),
-                                                 b = glm::normalize(glm::cross(dvec3(0.2, 1, 0.3), a));
-        const auto square = [&](double height, double half) {
-            const dvec3 up = height * glm::normalize(glm::cross(a, b));
-            addPolygon(scene, {at + up - half * (a + b), at + up + half * (a - b), at + up + half * (a + b),
-                               at + up + half * (b - a)});
-        };
-        square(0, 4);
-        scene.lights.push_back(DirectionalLight{-glm::cross(a, b) + 0.5 * a, Color(1)});
-        scene.camera.eye = at + 3.0 * glm::cross(a, b) + 0.5 * b;
-        scene.camera.target = at;
-        const auto shadowed = [&] {
-            const Picture picture = draw(device(), makeCase(scene, 48, 48));
-            return std::count_if(picture.data.begin(), picture.data.end(),
-                                 [](const PixelData& d) { return d.object == 0 && d.shadowBits != 0; });
-        };
-        EXPECT_EQ(shadowed(), 0) << offset;
-        square(3.5, 30);
-        EXPECT_EQ(shadowed(), 48 * 48) << offset;
-    }
 }
 
 }  // namespace

@@ -101,42 +101,6 @@ TEST_F(SpotTest, FullSphereIsAPointLight) {
     }
 }
 
-// Outside the cone a pixel costs what it costs without the light.
-TEST_F(SpotTest, CastsNoShadowRayOutsideTheCone) {
-    Scene scene = floorFromAbove(8);
-    scene.camera.eye.y = 5;
-    addSphere(scene, {0, 2, 0}, 0.5);
-    addSphere(scene, {2, 1, 1}, 0.5);
-    const auto costs = [](const Scene& s) {
-        const Case c = makeCase(s, kSize, kSize);
-        Request settings;
-        settings.width = settings.height = kSize;
-        settings.cost = true;
-        Renderer renderer(device(), c.packed);
-        return renderer.render(c.camera, settings);
-    };
-    const Picture unlit = costs(scene);
-    scene.lights.push_back(lampAt(4, 20, 10));
-    const Picture lit = costs(scene);
-    int outside = 0, dearer = 0;
-    for (int y = 0; y < kSize; ++y) {
-        for (int x = 0; x < kSize; ++x) {
-            const dvec3 toPoint = lit.at(x, y).position - dvec3(0, 4, 0);
-            const double theta = std::acos(-toPoint.y / glm::length(toPoint)) / kDegree;
-            if (theta > 30.01) {
-                ++outside;
-                EXPECT_EQ(lit.at(x, y).cost, unlit.at(x, y).cost) << x << "," << y;
-                EXPECT_EQ(lit.at(x, y).shadowBits, 0u);
-            } else if (theta < 29.99) {
-                dearer += lit.at(x, y).cost > unlit.at(x, y).cost;
-                EXPECT_GE(lit.at(x, y).cost, unlit.at(x, y).cost);
-            }
-        }
-    }
-    EXPECT_GT(outside, kSize * kSize / 4);
-    EXPECT_GT(dearer, kSize * kSize / 8);
-}
-
 // Sharp cones on a slanted floor, one from far away: their rims hang on rounding, and verify finds that they
 // do.
 TEST_F(SpotTest, SharpRimsAreExplained) {
