@@ -54,13 +54,6 @@ TEST(HasAccess, AsManyArraysAndAsLargeAsTheDeviceBinds) {
     EXPECT_FALSE(has(StorageBuffer, 16, kStorage + 16, 1000));
 }
 
-// Vulkan promises 65,536 texels and storage buffers of 128 MiB.
-TEST(ChooseAccess, LlvmpipeWithFewTexels) {
-    const gpu::DeviceInfo device = deviceWith(uint64_t{1} << 27, 65536, true);
-    EXPECT_EQ(chooseAccess(device, {65536 * 16, 65536 * 20}), gpu::Access::TexelBuffer);
-    EXPECT_EQ(chooseAccess(device, {65537 * 16, 65537 * 20}), gpu::Access::StorageBuffer);
-}
-
 // lavapipe's limit is 65,535 trips of a subgroup; a budget that is no use for 8 lanes must not be chosen
 // for 64.
 TEST(TripBudget, LeavesRoomForEveryLane) {
@@ -115,21 +108,6 @@ TEST(TripBudget, LightsGrowWhereTheyAreCheap) {
 }
 
 class LimitsTest : public RenderTest {};
-
-TEST_F(LimitsTest, ArraysBeyondTheStorageRangeAreRefused) {
-    const uint64_t range = device().info().limits.maxStorageBufferRange;
-    PackedScene scene;
-    scene.triangles.resize(range / sizeof(shared::Triangle) + 1);
-    ASSERT_LT(range, uint64_t{1} << 32) << "this device's range is too great for the test";
-    Options options;
-    options.access = gpu::Access::StorageBuffer;
-    const std::string message =
-        glint::test::errorOf(ErrorKind::Device, [&] { Renderer renderer(device(), scene, options); });
-    EXPECT_TRUE(message.starts_with("array \"all arrays together\" needs ")) << message;
-    EXPECT_TRUE(message.ends_with(" bytes, but this device binds at most " + std::to_string(range / 16 * 16) +
-                                  " bytes as a storage buffer"))
-        << message;
-}
 
 // The scene's own triangles lie behind so many others, which no leaf names, that their array passes the
 // storage buffer range.

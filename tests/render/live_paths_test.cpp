@@ -87,24 +87,9 @@ class LivePathsImageTest : public RenderTest {
     }
 };
 
-class LivePathsSceneTest : public LivePathsImageTest, public testing::WithParamInterface<std::string> {};
-
-// Without data, fewer rows are read and written. WholePathsSceneTest compares these images with those that
-// need no list.
-TEST_P(LivePathsSceneTest, DrawsTheSameColoursWithoutData) {
-    const Case c = fileCase(GetParam(), 45, 29);
-    Request settings = settingsOf(c);
-    const Picture withData = drawn(c, settings).picture;
-    settings.data = settings.cost = settings.ledger = settings.tally = false;
-    EXPECT_EQ(drawn(c, settings).picture.color.pixels, withData.color.pixels);
-}
-
-INSTANTIATE_TEST_SUITE_P(All, LivePathsSceneTest, testing::ValuesIn(sceneNames()),
-                         [](const auto& p) { return p.param; });
-
 // Rays that are finished by resume dispatches, over lists and over packets that were given up.
 TEST_F(LivePathsImageTest, UnfinishedRaysOfListedPathsAreResumed) {
-    for (const char* name : {"triangles", "glass", "instances", "orthographic", "showcase", "quadrics"}) {
+    for (const char* name : {"glass", "instances", "showcase", "quadrics", "textures"}) {
         const Case c = fileCase(name, 24, 16);
         const Picture expected = drawn(c, settingsOf(c)).picture;
         for (const bool data : {true, false}) {
@@ -191,15 +176,6 @@ Case mirrorsFor(int columns, uint32_t depth) {
     scene.camera.up = {0, 1, 0};
     scene.camera.height = 64;
     return makeCase(scene, 64, 64);
-}
-
-// Eight columns of 64 pixels go on for `depth` rays: so many whole tiles, and nothing of the others.
-TEST_F(LivePathsImageTest, KernelsRunOverThePathsThatGoOn) {
-    const uint32_t depth = 6, all = 64 * 64, mirrored = 8 * 64;
-    const Case c = mirrorsFor(8, depth);
-    const Drawn found = drawn(c, settingsOf(c));
-    EXPECT_EQ(found.times.pathRays, all + depth * mirrored);
-    EXPECT_EQ(found.times.invocations, all + depth * mirrored);
 }
 
 // One column: 64 paths, one from each of 8 rows of 8 tiles, which fill one workgroup.

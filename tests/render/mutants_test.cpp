@@ -1,8 +1,6 @@
 // Does verify find a defect in a shader? Each mutant of mutants.cmake has one; the shaders themselves have
 // none.
 #include <cmath>
-#include <filesystem>
-#include <regex>
 
 #include "import/load.h"
 #include "mutant_kernels.h"
@@ -119,23 +117,6 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"not_finite", "spheres"}, Defect{"mirrored_alpha", "spheres"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
-// Each mutant costs a compilation; one that no test runs convicts nobody.
-TEST(Mutants, EveryOneIsRunByATest) {
-    std::string sources;
-    for (const std::string folder : {"tests/render", "tests/stability"})
-        for (const auto& entry : std::filesystem::directory_iterator(glint::test::sourcePath(folder)))
-            if (entry.path().extension() == ".cpp") sources += glint::test::readText(entry.path());
-    size_t mutants = 0;
-    for (const std::string list : {"tests/render/mutants.cmake", "tests/stability/mutants.cmake"}) {
-        const std::string text = glint::test::readText(glint::test::sourcePath(list));
-        const std::regex definition(R"((^|\n)mutant\((\w+)[ \n])");
-        for (std::sregex_iterator at(text.begin(), text.end(), definition), end; at != end; ++at, ++mutants)
-            EXPECT_NE(sources.find("\"" + (*at)[2].str() + "\""), std::string::npos)
-                << (*at)[2] << " of " << list << " is run by no test";
-    }
-    EXPECT_GT(mutants, 40u);
-}
-
 class VerdictTest : public RenderTest {
   protected:
     static verify::Report verified(Renderer& renderer, const Case& c, bool verdictAlone = false) {
@@ -147,7 +128,7 @@ class VerdictTest : public RenderTest {
     }
     // `scene` has %s for the fovY: narrow views, in which single places show.
     static void expectExplained(const char* scene) {
-        for (const char* fov : {"0.2", "0.001", "0.00002"}) {
+        for (const char* fov : {"0.2", "0.00002"}) {
             char text[2000];
             std::snprintf(text, sizeof(text), scene, fov);
             const Case c = textCase(text, 64, 48);
@@ -319,7 +300,7 @@ TEST_F(VerdictTest, LimbsAreExplained) {
                                    "-2.3, 0, 0",        "0, 0.99, 0.12", "2.49, 0.2, 0.1"};
     uint64_t pixels = 0, explained = 0;
     for (const char* target : targets) {
-        for (const char* fov : {"0.2", "0.001", "0.00002"}) {
+        for (const char* fov : {"0.2", "0.00002"}) {
             for (const char* lens : {"", ", \"lensRadius\": 0.0001, \"focusDistance\": 9"}) {
                 char text[2000];
                 std::snprintf(text, sizeof(text), kLimbs, target, fov, lens);

@@ -423,39 +423,6 @@ TEST_F(OpticsTest, FullWaitingRoomIsReported) {
     EXPECT_EQ(record.bounces, 33u);
 }
 
-// Where rays are counted by class, each class is traced in dispatches of its own. Here glass is behind the
-// camera, and only mirrored rays are there: they alone take more than one trip, and so all further dispatches
-// are theirs.
-TEST_F(OpticsTest, ADispatchOfAClassTracesItsRays) {
-    std::string objects = R"({"type": "sphere", "center": [0, 0, 100], "radius": 1, "material": "glass"})";
-    for (int i = 0; i < 60; ++i)
-        objects += R"(, {"type": "sphere", "radius": 0.3, "material": "mirror", "center": [)" +
-                   std::to_string(i % 8 - 3.5) + ", " + std::to_string(i / 8 - 3.5) + ", 0]}";
-    const Case c = textCase(R"({"camera": {"eye": [0, 0, 9], "target": [0, 0, 0], "fovY": 45}, "maxDepth": 5,
-        "materials": {"glass": {"transmission": 1, "ior": 1.5}, "mirror": {"diffuse": 0.2, "mirror": 0.8}},
-        "objects": [)" + objects +
-                                "]}",
-                            16, 16);
-    Options options;
-    options.traversal = Traversal::Lane;
-    options.tripBudget = 1;
-    Renderer renderer(device(), c.packed, options);
-    Request request = wholeWithData(c);
-    request.tally = true;
-    int longer = 0;
-    KernelTimes before;
-    for (int i = 0; i < 9; ++i) {
-        renderer.render(c.camera, request);
-        const KernelTimes& seconds = renderer.times().kernels;
-        longer += seconds.mirrored - before.mirrored > seconds.refracted - before.refracted;
-        before = seconds;
-    }
-    EXPECT_GE(longer, 5);
-    EXPECT_GT(renderer.times().resumes, 9 * 20u);
-    EXPECT_GT(renderer.rays().mirrored, 0u);
-    EXPECT_EQ(renderer.rays().refracted, 0u);
-}
-
 TEST_F(OpticsTest, MediaAtAPoint) {
     Scene scene = emptyScene();
     const uint32_t sea = addGlass(scene, 1.33), box = addGlass(scene, 1.5), ball = addGlass(scene, 1.4),
@@ -471,16 +438,6 @@ TEST_F(OpticsTest, MediaAtAPoint) {
     EXPECT_EQ(mediaAt(packed, {0.9, 0.9, 0.9}), glm::uvec4(1, 2, 0, 0));
     EXPECT_EQ(mediaAt(packed, {0, 0, 0}), glm::uvec4(1, 2, 3, 3));
     EXPECT_EQ(mediaAt(packed, {2.2, 0.2, 0.01}), glm::uvec4(1, 0, 0, 0));
-}
-
-// A scene without transmission has no rows for it and no lists: the full pipeline, which has, draws the same.
-TEST_F(OpticsTest, RestCostsNothing) {
-    const Case c = fileCase("cabinet", 16, 12);
-    EXPECT_FALSE(c.packed.features.transmission);
-    EXPECT_TRUE(c.packed.optics.empty());
-    Options full;
-    full.leaveOut = false;
-    EXPECT_TRUE(sameBits(draw(device(), c), draw(device(), c, full)));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // One packed scene, many requests: what varies from picture to picture is no part of the scene.
 #include "trace/request.h"
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
@@ -12,8 +11,6 @@
 
 namespace glint::render::test::request_test {
 namespace {
-
-using glm::dvec3;
 
 class RequestTest : public RenderTest {};
 
@@ -88,22 +85,6 @@ TEST_F(RequestTest, OneRendererDrawsWhatOneForEachRequestDraws) {
     }
 }
 
-// The wishes are not without effect.
-TEST_F(RequestTest, WishesChangeThePicture) {
-    const Case c = fileCase("corridor", 40, 30);
-    Renderer renderer(device(), c.packed);
-    const Picture plain = renderer.render(c.camera, wholeWithData(c));
-    const Picture host = reference::render(c.packed, c.camera, wholeWithData(c));
-    for (const char* name : {"depth 1", "depth 0", "cut", "no shadows"}) {
-        const auto wish = std::find_if(std::begin(kWishes), std::end(kWishes),
-                                       [&](const Wish& w) { return std::string(w.name) == name; });
-        Request request = wholeWithData(c);
-        wish->ask(request);
-        EXPECT_TRUE(renderer.render(c.camera, request).color.pixels != plain.color.pixels) << name;
-        EXPECT_TRUE(reference::render(c.packed, c.camera, request).color.pixels != host.color.pixels) << name;
-    }
-}
-
 // Lights and background of a request: as if the scene had been packed with them.
 TEST_F(RequestTest, LightingIsAsIfTheSceneHadIt) {
     const Case all = fileCase("lights", 40, 30);
@@ -168,57 +149,6 @@ TEST_F(RequestTest, FurtherFeaturesServeFurtherRequests) {
     request.maxDepth = 3;
     scene.maxDepth = 3;
     EXPECT_TRUE(sameBits(able.render(parallel, request), draw(device(), makeCase(scene, 40, 30))));
-}
-
-// ---- both tracers fill the same picture ----
-
-class PictureParity : public RequestTest, public testing::WithParamInterface<const char*> {};
-
-INSTANTIATE_TEST_SUITE_P(Scenes, PictureParity, testing::Values("knot", "textures", "lights", "far_away"),
-                         [](const auto& p) { return std::string(p.param); });
-
-// Layer by layer, where both see the same primitive; of each pixel as much as fp32 holds of the scene.
-TEST_P(PictureParity, EveryLayerIsTheSameOfBothTracers) {
-    const Case c = fileCase(GetParam(), 64, 48);
-    Renderer renderer(device(), c.packed);
-    Request request = wholeWithData(c);
-    request.cost = true;
-    const Picture device = renderer.render(c.camera, request);
-    const Picture host = reference::render(c.packed, c.camera, request);
-    ASSERT_EQ(device.data.size(), host.data.size());
-    size_t same = 0, turned = 0;
-    for (size_t i = 0; i < device.data.size(); ++i) {
-        const PixelData &a = device.data[i], &b = host.data[i];
-        if (a.pathHash != b.pathHash) continue;
-        ++same;
-        EXPECT_EQ(a.object, b.object);
-        EXPECT_EQ(a.primitive, b.primitive);
-        EXPECT_EQ(a.material, b.material);
-        EXPECT_EQ(a.bounces, b.bounces);
-        EXPECT_EQ(device.color.pixels[4 * i + 3], host.color.pixels[4 * i + 3]);
-        if (b.object == PixelData::kNoIndex) continue;
-        EXPECT_LE(std::abs(a.depth - b.depth), 1e-4 * b.depth);
-        EXPECT_LE(glm::length(a.position - b.position), 2e-4 * b.depth);
-        // Grazing rays see a small sphere's normal turn fast; a wrong kind of normal is off by far more.
-        EXPECT_LE(glm::length(a.geometricNormal - b.geometricNormal), 2e-2f);
-        EXPECT_LE(glm::length(a.normal - b.normal), 2e-2f);
-        EXPECT_LE(std::abs(glm::length(b.geometricNormal) - 1), 1e-6f);
-        turned += glm::length(b.geometricNormal - b.normal) > 5e-2f;
-        EXPECT_GT(a.cost, 0u);
-        EXPECT_GT(b.cost, 0u);
-    }
-    EXPECT_GT(same, device.data.size() * 98 / 100);
-    if (!c.packed.vertexNormals.empty()) {
-        EXPECT_GT(turned, 10u) << "shading and geometric normal differ here";
-    }
-    std::vector<Aov> all;
-    for (const EnumEntry<Aov>& entry : kEnumEntries<Aov>) all.push_back(entry.value);
-    const std::vector<Layer> ofDevice = makeLayers(device, all), ofHost = makeLayers(host, all);
-    ASSERT_EQ(ofDevice.size(), all.size());
-    for (size_t i = 0; i < ofDevice.size(); ++i) {
-        EXPECT_EQ(ofDevice[i].image.channels, ofHost[i].image.channels) << ofHost[i].name;
-        EXPECT_EQ(ofDevice[i].image.pixels.size(), ofHost[i].image.pixels.size()) << ofHost[i].name;
-    }
 }
 
 // The reference knows pictures without shadows too.

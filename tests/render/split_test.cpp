@@ -74,24 +74,5 @@ TEST_F(SplitTest, SamePictureAsWithout) {
     EXPECT_EQ(draw(device(), whole).color.pixels, draw(device(), split).color.pixels);
 }
 
-TEST_F(SplitTest, SameHitsAsWithout) {
-    const PackedScene whole = packScene(scene_, 0, BuildQuality::Fast),
-                      split = packScene(scene_, 0, BuildQuality::High);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 20000; ++i)
-        rays.push_back(rayTowards(20.0 * random_.direction(), random_.box(4.0), i % 2));
-    Renderer a(device(), whole), b(device(), split);
-    const std::vector<RayHit> expected = a.trace(rays, false), got = b.trace(rays, false);
-    ASSERT_LT(misses(expected), rays.size() / 2);
-    for (size_t i = 0; i < rays.size(); ++i) {
-        ASSERT_EQ(expected[i].hit, got[i].hit) << text(rays[i]);
-        EXPECT_EQ(expected[i].t, got[i].t);
-        EXPECT_EQ(expected[i].data.object, got[i].data.object);
-        EXPECT_EQ(expected[i].data.primitive, got[i].data.primitive);
-    }
-    const std::vector<RayHit> anyWhole = a.trace(rays, true), anySplit = b.trace(rays, true);
-    for (size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(anyWhole[i].hit, anySplit[i].hit) << text(rays[i]);
-}
-
 }  // namespace
 }  // namespace glint::render::test::split_test

@@ -398,14 +398,6 @@ TEST_F(MaskTest, NoRayMeetsAHoleTwice) {
     EXPECT_EQ(renderer.times().resumes, 0u);
 }
 
-// Rays that run out of loop trips in the middle, with a mask, end up the same.
-TEST_F(MaskTest, AnyTripBudgetDrawsTheSame) {
-    const Case c = fileCase("textures", 96, 72);
-    Options tight;
-    tight.tripBudget = 12;
-    EXPECT_TRUE(sameBits(draw(device(), c), draw(device(), c, tight)));
-}
-
 // Each hole is asked about by itself, so that rays through thousands of them make more trips than lavapipe
 // allows (trips_test.cpp), beside others that end at once; the planes are a leaf of any size.
 TEST_F(MaskTest, ThousandsOfHolesAreAllPassed) {

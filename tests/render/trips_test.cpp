@@ -33,45 +33,6 @@ class TripTest : public RenderTest {
     const KernelCode naiveKernels_ = mutantKernels("naive");
 };
 
-// ---- any budget, the same picture ----
-
-// Two mirrors and two lights around a mesh of 5760 triangles.
-const char* const kMirrorScene = R"({
-  "camera": {"eye": [0.5, 1.6, 4.5], "target": [0, 0.5, 0], "fovY": 42},
-  "background": [0.3, 0.4, 0.5], "ambient": 0.1, "maxDepth": 3,
-  "lights": [{"type": "point", "position": [2, 4, 3]}, {"type": "directional", "direction": [1, -2, -1], "intensity": 0.4}],
-  "materials": {"m": {"diffuse": 0.1, "mirror": 0.8}, "r": {"diffuse": [0.8, 0.2, 0.1], "specular": 0.4, "mirror": 0.2},
-                "g": {"diffuse": [0.3, 0.6, 0.3]}},
-  "meshes": {"knot": {"file": "meshes/knot.obj"}},
-  "objects": [
-    {"type": "plane", "point": [0, -0.6, 0], "normal": [0, 1, 0], "material": "g"},
-    {"type": "triangle", "vertices": [[-3, -0.6, -2], [3, -0.6, -2], [0, 4, -2]], "material": "m"},
-    {"type": "mesh", "mesh": "knot", "material": "r", "transform": [{"scale": 0.3}, {"translate": [0, 0.4, 0]}]},
-    {"type": "sphere", "center": [1.3, 0.1, 0.3], "radius": 0.5, "material": "m"}]
-})";
-
-TEST_F(TripTest, AnyBudgetDrawsTheSamePicture) {
-    const Case c = textCase(kMirrorScene, 32, 24);
-    Options plenty;
-    plenty.tripBudget = 5000;
-    Renderer renderer(device(), c.packed, plenty);
-    const Picture picture = draw(renderer, c);
-    EXPECT_EQ(renderer.times().resumes, 0u);
-    EXPECT_GT(std::count_if(picture.data.begin(), picture.data.end(),
-                            [](const PixelData& d) { return d.bounces > 0; }),
-              100);
-    EXPECT_GT(std::count_if(picture.data.begin(), picture.data.end(),
-                            [](const PixelData& d) { return d.shadowBits; }),
-              20);
-    for (const uint32_t budget : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 50u}) {
-        Options options;
-        options.tripBudget = budget;
-        Renderer tight(device(), c.packed, options);
-        EXPECT_TRUE(sameBits(draw(tight, c), picture)) << "budget " << budget;
-        EXPECT_GT(tight.times().resumes, 0u) << "budget " << budget;
-    }
-}
-
 // A light that begins where another's ray has ended that was traced in part, through glass: what that ray has
 // lost is not the next one's. The first light, which shines on nothing, leaves no ray unfinished, so that the
 // next two share a dispatch.
@@ -101,34 +62,6 @@ TEST_F(TripTest, ALightBeginsWithNothingOfTheOneBefore) {
         Renderer renderer(device(), c.packed, tight);
         EXPECT_TRUE(sameBits(draw(renderer, c), picture)) << "budget " << budget;
         EXPECT_GT(renderer.times().resumes, 0u);
-    }
-}
-
-TEST_F(TripTest, AnyBudgetTracesTheSameRays) {
-    Scene scene = emptyScene();
-    Random random(51);
-    for (int i = 0; i < 400; ++i) {
-        const dvec3 at = random.box(2);
-        addTriangle(scene, at, at + random.box(0.7), at + random.box(0.7));
-        if (i % 3 == 0) addSphere(scene, random.box(2), random.uniform(0.05, 0.3));
-    }
-    addPlane(scene, {0, -2, 0}, {0.1, 1, 0.2});
-    const Case c = makeCase(scene, 8, 8, BuildQuality::Fast);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 3000; ++i) rays.push_back(rayTowards(random.box(3), random.box(2)));
-    Options plenty;
-    plenty.tripBudget = 5000;
-    Renderer renderer(device(), c.packed, plenty);
-    const std::vector<RayHit> closest = renderer.trace(rays, false), any = renderer.trace(rays, true);
-    EXPECT_EQ(renderer.times().resumes, 0u);
-    for (const uint32_t budget : {3u, 17u}) {
-        Options options;
-        options.tripBudget = budget;
-        Renderer tight(device(), c.packed, options);
-        EXPECT_TRUE(sameBits(tight.trace(rays, false), closest, rays)) << "budget " << budget;
-        EXPECT_GT(tight.times().resumes, 0u);
-        const std::vector<RayHit> hits = tight.trace(rays, true);
-        for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].hit, any[i].hit) << text(rays[i]);
     }
 }
 

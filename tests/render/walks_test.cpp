@@ -1,95 +1,10 @@
-// The choice of a traversal, and that all traversals (with a stack, without one, packets) find the same hits,
-// to the bit.
-#include <algorithm>
-#include <cmath>
-
-#include "core/error.h"
+// All traversals (with a stack, without one, packets) find the same hits, to the bit.
 #include "hard_rays.h"
-#include "verify/verify.h"
 
 namespace glint::render::test::walks_test {
 namespace {
 
 using glm::dvec3;
-
-// ---- the rule ----
-
-gpu::DeviceInfo deviceOf(const std::string& type, bool llvmpipe = false) {
-    gpu::DeviceInfo info;
-    info.name = "a device";
-    info.type = type;
-    info.llvmpipe = llvmpipe;
-    info.limits.subgroupSize = llvmpipe ? 8 : 32;
-    info.limits.subgroupShuffle = true;
-    return info;
-}
-
-PackedScene sceneOf(size_t triangles) {
-    PackedScene scene;
-    scene.triangles.resize(triangles);
-    scene.nodes.resize(triangles > 0 ? 1 : 0);
-    scene.features.triangles = triangles > 0;
-    return scene;
-}
-
-TEST(LaneRule, IsThisTable) {
-    using enum Traversal;
-    const Methods plainSlabs = {.slabs = SlabPad::None};
-    const struct {
-        const char* type;
-        bool llvmpipe;
-        Traversal wanted;
-        PackedScene scene;
-        const char* expected;
-        Methods methods = {};
-    } rows[] = {
-        {"discrete GPU", false, Auto, sceneOf(32), "lane"},
-        {"integrated GPU", false, Auto, sceneOf(32), "lane"},
-        {"virtual GPU", false, Auto, sceneOf(32), "lane"},
-        {"other", false, Auto, sceneOf(32), "lane"},
-        {"CPU", false, Auto, sceneOf(32), "lane"},
-        {"CPU", true, Auto, sceneOf(32), "packet"},
-        {"CPU", true, Auto, sceneOf(31), "lane"},
-        {"CPU", true, Packet, sceneOf(31), "packet"},
-        {"CPU", true, Packet, sceneOf(0), "lane"},
-        {"CPU", true, Packet, sceneOf(1000), "lane", plainSlabs},
-        {"CPU", true, Lane, sceneOf(1000), "lane"},
-    };
-    for (const auto& row : rows) {
-        const TraversalChoice choice =
-            chooseTraversal(row.wanted, deviceOf(row.type, row.llvmpipe), row.scene, row.methods);
-        EXPECT_EQ(nameOf(choice), row.expected)
-            << row.type << ", wanted " << static_cast<int>(row.wanted) << ", " << row.scene.triangles.size()
-            << " triangles: " << choice.reason;
-        EXPECT_FALSE(choice.reason.empty());
-    }
-}
-
-TEST(LaneRule, LoopsConvergeOnLlvmpipeWithEightLanesThatShuffle) {
-    const gpu::DeviceInfo llvmpipe = deviceOf("CPU", true);
-    EXPECT_TRUE(loopsConverge(llvmpipe));
-    gpu::DeviceInfo other = llvmpipe;
-    other.llvmpipe = false;
-    EXPECT_FALSE(loopsConverge(other));
-    other = llvmpipe;
-    other.limits.subgroupSize = 16;
-    EXPECT_FALSE(loopsConverge(other));
-    other = llvmpipe;
-    other.limits.subgroupShuffle = false;
-    EXPECT_FALSE(loopsConverge(other));
-}
-
-TEST(LaneRule, PacketsAreRefusedWhereTheDeviceCannotRunThem) {
-    const gpu::DeviceInfo device = deviceOf("discrete GPU");
-    try {
-        chooseTraversal(Traversal::Packet, device, sceneOf(1000));
-        FAIL();
-    } catch (const Error& e) {
-        EXPECT_EQ(e.kind(), ErrorKind::Device);
-    }
-}
-
-// ---- the same bits ----
 
 class WalkTest : public RenderTest {
   protected:

@@ -157,16 +157,6 @@ TEST_F(WholePathsTest, SamplesOfAllKindsDrawTheSame) {
     }
 }
 
-TEST_F(WholePathsTest, SlicesAndRegionsDrawTheSame) {
-    const Case c = fileCase("spheres", 65, 63);
-    Request request = requestOf(c);
-    request.region = {3, 5, 61, 44};
-    Options sliced;
-    sliced.maxSlicePixels = 512;
-    expectSame(c, request);
-    expectSame(c, request, sliced);
-}
-
 TEST_F(WholePathsTest, WithoutShadowsOrLightsDrawsTheSame) {
     const Case c = fileCase("lights", 45, 29);
     Request request = requestOf(c);
