@@ -92,7 +92,8 @@ class Bench:
     def ask(self, *arguments):
         """The JSON that a command of glint prints; None, and a failure of the part, if it prints none."""
         where = ["--device", self.device] if self.device else []
-        code, out, err = self.run([self.glint, *arguments, *where, "--stats", "json", "--progress", "none"])
+        asked = ["--json", "-"] if arguments[0] == "verify" else ["--stats", "json"]
+        code, out, err = self.run([self.glint, *arguments, *where, *asked, "--progress", "none"])
         try:
             return code, json.loads(out)
         except ValueError:
@@ -199,7 +200,7 @@ def verify(bench):
         before = len(part.left_out)
 
         def check(name, path, how=traversal, total=sums):
-            code, said = bench.ask("verify", path, "--size", "160x120", "--traversal", how, "--output", pathlib.Path(bench.folder.name))
+            code, said = bench.ask("verify", path, "--size", "160x120", "--traversal", how)
             if said is None:
                 return
             result = said["scenes"][0]

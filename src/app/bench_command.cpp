@@ -1,12 +1,10 @@
 // `glint bench`: rays a second by class, and what every stage takes.
 #include <cstdlib>
-#include <memory>
 #include <optional>
 #include <ostream>
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/render_options.h"
 #include "app/version.h"
@@ -109,7 +107,7 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
     return result;
 }
 
-int run(const BenchCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode run(const BenchCommand& command, std::ostream& out, std::ostream& err) {
     checkOptions(command);
     switchShaderCachesOff();
     installInterruptHandler();
@@ -141,15 +139,13 @@ int run(const BenchCommand& command, std::ostream& out, std::ostream& err) {
     }
     finish();
     if (device) reportValidation(*device, command.device, err);
-    return static_cast<int>(ExitCode::Done);
+    return ExitCode::Done;
 }
 
 }  // namespace
 
 Run benchCommand(OptionTable& table) {
-    const auto command = std::make_shared<BenchCommand>();
-    declare(table, *command);
-    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
+    return commandOf<BenchCommand>(table, declare, run);
 }
 
 }  // namespace glint::app

@@ -20,8 +20,8 @@ namespace {
 
 int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& err) {
     CLI::App app;
-    ProgramFlags flags;
-    const std::vector<Run> runs = declareProgram(app, flags);
+    bool verbose = false;
+    const std::vector<Run> runs = declareProgram(app, verbose);
     if (!args.empty() && args.front() == "help") {
         args.erase(args.begin());
         args.push_back("--help");
@@ -37,8 +37,8 @@ int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& 
         return static_cast<int>(ExitCode::Done);
     }
     for (size_t i = 0; i < runs.size(); ++i)
-        if (app.got_subcommand(commands()[i].name)) return runs[i](out, err);
-    if (flags.verbose) throw Error(ErrorKind::Argument, "--verbose: says nothing without --version");
+        if (app.got_subcommand(commands()[i].name)) return static_cast<int>(runs[i](out, err));
+    if (verbose) throw Error(ErrorKind::Argument, "--verbose requires --version");
     err << app.help();
     return static_cast<int>(ExitCode::Usage);
 }

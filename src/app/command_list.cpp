@@ -23,41 +23,18 @@ constexpr Command kCommands[] = {
     {"pages", "write man pages and completions for bash, zsh and fish", pagesCommand},
 };
 
-constexpr const char* kExamples[] = {
-    "glint render scenes/spheres.json -o spheres.png --size 1280x960",
-    "glint render bunny.ply --backend cpu",
-    "glint verify scenes/spheres.json",
-};
+constexpr const char* kDescription =
+    "glint: a ray tracer in Vulkan compute shaders, checked against a double-precision reference";
 
-constexpr ExitCodeText kExitCodes[] = {
-    {0, "done"},
-    {1, "could not render or write"},
-    {2, "usage"},
-    {3, "the scene is at fault"},
-    {4, "no usable device"},
-    {5, "difference found"},
-    {130, "interrupted"},
-};
-
-constexpr const char* kHelpText = "print this help and exit";
-constexpr const char* kVersionText = "print the version and exit";
-constexpr const char* kVerboseText = "with --version: print what was built in, too";
-
-std::string footer() {
-    std::string text = "Examples:\n";
-    for (const char* line : kExamples) text += std::string("  ") + line + "\n";
-    text += std::string("\n") + kCommandHelpHint + "\nExit codes:";
-    constexpr size_t kWidth = 105;
-    size_t column = text.size() - text.rfind('\n') - 1;
-    for (const ExitCodeText& exit : kExitCodes) {
-        const bool last = &exit == std::end(kExitCodes) - 1;
-        const std::string item = std::to_string(exit.code) + " " + exit.meaning + (last ? "." : ",");
-        const bool wraps = column + 1 + item.size() > kWidth;
-        text += (wraps ? "\n" : " ") + item;
-        column = (wraps ? 0 : column + 1) + item.size();
-    }
-    return text;
-}
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  glint render scenes/spheres.json -o spheres.png --size 1280x960\n"
+    "  glint render bunny.ply --backend cpu\n"
+    "  glint verify scenes/spheres.json\n"
+    "\n"
+    "glint COMMAND --help prints a command's options.\n"
+    "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 the scene is at fault,\n"
+    "4 no usable device, 5 difference found, 130 interrupted.";
 
 class HelpFormatter : public CLI::Formatter {
     std::string make_usage(const CLI::App* app, std::string name) const override {
@@ -68,36 +45,25 @@ class HelpFormatter : public CLI::Formatter {
 
 }  // namespace
 
-const char* const kDescription =
-    "a ray tracer in Vulkan compute shaders, checked against a double-precision reference";
-const char* const kCommandHelpHint = "glint COMMAND --help tells a command's options.";
-
 std::span<const Command> commands() {
     return kCommands;
 }
 
-std::span<const char* const> exampleLines() {
-    return kExamples;
-}
-
-std::span<const ExitCodeText> exitCodeTexts() {
-    return kExitCodes;
-}
-
-std::vector<Run> declareProgram(CLI::App& app, ProgramFlags& flags) {
+std::vector<Run> declareProgram(CLI::App& app, bool& verbose) {
     app.name("glint");
-    app.description(std::string("glint: ") + kDescription);
+    app.description(kDescription);
     app.formatter(std::make_shared<HelpFormatter>());  // commands added from here on inherit it
-    app.set_help_flag("-h,--help", kHelpText);
+    app.set_help_flag("-h,--help", "print this help and exit");
     // Before --version, whose callback ends the parsing.
-    app.add_flag("--verbose", flags.verbose, kVerboseText)->disable_flag_override();
+    app.add_flag("--verbose", verbose, "with --version: print what was built in, too")
+        ->disable_flag_override();
     app.add_flag_callback(
            "--version",
-           [&flags] {
+           [&verbose] {
                const std::string text = std::string("glint ") + GLINT_VERSION;
-               throw CLI::CallForVersion(flags.verbose ? text + "\n" + builtIn() : text, 0);
+               throw CLI::CallForVersion(verbose ? text + "\n" + builtIn() : text, 0);
            },
-           kVersionText)
+           "print the version and exit")
         ->configurable(false);
     app.require_subcommand(0, 1);
     app.get_formatter()->label("REQUIRED", "");
@@ -109,26 +75,8 @@ std::vector<Run> declareProgram(CLI::App& app, ProgramFlags& flags) {
         OptionTable table(added);
         runs.push_back(command.declare(table));
     }
-    app.footer(footer());  // after the commands, which would inherit it
+    app.footer(kFooter);  // after the commands, which would inherit it
     return runs;
-}
-
-std::vector<CommandFacts> commandFacts() {
-    std::vector<CommandFacts> all;
-    for (const Command& command : kCommands) {
-        CLI::App app;
-        OptionTable table(app);
-        command.declare(table);
-        all.push_back({command.name, command.help, table.options()});
-        all.back().options.push_back({.names = "-h,--help", .help = kHelpText});
-    }
-    return all;
-}
-
-std::vector<OptionFacts> programOptions() {
-    return {{.names = "-h,--help", .help = kHelpText},
-            {.names = "--version", .help = kVersionText},
-            {.names = "--verbose", .help = kVerboseText}};
 }
 
 }  // namespace glint::app

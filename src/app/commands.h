@@ -1,18 +1,28 @@
-// The commands. Each stands in a file of its own, with its options and what it does.
+// The commands. Each stands in a file of its own, with its options and its work.
 #pragma once
 
 #include <functional>
 #include <iosfwd>
+#include <memory>
 
+#include "app/exit_code.h"
 #include "app/option_table.h"
 
 namespace glint::app {
 
-// Does the command's work once its options have their values, and returns the exit code (app/exit_code.h).
-// Results go to `out`, warnings and progress to `err`.
-using Run = std::function<int(std::ostream& out, std::ostream& err)>;
+// Does the command's work once its options have their values. Results go to `out`, warnings and progress to
+// `err`.
+using Run = std::function<ExitCode(std::ostream& out, std::ostream& err)>;
 
-// Declares the options and returns what runs with their values.
+// Declares the options of a Command and returns the function that runs with their values.
+template <typename Command>
+Run commandOf(OptionTable& table, void (*declare)(OptionTable&, Command&),
+              ExitCode (*run)(const Command&, std::ostream&, std::ostream&)) {
+    const auto command = std::make_shared<Command>();
+    declare(table, *command);
+    return [command, run](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
+}
+
 Run renderCommand(OptionTable& table);
 Run mergeCommand(OptionTable& table);
 Run viewCommand(OptionTable& table);

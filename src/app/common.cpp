@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdarg>
 #include <cstdio>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "app/animated_scene.h"
 #include "core/error.h"
@@ -95,11 +97,21 @@ bool isTerminal(const std::ostream& err) {
     return &err == &std::cerr && isatty(STDERR_FILENO) == 1;
 }
 
-std::string formatSeconds(double seconds) {
-    char text[32];
-    std::snprintf(text, sizeof(text), seconds < 1 ? "%.0f ms" : "%.2f s",
-                  seconds < 1 ? seconds * 1e3 : seconds);
+std::string format(const char* form, ...) {
+    char text[512];
+    va_list arguments;
+    va_start(arguments, form);
+    std::vsnprintf(text, sizeof(text), form, arguments);
+    va_end(arguments);
     return text;
+}
+
+std::string formatSeconds(double seconds) {
+    return seconds < 1 ? format("%.0f ms", seconds * 1e3) : format("%.2f s", seconds);
+}
+
+void printJson(const nlohmann::json& json, std::ostream& out) {
+    out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
 }
 
 std::string shown(const std::filesystem::path& file) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "app/option_groups.h"
@@ -41,7 +42,13 @@ void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std
 // True if standard error is a terminal and `err` is it.
 bool isTerminal(const std::ostream& err);
 
+// Text as of printf.
+[[gnu::format(printf, 1, 2)]] std::string format(const char* form, ...);
+
 std::string formatSeconds(double seconds);
+
+// Prints a document; bytes of file names that are not UTF-8 are replaced.
+void printJson(const nlohmann::json& json, std::ostream& out);
 
 // A file's name for the terminal: it may be a stranger's too.
 std::string shown(const std::filesystem::path& file);

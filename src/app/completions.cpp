@@ -1,3 +1,7 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+
 #include "app/pages.h"
 
 namespace glint::app {
@@ -5,18 +9,8 @@ namespace glint::app {
 namespace {
 
 using Text = std::string;
-using Value = OptionFacts::Value;
 
 constexpr const char* kMadeBy = "# Made by glint pages; not to be edited.\n";
-
-std::vector<Text> split(const Text& names) {
-    std::vector<Text> parts;
-    for (size_t start = 0, end = 0; end != Text::npos; start = end + 1) {
-        end = names.find(',', start);
-        parts.push_back(names.substr(start, end - start));
-    }
-    return parts;
-}
 
 Text joined(const std::vector<Text>& words, const Text& between = " ") {
     Text made;
@@ -24,17 +18,18 @@ Text joined(const std::vector<Text>& words, const Text& between = " ") {
     return made;
 }
 
-std::vector<Text> commandNames(const std::vector<CommandFacts>& commands) {
-    std::vector<Text> names;
-    for (const CommandFacts& command : commands) names.push_back(command.name);
+Text commandNames(const CLI::App& program) {
+    Text names;
+    for (const CLI::App* command : commandsOf(program))
+        names += (names.empty() ? "" : " ") + command->get_name();
     return names;
 }
 
-std::vector<Text> optionNames(const std::vector<OptionFacts>& options) {
-    std::vector<Text> names;
-    for (const OptionFacts& option : options)
-        if (!option.positional())
-            for (Text& name : split(option.names)) names.push_back(std::move(name));
+// The names of all options; of `value` for arguments that are known by their place.
+Text optionNames(const std::vector<Argument>& arguments) {
+    Text names;
+    for (const Argument& argument : arguments)
+        if (!argument.positional) names += (names.empty() ? "" : " ") + joined(argument.names);
     return names;
 }
 
@@ -43,170 +38,176 @@ Text quotedFor(const Text& plain, const Text& special, const Text& apostrophe) {
     Text made = "'";
     for (const char c : plain) {
         if (special.find(c) != Text::npos) made += '\\';
-        if (c == '\'')
-            made += apostrophe;
-        else
-            made += c;
+        made += c == '\'' ? apostrophe : Text(1, c);
     }
     return made + "'";
 }
 
-// ---- bash ----
-
-// Completion after an option: a line of its `case`.
-Text bashCase(const Text& command, const OptionFacts& option) {
+// Completion after an option: a line of bash's `case`.
+Text bashCase(const Text& command, const Argument& argument) {
     std::vector<Text> patterns;
-    for (const Text& name : split(option.names)) patterns.push_back("'" + command + " " + name + "'");
-    const Text line = "        " + joined(patterns, " | ") + ") ";
-    if (!option.choices.empty()) return line + "words='" + joined(option.choices) + "' ;;\n";
-    if (option.value == Value::File) return line + "compopt -o default; return ;;\n";
-    if (option.value == Value::Folder) return line + "compopt -o dirnames; return ;;\n";
-    return line + "return ;;\n";
+    for (const Text& name : argument.names) patterns.push_back("'" + command + " " + name + "'");
+    Text then = "return";
+    if (!argument.choices.empty()) then = "words='" + joined(argument.choices) + "'";
+    if (argument.file) then = "compopt -o default; return";
+    if (argument.folder) then = "compopt -o dirnames; return";
+    return "        " + joined(patterns, " | ") + ") " + then + " ;;\n";
 }
 
-// ---- zsh ----
-
-Text zshAction(const OptionFacts& option) {
-    if (!option.choices.empty()) return "(" + joined(option.choices) + ")";
-    if (option.value == Value::File) return "_files";
-    return option.value == Value::Folder ? "_files -/" : " ";
+// One argument of zsh's _arguments.
+Text zshSpec(const Argument& argument) {
+    const auto inner = [](const Text& plain) {
+        const Text quoted = quotedFor(plain, "[]:\\", "'\\''");
+        return quoted.substr(1, quoted.size() - 2);
+    };
+    const Text action = !argument.choices.empty() ? "(" + joined(argument.choices) + ")"
+                        : argument.file           ? "_files"
+                        : argument.folder         ? "_files -/"
+                                                  : " ";
+    if (argument.positional)
+        return "'" + Text(argument.many ? "*:" : ":") + inner(argument.names[0]) + ":" + action + "'";
+    const Text rest = "[" + inner(argument.help) + "]" +
+                      (argument.takesValue ? ":" + argument.form + ":" + action : "") + "'";
+    if (argument.names.size() == 1) return "'" + argument.names[0] + rest;
+    return "'(" + joined(argument.names) + ")'{" + joined(argument.names, ",") + "}'" + rest;
 }
-
-Text zshQuoted(const Text& plain) {
-    return quotedFor(plain, "[]:\\", "'\\''");
-}
-
-// One argument of _arguments.
-Text zshSpec(const OptionFacts& option) {
-    const Text inner = zshQuoted(option.help), help = inner.substr(1, inner.size() - 2);
-    if (option.positional()) {
-        const Text name = zshQuoted(option.names);
-        return "'" + Text(option.many ? "*:" : ":") + name.substr(1, name.size() - 2) + ":" +
-               zshAction(option) + "'";
-    }
-    const std::vector<Text> names = split(option.names);
-    const Text value = option.value == Value::None ? "" : ":" + option.form + ":" + zshAction(option);
-    const Text rest = "'[" + help + "]" + value + "'";
-    return names.size() == 1 ? "'" + names[0] + rest.substr(1)
-                             : "'(" + joined(names) + ")'{" + joined(names, ",") + "}" + rest;
-}
-
-// ---- fish ----
 
 Text fishQuoted(const Text& plain) {
     return quotedFor(plain, "\\", "\\'");
 }
 
-Text fishOption(const Text& condition, const OptionFacts& option) {
+Text fishLine(const Text& condition, const Argument& argument) {
     Text made = "complete -c glint -n '" + condition + "'";
-    for (const Text& name : split(option.names))
-        made += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-    if (!option.choices.empty())
-        made += " -x -a '" + joined(option.choices) + "'";
-    else if (option.value == Value::File)
-        made += " -r -F";
-    else if (option.value == Value::Folder)
+    if (!argument.positional)
+        for (const Text& name : argument.names)
+            made += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+    if (!argument.choices.empty())
+        made += " -x -a '" + joined(argument.choices) + "'";
+    else if (argument.file)
+        made += argument.positional ? " -F" : " -r -F";
+    else if (argument.folder)
         made += " -x -a '(__fish_complete_directories)'";
-    else if (option.value == Value::Text)
+    else if (argument.takesValue)
         made += " -x";
-    return made + " -d " + fishQuoted(option.help) + "\n";
-}
-
-// Placeholder of arguments that are files or folders.
-Value positionalValue(const CommandFacts& command) {
-    for (const OptionFacts& option : command.options)
-        if (option.positional()) return option.value;
-    return Value::None;
+    return made + " -d " + fishQuoted(argument.help) + "\n";
 }
 
 }  // namespace
 
-Text bashCompletion(const std::vector<CommandFacts>& commands) {
-    Text values, words;
-    for (const CommandFacts& command : commands) {
-        for (const OptionFacts& option : command.options)
-            if (!option.positional() && option.value != Value::None) values += bashCase(command.name, option);
-        const Value files = positionalValue(command);
-        words += "        " + command.name + ")\n            options='" +
-                 joined(optionNames(command.options)) + "'\n" +
-                 (files == Value::None
-                      ? ""
-                      : Text("            files=") + (files == Value::File ? "default" : "dirnames") + "\n") +
-                 "            ;;\n";
-    }
-    const Text first = joined(commandNames(commands)) + " help " + joined(optionNames(programOptions()));
-    return kMadeBy +
-           Text(
-               "_glint() {\n"
-               "    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} "
-               "command=${COMP_WORDS[1]}\n"
-               "    local words='' options='' files=''\n"
-               "    COMPREPLY=()\n"
-               "    if [[ $COMP_CWORD -eq 1 ]]; then\n"
-               "        mapfile -t COMPREPLY < <(compgen -W '") +
-           first +
-           "' -- \"$current\")\n        return\n    fi\n"
-           "    case \"$command $previous\" in\n" +
-           values +
-           "    esac\n"
-           "    case $command in\n" +
-           words + "        help) words='" + joined(commandNames(commands)) +
-           "' ;;\n"
-           "    esac\n"
-           "    if [[ -z $words && $current == -* ]]; then words=$options; fi\n"
-           "    if [[ -n $words ]]; then\n"
-           "        mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\")\n"
-           "    elif [[ -n $files ]]; then\n"
-           "        compopt -o \"$files\"\n"
-           "    fi\n"
-           "}\n"
-           "complete -F _glint glint\n";
+Argument::Argument(const CLI::Option& option)
+    : positional(option.get_positional()),
+      many(option.get_expected_max() > 1),
+      takesValue(option.get_items_expected_max() != 0),
+      form(option.get_type_name()),
+      help(option.get_description()) {
+    if (positional) names.push_back(option.get_name());
+    for (const Text& name : option.get_snames()) names.push_back("-" + name);
+    for (const Text& name : option.get_lnames()) names.push_back("--" + name);
+    folder = form == "FOLDER" || names[0] == "FOLDER";
+    file = form.starts_with("FILE") || (positional && !folder);
+    const auto isName = [](const Text& text) {
+        return !text.empty() && std::islower(static_cast<unsigned char>(text[0])) &&
+               std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c); });
+    };
+    choices = split(form, '|');
+    if (!std::all_of(choices.begin(), choices.end(), isName)) choices.clear();
 }
 
-Text zshCompletion(const std::vector<CommandFacts>& commands) {
+std::vector<Argument> argumentsOf(const CLI::App& command) {
+    std::vector<Argument> arguments;
+    for (const CLI::Option* option : command.get_options()) arguments.emplace_back(*option);
+    return arguments;
+}
+
+std::vector<const CLI::App*> commandsOf(const CLI::App& program) {
+    return program.get_subcommands([](const CLI::App*) { return true; });
+}
+
+Text bashCompletion(const CLI::App& program) {
+    Text values, cases;
+    for (const CLI::App* command : commandsOf(program)) {
+        const std::vector<Argument> arguments = argumentsOf(*command);
+        cases +=
+            "        " + command->get_name() + ")\n            options='" + optionNames(arguments) + "'\n";
+        bool first = true;
+        for (const Argument& argument : arguments) {
+            if (argument.positional && first)
+                cases += Text("            files=") + (argument.folder ? "dirnames" : "default") + "\n";
+            first = first && !argument.positional;
+            if (!argument.positional && argument.takesValue)
+                values += bashCase(command->get_name(), argument);
+        }
+        cases += "            ;;\n";
+    }
+    const Text names = commandNames(program);
+    return kMadeBy + Text(R"(_glint() {
+    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
+    local words='' options='' files=''
+    COMPREPLY=()
+    if [[ $COMP_CWORD -eq 1 ]]; then
+        mapfile -t COMPREPLY < <(compgen -W ')") +
+           names + " help " + optionNames(argumentsOf(program)) + R"(' -- "$current")
+        return
+    fi
+    case "$command $previous" in
+)" + values +
+           R"(    esac
+    case $command in
+)" + cases +
+           "        help) words='" + names + R"(' ;;
+    esac
+    if [[ -z $words && $current == -* ]]; then words=$options; fi
+    if [[ -n $words ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+    elif [[ -n $files ]]; then
+        compopt -o "$files"
+    fi
+}
+complete -F _glint glint
+)";
+}
+
+Text zshCompletion(const CLI::App& program) {
+    const auto specs = [](const CLI::App& command, const Text& indent) {
+        Text text;
+        for (const Argument& argument : argumentsOf(command)) text += " \\\n" + indent + zshSpec(argument);
+        return text;
+    };
     Text names, cases;
-    for (const CommandFacts& command : commands) {
+    for (const CLI::App* command : commandsOf(program)) {
         names += "        " +
-                 zshQuoted(command.name + ":" + command.help).replace(1 + command.name.size(), 2, ":") + "\n";
-        cases += "            " + command.name + ")\n                _arguments -s";
-        for (const OptionFacts& option : command.options)
-            cases += " \\\n                    " + zshSpec(option);
-        cases += "\n                ;;\n";
+                 quotedFor(command->get_name() + ":" + command->get_description(), "[]\\", "'\\''") + "\n";
+        cases += "            " + command->get_name() + ")\n                _arguments -s" +
+                 specs(*command, "                    ") + "\n                ;;\n";
     }
-    Text flags;
-    for (const OptionFacts& option : programOptions()) flags += " \\\n        " + zshSpec(option);
-    return "#compdef glint\n" + Text(kMadeBy) +
-           "_glint() {\n"
-           "    local curcontext=$curcontext state line\n"
-           "    local -a commands\n"
-           "    commands=(\n" +
-           names + "    )\n    _arguments -C" + flags +
-           " \\\n        '1:command:->command' '*::argument:->argument'\n"
-           "    case $state in\n"
-           "        command) _describe -t commands command commands ;;\n"
-           "        argument)\n"
-           "            case $words[1] in\n" +
-           cases +
-           "            esac\n"
-           "            ;;\n"
-           "    esac\n"
-           "}\n"
-           "_glint \"$@\"\n";
+    return "#compdef glint\n" + Text(kMadeBy) + R"(_glint() {
+    local curcontext=$curcontext state line
+    local -a commands
+    commands=(
+)" + names +
+           "    )\n    _arguments -C" + specs(program, "        ") + R"( \
+        '1:command:->command' '*::argument:->argument'
+    case $state in
+        command) _describe -t commands command commands ;;
+        argument)
+            case $words[1] in
+)" + cases +
+           R"(            esac
+            ;;
+    esac
+}
+_glint "$@"
+)";
 }
 
-Text fishCompletion(const std::vector<CommandFacts>& commands) {
+Text fishCompletion(const CLI::App& program) {
     Text made = kMadeBy + Text("complete -c glint -f\n");
-    for (const OptionFacts& option : programOptions()) made += fishOption("__fish_use_subcommand", option);
-    for (const CommandFacts& command : commands) {
-        made += "complete -c glint -n __fish_use_subcommand -a " + command.name + " -d " +
-                fishQuoted(command.help) + "\n";
-        const Text condition = "__fish_seen_subcommand_from " + command.name;
-        const Value files = positionalValue(command);
-        if (files == Value::File) made += "complete -c glint -n '" + condition + "' -F\n";
-        if (files == Value::Folder)
-            made += "complete -c glint -n '" + condition + "' -x -a '(__fish_complete_directories)'\n";
-        for (const OptionFacts& option : command.options)
-            if (!option.positional()) made += fishOption(condition, option);
+    for (const Argument& argument : argumentsOf(program)) made += fishLine("__fish_use_subcommand", argument);
+    for (const CLI::App* command : commandsOf(program)) {
+        made += "complete -c glint -n __fish_use_subcommand -a " + command->get_name() + " -d " +
+                fishQuoted(command->get_description()) + "\n";
+        for (const Argument& argument : argumentsOf(*command))
+            made += fishLine("__fish_seen_subcommand_from " + command->get_name(), argument);
     }
     return made;
 }

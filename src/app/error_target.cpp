@@ -1,15 +1,13 @@
 #include "app/error_target.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "app/common.h"
 #include "core/error.h"
+#include "core/text_file.h"
 #include "core/wording.h"
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"
@@ -23,12 +21,6 @@ namespace {
 
 constexpr int kMostErrorSamples = 1 << 20;
 
-std::string format(const char* form, double value) {
-    char text[48];
-    std::snprintf(text, sizeof(text), form, value);
-    return text;
-}
-
 double confidenceOf(const std::string& text) {
     const double value = parseNotNegative(text);
     if (!(value > 0.5 && value < 1))
@@ -41,12 +33,6 @@ double roundingOf(const LoadedScene& loaded, const Request& request, Backend bac
     const reference::Tracer tracer(loaded.packed, request);
     return verify::roundingError(tracer, cameraOf(loaded, request), request.width, request.height,
                                  backend == Backend::Cpu ? 0x1p-53 : verify::kFloatUnit);
-}
-
-// Shortest text that parses to the same number.
-std::string probability(double value) {
-    char text[32];
-    return {text, std::to_chars(text, text + sizeof(text), value).ptr};
 }
 
 const char* limitOf(converge::Stop stop) {
@@ -204,7 +190,7 @@ std::string errorSummary(const ErrorTarget& target, const converge::Result& resu
     const converge::ErrorBudget& budget = result.budget;
     std::string text =
         "error (rmse): at most " + format("%.3g", budget.total()) + " with confidence " +
-        probability(target.confidence.value_or(defaults.confidence)) + "; sampling " +
+        describe(target.confidence.value_or(defaults.confidence)) + "; sampling " +
         format("%.2g", budget.sampling) + " (about " + format("%.2g", result.estimate) + "), rounding " +
         format("%.1g", budget.rounding) + ", cut " + format("%.1g", budget.cut) + ", maxDepth " +
         format("%.1g", budget.depth) + (budget.depthCounts ? "; " : " (not counted); ") +

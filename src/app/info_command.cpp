@@ -1,13 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <memory>
 #include <ostream>
 #include <set>
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/exit_code.h"
 #include "core/error.h"
 #include "gpu/device.h"
 #include "pack/scene_arrays.h"
@@ -31,9 +28,7 @@ std::string arraySize(const PackedScene& packed) {
     uint64_t bytes = 0;
     visitArrays(packed, [&](const char*, const auto& array) { bytes += array.size() * sizeof(array[0]); });
     if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
-    return text;
+    return format("%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
 }
 
 // "12 triangles, 1 sphere, ..."; instances have a line of their own.
@@ -68,14 +63,11 @@ void printLeastGap(const PackedScene& packed, std::ostream& out) {
     const glm::vec3 far = glm::max(glm::abs(lo), glm::abs(hi)), size = hi - lo;
     const double coordinate = std::max({far.x, far.y, far.z}), extent = std::max({size.x, size.y, size.z});
     constexpr double kUnit = 0x1p-24;
-    char line[256];
-    std::snprintf(line, sizeof(line), "  least gap     %.2g along an axis, %.2g in other directions\n",
-                  12 * kUnit * coordinate, std::sqrt(3.0) * kUnit * (12 * coordinate + 6 * extent));
-    out << line;
+    out << format("  least gap     %.2g along an axis, %.2g in other directions\n", 12 * kUnit * coordinate,
+                  std::sqrt(3.0) * kUnit * (12 * coordinate + 6 * extent));
 }
 
 void printGeometry(const PackedScene& packed, std::ostream& out) {
-    char line[256];
     const PackStatistics& s = packed.statistics;
     if (packed.environment.root == shared::kNone) {
         out << "  bounds        " << (packed.planes.empty() ? "no geometry" : "infinite (planes only)")
@@ -83,21 +75,19 @@ void printGeometry(const PackedScene& packed, std::ostream& out) {
     } else {
         const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
                          hi = packed.origin + glm::dvec3(packed.boundsHi);
-        std::snprintf(line, sizeof(line), "  bounds        (%.9g %.9g %.9g) .. (%.9g %.9g %.9g)%s\n", lo.x,
-                      lo.y, lo.z, hi.x, hi.y, hi.z, packed.planes.empty() ? "" : ", planes apart");
-        out << line;
+        out << format("  bounds        (%.9g %.9g %.9g) .. (%.9g %.9g %.9g)%s\n", lo.x, lo.y, lo.z, hi.x,
+                      hi.y, hi.z, packed.planes.empty() ? "" : ", planes apart");
         printLeastGap(packed, out);
-        std::snprintf(line, sizeof(line), ", depth %u, SAH cost %.2f, built in %s\n", s.depth, s.sahCost,
-                      formatSeconds(s.buildSeconds).c_str());
         if (s.splitTriangles > 0)
             out << "  split         " << counted(s.splitTriangles, "further part") << " of triangles\n";
-        out << "  BVH           " << counted(packed.nodes.size(), "node") << ", "
-            << (s.leaves == 1 ? "1 leaf" : std::to_string(s.leaves) + " leaves") << line;
+        out << "  BVH           " << counted(packed.nodes.size(), "node") << ", " << s.leaves
+            << (s.leaves == 1 ? " leaf" : " leaves")
+            << format(", depth %u, SAH cost %.2f, built in ", s.depth, s.sahCost)
+            << formatSeconds(s.buildSeconds) << '\n';
     }
     if (packed.origin != glm::dvec3(0)) {
-        std::snprintf(line, sizeof(line), "  local frame   origin (%.9g %.9g %.9g)\n", packed.origin.x,
-                      packed.origin.y, packed.origin.z);
-        out << line;
+        out << format("  local frame   origin (%.9g %.9g %.9g)\n", packed.origin.x, packed.origin.y,
+                      packed.origin.z);
     }
     if (s.droppedZeroArea + s.droppedNotFinite > 0) {
         out << "  dropped       " << counted(s.droppedZeroArea, "primitive") << " without area, "
@@ -123,10 +113,9 @@ std::string samplerText(const ImageSettings& image) {
 
 void printImage(const std::string& file, const Image& image, std::ostream& out) {
     const uint64_t bytes = static_cast<uint64_t>(image.width) * image.height * sizeof(shared::Texel);
-    char line[64];
-    std::snprintf(line, sizeof(line), ", %d x %d, %.1f KiB on the device\n", image.width, image.height,
+    out << "                " << file
+        << format(", %d x %d, %.1f KiB on the device\n", image.width, image.height,
                   static_cast<double>(bytes) / 1024.0);
-    out << "                " << file << line;
 }
 
 // Each image once, though several textures may show it.
@@ -143,7 +132,7 @@ void printTextures(const Scene& scene, std::ostream& out) {
     if (scene.environment) printImage(scene.environment->file, *scene.environment->image, out);
 }
 
-int printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
+ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
     const LoadedScene loaded = loadAndPack(command, err);
     const Scene& scene = loaded.scene;
     const PackedScene& packed = loaded.packed;
@@ -171,7 +160,7 @@ int printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err)
     out << "  features used " << words(used) << '\n' << "  left out      " << words(leftOut) << '\n';
     out << "  tests         triangles " << nameOf(command.methods.triangles) << ", spheres "
         << nameOf(command.methods.spheres) << '\n';
-    return static_cast<int>(ExitCode::Done);
+    return ExitCode::Done;
 }
 
 std::string arithmeticText(const gpu::DeviceInfo& device) {
@@ -184,7 +173,7 @@ std::string arithmeticText(const gpu::DeviceInfo& device) {
     }
 }
 
-int printDevices(std::ostream& out) {
+ExitCode printDevices(std::ostream& out) {
     std::vector<gpu::DeviceInfo> devices;
     try {
         devices = gpu::listDevices();
@@ -210,19 +199,21 @@ int printDevices(std::ostream& out) {
         if (d.usable) out << "   arithmetic: " << arithmeticText(d) << '\n';
     }
     if (!refusal.empty()) throw Error(ErrorKind::Device, refusal);
-    return static_cast<int>(ExitCode::Done);
+    return ExitCode::Done;
+}
+
+void declareInfo(OptionTable& table, SceneOptions& options) {
+    addScene(table, options);
+    addSceneOverrides(table, options);
+    addCamera(table, options);
+    addTime(table, options);
+    addMethods(table, options);
 }
 
 }  // namespace
 
 Run infoCommand(OptionTable& table) {
-    const auto options = std::make_shared<SceneOptions>();
-    addScene(table, *options);
-    addSceneOverrides(table, *options);
-    addCamera(table, *options);
-    addTime(table, *options);
-    addMethods(table, *options);
-    return [options](std::ostream& out, std::ostream& err) { return printInfo(*options, out, err); };
+    return commandOf<SceneOptions>(table, declareInfo, printInfo);
 }
 
 Run devicesCommand(OptionTable&) {

@@ -1,7 +1,6 @@
 #include "app/losses.h"
 
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -32,10 +31,8 @@ nlohmann::json lostJson(const LostBranches& lost, const Picture& picture) {
 
 std::string boundText(const LostBranches& lost, const Picture& picture) {
     if (!std::isfinite(lost.greatest)) return "how much light that is, is not known";
-    char text[96];
-    std::snprintf(text, sizeof(text), "a pixel lacks at most %.3g, on average at most %.3g", lost.greatest,
+    return format("a pixel lacks at most %.3g, on average at most %.3g", lost.greatest,
                   meanOf(lost, picture));
-    return text;
 }
 
 }  // namespace
@@ -57,8 +54,9 @@ void warnOfLosses(const Picture& picture, const std::string& start, std::ostream
         err << start << "--min-contribution cut " << branches(losses.cut.count) << "; "
             << boundText(losses.cut, picture) << '\n';
     if (losses.depth.greatest > kVisible)
-        err << start << branches(losses.depth.count) << " beyond maxDepth not followed; "
-            << boundText(losses.depth, picture) << '\n';
+        err << start << branches(losses.depth.count)
+            << " beyond maxDepth not followed (increase --max-depth); " << boundText(losses.depth, picture)
+            << '\n';
     if (losses.room.count > 0)
         err << start << branches(losses.room.count) << " dropped, as " << shared::kMaxWaiting
             << " others were waiting already; " << boundText(losses.room, picture) << '\n';

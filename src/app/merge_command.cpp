@@ -1,12 +1,10 @@
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/exit_code.h"
 #include "app/losses.h"
 #include "app/output_check.h"
 #include "app/render_result.h"
@@ -23,16 +21,17 @@ namespace {
 struct MergeCommand {
     std::vector<std::filesystem::path> parts;
     std::filesystem::path output;  // empty: as `glint render` would call it
+    std::optional<double> exposure;
     bool inBands = false;
     bool json = false;
     bool quiet = false;
 };
 
 void declare(OptionTable& table, MergeCommand& c) {
-    table.arguments("PART", "all parts of one picture, in any order", c.parts);
-    table.path("-o,--output", "FILE",
-               "picture to write: .png .exr .pfm .hdr (default: the scene's name with .png, here)",
-               "the file name", c.output);
+    table.files("PART", "all parts of one picture, in any order", c.parts);
+    table.name("-o,--output", "FILE",
+               "picture to write: .png .exr .pfm .hdr (default: the scene's name with .png, here)", c.output);
+    addExposure(table, c.exposure);
     table.flag("--in-bands",
                "write the picture row by row as parts are read (default: if it does not fit into memory)",
                c.inBands);
@@ -59,8 +58,8 @@ void warn(const std::filesystem::path& scene, const Outcome& outcome,
     warnOfMixedBits(producers, start, err);
 }
 
-void printJson(const std::filesystem::path& scene, const Outcome& outcome, const MergeCommand& command,
-               const std::vector<farm::Producer>& producers, std::ostream& out) {
+nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outcome,
+                         const MergeCommand& command, const std::vector<farm::Producer>& producers) {
     const Region& region = outcome.picture.region;
     nlohmann::json json = {{"scene", scene.string()},
                            {"parts", command.parts.size()},
@@ -76,7 +75,7 @@ void printJson(const std::filesystem::path& scene, const Outcome& outcome, const
     for (const auto& file : outcome.files) json["files"].push_back(file.string());
     json["devices"] = nlohmann::json::array();
     for (const farm::Producer& producer : producers) json["devices"].push_back(producerText(producer));
-    out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    return json;
 }
 
 void print(const Outcome& outcome, const MergeCommand& command, const std::vector<farm::Producer>& producers,
@@ -90,7 +89,7 @@ void print(const Outcome& outcome, const MergeCommand& command, const std::vecto
         << counted(command.parts.size(), "part") << '\n';
 }
 
-int run(const MergeCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode run(const MergeCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     if (!command.quiet || command.json) checkStandardOutput(out);
     if (!command.output.empty()) checkPicturePath(command.output);
@@ -103,7 +102,8 @@ int run(const MergeCommand& command, std::ostream& out, std::ostream& err) {
         checkPicturePath(output);
         // A file, what stands in it, and its rows.
         picture.emplace(header, output,
-                        needsRows(header, output, 3 * largest, availableMemory(), command.inBands));
+                        needsRows(header, output, 3 * largest, availableMemory(), command.inBands),
+                        scaleOf(output, command.exposure));
     };
     farm::mergeParts(command.parts, begin, [&](const farm::UnitResult& result) { picture->add(result); });
     const std::filesystem::path scene = sceneOf(header.identity);
@@ -112,18 +112,16 @@ int run(const MergeCommand& command, std::ostream& out, std::ostream& err) {
     const std::vector<farm::Producer>& producers = picture->assembly().producers();
     if (!command.quiet) warn(scene, outcome, producers, err);
     if (command.json)
-        printJson(scene, outcome, command, producers, out);
+        printJson(mergeJson(scene, outcome, command, producers), out);
     else if (!command.quiet)
         print(outcome, command, producers, out);
-    return static_cast<int>(ExitCode::Done);
+    return ExitCode::Done;
 }
 
 }  // namespace
 
 Run mergeCommand(OptionTable& table) {
-    const auto command = std::make_shared<MergeCommand>();
-    declare(table, *command);
-    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
+    return commandOf<MergeCommand>(table, declare, run);
 }
 
 }  // namespace glint::app

@@ -17,14 +17,13 @@ void addOutside(OptionTable& table, bool& allowed) {
 }  // namespace
 
 void addScene(OptionTable& table, SceneOptions& options) {
-    table.value(
-        "SCENE", "", "a scene (.json .gltf .glb .nff) or a model alone (.obj .ply .stl)",
-        [&](const Text& t) { options.scene = t; }, OptionTable::Need::Required);
+    table.name("SCENE", "", "a scene (.json .gltf .glb .nff) or a model alone (.obj .ply .stl)",
+               options.scene, OptionTable::Need::Required);
     addOutside(table, options.allowOutside);
 }
 
 void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes, bool& allowOutside) {
-    table.arguments("SCENE", "scenes or models", scenes);
+    table.files("SCENE", "scenes or models", scenes);
     addOutside(table, allowOutside);
 }
 
@@ -42,11 +41,7 @@ void addSceneOverrides(OptionTable& table, SceneOptions& options) {
 }
 
 void addCamera(OptionTable& table, std::string& name) {
-    table.value("--camera", "NAME", "the scene's camera of this name (glint info lists them)",
-                [&](const Text& t) {
-                    if (t.empty()) throw Error(ErrorKind::Argument, "the name is empty");
-                    name = t;
-                });
+    table.name("--camera", "NAME", "the scene's camera of this name (glint info lists them)", name);
 }
 
 void addCamera(OptionTable& table, SceneOptions& options) {
@@ -89,17 +84,19 @@ void addSampling(OptionTable& table, SceneOptions& options) {
                 [&](const Text& t) { options.adaptive = parseAdaptive(t); });
 }
 
+void addExposure(OptionTable& table, std::optional<double>& stops) {
+    table.value("--exposure", "STOPS", "multiply the colours of a .png by 2^STOPS (default 0)",
+                [&](const Text& t) { stops = parseStops(t); });
+}
+
 void addBackend(OptionTable& table, Backend& backend) {
     table.choice<Backend>("--backend",
                           "gpu (default), or cpu: the double-precision reference, needs no Vulkan", backend);
 }
 
 void addDevice(OptionTable& table, DeviceChoice& device) {
-    table.value("--device", "NAME|INDEX", "index or part of the name, see glint devices (default: the best)",
-                [&](const Text& t) {
-                    if (t.empty()) throw Error(ErrorKind::Argument, "the name is empty");
-                    device.selector = t;
-                });
+    table.name("--device", "NAME|INDEX", "index or part of the name, see glint devices (default: the best)",
+               device.selector);
     table.flag("--validation", "run the Vulkan validation layer; its messages are errors", device.validation);
 }
 
@@ -132,13 +129,14 @@ void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
         throw Error(ErrorKind::Argument,
                     "--fallback: not together with --validation, which is there to see the device fail");
     if (backend == Backend::Gpu) return;
-    if (device.fallback != Fallback::None)
-        throw Error(ErrorKind::Argument, "--fallback: needs --backend gpu");
-    if (!device.selector.empty()) throw Error(ErrorKind::Argument, "--device: needs --backend gpu");
-    if (device.validation) throw Error(ErrorKind::Argument, "--validation: needs --backend gpu");
-    if (device.traversal != render::Traversal::Auto)
-        throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
-    if (device.reproducible) throw Error(ErrorKind::Argument, "--reproducible: needs --backend gpu");
+    const std::pair<bool, const char*> given[] = {
+        {device.fallback != Fallback::None, "--fallback"},
+        {!device.selector.empty(), "--device"},
+        {device.validation, "--validation"},
+        {device.traversal != render::Traversal::Auto, "--traversal"},
+        {device.reproducible, "--reproducible"}};
+    for (const auto& [is, option] : given)
+        if (is) throw Error(ErrorKind::Argument, std::string(option) + ": needs --backend gpu");
 }
 
 }  // namespace glint::app

@@ -58,6 +58,7 @@ void addTime(OptionTable& table, SceneOptions& options);     // --time
 void addMethods(OptionTable& table, SceneOptions& options);  // --intersector, --sphere
 void addMinContribution(OptionTable& table, SceneOptions& options);
 void addSampling(OptionTable& table, SceneOptions& options);  // --sampler, --filter, --seed, --adaptive
+void addExposure(OptionTable& table, std::optional<double>& stops);
 void addBackend(OptionTable& table, Backend& backend);
 void addDevice(OptionTable& table, DeviceChoice& device);  // --device, --validation
 void addTraversal(OptionTable& table, DeviceChoice& device);

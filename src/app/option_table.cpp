@@ -1,8 +1,6 @@
 #include "app/option_table.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cctype>
 
 #include "core/error.h"
 
@@ -10,75 +8,39 @@ namespace glint::app {
 
 namespace {
 
-using Text = std::string;
-
 // "--output" of "-o,--output".
-Text longName(const Text& names) {
+std::string longName(const std::string& names) {
     return names.substr(names.rfind(',') + 1);
-}
-
-// The names in "auto|bar|none"; nothing for other forms, such as "NAME|INDEX" and "x,y".
-std::vector<Text> namesIn(const Text& form) {
-    std::vector<Text> names;
-    for (size_t start = 0, end = 0; end != Text::npos; start = end + 1) {
-        end = form.find('|', start);
-        names.push_back(form.substr(start, end - start));
-        const Text& name = names.back();
-        if (name.empty() || !std::islower(static_cast<unsigned char>(name.front())) ||
-            !std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c); }))
-            return {};
-    }
-    return names;
-}
-
-// All arguments that are known by their place are names of files.
-void checkNamed(const Text& name, const Text& text) {
-    if (text.empty()) throw Error(ErrorKind::Argument, name + " is empty; give a file name");
 }
 
 }  // namespace
 
-void OptionTable::value(const Text& names, const Text& form, const Text& help, Read read, Need need) {
-    OptionFacts facts{.names = names,
-                      .form = form,
-                      .help = help,
-                      .choices = namesIn(form),
-                      .value = OptionFacts::Value::Text};
-    facts.required = need == Need::Required;
-    if (facts.positional()) facts.value = OptionFacts::Value::File;
-    value(std::move(facts), std::move(read));
-}
-
-void OptionTable::value(OptionFacts facts, Read read) {
-    const auto use = [name = longName(facts.names),
-                      file = facts.positional() && facts.value == OptionFacts::Value::File,
-                      read = std::move(read)](const Text& text) {
-        if (file) checkNamed(name, text);
+void OptionTable::value(const std::string& names, const std::string& form, const std::string& help,
+                        const Read& read, Need need) {
+    const auto use = [name = longName(names), read](const std::string& text) {
         try {
             read(text);
         } catch (const Error& e) {
             throw Error(e.kind(), name + ": " + e.what());
         }
     };
-    command_.add_option_function<Text>(facts.names, use, facts.help)
-        ->type_name(facts.form)
-        ->required(facts.required);
-    options_.push_back(std::move(facts));
+    command_.add_option_function<std::string>(names, use, help)
+        ->type_name(form)
+        ->required(need == Need::Required);
 }
 
-void OptionTable::arguments(const Text& name, const Text& help, std::vector<std::filesystem::path>& target) {
-    const auto use = [name, &target](const std::vector<Text>& list) {
-        for (const Text& text : list) checkNamed(name, text);
+void OptionTable::files(const std::string& name, const std::string& help,
+                        std::vector<std::filesystem::path>& target) {
+    const auto use = [name, &target](const std::vector<std::string>& list) {
+        for (const std::string& text : list)
+            if (text.empty()) throw Error(ErrorKind::Argument, name + ": the name is empty");
         target.assign(list.begin(), list.end());
     };
-    command_.add_option_function<std::vector<Text>>(name, use, help)->type_name("")->required();
-    options_.push_back(
-        {.names = name, .help = help, .value = OptionFacts::Value::File, .required = true, .many = true});
+    command_.add_option_function<std::vector<std::string>>(name, use, help)->type_name("")->required();
 }
 
-void OptionTable::flag(const Text& names, const Text& help, bool& target) {
+void OptionTable::flag(const std::string& names, const std::string& help, bool& target) {
     command_.add_flag(names, target, help)->disable_flag_override();
-    options_.push_back({.names = names, .help = help});
 }
 
 }  // namespace glint::app

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/near_names.h"
+#include "core/text_file.h"
 #include "core/wording.h"
 #include "farm/unit_file.h"
 #include "report/plan.h"
@@ -44,16 +45,6 @@ std::optional<double> number(const std::string& text) {
     return value;
 }
 
-std::vector<std::string> split(const std::string& text, char separator) {
-    std::vector<std::string> parts;
-    size_t start = 0;
-    for (size_t end = 0; end != std::string::npos; start = end + 1) {
-        end = text.find(separator, start);
-        parts.push_back(text.substr(start, end - start));
-    }
-    return parts;
-}
-
 // Exactly `count` whole numbers, clamped to the range of int; nothing if the text has another form.
 std::vector<int> wholeNumbers(const std::string& text, char separator, size_t count) {
     std::vector<int> values;
@@ -84,6 +75,21 @@ std::vector<std::string> namesIn(const std::string& text, const std::string& wha
 }
 
 }  // namespace
+
+std::string quoted(const std::string& text) {
+    constexpr size_t kLongest = 60;
+    return '"' + printable(text.substr(0, kLongest)) + (text.size() > kLongest ? "...\"" : "\"");
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    size_t start = 0;
+    for (size_t end = 0; end != std::string::npos; start = end + 1) {
+        end = text.find(separator, start);
+        parts.push_back(text.substr(start, end - start));
+    }
+    return parts;
+}
 
 void refuse(const std::string& wanted, const std::string& text) {
     throw Error(ErrorKind::Argument, "expected " + wanted + ", got " + quoted(text));
@@ -178,14 +184,20 @@ double parseNotNegative(const std::string& text) {
     return *value;
 }
 
+double parseStops(const std::string& text) {
+    const auto value = number(text);
+    if (!value || std::abs(*value) > 100) refuse("a number from -100 to 100", text);
+    return *value;
+}
+
 double parsePositive(const std::string& text) {
     const auto value = number(text);
     if (!value || !(*value > 0)) refuse("a number above 0", text);
     return *value;
 }
 
-std::filesystem::path parsePath(const std::string& what, const std::string& text) {
-    if (text.empty()) throw Error(ErrorKind::Argument, what + " is empty");
+const std::string& parseName(const std::string& text) {
+    if (text.empty()) throw Error(ErrorKind::Argument, "the name is empty");
     return text;
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -40,6 +39,7 @@ int parseWhole(const std::string& text, int least, int greatest);
 
 double parsePositive(const std::string& text);            // finite
 double parseNotNegative(const std::string& text);         // finite
+double parseStops(const std::string& text);               // -100 to 100
 Size parseSize(const std::string& text);                  // "640x480"
 PartChoice parsePart(const std::string& text);            // "3/8"
 FrameRange parseFrames(const std::string& text);          // "0:240" or "17"
@@ -55,8 +55,8 @@ FilterChoice parseFilter(const std::string& text);        // "NAME" or "NAME,RAD
 AdaptiveSampling parseAdaptive(const std::string& text);  // "MAX" or "MAX,THRESHOLD"
 uint32_t parseSeed(const std::string& text);
 
-// Parses a path; `what` ("the file name") names it in the error for an empty one.
-std::filesystem::path parsePath(const std::string& what, const std::string& text);
+// The text itself, if it is not empty.
+const std::string& parseName(const std::string& text);
 
 [[noreturn]] void refuse(const std::string& wanted, const std::string& text);
 
@@ -70,5 +70,8 @@ E parseNamed(const std::string& text) {
 
 // User's text for a message: in quotes, on one line, not too long.
 std::string quoted(const std::string& text);
+
+// The parts between separators, at least one.
+std::vector<std::string> split(const std::string& text, char separator);
 
 }  // namespace glint::app

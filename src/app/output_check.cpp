@@ -60,6 +60,12 @@ void checkOutputFolder(const fs::path& folder) {
     if (access(folder.c_str(), W_OK | X_OK) != 0) cannotWrite(folder, reasonOf(errno));
 }
 
+void makeFolder(const fs::path& folder) {
+    std::error_code ignored;  // the check below gives the reason
+    fs::create_directories(folder, ignored);
+    checkOutputFolder(folder);
+}
+
 void checkStandardOutput(const std::ostream& out) {
     if (&out != &std::cout || ::write(STDOUT_FILENO, "", 0) == 0) return;
     throw Error(ErrorKind::Failed, "cannot write to standard output: " + reasonOf(errno));

@@ -19,6 +19,9 @@ void checkOutputPath(const std::filesystem::path& path);
 // Throws Error(Failed) if `folder` is not a folder that can be written to.
 void checkOutputFolder(const std::filesystem::path& folder);
 
+// Creates the folder and its parents if they do not exist, and checks it.
+void makeFolder(const std::filesystem::path& folder);
+
 // Throws Error(Failed) if `out` is standard output and the system refuses to write there: it is closed, or
 // the device behind it is full.
 void checkStandardOutput(const std::ostream& out);

@@ -6,18 +6,28 @@
 
 #include "app/command_list.h"
 
+namespace CLI {
+class Option;
+}
+
 namespace glint::app {
 
-struct Page {
-    std::string path;  // below a share folder, such as "man/man1/glint.1"
-    std::string text;
+// An option as CLI11 holds it.
+struct Argument {
+    explicit Argument(const CLI::Option& option);
+
+    bool positional = false, many = false, takesValue = false;
+    bool file = false, folder = false;  // the value is the name of one
+    std::vector<std::string> names;     // "-o" and "--output", or "SCENE"
+    std::string form, help;
+    std::vector<std::string> choices;  // if the value is one of few
 };
 
-// glint(1), and one for each command.
-std::vector<Page> manPages(const std::vector<CommandFacts>& commands);
+std::vector<Argument> argumentsOf(const CLI::App& command);
+std::vector<const CLI::App*> commandsOf(const CLI::App& program);
 
-std::string bashCompletion(const std::vector<CommandFacts>& commands);
-std::string zshCompletion(const std::vector<CommandFacts>& commands);
-std::string fishCompletion(const std::vector<CommandFacts>& commands);
+std::string bashCompletion(const CLI::App& program);
+std::string zshCompletion(const CLI::App& program);
+std::string fishCompletion(const CLI::App& program);
 
 }  // namespace glint::app

@@ -1,10 +1,12 @@
 #include "app/picture_advice.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <limits>
 #include <variant>
 
+#include "app/common.h"
+#include "core/quantize.h"
 #include "reference/tracer.h"
 #include "scene/camera_frame.h"
 
@@ -12,103 +14,74 @@ namespace glint::app {
 
 namespace {
 
-// Position of the box around all finite geometry in the camera's view.
-struct Placement {
-    double depthMin = std::numeric_limits<double>::infinity();   // beyond the plane through the eye that
-    double depthMax = -std::numeric_limits<double>::infinity();  // is parallel to the image plane
-    double distanceMin = 0, distanceMax = 0;                     // along camera rays, of any of its points
-};
-
-Placement placeBounds(const Camera& camera, const PackedScene& packed) {
+// True if the box around all finite geometry lies behind the plane through the eye that is parallel to the
+// image plane.
+bool liesBehind(const Camera& camera, const PackedScene& packed) {
     const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
-                     hi = packed.origin + glm::dvec3(packed.boundsHi);
-    const CameraFrame frame = cameraFrame(camera);
-    Placement p;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 point(corner & 1 ? hi.x : lo.x, corner & 2 ? hi.y : lo.y, corner & 4 ? hi.z : lo.z);
-        const double depth = -glm::dot(point - camera.eye, frame.w);
-        p.depthMin = std::min(p.depthMin, depth);
-        p.depthMax = std::max(p.depthMax, depth);
-        p.distanceMax = std::max(p.distanceMax, glm::distance(point, camera.eye));
-    }
-    p.distanceMin = glm::distance(glm::clamp(camera.eye, lo, hi), camera.eye);
-    if (camera.projection == Projection::Orthographic) {
-        const double cosine = -glm::dot(frame.view, frame.w);
-        p.distanceMin = p.depthMin / cosine;
-        p.distanceMax = p.depthMax / cosine;
-    }
-    return p;
+                     hi = packed.origin + glm::dvec3(packed.boundsHi), w = cameraFrame(camera).w;
+    const glm::dvec3 nearest = glm::mix(lo, hi, glm::lessThan(w, glm::dvec3(0)));
+    return glm::dot(nearest - camera.eye, w) >= 0;
 }
 
 // Camera rays spread over the picture, followed by the reference.
 class Scout {
   public:
     Scout(const Picture& picture, const Scene& scene, const PackedScene& packed, const Request& request)
-        : tracer_(packed, request),
-          camera_(packCamera(scene.camera, request.width, request.height, packed.origin)) {
+        : tracer_(packed, request) {
         constexpr int kSide = 16;
+        const auto camera = packCamera(scene.camera, request.width, request.height, packed.origin);
         const Region& r = picture.region;
-        for (int i = 0; i < kSide * kSide; ++i) {
-            rays_.push_back(tracer_.cameraRay(camera_, r.x0 + (i % kSide + 0.5) * r.width() / kSide,
+        for (int i = 0; i < kSide * kSide; ++i)
+            rays_.push_back(tracer_.cameraRay(camera, r.x0 + (i % kSide + 0.5) * r.width() / kSide,
                                               r.y0 + (i / kSide + 0.5) * r.height() / kSide));
+        for (const reference::Ray& ray : rays_) {
+            paths_.push_back(tracer_.trace(ray, {}, true));
+            if (!paths_.back().surface) paths_.pop_back();
         }
     }
-    // Hits of the rays without near and far limits.
-    std::vector<reference::Hit> unboundedHits() const {
-        std::vector<reference::Hit> hits;
+    // Distances of the closest hits without the camera's near and far.
+    std::vector<double> unboundedHits() const {
+        std::vector<double> hits;
         for (reference::Ray ray : rays_) {
             ray.tMin = 0;
             ray.tMax = std::numeric_limits<double>::infinity();
-            if (const auto hit = tracer_.closest(ray)) hits.push_back(*hit);
+            if (const auto hit = tracer_.closest(ray)) hits.push_back(hit->t);
         }
         return hits;
     }
-    // The paths that meet something.
-    std::vector<reference::PixelRecord> paths() const {
-        std::vector<reference::PixelRecord> records;
-        for (const reference::Ray& ray : rays_) {
-            records.push_back(tracer_.trace(ray, {}, true));
-            if (!records.back().surface) records.pop_back();
-        }
-        return records;
+    // The paths of rays that hit a surface.
+    const std::vector<reference::PixelRecord>& paths() const { return paths_; }
+    bool allHit() const { return paths_.size() == rays_.size(); }
+    // True if the materials of all first surfaces pass `test`, and there are any.
+    template <typename Test>
+    bool all(const Scene& scene, const Test& test) const {
+        return !paths_.empty() && std::all_of(paths_.begin(), paths_.end(), [&](const auto& path) {
+            return test(scene.materials[path.surface->material]);
+        });
     }
-    size_t rays() const { return rays_.size(); }
 
   private:
     reference::Tracer tracer_;
-    shared::Camera camera_;
     std::vector<reference::Ray> rays_;
+    std::vector<reference::PixelRecord> paths_;
 };
-
-// The camera's ends cut everything off that its rays would meet.
-std::optional<std::string> clippedReason(const Camera& camera, const std::vector<reference::Hit>& hits) {
-    if (hits.empty()) return std::nullopt;
-    const auto all = [&](const auto& test) { return std::all_of(hits.begin(), hits.end(), test); };
-    if (all([&](const reference::Hit& hit) { return hit.t > camera.farT; }))
-        return "everything is farther away than the camera's far";
-    if (all([&](const reference::Hit& hit) { return hit.t <= camera.nearT; }))
-        return "everything is nearer than the camera's near";
-    return std::nullopt;
-}
 
 std::string emptyReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
                         const Request& request) {
     if (scene.objects.empty()) return "the scene has no objects";
-    const bool finiteGeometry = packed.environment.root != shared::kNone;
-    if (!finiteGeometry && packed.planes.empty())
-        return "nothing is left of its objects (see the warnings above)";
     if (packed.planes.empty()) {
-        const Placement p = placeBounds(scene.camera, packed);
-        if (p.depthMax <= 0) return "everything lies behind the camera; check its eye and target";
-        if (p.distanceMin > scene.camera.farT) return "everything is farther away than the camera's far";
-        if (p.distanceMax < scene.camera.nearT) return "everything is nearer than the camera's near";
+        if (packed.environment.root == shared::kNone)
+            return "nothing is left of its objects (see the warnings above)";
+        if (liesBehind(scene.camera, packed))
+            return "everything lies behind the camera; check its eye and target";
     }
-    if (const auto clipped =
-            clippedReason(scene.camera, Scout(picture, scene, packed, request).unboundedHits()))
-        return *clipped;
-    if (picture.region.width() < request.width || picture.region.height() < request.height) {
+    const std::vector<double> hits = Scout(picture, scene, packed, request).unboundedHits();
+    if (!hits.empty() && *std::min_element(hits.begin(), hits.end()) > scene.camera.farT)
+        return "everything is farther away than the camera's far";
+    if (!hits.empty() && *std::max_element(hits.begin(), hits.end()) <= scene.camera.nearT)
+        return "everything is nearer than the camera's near";
+    if (picture.region.width() < request.width || picture.region.height() < request.height)
         return "there is nothing else in this --crop";
-    }
     return "the camera looks past the objects; glint info tells where they are";
 }
 
@@ -116,46 +89,28 @@ bool isDark(const Light& light) {
     return std::visit([](const auto& l) { return l.intensity == Color(0); }, light);
 }
 
-bool isBlack(const Material& material) {
-    return material.ambient == Color(0) && material.diffuse == Color(0) && material.specular == Color(0) &&
-           material.mirror == Color(0);
+bool reflects(const Material& material) {
+    return material.mirror != Color(0) || material.transmission != Color(0);
 }
 
-// The object that surrounds the camera, if it is all that the rays see, from behind, and no light of the
-// scene gets in.
-std::optional<uint32_t> darkObjectAround(const Scout& scout, const std::vector<reference::PixelRecord>& paths,
-                                         const Scene& scene) {
-    if (paths.size() < scout.rays()) return std::nullopt;
-    const uint32_t object = paths.front().surface->object;
-    for (const reference::PixelRecord& record : paths) {
+bool isBlack(const Material& material) {
+    return material.ambient == Color(0) && material.diffuse == Color(0) && material.specular == Color(0);
+}
+
+// The object that surrounds the camera, if all rays hit it from inside and no light of the scene reaches it.
+std::optional<std::string> darkObjectAround(const Scout& scout, const Scene& scene) {
+    if (!scout.allHit()) return std::nullopt;
+    const uint32_t object = scout.paths().front().surface->object;
+    for (const reference::PixelRecord& record : scout.paths()) {
         const reference::Surface& surface = *record.surface;
         const bool behind = glm::dot(surface.geometricNormal, record.path.front().ray.direction) > 0;
-        if (!behind || surface.object != object) return std::nullopt;
         const Material& material = scene.materials[surface.material];
-        if (material.mirror != Color(0)) return std::nullopt;
-        // Light adds to the ambient part, or there is none.
-        const Color ambient = material.ambient * scene.ambient;
-        if (glm::any(glm::greaterThan(record.color, 1.0001 * ambient))) return std::nullopt;
+        if (!behind || surface.object != object || material.mirror != Color(0)) return std::nullopt;
+        // Lights add to the ambient part.
+        if (glm::any(glm::greaterThan(record.color, 1.0001 * material.ambient * scene.ambient)))
+            return std::nullopt;
     }
-    return object;
-}
-
-std::string insideReason(const Scene& scene, uint32_t object) {
     return "the camera is inside " + scene.objects[object].name + ", and no light is in there with it";
-}
-
-// Why the surfaces that the rays meet are black although the scene has light.
-std::string unlitReason(const std::vector<reference::PixelRecord>& paths, const Scene& scene) {
-    size_t blackMaterials = 0, shaded = 0;
-    for (const reference::PixelRecord& record : paths) {
-        blackMaterials += isBlack(scene.materials[record.surface->material]);
-        const auto& occluded = record.path.front().occluded;
-        shaded += std::find(occluded.begin(), occluded.end(), 1) != occluded.end();
-    }
-    if (!paths.empty() && blackMaterials == paths.size()) return "the materials of what is seen are black";
-    if (!paths.empty() && shaded == 0) return "all lights are behind the surfaces that are seen";
-    if (!paths.empty() && shaded == paths.size()) return "all that is seen lies in shadow";
-    return "no light reaches what is seen, or its materials are black";
 }
 
 std::string blackReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
@@ -165,36 +120,82 @@ std::string blackReason(const Picture& picture, const Scene& scene, const Packed
     if (scene.lights.empty() && noAmbient) return "the scene has neither lights nor ambient light";
     if (noLight && noAmbient) return "all its lights have the intensity 0, and there is no ambient light";
     const Scout scout(picture, scene, packed, request);
-    const auto paths = scout.paths();
-    if (const auto object = darkObjectAround(scout, paths, scene)) return insideReason(scene, *object);
-    return unlitReason(paths, scene);
+    if (const auto inside = darkObjectAround(scout, scene)) return *inside;
+    if (scout.all(scene, isBlack)) {
+        if (!scout.all(scene, reflects)) return "the materials of what is seen are black";
+        const uint32_t depth = request.maxDepth.value_or(static_cast<uint32_t>(scene.maxDepth));
+        return "what is seen shows only reflections and refractions, and " +
+               (depth < 5 ? "maxDepth is " + std::to_string(depth) + "; use --max-depth 5"
+                          : std::string("they are black"));
+    }
+    const auto& paths = scout.paths();
+    const auto shaded = std::count_if(paths.begin(), paths.end(), [](const reference::PixelRecord& record) {
+        const auto& occluded = record.path.front().occluded;
+        return std::find(occluded.begin(), occluded.end(), 1) != occluded.end();
+    });
+    if (!paths.empty() && shaded == 0) return "all lights are behind the surfaces that are seen";
+    if (!paths.empty() && shaded == static_cast<ptrdiff_t>(paths.size()))
+        return "all that is seen lies in shadow";
+    return "no light reaches what is seen, or its materials are black";
+}
+
+// Contents of the image. Rims of objects, where some samples show the background, count only if no pixel
+// shows an object alone.
+struct Contents {
+    bool hits = false, misses = false, likeBackground = true;
+    float brightest = 0, darkest = std::numeric_limits<float>::infinity();  // greatest channel of a pixel
+};
+
+Contents contentsOf(const Picture& picture, const Color& background, float scale) {
+    const std::vector<float>& pixels = picture.color.pixels;
+    Contents found;
+    bool whole = false;
+    for (size_t i = 3; i < pixels.size(); i += 4) whole = whole || pixels[i] >= 1;
+    for (size_t i = 0; i < pixels.size(); i += 4) {
+        const float* c = &pixels[i];
+        (c[3] > 0 ? found.hits : found.misses) = true;
+        if (c[3] <= 0) continue;
+        for (int k = 0; k < 3; ++k) {
+            const auto plain = static_cast<float>(background[k]);
+            found.likeBackground =
+                found.likeBackground &&
+                (scale > 0 ? srgbByte(c[k] * scale) == srgbByte(plain * scale) : c[k] == plain);
+        }
+        if (whole && c[3] < 1) continue;
+        const float value = std::max({c[0], c[1], c[2]});
+        found.brightest = std::max(found.brightest, value);
+        found.darkest = std::min(found.darkest, value);
+    }
+    return found;
+}
+
+// The exposure that makes `value` about 1, as advice.
+std::string exposureAdvice(float value) {
+    return format("; the brightest value is %.3g: use --exposure %d, or a format with floats such as .exr",
+                  static_cast<double>(value), -static_cast<int>(std::ceil(std::log2(value))));
 }
 
 }  // namespace
 
 std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
-                                         const PackedScene& packed, const Request& request) {
+                                         const PackedScene& packed, const Request& request, float scale) {
     if (!picture.complete) return std::nullopt;
-    bool anyHit = false, allHit = true, anyWhole = false, anyColor = false, anyRimColor = false;
-    for (size_t i = 0; i < picture.color.pixels.size(); i += 4) {
-        const float* c = &picture.color.pixels[i];
-        if (c[3] <= 0) allHit = false;
-        if (c[3] <= 0) continue;
-        anyHit = true;
-        const bool colored = !(c[0] == 0 && c[1] == 0 && c[2] == 0);
-        // At the rim of an object some samples show the background, which says nothing about the object.
-        (c[3] >= 1 ? anyColor : anyRimColor) |= colored;
-        anyWhole |= c[3] >= 1;
-    }
-    if (!anyHit) return "the picture shows background only: " + emptyReason(picture, scene, packed, request);
-    if (!(anyWhole ? anyColor : anyRimColor))
+    const Contents found = contentsOf(picture, scene.background, scale);
+    if (!found.hits)
+        return "the picture shows background only: " + emptyReason(picture, scene, packed, request);
+    if (found.brightest == 0)
         return "everything in the picture is black: " + blackReason(picture, scene, packed, request);
-    if (allHit) {
-        const Scout scout(picture, scene, packed, request);
-        if (const auto object = darkObjectAround(scout, scout.paths(), scene))
-            return insideReason(scene, *object);
-    }
-    return std::nullopt;
+    if (scale > 0 && srgbByte(found.brightest * scale) == 0)
+        return "everything in the picture is too dark for 8 bits" + exposureAdvice(found.brightest);
+    if (scale > 0 && found.darkest * scale >= 1 && found.brightest * scale > 1)
+        return "everything in the picture is too bright for 8 bits" + exposureAdvice(found.brightest);
+    if (found.misses && !found.likeBackground) return std::nullopt;
+    const Scout scout(picture, scene, packed, request);
+    if (found.likeBackground && !scene.environment && scout.all(scene, reflects))
+        return "the objects look like the plain background, which they reflect or let pass; change the "
+               "background "
+               "or the materials";
+    return darkObjectAround(scout, scene);
 }
 
 }  // namespace glint::app

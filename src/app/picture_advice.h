@@ -1,4 +1,4 @@
-// For the newcomer before a black picture: the likely reason.
+// Explains images that show nothing.
 #pragma once
 
 #include <optional>
@@ -11,10 +11,10 @@
 
 namespace glint::app {
 
-// One line for a complete picture that shows nothing but background, nothing but black, or nothing but the
-// unlit inside of one object; nothing for any other. Looks for the reason with a few camera rays of its own.
-// `tracing`: what the picture was made with.
+// One line with the likely reason if a complete image shows only background, only black, only white, or only
+// the unlit inside of one object; empty for any other. Traces a few camera rays to find the reason.
+// `request`: of the whole image. `scale`: factor of the colours in an 8-bit file; 0: the file holds floats.
 std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
-                                         const PackedScene& packed, const Request& request = {});
+                                         const PackedScene& packed, const Request& request, float scale);
 
 }  // namespace glint::app

@@ -34,18 +34,13 @@ double parseNumber(const std::string& field, const std::string& where) {
 }
 
 WorldRay parseRay(const std::string& line, const std::string& where) {
-    std::vector<std::string> fields;
-    size_t start = 0;
-    for (size_t end = 0; end != std::string::npos; start = end + 1) {
-        end = line.find(',', start);
-        fields.push_back(trimmed(line.substr(start, end - start)));
-    }
+    const std::vector<std::string> fields = split(line, ',');
     if (fields.size() < 6 || fields.size() > 8) {
         throw Error(ErrorKind::Scene,
                     where + ": expected 6 to 8 numbers " + kForm + ", got " + std::to_string(fields.size()));
     }
     std::vector<double> v;
-    for (const std::string& field : fields) v.push_back(parseNumber(field, where));
+    for (const std::string& field : fields) v.push_back(parseNumber(trimmed(field), where));
     WorldRay ray;
     ray.origin = {v[0], v[1], v[2]};
     ray.direction = {v[3], v[4], v[5]};

@@ -28,7 +28,7 @@ uint64_t roundedUp(uint64_t rows) {
 bool canHaveBands(const RenderCommand& command, const std::filesystem::path& output) {
     std::vector<std::string> layers;
     for (const Aov aov : command.aovs) layers.emplace_back(nameOf(aov));
-    return !command.target.error && canWriteRows(output, layers);
+    return !command.target.error && output != "-" && canWriteRows(output, layers);
 }
 
 // A row of the picture, its layers, and what becomes of these for the file.
@@ -56,7 +56,7 @@ void fillRest(const Request& request, const RenderCommand& command, int y, Pictu
     row.region = {region.x0, y, region.x1, y + 1};
     const Picture blank = blankPicture(row);
     hash.fill(region.y1 - y, blank.color);
-    file.fill(makeLayers(blank, command.aovs));
+    file.fill(layersOf(blank, command));
 }
 
 }  // namespace
@@ -107,7 +107,8 @@ void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene
         part.progress = [&](double done) { request.progress(from + (to - from) * done); };
         Picture band = drawing.whole([&] { return drawing.draw(part); });
         if (alike) {
-            const auto advice = pictureAdvice(band, loaded.scene, loaded.packed, request);
+            const auto advice =
+                pictureAdvice(band, loaded.scene, loaded.packed, request, scaleOf(output, command.exposure));
             alike = advice && (y == region.y0 || advice == outcome.bands->advice);
             outcome.bands->advice = alike ? advice : std::nullopt;
         }
@@ -115,7 +116,7 @@ void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene
         if (!outcome.picture.complete && outcome.bands->done == 0) return;
         const Stopwatch writing;
         hash.add(band.color);
-        file.add(makeLayers(band, command.aovs));
+        file.add(layersOf(band, command));
         writeSeconds += writing.seconds();
         if (!band.complete) {
             const Stopwatch filling;

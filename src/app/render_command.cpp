@@ -1,11 +1,9 @@
 #include <algorithm>
-#include <memory>
 #include <ostream>
 
 #include "app/commands.h"
 #include "app/common.h"
 #include "app/drawing.h"
-#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/render_bands.h"
 #include "app/render_frames.h"
@@ -14,11 +12,13 @@
 #include "app/render_result.h"
 #include "app/render_units.h"
 #include "core/available_memory.h"
+#include "core/codecs.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
 #include "core/near_names.h"
 #include "core/picture_hash.h"
+#include "core/quantize.h"
 #include "core/stopwatch.h"
 #include "scene/limits.h"
 
@@ -28,9 +28,11 @@ namespace {
 
 void declare(OptionTable& table, RenderCommand& c) {
     addScene(table, c.scene);
-    table.path("-o,--output", "FILE",
-               "picture to write: .png .exr .pfm .hdr (default: SCENE's name with .png, here)",
-               "the file name", c.output);
+    table.name("-o,--output", "FILE",
+               "picture to write: .png .exr .pfm .hdr, FOLDER/, or - for a PNG on standard output (default: "
+               "SCENE's name with .png, here)",
+               c.output);
+    addExposure(table, c.exposure);
     addSceneOverrides(table, c.scene);
     addCamera(table, c.scene);
     addTime(table, c.scene);
@@ -59,11 +61,11 @@ void declare(OptionTable& table, RenderCommand& c) {
                 1, kMaxImageSize, c.bandRows);
     table.value("--part", "K/N", "render part K of N, K from 1, into a file for glint merge",
                 [&](const std::string& t) { c.part = parsePart(t); });
-    table.path(
+    table.name(
         "--checkpoint", "FILE",
         "keep what is finished in FILE, and go on from it after an interruption; gone once the picture "
         "is written",
-        "the file name", c.checkpoint);
+        c.checkpoint);
     table.value(
         "--frames", "A:B",
         "draws frames A to B of the animation, those that are not there yet; -o has # in the place of "
@@ -85,11 +87,10 @@ void checkComplete(const Outcome& outcome) {
     if (share == 0)
         throw Error(ErrorKind::Interrupted,
                     "interrupted before any part of the picture was finished; nothing written");
-    char percent[16];
-    std::snprintf(percent, sizeof(percent), "%.3g %%", 100 * share);
     if (!outcome.files.empty()) {
         throw Error(ErrorKind::Interrupted, "interrupted: " + outcome.files.front().string() + " holds the " +
-                                                percent + " of the picture that was finished");
+                                                format("%.3g", 100 * share) +
+                                                " % of the picture that was finished");
     }
 }
 
@@ -99,6 +100,7 @@ void checkManner(const RenderCommand& command) {
     if (command.part) given.emplace_back("--part");
     if (!command.checkpoint.empty()) given.emplace_back("--checkpoint");
     if (command.frames) given.emplace_back("--frames");
+    if (command.output == "-") given.emplace_back("--output -");
     if (command.bandRows) given.emplace_back("--band-rows");
     if (given.size() > 1)
         throw Error(
@@ -114,24 +116,41 @@ void check(const RenderCommand& command, const std::ostream& out) {
         throw Error(ErrorKind::Argument, std::string(command.overwrite ? "--overwrite" : "--fps") +
                                              ": says nothing without --frames");
     checkManner(command);
-    if (!command.quiet || command.json) checkStandardOutput(out);
+    if (command.output == "-" && command.aovs != std::vector{Aov::Radiance})
+        throw Error(ErrorKind::Argument, "--output -: holds the layer color alone");
+    if (command.output == "-" && command.json)
+        throw Error(ErrorKind::Argument,
+                    "--output -: the image is on standard output; not together with --stats");
+    if (command.part && command.exposure)
+        throw Error(ErrorKind::Argument, "--exposure: parts hold floats; give it to glint merge");
+    if (!command.part) scaleOf(outputOf(command), command.exposure);
+    if (!command.quiet || command.json || command.output == "-") checkStandardOutput(out);
+    if (!command.output.empty() && !command.output.has_filename()) makeFolder(command.output);
 }
 
-void writePicture(Outcome& outcome, const RenderCommand& command, const std::filesystem::path& output) {
+void writePicture(Outcome& outcome, const RenderCommand& command, const std::filesystem::path& output,
+                  std::ostream& out) {
     blackenNotFinite(outcome.picture);
     const Stopwatch writing;
     outcome.hash = pictureHash(outcome.picture.color);
-    outcome.files = writeLayers(output, makeLayers(outcome.picture, command.aovs), notesOf(outcome, command));
+    const std::vector<Layer> layers = layersOf(outcome.picture, command);
+    if (output == "-") {
+        const Image& image = layers.front().image;
+        const auto bytes = encodePng(image.width, image.height, image.channels, quantizeColor(image));
+        out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        outcome.files = {"standard output"};
+    } else {
+        outcome.files = writeLayers(output, layers, notesOf(outcome, command));
+    }
     outcome.writeSeconds = writing.seconds();
 }
 
-int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
-    const std::filesystem::path output = outputOf(command);
-    checkPicturePath(output);
+    if (command.output != "-") checkPicturePath(outputOf(command));
     Drawing drawing(command.backend, command.device, command.quiet ? nullptr : &err);
     const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
-    checkNotRead(command, loaded.scene);
+    const std::filesystem::path output = outputOf(command, loaded.scene);
     Request request = requestOf(command, loaded);
     const int bandRows = bandRowsOf(command, output, request.region, availableMemory());
 
@@ -154,7 +173,7 @@ int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream&
     outcome.drawn = drawing.facts();
     if (!command.quiet) warnAboutPicture(outcome, command, loaded, err);
     if (outcome.doneShare() == 0) checkComplete(outcome);
-    if (!outcome.bands) writePicture(outcome, command, output);
+    if (!outcome.bands) writePicture(outcome, command, output, out);
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, loaded, out);
     drawing.reportValidation(err);
@@ -163,10 +182,10 @@ int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream&
         throw Error(ErrorKind::Interrupted, "interrupted: " + outcome.files.front().string() +
                                                 " holds the samples of all rounds that were finished");
     const bool missed = outcome.converged && !outcome.converged->reached();
-    return static_cast<int>(missed && command.target.strict ? ExitCode::Difference : ExitCode::Done);
+    return missed && command.target.strict ? ExitCode::Difference : ExitCode::Done;
 }
 
-int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     check(command, out);
     const bool forRanks = isForRanks(command);
     if (command.frames) return renderFrames(command, out, err);
@@ -179,9 +198,7 @@ int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
 }  // namespace
 
 Run renderCommand(OptionTable& table) {
-    const auto command = std::make_shared<RenderCommand>();
-    declare(table, *command);
-    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
+    return commandOf<RenderCommand>(table, declare, run);
 }
 
 }  // namespace glint::app

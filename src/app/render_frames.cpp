@@ -6,7 +6,6 @@
 
 #include "app/animated_scene.h"
 #include "app/common.h"
-#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/render_result.h"
 #include "core/available_memory.h"
@@ -98,7 +97,7 @@ class FrameRenderer {
 
     // False if it was interrupted.
     bool draw(const std::vector<Frame>& frames);
-    int finish(size_t wanted, bool complete);
+    ExitCode finish(size_t wanted, bool complete);
 
   private:
     double timeOf(int frame) const { return frame / framesPerSecond_; }
@@ -158,8 +157,7 @@ bool FrameRenderer::drawOne(const Frame& frame, double from, double to, Progress
     missed_ = missed_ || (outcome.converged && !outcome.converged->reached());
     blackenNotFinite(outcome.picture);
     drawn.hash = pictureHash(outcome.picture.color);
-    drawn.files =
-        writeLayers(frame.path, makeLayers(outcome.picture, command_.aovs), notesOf(outcome, command_));
+    drawn.files = writeLayers(frame.path, layersOf(outcome.picture, command_), notesOf(outcome, command_));
     drawn.seconds = watch.seconds();
     drawn_.push_back(std::move(drawn));
     return true;
@@ -198,7 +196,7 @@ void FrameRenderer::print(size_t there) const {
             for (const fs::path& file : drawn.files) frame["files"].push_back(file.string());
             json["frames"].push_back(std::move(frame));
         }
-        out_ << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+        printJson(json, out_);
         return;
     }
     if (command_.quiet) return;
@@ -215,7 +213,7 @@ void FrameRenderer::print(size_t there) const {
     out_ << '\n';
 }
 
-int FrameRenderer::finish(size_t wanted, bool complete) {
+ExitCode FrameRenderer::finish(size_t wanted, bool complete) {
     const auto all = static_cast<size_t>(command_.frames->last - command_.frames->first + 1);
     print(all - wanted);
     drawing_.reportValidation(err_);
@@ -223,12 +221,12 @@ int FrameRenderer::finish(size_t wanted, bool complete) {
         throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(all - wanted + drawn_.size()) +
                                                 " of " + std::to_string(all) +
                                                 " frames are there; the same command goes on");
-    return static_cast<int>(missed_ && command_.target.strict ? ExitCode::Difference : ExitCode::Done);
+    return missed_ && command_.target.strict ? ExitCode::Difference : ExitCode::Done;
 }
 
 }  // namespace
 
-int renderFrames(const RenderCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode renderFrames(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     check(command);
     const std::vector<Frame> frames = framesToDraw(command);
     FrameRenderer renderer(command, out, err);

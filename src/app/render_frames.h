@@ -3,10 +3,11 @@
 
 #include <iosfwd>
 
+#include "app/exit_code.h"
 #include "app/render_options.h"
 
 namespace glint::app {
 
-int renderFrames(const RenderCommand& command, std::ostream& out, std::ostream& err);
+ExitCode renderFrames(const RenderCommand& command, std::ostream& out, std::ostream& err);
 
 }  // namespace glint::app

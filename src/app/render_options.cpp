@@ -1,10 +1,12 @@
 #include "app/render_options.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/common.h"
 #include "core/error.h"
 #include "core/interrupt.h"
+#include "core/text_file.h"
 
 namespace glint::app {
 
@@ -14,18 +16,48 @@ bool needsData(const RenderCommand& command) {
 }
 
 std::filesystem::path outputOf(const RenderCommand& command) {
-    if (!command.output.empty()) return command.output;
-    return command.scene.scene.filename().replace_extension(".png");
+    const std::filesystem::path name =
+        command.scene.scene == "-" ? "stdin.png" : command.scene.scene.filename().replace_extension(".png");
+    if (command.output.empty()) return name;
+    return command.output.has_filename() ? command.output : command.output / name;
 }
 
-void checkNotRead(const RenderCommand& command, const Scene& scene) {
-    const std::filesystem::path output = outputOf(command);
-    for (const SourceFile& file : scene.sources) {
-        std::error_code ignored;  // where there is no such file there is nothing to lose
-        if (std::filesystem::equivalent(command.scene.scene.parent_path() / file.name, output, ignored))
-            throw Error(ErrorKind::Argument,
-                        output.string() + ": is read by the scene; name another file with --output");
-    }
+std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene) {
+    const auto isRead = [&](const std::filesystem::path& output) {
+        return std::any_of(scene.sources.begin(), scene.sources.end(), [&](const SourceFile& file) {
+            std::error_code ignored;  // a file that does not exist cannot be lost
+            return std::filesystem::equivalent(command.scene.scene.parent_path() / file.name, output,
+                                               ignored);
+        });
+    };
+    std::filesystem::path output = outputOf(command);
+    if (!isRead(output)) return output;
+    const std::string name = output.string();
+    if (command.output.empty() && !isRead(output.replace_extension(".render.png"))) return output;
+    throw Error(ErrorKind::Argument, name + ": is read by the scene; name another file with --output");
+}
+
+float scaleOf(const std::filesystem::path& output, std::optional<double> exposure) {
+    if (output == "-" || lowerExtension(output) == ".png")
+        return static_cast<float>(std::exp2(exposure.value_or(0)));
+    if (exposure)
+        throw Error(ErrorKind::Argument,
+                    "--exposure: " + output.string() + " holds linear floats, which need none; use .png");
+    return 0;
+}
+
+void expose(std::vector<Layer>& layers, float scale) {
+    if (scale == 0 || scale == 1) return;
+    for (Layer& layer : layers)
+        if (layer.name == "color")
+            for (size_t i = 0; i < layer.image.pixels.size(); ++i)
+                if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
+}
+
+std::vector<Layer> layersOf(const Picture& picture, const RenderCommand& command) {
+    std::vector<Layer> layers = makeLayers(picture, command.aovs);
+    expose(layers, scaleOf(outputOf(command), command.exposure));
+    return layers;
 }
 
 uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data) {

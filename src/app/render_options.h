@@ -17,7 +17,8 @@ namespace glint::app {
 
 struct RenderCommand {
     SceneOptions scene;
-    std::filesystem::path output;  // empty: the scene's stem with .png, in the current folder
+    std::filesystem::path output;    // empty: the scene's name with .png, in the current folder; "-"
+    std::optional<double> exposure;  // stops
     Backend backend = Backend::Gpu;
     DeviceChoice device;
     std::vector<Aov> aovs = {Aov::Radiance};
@@ -36,12 +37,20 @@ struct RenderCommand {
 
 bool needsData(const RenderCommand& command);
 
-// The picture to write.
+// The image file to write; "-" for standard output.
 std::filesystem::path outputOf(const RenderCommand& command);
 
-// Throws Error(Argument) if the picture would take the place of a file that the scene was read from: a
-// texture often has its model's name.
-void checkNotRead(const RenderCommand& command, const Scene& scene);
+// The same, but no file that the scene was read from: a texture often has its model's name. A default name
+// becomes NAME.render.png; throws Error(Argument) for a given one.
+std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene);
+
+// Factor of the colours in an 8-bit file, 2^exposure; 0 for files with floats. Throws Error(Argument) if
+// `exposure` is given for these.
+float scaleOf(const std::filesystem::path& output, std::optional<double> exposure);
+
+// Multiplies the layer "color" by `scale`, unless it is 0.
+void expose(std::vector<Layer>& layers, float scale);
+std::vector<Layer> layersOf(const Picture& picture, const RenderCommand& command);
 
 // Bytes for the image and a copy of each layer for the file. Further memory of the device or the encoder is
 // bounded or smaller.

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "app/common.h"
-#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/render_result.h"
 #include "app/render_units.h"
@@ -44,11 +43,10 @@ void checkMessage(const UnitRenderer& units, uint64_t bytes) {
                                        " pixels, more than an MPI message can hold; use --part");
 }
 
-int renderAsFirst(const RenderCommand& command, farm::Transport& transport, std::ostream& out,
-                  std::ostream& err) {
+ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport, std::ostream& out,
+                       std::ostream& err) {
     const Stopwatch total;
-    const std::filesystem::path output = outputOf(command);
-    checkPicturePath(output);
+    checkPicturePath(outputOf(command));
     installInterruptHandler();
     // Both outlive the thread of `ranks`, which adds results to the picture.
     std::optional<UnitRenderer> units;
@@ -58,10 +56,11 @@ int renderAsFirst(const RenderCommand& command, farm::Transport& transport, std:
     mine.scene.files = ranks.files();
     units.emplace(mine, 0, err, leastUnits(transport));
     const farm::UnitHeader& header = units->header();
+    const std::filesystem::path output = outputOf(command, units->loaded().scene);
     const uint64_t unit = unitBytes(command.aovs, units->mostPixels());
     checkMessage(*units, unit);
     const bool rows = needsRows(header, output, 3 * unit, availableMemory(), command.bandRows.has_value());
-    picture.emplace(header, output, rows);
+    picture.emplace(header, output, rows, scaleOf(output, command.exposure));
     ranks.begin(header, windowOf(header, unit, rows),
                 [&](const farm::UnitResult& result) { picture->add(result); });
     {
@@ -82,11 +81,11 @@ int renderAsFirst(const RenderCommand& command, farm::Transport& transport, std:
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units->loaded(), out);
     units->drawing().reportValidation(err);
-    return static_cast<int>(ExitCode::Done);
+    return ExitCode::Done;
 }
 
 // Prints nothing: rank 0 does.
-int renderAsOther(const RenderCommand& command, farm::Transport& transport) {
+ExitCode renderAsOther(const RenderCommand& command, farm::Transport& transport) {
     farm::OtherRank rank(transport);
     RenderCommand mine = command;
     mine.scene.files = rank.files();
@@ -100,12 +99,12 @@ int renderAsOther(const RenderCommand& command, farm::Transport& transport) {
             if (const auto result = units.draw(*part, {})) rank.put(*result);
     } catch (const Error& error) {
         rank.fail(error);
-        return static_cast<int>(exitCodeOf(error.kind()));
+        return exitCodeOf(error.kind());
     } catch (const std::exception& error) {
         rank.fail(Error(ErrorKind::Failed, error.what()));
-        return static_cast<int>(ExitCode::Failed);
+        return ExitCode::Failed;
     }
-    return static_cast<int>(interrupted() ? ExitCode::Interrupted : ExitCode::Done);
+    return interrupted() ? ExitCode::Interrupted : ExitCode::Done;
 }
 
 }  // namespace
@@ -133,11 +132,11 @@ bool hasRanksModule() {
     return farm::hasMpiModule();
 }
 
-int renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const auto transport = farm::openMpi();
-    const int code = transport->rank() == 0 ? renderAsFirst(command, *transport, out, err)
-                                            : renderAsOther(command, *transport);
-    if (code == static_cast<int>(ExitCode::Done)) transport->finish();
+    const ExitCode code = transport->rank() == 0 ? renderAsFirst(command, *transport, out, err)
+                                                 : renderAsOther(command, *transport);
+    if (code == ExitCode::Done) transport->finish();
     return code;
 }
 

@@ -3,6 +3,7 @@
 
 #include <iosfwd>
 
+#include "app/exit_code.h"
 #include "app/render_options.h"
 
 namespace glint::app {
@@ -10,7 +11,7 @@ namespace glint::app {
 // True if an MPI launcher started several processes for this image. Throws Error(Argument) for options that
 // exclude it.
 bool isForRanks(const RenderCommand& command);
-int renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err);
+ExitCode renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err);
 
 // This process among those of an MPI launcher; 0 without one.
 int rankOfLauncher();

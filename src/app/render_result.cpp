@@ -152,7 +152,8 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
         warnOfLosses(picture, start, err);
     if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
     const auto advice = outcome.bands ? outcome.bands->advice
-                                      : pictureAdvice(picture, loaded.scene, loaded.packed, outcome.request);
+                                      : pictureAdvice(picture, loaded.scene, loaded.packed, outcome.request,
+                                                      scaleOf(outputOf(command), command.exposure));
     if (advice) err << start << *advice << '\n';
 }
 
@@ -162,11 +163,10 @@ PictureNotes notesOf(const Outcome& outcome, const RenderCommand& command) {
 
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                  std::ostream& out) {
-    if (command.json) {
-        // A file name need not be UTF-8; JSON must be.
-        out << statsJson(outcome, command, loaded)
-                   .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
-            << '\n';
+    if (command.output == "-") {
+        out.flush();  // the image
+    } else if (command.json) {
+        printJson(statsJson(outcome, command, loaded), out);
     } else if (!command.quiet) {
         printSummary(outcome, command, loaded, out);
     }

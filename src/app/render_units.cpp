@@ -8,7 +8,6 @@
 
 #include "app/common.h"
 #include "app/drawing.h"
-#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/render_result.h"
 #include "app/unit_picture.h"
@@ -63,7 +62,7 @@ void print(const Done& done, const RenderCommand& command, const LoadedScene& lo
                                  {"trace", done.drawn.times.trace},
                                  {"total", done.totalSeconds}}}};
         if (done.drawn.failed) json["fallback"] = fallbackJson(*done.drawn.failed);
-        out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+        printJson(json, out);
     } else if (!command.quiet) {
         out << "wrote " << shown(done.file) << " (" << farm::nameOf(unit) << ", "
             << counted(done.pixels, "pixel") << ")\n";
@@ -104,7 +103,7 @@ void refuseErrorTarget(const RenderCommand& command, const std::string& manner) 
                     manner + ": --error chooses the samples of the whole image; use --spp");
 }
 
-int renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     refuseErrorTarget(command, "--part");
     Done done;
@@ -125,18 +124,19 @@ int renderPart(const RenderCommand& command, std::ostream& out, std::ostream& er
     done.totalSeconds = total.seconds();
     print(done, command, units.loaded(), out);
     units.drawing().reportValidation(err);
-    return static_cast<int>(ExitCode::Done);
+    return ExitCode::Done;
 }
 
-int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     refuseErrorTarget(command, "--checkpoint");
-    const std::filesystem::path output = outputOf(command);
-    checkPicturePath(output);
+    checkPicturePath(outputOf(command));
     checkOutputPath(command.checkpoint);
     UnitRenderer units(command, 0, err);
+    const std::filesystem::path output = outputOf(command, units.loaded().scene);
     const farm::UnitHeader& header = units.header();
-    UnitPicture picture(header, output, goesByRows(command, units, output));
+    UnitPicture picture(header, output, goesByRows(command, units, output),
+                        scaleOf(output, command.exposure));
     std::vector<bool> there(static_cast<size_t>(header.parts) + 1);
     const auto add = [&](const farm::UnitResult& result) {
         picture.add(result);
@@ -169,7 +169,7 @@ int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::o
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units.loaded(), out);
     units.drawing().reportValidation(err);
-    return static_cast<int>(ExitCode::Done);
+    return ExitCode::Done;
 }
 
 }  // namespace glint::app

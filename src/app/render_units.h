@@ -4,6 +4,7 @@
 #include <iosfwd>
 #include <string>
 
+#include "app/exit_code.h"
 #include "app/render_options.h"
 
 namespace glint::app {
@@ -12,9 +13,9 @@ namespace glint::app {
 void refuseErrorTarget(const RenderCommand& command, const std::string& manner);
 
 // --part: renders one part into a file.
-int renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err);
+ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err);
 
 // --checkpoint: keeps finished units, and resumes from them.
-int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::ostream& err);
+ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::ostream& err);
 
 }  // namespace glint::app

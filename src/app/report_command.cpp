@@ -1,12 +1,10 @@
 // `glint report`: error against run time.
 #include <algorithm>
 #include <deque>
-#include <memory>
 #include <ostream>
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "core/available_memory.h"
 #include "core/error.h"
@@ -46,22 +44,17 @@ struct ReportCommand {
 constexpr const char* kReferenceName = "cpu";  // among --devices
 
 std::vector<std::string> parseDevices(const std::string& text) {
-    std::vector<std::string> names;
-    for (size_t at = 0; at <= text.size();) {
-        const size_t end = std::min(text.find(',', at), text.size());
-        names.push_back(text.substr(at, end - at));
-        if (names.back().empty())
-            throw Error(ErrorKind::Argument, "a device's name is empty in " + quoted(text));
-        at = end + 1;
-    }
+    const std::vector<std::string> names = split(text, ',');
+    if (std::find(names.begin(), names.end(), "") != names.end())
+        throw Error(ErrorKind::Argument, "a device's name is empty in " + quoted(text));
     return names;
 }
 
 void declare(OptionTable& table, ReportCommand& c) {
     addScenes(table, c.scenes, c.allowOutside);
     addCamera(table, c.camera);
-    table.path("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
-               "the folder's name", c.folder, OptionTable::Need::Required);
+    table.name("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams", c.folder,
+               OptionTable::Need::Required);
     table.whole("--size", "WIDTH", "width of the images in pixels (default 256); the height follows", 4, 4096,
                 c.width);
     table.whole("--repeats", "N", "most runs of each setting (default 10)", 1, 1000, c.repeats);
@@ -91,14 +84,6 @@ void checkDevicesAreNamed(const ReportCommand& command) {
     const bool asked = std::find(command.only.begin(), command.only.end(), "device") != command.only.end();
     if (asked && command.devices.empty())
         throw Error(ErrorKind::Argument, "--only device requires --devices");
-}
-
-void makeFolder(const fs::path& folder) {
-    std::error_code error;
-    if (!fs::exists(folder, error)) fs::create_directory(folder, error);
-    if (error)
-        throw Error(ErrorKind::Failed, folder.string() + ": cannot make this folder: " + error.message());
-    checkOutputFolder(folder);
 }
 
 // The report's own device, and those that it is compared with.
@@ -156,7 +141,7 @@ report::Options optionsOf(const ReportCommand& command) {
     return options;
 }
 
-int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     checkDevicesAreNamed(command);
     for (const fs::path& scene : command.scenes) checkFile(scene);
@@ -191,15 +176,13 @@ int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     if (!report.complete)
         throw Error(ErrorKind::Interrupted, "interrupted: " + (command.folder / "report.json").string() +
                                                 " holds the results so far; repeat the command to resume");
-    return static_cast<int>(ExitCode::Done);
+    return ExitCode::Done;
 }
 
 }  // namespace
 
 Run reportCommand(OptionTable& table) {
-    const auto command = std::make_shared<ReportCommand>();
-    declare(table, *command);
-    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
+    return commandOf<ReportCommand>(table, declare, run);
 }
 
 }  // namespace glint::app

@@ -1,9 +1,7 @@
-#include <memory>
 #include <ostream>
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/exit_code.h"
 #include "app/ray_file.h"
 #include "core/error.h"
 #include "reference/loaded_truth.h"
@@ -25,9 +23,8 @@ struct TraceCommand {
 
 void declare(OptionTable& table, TraceCommand& c) {
     addScene(table, c.scene);
-    table.path("--rays", "FILE.csv",
-               "rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", "the file name",
-               c.rays);
+    table.name("--rays", "FILE.csv",
+               "rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", c.rays);
     table.value("--pixel", "x,y", "the camera ray of a pixel, from the top left corner",
                 [&](const std::string& t) { c.pixel = parsePixel(t); });
     table.flag("--any", "only whether anything is hit", c.any);
@@ -100,7 +97,7 @@ void checkPixel(const Request& image, std::pair<int, int> pixel) {
     }
 }
 
-int run(const TraceCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) {
     if (command.rays.empty() == !command.pixel)
         throw Error(ErrorKind::Argument, "trace: give either --rays FILE.csv or --pixel x,y");
     checkDeviceOptions(command.backend, command.device);
@@ -113,15 +110,13 @@ int run(const TraceCommand& command, std::ostream& out, std::ostream& err) {
               command.pixel ? tracePixelOnHost(command, loaded) : traceOnHost(loaded, batchOf(command, err)),
               kReferenceDigits, out);
     }
-    return static_cast<int>(ExitCode::Done);
+    return ExitCode::Done;
 }
 
 }  // namespace
 
 Run traceCommand(OptionTable& table) {
-    const auto command = std::make_shared<TraceCommand>();
-    declare(table, *command);
-    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
+    return commandOf<TraceCommand>(table, declare, run);
 }
 
 }  // namespace glint::app

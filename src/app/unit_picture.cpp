@@ -52,8 +52,9 @@ uint64_t unitBytes(const std::vector<Aov>& aovs, uint64_t pixels) {
     return 2 * pixels * bytesPerPixel(aovs, false);
 }
 
-UnitPicture::UnitPicture(const farm::UnitHeader& header, const std::filesystem::path& output, bool rows)
-    : header_(header), output_(output), assembly_(header.region, header.aovs) {
+UnitPicture::UnitPicture(const farm::UnitHeader& header, const std::filesystem::path& output, bool rows,
+                         float scale)
+    : header_(header), output_(output), scale_(scale), assembly_(header.region, header.aovs) {
     if (rows)
         file_.emplace(output, header.region.width(), header.region.height(),
                       makeLayers(Picture(), header.aovs));
@@ -65,6 +66,7 @@ void UnitPicture::takeRows() {
     if (rows.picture.region.height() == 0) return;
     hash_.add(rows.picture.color);
     bands_.add(rows.picture);
+    expose(rows.layers, scale_);
     file_->add(rows.layers);
     writeSeconds_ += writing.seconds();
 }
@@ -88,6 +90,7 @@ Outcome UnitPicture::write() {
         farm::Rows rows = assembly_.take();
         outcome.picture = std::move(rows.picture);
         outcome.hash = pictureHash(outcome.picture.color);
+        expose(rows.layers, scale_);
         outcome.files = writeLayers(output_, rows.layers);
     }
     outcome.picture.losses = assembly_.losses();

@@ -18,8 +18,8 @@ namespace glint::app {
 
 class UnitPicture {
   public:
-    // `rows`: row by row, see needsRows(). `header` must outlive the object.
-    UnitPicture(const farm::UnitHeader& header, const std::filesystem::path& output, bool rows);
+    // `rows`: row by row, see needsRows(). `header` must outlive the object. `scale`: see scaleOf().
+    UnitPicture(const farm::UnitHeader& header, const std::filesystem::path& output, bool rows, float scale);
 
     void add(const farm::UnitResult& result);
     const farm::Assembly& assembly() const { return assembly_; }
@@ -32,6 +32,7 @@ class UnitPicture {
 
     const farm::UnitHeader& header_;
     const std::filesystem::path output_;
+    const float scale_;
     farm::Assembly assembly_;
     std::optional<PictureRows> file_;  // empty: at once
     PictureHash hash_;

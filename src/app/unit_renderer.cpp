@@ -69,7 +69,6 @@ UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream
       drawing_(command.backend, command.device, command.quiet ? nullptr : &err),
       loaded_(loadAndPack(command.scene, err, command.quiet)) {
     constexpr int kLikelyParts = 64;  // to know how many before they are cut
-    if (!command.part) checkNotRead(command, loaded_.scene);
     request_ = requestOf(command, loaded_);
     const auto costs =
         farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_, parts > 0 ? parts : kLikelyParts);

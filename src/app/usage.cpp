@@ -32,9 +32,6 @@ std::string unexpected(const CLI::App& command, const std::string& argument) {
     const bool option =
         name.size() > 1 && name[0] == '-' && std::find(known.begin(), known.end(), name) == known.end();
     if (!option) return "unexpected argument " + quoted(argument);
-    if (name == "--measure") return name + " has been removed: --error bounds the root mean square error";
-    if (name == "--join" || name == "--lease")
-        return name + " has been removed: use --part K/N and glint merge, mpirun, or --checkpoint";
     // Without the dashes, which any two options have in common.
     std::transform(known.begin(), known.end(), known.begin(), withoutDashes);
     const std::vector<std::string_view> views(known.begin(), known.end());

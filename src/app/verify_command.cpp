@@ -1,20 +1,16 @@
 #include <limits>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <ostream>
 #include <sstream>
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/verify_files.h"
 #include "app/verify_report.h"
 #include "core/available_memory.h"
 #include "core/error.h"
-#include "core/image_io.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
@@ -29,29 +25,23 @@ struct VerifyCommand {
     std::vector<std::filesystem::path> scenes;
     SceneOptions common;
     DeviceChoice device;
-    std::optional<std::filesystem::path> folder;  // of the difference images
     std::filesystem::path artifacts, jsonFile, junitFile;
     uint64_t allow = 0;
     bool brief = false;
-    bool json = false;  // --stats
     ProgressMode progress = ProgressMode::Auto;
 
-    bool writesDifference() const { return folder || artifacts.empty(); }
-    bool wantsText() const { return !json && !brief; }
+    bool printsJson() const { return jsonFile == "-"; }
 };
 
 void declare(OptionTable& table, VerifyCommand& c) {
     addScenes(table, c.scenes, c.common.allowOutside);
-    table.path("-o,--output", "FOLDER",
-               "write the difference images NAME.verify.png here, creates the folder (default: the current "
-               "folder; none with --artifacts)",
-               "the folder's name", c.folder);
-    table.path("--artifacts", "FOLDER",
+    table.name("--artifacts", "FOLDER",
                "write NAME.device.png, NAME.reference.png and NAME.difference.png of each scene that fails",
-               "the folder's name", c.artifacts);
-    table.path("--json", "FILE", "write verdicts, figures and differing pixels as JSON", "the file name",
+               c.artifacts);
+    table.name("--json", "FILE",
+               "write verdicts, figures and differing pixels as JSON; - for standard output, instead of text",
                c.jsonFile);
-    table.path("--junit", "FILE", "write one JUnit test case a scene", "the file name", c.junitFile);
+    table.name("--junit", "FILE", "write one JUnit test case a scene", c.junitFile);
     table.whole("--allow", "N", "pass scenes with at most N unexplained pixels (default 0)", 0,
                 std::numeric_limits<int>::max(), c.allow);
     table.flag("--brief", "print one line a scene, and a summary", c.brief);
@@ -63,7 +53,6 @@ void declare(OptionTable& table, VerifyCommand& c) {
     addSampling(table, c.common);
     addDevice(table, c.device);
     addTraversal(table, c.device);
-    addStats(table, "verdicts and figures as JSON on standard output, instead of text", c.json);
     addProgress(table, c.progress);
 }
 
@@ -113,7 +102,7 @@ class SceneVerifier {
             }
         }
         result.seconds = watch.seconds();
-        if (command_.brief) printBrief(path, result);
+        if (command_.brief && !command_.printsJson()) printBrief(path, result);
         return result;
     }
 
@@ -138,9 +127,8 @@ class SceneVerifier {
         std::ostringstream details;
         printReport(shown(path), report, options, loaded.packed.origin, details);
         result.details = details.str();
-        if (command_.wantsText()) out_ << result.details;
-        writeImages(stem, report);
-        out_.flush();
+        if (!command_.brief && !command_.printsJson()) out_ << result.details << std::flush;
+        if (!command_.artifacts.empty() && !report.passed()) writeArtifacts(command_.artifacts, stem, report);
     }
 
     verify::Report reportOf(const std::filesystem::path& path, const LoadedScene& loaded,
@@ -155,17 +143,6 @@ class SceneVerifier {
         return verify::verify(renderer, loaded.packed, cameraOf(loaded, options), options, &loaded.scene);
     }
 
-    void writeImages(const std::string& stem, const verify::Report& report) const {
-        if (command_.writesDifference()) {
-            const std::filesystem::path image =
-                (command_.folder.value_or(".") / (stem + ".verify.png")).lexically_normal();
-            writeImage(image, report.difference);
-            if (command_.wantsText()) out_ << "    wrote " << shown(image) << '\n';
-        }
-        if (command_.artifacts.empty() || report.passed()) return;
-        writeArtifacts(command_.artifacts, stem, report);
-    }
-
     void printBrief(const std::filesystem::path& path, const SceneResult& result) const {
         out_ << shown(path) << ": ";
         if (result.status == SceneStatus::Error || result.status == SceneStatus::Skipped)
@@ -174,8 +151,7 @@ class SceneVerifier {
         else
             out_ << result.message << ", " << briefFigures(result.facts) << ", "
                  << formatSeconds(result.seconds);
-        out_ << '\n';
-        out_.flush();
+        out_ << std::endl;
     }
 
     const VerifyCommand& command_;
@@ -184,54 +160,36 @@ class SceneVerifier {
     std::ostream& err_;
 };
 
-void prepareFolder(const std::filesystem::path& folder) {
-    std::error_code ignored;  // the check below gives the reason
-    std::filesystem::create_directories(folder, ignored);
-    checkOutputFolder(folder);
-}
-
-int run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
     for (const auto& scene : command.scenes) checkFile(scene);  // the last one's name may be misspelt
-    if (command.writesDifference()) prepareFolder(command.folder.value_or("."));
-    if (!command.artifacts.empty()) prepareFolder(command.artifacts);
-    for (const auto& file : {command.jsonFile, command.junitFile})
-        if (!file.empty()) checkOutputPath(file);
+    if (!command.artifacts.empty()) makeFolder(command.artifacts);
+    if (!command.jsonFile.empty() && !command.printsJson()) checkOutputPath(command.jsonFile);
+    if (!command.junitFile.empty()) checkOutputPath(command.junitFile);
     const gpu::Device device = openDevice(command.device, false);
     installInterruptHandler();
-    if (!command.json) out << "device: " << device.info().name << ", " << device.info().driver << '\n';
+    if (!command.printsJson())
+        out << "device: " << device.info().name << ", " << device.info().driver << '\n';
     VerifyFiles files(command.jsonFile, command.junitFile, device.info().name, device.info().driver);
     const SceneVerifier verifier(command, device, out, err);
-    nlohmann::json results = nlohmann::json::array();
     const auto stems = stemsOf(command);
-    for (size_t i = 0; i < stems.size(); ++i) {
-        SceneResult result = verifier.verify(command.scenes[i], stems[i]);
-        if (command.json && result.facts.is_object()) results.push_back(withoutPixels(result.facts));
-        files.add(std::move(result));
-    }
-    if (command.json)
-        out << nlohmann::json{{"device", device.info().name},
-                              {"driver", device.info().driver},
-                              {"scenes", std::move(results)}}
-                   .dump(2)
-            << '\n';
+    for (size_t i = 0; i < stems.size(); ++i) files.add(verifier.verify(command.scenes[i], stems[i]));
+    if (command.printsJson()) out << files.json();
     const size_t failed = files.count(SceneStatus::Failed), unread = files.count(SceneStatus::Error);
-    if (command.brief)
+    if (command.brief && !command.printsJson())
         out << counted(stems.size(), "scene") << ": " << files.count(SceneStatus::Passed) << " passed, "
             << failed << " failed, " << unread << " unreadable, " << files.count(SceneStatus::Skipped)
             << " skipped, " << formatSeconds(files.seconds()) << '\n';
     reportValidation(device, command.device, err);
     if (failed > 0)
         err << "glint: verify: " << failed << " of " << counted(stems.size(), "scene") << " failed\n";
-    if (unread > 0) return static_cast<int>(ExitCode::Scene);
-    return static_cast<int>(failed > 0 ? ExitCode::Difference : ExitCode::Done);
+    if (unread > 0) return ExitCode::Scene;
+    return failed > 0 ? ExitCode::Difference : ExitCode::Done;
 }
 
 }  // namespace
 
 Run verifyCommand(OptionTable& table) {
-    const auto command = std::make_shared<VerifyCommand>();
-    declare(table, *command);
-    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
+    return commandOf<VerifyCommand>(table, declare, run);
 }
 
 }  // namespace glint::app

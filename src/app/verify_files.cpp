@@ -1,50 +1,19 @@
 #include "app/verify_files.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <sstream>
 #include <utility>
 
+#include "app/common.h"
 #include "app/version.h"
 #include "core/file_io.h"
 #include "core/image_io.h"
 #include "core/text_file.h"
+#include "report/write.h"
 
 namespace glint::app {
 
 namespace {
-
-// XML 1.0 text: markup is escaped, and control characters, which XML cannot hold, become '?'.
-std::string xmlText(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            case '\n':
-                out += "&#10;";
-                break;
-            default:
-                out += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-        }
-    }
-    return out;
-}
-
-std::string secondsText(double seconds) {
-    char text[40];
-    std::snprintf(text, sizeof(text), "%.3f", seconds);
-    return text;
-}
 
 size_t countOf(const std::vector<SceneResult>& results, SceneStatus status) {
     return static_cast<size_t>(
@@ -58,22 +27,13 @@ double secondsOf(const std::vector<SceneResult>& results) {
 }
 
 void addTestCase(const SceneResult& result, std::string& out) {
-    out += "  <testcase classname=\"glint.verify\" name=\"" + xmlText(printable(result.scene)) +
-           "\" time=\"" + secondsText(result.seconds) + "\">";
-    const std::string message = xmlText(printable(result.message));
-    const std::string body = "message=\"" + message + "\">" + xmlText(result.details) + "</";
-    switch (result.status) {
-        case SceneStatus::Passed:
-            break;
-        case SceneStatus::Failed:
-            out += "\n    <failure " + body + "failure>\n  ";
-            break;
-        case SceneStatus::Error:
-            out += "\n    <error " + body + "error>\n  ";
-            break;
-        case SceneStatus::Skipped:
-            out += "\n    <skipped " + body + "skipped>\n  ";
-            break;
+    out += "  <testcase classname=\"glint.verify\" name=\"" + report::escapeMarkup(printable(result.scene)) +
+           "\" time=\"" + format("%.3f", result.seconds) + "\">";
+    if (result.status != SceneStatus::Passed) {
+        const std::string element =
+            result.status == SceneStatus::Failed ? "failure" : std::string(nameOf(result.status));
+        out += "\n    <" + element + " message=\"" + report::escapeMarkup(printable(result.message)) + "\">" +
+               report::escapeMarkup(result.details) + "</" + element + ">\n  ";
     }
     out += "</testcase>\n";
 }
@@ -99,7 +59,9 @@ std::string jsonText(const std::vector<SceneResult>& results, const std::string&
                                  {"glint", GLINT_VERSION},     {"device", device},
                                  {"driver", driver},           {"summary", std::move(summary)},
                                  {"scenes", std::move(scenes)}};
-    return file.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+    std::ostringstream text;
+    printJson(file, text);
+    return text.str();
 }
 
 std::string junitText(const std::vector<SceneResult>& results) {
@@ -110,7 +72,7 @@ std::string junitText(const std::vector<SceneResult>& results) {
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"glint verify\" tests=\"" +
         std::to_string(results.size()) + '"' + attribute("failures", SceneStatus::Failed) +
         attribute("errors", SceneStatus::Error) + attribute("skipped", SceneStatus::Skipped) + " time=\"" +
-        secondsText(secondsOf(results)) + "\">\n";
+        format("%.3f", secondsOf(results)) + "\">\n";
     for (const SceneResult& result : results) addTestCase(result, out);
     return out + "</testsuite>\n";
 }
@@ -124,8 +86,12 @@ VerifyFiles::VerifyFiles(std::filesystem::path json, std::filesystem::path junit
 
 void VerifyFiles::add(SceneResult result) {
     results_.push_back(std::move(result));
-    if (!json_.empty()) writeTextFile(json_, jsonText(results_, device_, driver_));
+    if (!json_.empty() && json_ != "-") writeTextFile(json_, json());
     if (!junit_.empty()) writeTextFile(junit_, junitText(results_));
+}
+
+std::string VerifyFiles::json() const {
+    return jsonText(results_, device_, driver_);
 }
 
 size_t VerifyFiles::count(SceneStatus status) const {

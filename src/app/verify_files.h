@@ -33,12 +33,13 @@ struct SceneResult {
 };
 
 // The files that the command line asked for, rewritten after each scene so that an interrupted run keeps the
-// results so far. Empty paths write nothing.
+// results so far. Empty paths and "-" write nothing.
 class VerifyFiles {
   public:
     VerifyFiles(std::filesystem::path json, std::filesystem::path junit, std::string device,
                 std::string driver);
     void add(SceneResult result);
+    std::string json() const;
     size_t count(SceneStatus status) const;
     double seconds() const;
 

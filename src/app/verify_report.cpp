@@ -1,9 +1,10 @@
 #include "app/verify_report.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
+
+#include "app/common.h"
 
 namespace glint::app {
 
@@ -47,54 +48,37 @@ Seen seenBy(const char* who, const reference::PixelRecord& r, const glm::dvec3& 
 }
 
 void printSeen(const Seen& s, std::ostream& out) {
-    char line[400];
-    int length = std::snprintf(line, sizeof(line), "      %-9s  color (%.6g %.6g %.6g)  ", s.who, s.color.x,
-                               s.color.y, s.color.z);
-    if (s.hit) {
-        length += std::snprintf(line + length, sizeof(line) - length,
-                                "object %u primitive %u t %.9g at (%.9g %.9g %.9g)  ", s.object, s.primitive,
-                                s.t, s.position.x, s.position.y, s.position.z);
-    } else {
-        length += std::snprintf(line + length, sizeof(line) - length, "miss  ");
-    }
-    std::snprintf(line + length, sizeof(line) - length, "bounces %u path %08x\n", s.bounces, s.pathHash);
-    out << line;
+    out << format("      %-9s  color (%.6g %.6g %.6g)  ", s.who, s.color.x, s.color.y, s.color.z);
+    if (s.hit)
+        out << format("object %u primitive %u t %.9g at (%.9g %.9g %.9g)  ", s.object, s.primitive, s.t,
+                      s.position.x, s.position.y, s.position.z);
+    else
+        out << "miss  ";
+    out << format("bounces %u path %08x\n", s.bounces, s.pathHash);
 }
 
 void printPixel(const verify::DifferingPixel& pixel, bool manySamples, const glm::dvec3& origin,
                 std::ostream& out) {
-    char line[160];
     out << "    pixel " << pixel.x << ',' << pixel.y;
     if (manySamples) out << " sample " << pixel.sample;
-    std::snprintf(line, sizeof(line), ": difference %.6g, %s", pixel.difference,
-                  std::string(nameOf(pixel.reason)).c_str());
-    out << line;
-    if (pixel.reason != verify::Reason::Unexplained && pixel.reason != verify::Reason::Undecided) {
-        std::snprintf(line, sizeof(line), " (%u open decisions, rays moved by at most %.3g x 2^-24)",
-                      pixel.openDecisions, pixel.ulps);
-        out << line;
-    }
+    out << format(": difference %.6g, ", pixel.difference) << nameOf(pixel.reason);
+    if (pixel.reason != verify::Reason::Unexplained && pixel.reason != verify::Reason::Undecided)
+        out << format(" (%u open decisions, rays moved by at most %.3g x 2^-24)", pixel.openDecisions,
+                      pixel.ulps);
     out << '\n';
     printSeen(seenBy(pixel), out);
     printSeen(seenBy("reference", pixel.reference, origin), out);
 }
 
 void printRepresentation(const verify::Representation& r, const glm::dvec3& origin, std::ostream& out) {
-    char line[400];
-    std::snprintf(
-        line, sizeof(line),
-        "    rounding the scene, by the reference alone: %llu pixels, RMSE %.3g, 99th percentile %.3g, max "
-        "%.3g; beyond what moved numbers predict: %llu explained (at most %llu), %llu unexplained\n",
-        static_cast<unsigned long long>(r.asked), r.rmse, r.p99, r.greatest,
-        static_cast<unsigned long long>(r.explained), static_cast<unsigned long long>(r.allowed),
-        static_cast<unsigned long long>(r.unexplained));
-    out << line;
+    out << "    rounding the scene, by the reference alone: " << r.asked
+        << format(" pixels, RMSE %.3g, 99th percentile %.3g, max %.3g", r.rmse, r.p99, r.greatest)
+        << "; beyond what moved numbers predict: " << r.explained << " explained (at most " << r.allowed
+        << "), " << r.unexplained << " unexplained\n";
     for (const verify::RepresentedPixel& pixel : r.worst) {
         if (pixel.explained) continue;
-        std::snprintf(line, sizeof(line),
-                      "    pixel %d,%d sample %zu: difference %.6g by packing, unexplained\n", pixel.x,
-                      pixel.y, pixel.sample, pixel.difference);
-        out << line;
+        out << "    pixel " << pixel.x << ',' << pixel.y << " sample " << pixel.sample
+            << format(": difference %.6g by packing, unexplained\n", pixel.difference);
         printSeen(seenBy("packed", pixel.rounded, origin), out);
         printSeen(seenBy("read", pixel.truth, origin), out);
     }
@@ -160,21 +144,16 @@ std::string verdict(const verify::Report& report) {
 
 void printReport(const std::string& scene, const verify::Report& report, const verify::Options& options,
                  const glm::dvec3& origin, std::ostream& out) {
-    const auto number = [](uint64_t value) { return static_cast<unsigned long long>(value); };
     const verify::Sensitivity& s = report.sensitivity;
-    out << scene << ": " << verdict(report) << '\n';
-    char line[400];
-    std::snprintf(line, sizeof(line),
-                  "    %llu pixels; beyond their predicted error: %llu edge, %llu rounding (at most %llu), "
-                  "%llu tie (at most %llu), %llu undecided, %llu unexplained\n"
-                  "    of %llu pixels the reference sees %.3g otherwise for rays moved by 2^-24, %llu by 32 "
-                  "times that\n"
-                  "    RMSE %.3g; where the paths agree: RMSE %.3g, max %.3g\n",
-                  number(report.pixels), number(report.edges), number(report.roundings),
-                  number(report.allowedOthers()), number(report.ties), number(report.allowedTies()),
-                  number(report.undecided), number(report.unexplained), number(s.tried), s.changedByOne(),
-                  number(s.changedWidely), report.rmse, report.rmseSamePath, report.maxSamePath);
-    out << line;
+    out << scene << ": " << verdict(report) << "\n    " << report.pixels
+        << " pixels; beyond their predicted error: " << report.edges << " edge, " << report.roundings
+        << " rounding (at most " << report.allowedOthers() << "), " << report.ties << " tie (at most "
+        << report.allowedTies() << "), " << report.undecided << " undecided, " << report.unexplained
+        << " unexplained\n    of " << s.tried << " pixels the reference sees "
+        << format("%.3g", s.changedByOne()) << " otherwise for rays moved by 2^-24, " << s.changedWidely
+        << " by 32 times that\n"
+        << format("    RMSE %.3g; where the paths agree: RMSE %.3g, max %.3g\n", report.rmse,
+                  report.rmseSamePath, report.maxSamePath);
     if (report.plainDiffers > 0)
         out << "    without layers " << report.plainDiffers << " pixels have other bits than with them\n";
     if (report.filmDiffers > 0)
@@ -183,18 +162,15 @@ void printReport(const std::string& scene, const verify::Report& report, const v
     if (report.lossesDiffer > 0)
         out << "    in " << report.lossesDiffer
             << " samples other reflections and refractions are not followed, or another bound is given of "
-               "what they "
-               "could bring\n";
-    std::snprintf(line, sizeof(line),
-                  "    kappa %.2g (%s): fp32 may err by %.2g, errs by %.2g, at most %.2g (99th percentile of "
-                  "the pixels)\n",
-                  s.kappa, std::string(nameOf(verify::classOf(s.kappa))).c_str(),
-                  s.kappa * verify::kFloatUnit, report.p99, report.allowedP99());
-    out << line;
+               "what they could bring\n";
+    out << format(
+        "    kappa %.2g (%s): fp32 may err by %.2g, errs by %.2g, at most %.2g (99th percentile of the "
+        "pixels)\n",
+        s.kappa, nameOf(verify::classOf(s.kappa)).data(), s.kappa * verify::kFloatUnit, report.p99,
+        report.allowedP99());
     if (report.representation) printRepresentation(*report.representation, origin, out);
-    for (size_t i = 0; i < std::min(report.worst.size(), kPrintedPixels); ++i) {
+    for (size_t i = 0; i < std::min(report.worst.size(), kPrintedPixels); ++i)
         printPixel(report.worst[i], options.samples.round > 1, origin, out);
-    }
 }
 
 nlohmann::json reportJson(const std::string& scene, const verify::Report& report) {
@@ -234,20 +210,13 @@ nlohmann::json reportJson(const std::string& scene, const verify::Report& report
     return json;
 }
 
-nlohmann::json withoutPixels(nlohmann::json report) {
-    report.erase("differingPixels");
-    return report;
-}
-
 std::string briefFigures(const nlohmann::json& report) {
     const nlohmann::json& arithmetic = report["arithmetic"];
     const uint64_t explained = arithmetic["edge"].get<uint64_t>() + arithmetic["rounding"].get<uint64_t>() +
                                arithmetic["tie"].get<uint64_t>();
-    char rmse[32];
-    std::snprintf(rmse, sizeof(rmse), "%.3g", arithmetic["rmse"].get<double>());
     return std::to_string(report["pixels"].get<uint64_t>()) + " pixels, " + std::to_string(explained) +
            " explained, " + std::to_string(arithmetic["unexplained"].get<uint64_t>()) +
-           " unexplained, RMSE " + rmse;
+           " unexplained, RMSE " + format("%.3g", arithmetic["rmse"].get<double>());
 }
 
 }  // namespace glint::app

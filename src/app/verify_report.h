@@ -20,7 +20,6 @@ std::string verdict(const verify::Report& report);
 
 // The same verdict and numbers, and the differing pixels that the report keeps.
 nlohmann::json reportJson(const std::string& scene, const verify::Report& report);
-nlohmann::json withoutPixels(nlohmann::json report);
 
 // The figures of one line, of what reportJson gives.
 std::string briefFigures(const nlohmann::json& report);

@@ -1,8 +1,6 @@
-#include <memory>
 
 #include "app/commands.h"
 #include "app/error_target.h"
-#include "app/exit_code.h"
 #include "app/option_groups.h"
 #include "core/error.h"
 #include "core/interrupt.h"
@@ -34,8 +32,8 @@ void declare(OptionTable& table, ViewCommand& c) {
     addDevice(table, c.device);
     table.whole("--frames", "N", "close after N frames", 1, 1'000'000, c.frames);
     table.choice<gpu::PresentMode>(
-        "--present", explainedChoices<gpu::PresentMode>() + "; fifo where the screen has no other", c.present,
-        "MODE");
+        "--present", explainedChoices<gpu::PresentMode>() + "; fifo where the screen has no other",
+        c.present);
     table.whole("--target", "MS", "milliseconds a frame to aim for while the camera moves", 1, 10'000,
                 c.pace);
     table.value("--scale", "X", "text and controls X times as large, 0.5 to 4 (default: as the screen asks)",
@@ -48,7 +46,7 @@ void declare(OptionTable& table, ViewCommand& c) {
 }
 
 #ifdef GLINT_WINDOW
-int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
+ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     checkErrorIsAsked(command.target);
     view::Options options;
     options.until.error = command.target.error.value_or(0);
@@ -72,10 +70,10 @@ int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     options.scale = command.scale;
     options.targetSeconds = command.pace * 1e-3;
     view::view(options, out, err);
-    return static_cast<int>(interrupted() ? ExitCode::Interrupted : ExitCode::Done);
+    return interrupted() ? ExitCode::Interrupted : ExitCode::Done;
 }
 #else
-int run(const ViewCommand&, std::ostream&, std::ostream&) {
+ExitCode run(const ViewCommand&, std::ostream&, std::ostream&) {
     throw Error(
         ErrorKind::Argument,
         "view: this glint was built without the window (GLINT_WINDOW is OFF, or GLFW or Dear ImGui was "
@@ -86,9 +84,7 @@ int run(const ViewCommand&, std::ostream&, std::ostream&) {
 }  // namespace
 
 Run viewCommand(OptionTable& table) {
-    const auto command = std::make_shared<ViewCommand>();
-    declare(table, *command);
-    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
+    return commandOf<ViewCommand>(table, declare, run);
 }
 
 }  // namespace glint::app

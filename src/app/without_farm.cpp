@@ -14,11 +14,11 @@ namespace {
 
 }  // namespace
 
-int renderPart(const RenderCommand&, std::ostream&, std::ostream&) {
+ExitCode renderPart(const RenderCommand&, std::ostream&, std::ostream&) {
     refuse("--part");
 }
 
-int renderFromCheckpoint(const RenderCommand&, std::ostream&, std::ostream&) {
+ExitCode renderFromCheckpoint(const RenderCommand&, std::ostream&, std::ostream&) {
     refuse("--checkpoint");
 }
 
@@ -26,7 +26,7 @@ bool isForRanks(const RenderCommand&) {
     return false;
 }
 
-int renderAmongRanks(const RenderCommand&, std::ostream&, std::ostream&) {
+ExitCode renderAmongRanks(const RenderCommand&, std::ostream&, std::ostream&) {
     refuse("mpirun");
 }
 
@@ -41,7 +41,7 @@ bool hasRanksModule() {
 }
 
 Run mergeCommand(OptionTable&) {
-    return [](std::ostream&, std::ostream&) -> int { refuse("merge"); };
+    return [](std::ostream&, std::ostream&) -> ExitCode { refuse("merge"); };
 }
 
 }  // namespace glint::app

@@ -111,6 +111,38 @@ const Nothing kCases[] = {
      std::string(kBall),
      {"--size", "1x1", "--spp", "16"},
      onlyBlack("the scene has neither lights nor ambient light")},
+    {"glassWithoutDepth",
+     R"("maxDepth": 1, "lights": [{"type": "point", "position": [0, 0, 5]}], "materials": {"glass": {"transmission": 1}},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "glass"}])",
+     {},
+     onlyBlack("what is seen shows only reflections and refractions, and maxDepth is 1; use --max-depth 5")},
+    {"mirrorOfThePlainBackground",
+     R"("background": [0.25, 0.5, 0.75], "materials": {"m": {"diffuse": 0, "mirror": 1}},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}])",
+     {},
+     "the objects look like the plain background, which they reflect or let pass; change the background or "
+     "the "
+     "materials"},
+    {"tooDark",
+     R"("lights": [{"type": "point", "position": [0, 0, 601], "falloff": "inverseSquare"}], )" +
+         std::string(kBall),
+     {},
+     "everything in the picture is too dark for 8 bits; the brightest value is 1.94e-06: use --exposure 18, "
+     "or a "
+     "format with floats such as .exr"},
+    {"darkButExposed",
+     R"("lights": [{"type": "point", "position": [0, 0, 601], "falloff": "inverseSquare"}], )" +
+         std::string(kBall),
+     {"--exposure", "18"},
+     ""},
+    {"tooBright",
+     R"("lights": [{"type": "point", "position": [0, 0, 601], "intensity": 50000}], "ambient": 100, )" +
+         std::string(kBall),
+     {},
+     "everything in the picture is too bright for 8 bits; the brightest value is 3.5e+04: use --exposure "
+     "-16, "
+     "or a "
+     "format with floats such as .exr"},
     {"onlyOneChannel",
      R"("lights": [{"type": "point", "position": [0, 0, 5], "intensity": [0, 0, 0.1]}], )" +
          std::string(kBall),

@@ -30,18 +30,6 @@ class Checkpoints : public FolderTest {
     std::vector<uint8_t> whole_;
 };
 
-// Formerly a way to share an image among processes.
-TEST_F(Checkpoints, JoinNamesItsReplacements) {
-    for (const std::vector<std::string>& option :
-         {std::vector<std::string>{"--join", "farm"}, {"--join=farm"}, {"--lease", "3"}}) {
-        const Ran ran = runGlint(with(option));
-        EXPECT_EQ(ran.code, 2);
-        EXPECT_EQ(ran.err, "glint: render: " + option[0].substr(0, option[0].find('=')) +
-                               " has been removed: use --part K/N and glint merge, mpirun, or --checkpoint; "
-                               "see glint render --help\n");
-    }
-}
-
 // Killed at any moment and started again until it is done.
 TEST_F(Checkpoints, AKilledProcessIsResumed) {
     const std::vector<std::string> args = with({"--checkpoint", "c.part", "-o", "all.pfm", "-q"});

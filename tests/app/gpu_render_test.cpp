@@ -7,7 +7,15 @@
 #include "import/load.h"
 #include "pack/packed_scene.h"
 #include "reference/render.h"
-#include "support.h"
+#include "render_cases.h"
+
+namespace glint::app::test::render_cases {
+namespace {
+
+INSTANTIATE_TEST_SUITE_P(Gpu, RenderEither, ::testing::Values("gpu"));
+
+}  // namespace
+}  // namespace glint::app::test::render_cases
 
 namespace glint::app::test::gpu_render_test {
 namespace {
@@ -26,13 +34,6 @@ class GpuRender : public FolderTest {
         EXPECT_EQ(ran.out + ran.err, "");
     }
 };
-
-TEST_F(GpuRender, SameBytesOnEveryRun) {
-    render({"-o", "1.exr", "--aov", "color,depth,cost", "--spp", "3"});
-    render({"-o", "2.exr", "--aov", "color,depth,cost", "--spp", "3"});
-    EXPECT_FALSE(readBytes("1.exr").empty());
-    EXPECT_EQ(readBytes("1.exr"), readBytes("2.exr"));
-}
 
 // The same samples of the same pixels, so the same rounds, and the picture of the reference but for rounding.
 TEST_F(GpuRender, AnErrorIsReachedAsTheReferenceReachesIt) {
@@ -68,20 +69,6 @@ TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {
     if (hasPackets()) {
         EXPECT_EQ(readBytes("lane.exr"), readBytes("packet.exr"));
     }
-}
-
-TEST_F(GpuRender, CropIsThePartOfTheWhole) {
-    render({"-o", "whole.pfm"});
-    render({"-o", "part.pfm", "--crop", "5,7,41,32"});
-    const Image whole = readImage("whole.pfm"), part = readImage("part.pfm");
-    ASSERT_EQ(std::pair(part.width, part.height), std::pair(36, 25));
-    int different = 0;
-    for (int y = 0; y < part.height; ++y) {
-        for (int x = 0; x < part.width; ++x) {
-            for (int c = 0; c < 3; ++c) different += part.at(x, y, c) == whole.at(x + 5, y + 7, c) ? 0 : 1;
-        }
-    }
-    EXPECT_EQ(different, 0);
 }
 
 // The object under each pixel's centre moved by (dx, dy) pixels, as the reference sees it.
@@ -179,8 +166,6 @@ TEST_F(Lavapipe, PacketsAreForManyRays) {
     EXPECT_EQ(walkOf({"--error", "0.5"}), "pack");
 }
 
-// Rays of whole paths walk by themselves: the name is that of their nodes, not of packets that the scene
-// could have. Of four million rays all leave the scene at once. A box has too few nodes.
 TEST_F(Lavapipe, IsListedAsTheChosenOne) {
     const Ran ran = runGlint({"devices"});
     EXPECT_EQ(ran.code, 0);
@@ -203,31 +188,6 @@ TEST_F(GpuRender, EmptyScene) {
     EXPECT_EQ(runGlint({"render", "b.json", "-o", "b.pfm", "-q"}).code, 0);
     const Image image = readImage("b.pfm");
     for (const float sample : image.pixels) ASSERT_EQ(sample, 0.5f);
-}
-
-// Wishes are in the request: an image has the bits of the image of a file that says the same, even if its own
-// file has no reflections.
-TEST_F(GpuRender, OptionsHaveTheBitsOfTheFile) {
-    const std::string rest = R"("background": [0.2, 0.4, 0.6], "ambient": 0.2,
-        "materials": {"m": {"diffuse": 0.2, "mirror": 0.7}},
-        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"},
-                    {"type": "sphere", "center": [1.5, 0.5, 1], "radius": 0.7, "material": "m"}])";
-    glint::test::writeText("a.json", sceneText(16, 12, R"("maxDepth": 0, )" + rest));
-    std::string text = sceneText(24, 18, R"("maxDepth": 3, )" + rest);
-    text.replace(text.find("\"width\""), 0, R"("samplesPerPixel": 4, "sampler": "jittered", "seed": 9, )");
-    glint::test::writeText("b.json", text);
-    const auto draw = [](std::vector<std::string> args) {
-        args.insert(args.begin(), "render");
-        args.insert(args.end(), {"--backend", "gpu", "-q"});
-        const Ran ran = runGlint(args);
-        EXPECT_EQ(ran.code, 0) << ran.err;
-    };
-    draw({"b.json", "-o", "b.pfm"});
-    draw({"a.json", "-o", "a.pfm", "--size", "24x18", "--max-depth", "3", "--spp", "4", "--sampler",
-          "jittered", "--seed", "9"});
-    EXPECT_EQ(readBytes("a.pfm"), readBytes("b.pfm"));
-    draw({"b.json", "-o", "c.pfm", "--max-depth", "0"});
-    EXPECT_NE(readBytes("c.pfm"), readBytes("b.pfm"));
 }
 
 }  // namespace

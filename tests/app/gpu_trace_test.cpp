@@ -2,12 +2,12 @@
 #include <cmath>
 #include <sstream>
 
-#include "support.h"
+#include "trace_cases.h"
 
-namespace glint::app::test::gpu_trace_test {
+namespace glint::app::test::trace_test {
 namespace {
 
-constexpr const char* kHeader = "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n";
+INSTANTIATE_TEST_SUITE_P(Gpu, Trace, ::testing::Values("gpu"));
 
 // The numbers of a line of hits; empty fields are NaN.
 std::vector<double> numbers(const std::string& line) {
@@ -37,37 +37,6 @@ class GpuTrace : public FolderTest {
     }
 };
 
-// Numbers that fp32 holds exactly.
-TEST_F(GpuTrace, KnownHits) {
-    EXPECT_EQ(trace("0,0,5,0,0,-1\n3,1,2,0,0,-1\n3,1,-2,0,0,1\n0,0,5,0,0,1\n0,0,5,0,0,-4\n0,0,5,0,0,-1,4\n0,"
-                    "0,5,0,0,-1,0,3.75\n"),
-              "1,4,0,0,0,0,0,0,1,0,0,1\n"
-              "1,2,0.5,0.25,1,0,3,1,0,0,0,1\n"
-              "1,2,0.5,0.25,1,0,3,1,0,0,0,1\n"
-              "0,,,,,,,,,,,\n"
-              "1,1,0,0,0,0,0,0,1,0,0,1\n"
-              "1,6,0,0,0,0,0,0,-1,0,0,-1\n"
-              "0,,,,,,,,,,,\n");
-}
-
-TEST_F(GpuTrace, RaysThatAreNoneMiss) {
-    EXPECT_EQ(trace("nan,0,5,0,0,-1\n0,0,5,0,0,inf\n0,0,5,0,0,0\n0,0,inf,0,0,-1\n0,0,5,0,0,-1,nan\n0,0,5,0,0,"
-                    "-1,0,nan\n"),
-              "0,,,,,,,,,,,\n0,,,,,,,,,,,\n0,,,,,,,,,,,\n0,,,,,,,,,,,\n0,,,,,,,,,,,\n0,,,,,,,,,,,\n");
-}
-
-TEST_F(GpuTrace, DirectionsOfAnyLength) {
-    for (const int exponent : {0, 32, 33, 64, 200, 900, -32, -33, -64, -200, -900}) {
-        char ray[96];
-        const double length = std::ldexp(1, exponent);
-        std::snprintf(ray, sizeof(ray), "0,0,5,0,0,%.17g,0,%.17g\n", -length, 4.5 / length);
-        const std::vector<double> hit = numbers(trace(ray));
-        ASSERT_EQ(hit[0], 1.0) << exponent;
-        EXPECT_NEAR(hit[1] * length, 4.0, 1e-8) << exponent;  // %.9g
-        EXPECT_EQ(hit[8], 1.0) << exponent;
-    }
-}
-
 // A bound of an fp32 hit on a surface of size 1 at distance 5, with a wide margin: 2^-20.
 TEST_F(GpuTrace, AgreesWithTheReference) {
     std::string rays = "# a fan\n";
@@ -91,25 +60,6 @@ TEST_F(GpuTrace, AgreesWithTheReference) {
     EXPECT_GT(hits, 20);
 }
 
-TEST_F(GpuTrace, AnyTellsHitsOnly) {
-    EXPECT_EQ(trace("0,0,5,0,0,-1\n0,0,5,0,0,1\n3,1,2,0,0,-1\n", {"--any"}),
-              "1,,,,,,,,,,,\n0,,,,,,,,,,,\n1,,,,,,,,,,,\n");
-}
-
-TEST_F(GpuTrace, NoRays) {
-    EXPECT_EQ(trace("# none\n"), "");
-}
-
-TEST_F(GpuTrace, PixelIsTheCameraRayOfItsCentre) {
-    EXPECT_EQ(runGlint({"trace", "a.json", "--pixel", "1,1"}).out,
-              std::string(kHeader) + "1,4,0,0,0,0,0,0,1,0,0,1\n");
-    EXPECT_EQ(runGlint({"trace", "a.json", "--pixel", "0,0"}).out, std::string(kHeader) + "0,,,,,,,,,,,\n");
-    EXPECT_EQ(runGlint({"trace", "a.json", "--pixel", "1,1", "--any"}).out,
-              std::string(kHeader) + "1,,,,,,,,,,,\n");
-    EXPECT_EQ(runGlint({"trace", "a.json", "--pixel", "0,0", "--any"}).out,
-              std::string(kHeader) + "0,,,,,,,,,,,\n");
-}
-
 TEST_F(GpuTrace, MissingDeviceLeavesStandardOutputEmpty) {
     writeText("r.csv", "0,0,5,0,0,-1\n");
     for (const std::vector<std::string>& what :
@@ -121,4 +71,4 @@ TEST_F(GpuTrace, MissingDeviceLeavesStandardOutputEmpty) {
 }
 
 }  // namespace
-}  // namespace glint::app::test::gpu_trace_test
+}  // namespace glint::app::test::trace_test

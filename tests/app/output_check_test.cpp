@@ -80,7 +80,7 @@ TEST_F(OutputCheck, ComesBeforeTheSceneIsRead) {
     const Ran ran = runGlint({"render", "no.json", "-o", "no/a.png"});
     EXPECT_EQ(ran.err, "glint: no/a.png: cannot write: there is no folder no\n");
     EXPECT_EQ(ran.code, 1);
-    EXPECT_EQ(runGlint({"verify", "a.json", "-o", "a.json"}).err,
+    EXPECT_EQ(runGlint({"verify", "a.json", "--artifacts", "a.json"}).err,
               "glint: a.json: cannot write: not a folder\n");
     EXPECT_EQ(runGlint({"diff", "no.png", "no.png", "-o", "no/d.png"}).err,
               "glint: no/d.png: cannot write: there is no folder no\n");

@@ -1,9 +1,10 @@
 // Man pages and completions, which are made from the option table: every command and option is in each, and
 // bash completes by them.
+#include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
 
-#include "app/command_list.h"
+#include "app/pages.h"
 #include "support.h"
 
 namespace glint::app::test::pages_test {
@@ -43,37 +44,33 @@ TEST_F(Pages, NameEveryCommandAndOption) {
     const std::string shells[] = {textOf("bash-completion/completions/glint"),
                                   textOf("zsh/vendor-completions/_glint"),
                                   textOf("fish/vendor_completions.d/glint.fish")};
-    const std::string program = textOf("man/man1/glint.1");
-    for (const CommandFacts& command : commandFacts()) {
-        EXPECT_NE(program.find("\n\\fB" + command.name + "\\fR\n"), std::string::npos) << command.name;
-        const std::string page = textOf("man/man1/glint-" + command.name + ".1");
-        EXPECT_FALSE(command.help.empty());
-        for (const OptionFacts& option : command.options) {
-            if (option.positional()) continue;
-            std::string name = option.names.substr(option.names.rfind("--"));
-            for (const std::string& shell : shells)
-                EXPECT_NE(shell.find(name.substr(2)), std::string::npos) << command.name << ' ' << name;
-            for (size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.insert(i, "\\");
-            EXPECT_NE(page.find(name), std::string::npos) << command.name << ' ' << name;
-            EXPECT_EQ(option.help.find('\n'), std::string::npos) << name;
-        }
-    }
-}
-
-TEST_F(Pages, AreTheSameAsHelp) {
-    for (const CommandFacts& command : commandFacts()) {
-        const std::string help = runGlint({command.name, "--help"}).out;
-        for (const OptionFacts& option : command.options) {
+    const std::string page = textOf("man/man1/glint.1");
+    CLI::App program;
+    bool verbose = false;
+    declareProgram(program, verbose);
+    ASSERT_EQ(commandsOf(program).size(), commands().size());
+    for (const CLI::App* command : commandsOf(program)) {
+        EXPECT_NE(page.find("\n\\fB" + command->get_name() + "\\fR\n"), std::string::npos);
+        const std::string man = textOf("man/man1/glint-" + command->get_name() + ".1");
+        const std::string help = runGlint({command->get_name(), "--help"}).out;
+        for (const Argument& argument : argumentsOf(*command)) {
+            std::string name = argument.names.back();
+            SCOPED_TRACE(command->get_name() + ' ' + name);
+            EXPECT_EQ(argument.help.find('\n'), std::string::npos);
+            EXPECT_NE(help.find(name), std::string::npos);
             // CLI11 wraps long texts, so only the first words are looked for.
-            const std::string words = option.help.substr(0, option.help.find(' '));
-            EXPECT_NE(help.find(words), std::string::npos) << command.name << ' ' << option.names;
+            EXPECT_NE(help.find(argument.help.substr(0, argument.help.find(' '))), std::string::npos);
+            for (const std::string& shell : shells)
+                EXPECT_TRUE(argument.positional || shell.find(name.substr(2)) != std::string::npos);
+            for (size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.insert(i, "\\");
+            EXPECT_NE(man.find(name), std::string::npos);
         }
     }
 }
 
 TEST_F(Pages, BashCompletes) {
     EXPECT_EQ(offered("ver"), "verify\n");
-    EXPECT_EQ(offered("--ver"), "--version\n--verbose\n");
+    EXPECT_EQ(offered("--ver"), "--verbose\n--version\n");
     EXPECT_EQ(offered("help de"), "devices\n");
     EXPECT_EQ(offered("render a.json --back"), "--backend\n");
     EXPECT_EQ(offered("render a.json --backend ''"), "gpu\ncpu\n");
@@ -101,7 +98,7 @@ TEST(Version, SaysWhatWasBuiltIn) {
         EXPECT_NE(text.find(line), std::string::npos) << line << text;
     const Ran alone = runGlint({"--verbose"});
     EXPECT_EQ(alone.code, 2);
-    EXPECT_EQ(alone.err, "glint: --verbose: says nothing without --version\n");
+    EXPECT_EQ(alone.err, "glint: --verbose requires --version\n");
 }
 
 }  // namespace

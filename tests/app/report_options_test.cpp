@@ -8,7 +8,7 @@ TEST(ReportArguments, AreChecked) {
     const std::pair<std::vector<std::string>, std::string> cases[] = {
         {{"report"}, "report: SCENE is missing; see glint report --help"},
         {{"report", "a.json"}, "report: --output is missing; see glint report --help"},
-        {{"report", "a.json", "-o", ""}, "--output: the folder's name is empty"},
+        {{"report", "a.json", "-o", ""}, "--output: the name is empty"},
         {{"report", "a.json", "-o", "x", "--repeats", "0"},
          "--repeats: expected a whole number from 1 to 1000, got \"0\""},
         {{"report", "a.json", "-o", "x", "--truth", "x"}, "--truth: expected gpu or cpu, got \"x\""},

@@ -1,0 +1,135 @@
+// `glint trace` with rays whose hits are known, and which fp32 holds exactly; trace_test.cpp and
+// gpu_trace_test.cpp run them on their backends.
+#pragma once
+
+#include <cmath>
+#include <cstdio>
+
+#include "support.h"
+
+namespace glint::app::test::trace_test {
+namespace {
+
+constexpr const char* kHeader = "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n";
+constexpr const char* kMiss = "0,,,,,,,,,,,\n";
+
+class Trace : public FolderTest, public ::testing::WithParamInterface<std::string> {
+  protected:
+    // A unit sphere at the origin, object 0, and the triangle (2,0,0) (4,0,0) (2,4,0), object 1.
+    void SetUp() override {
+        FolderTest::SetUp();
+        writeText("a.json",
+                  sceneText(3, 3, R"("objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1},
+            {"type": "triangle", "vertices": [[2, 0, 0], [4, 0, 0], [2, 4, 0]]}])"));
+    }
+
+    std::string trace(const std::string& rays, bool any = false) {
+        writeText("r.csv", rays);
+        std::vector<std::string> args = {"trace", "a.json", "--rays", "r.csv", "--backend", GetParam()};
+        if (any) args.push_back("--any");
+        const Ran ran = runGlint(args);
+        EXPECT_EQ(ran.code, 0) << ran.err;
+        EXPECT_EQ(ran.err, "");
+        EXPECT_TRUE(ran.out.starts_with(kHeader)) << ran.out;
+        return ran.out.substr(std::string(kHeader).size());
+    }
+};
+
+TEST_P(Trace, SphereFromOutsideInsideAndPast) {
+    EXPECT_EQ(trace("0,0,5,0,0,-1\n"), "1,4,0,0,0,0,0,0,1,0,0,1\n");
+    EXPECT_EQ(trace("0,0,0,0,0,-1\n"), "1,1,0,0,0,0,0,0,-1,0,0,-1\n");  // the normal stays the outward one
+    EXPECT_EQ(trace("0,0,-5,0,0,-1\n"), kMiss);
+}
+
+// P = (1-u-v)a + u b + v c: (3, 1, 0) is a + 1/2 (b-a) + 1/4 (c-a). The winding's normal is +z, from behind
+// too.
+TEST_P(Trace, TriangleHasBarycentricsAndTheWindingsNormal) {
+    EXPECT_EQ(trace("3,1,2,0,0,-1\n"), "1,2,0.5,0.25,1,0,3,1,0,0,0,1\n");
+    EXPECT_EQ(trace("3,1,-2,0,0,1\n"), "1,2,0.5,0.25,1,0,3,1,0,0,0,1\n");
+}
+
+TEST_P(Trace, TIsInUnitsOfTheDirection) {
+    EXPECT_EQ(trace("0,0,5,0,0,-4\n"), "1,1,0,0,0,0,0,0,1,0,0,1\n");
+    EXPECT_EQ(trace("0,0,5,0,0,-0.5\n"), "1,8,0,0,0,0,0,0,1,0,0,1\n");
+}
+
+TEST_P(Trace, BoundsOfT) {
+    EXPECT_EQ(trace("0,0,5,0,0,-1,0,4\n"), "1,4,0,0,0,0,0,0,1,0,0,1\n");  // tMin < t <= tMax
+    EXPECT_EQ(trace("0,0,5,0,0,-1,0,3.75\n"), kMiss);
+    EXPECT_EQ(trace("0,0,5,0,0,-1,4\n"), "1,6,0,0,0,0,0,0,-1,0,0,-1\n");
+    EXPECT_EQ(trace("0,0,5,0,0,-1,4,5\n"), kMiss);
+    EXPECT_EQ(trace("0,0,5,0,0,-1,0,inf\n"), "1,4,0,0,0,0,0,0,1,0,0,1\n");
+}
+
+TEST_P(Trace, RaysThatAreNoneMiss) {
+    EXPECT_EQ(trace("nan,0,5,0,0,-1\n0,0,5,0,0,inf\n0,0,5,0,0,0\n0,0,inf,0,0,-1\n0,0,5,nan,0,-1\n"
+                    "0,0,5,0,0,-1,nan\n0,0,5,0,0,-1,0,nan\n"),
+              std::string(kMiss) + kMiss + kMiss + kMiss + kMiss + kMiss + kMiss);
+}
+
+// Powers of two scale exactly: t must be 4 * 2^900 and 4 * 2^-900.
+TEST_P(Trace, DirectionsOfAnyLength) {
+    const auto scaled = [this](double length) {
+        char ray[64];
+        std::snprintf(ray, sizeof(ray), "0,0,5,0,0,%.17g,0,%.17g\n", -length, 4.5 / length);
+        const std::string line = trace(ray);
+        EXPECT_TRUE(line.starts_with("1,") && line.ends_with(",0,0,1\n")) << line;
+        return std::stod(line.substr(2)) * length;
+    };
+    const double tolerance = GetParam() == "cpu" ? 0 : 1e-8;  // %.9g
+    for (const int exponent : {0, 31, 32, 33, 60, 64, 200, 900, -31, -32, -33, -64, -200, -900})
+        EXPECT_NEAR(scaled(std::ldexp(1, exponent)), 4.0, tolerance) << exponent;
+}
+
+TEST_P(Trace, NoRays) {
+    writeText("r.csv", "# none\n");
+    const Ran ran = runGlint({"trace", "a.json", "--rays", "r.csv", "--backend", GetParam()});
+    EXPECT_EQ(ran.out, kHeader);
+    EXPECT_EQ(ran.err, "glint: warning: r.csv: holds no rays\n");
+}
+
+TEST_P(Trace, AnyTellsHitsOnly) {
+    EXPECT_EQ(trace("0,0,5,0,0,-1\n0,0,5,0,0,1\n0,0,5,0,0,-1,0,3\n3,1,2,0,0,-1\n", true),
+              std::string("1,,,,,,,,,,,\n") + kMiss + kMiss + "1,,,,,,,,,,,\n");
+}
+
+// The middle pixel of 3 x 3 looks along -z; the first one, at 45 degrees to each side of a 90 degree picture
+// times 2/3, sees nothing.
+TEST_P(Trace, PixelIsTheCameraRayOfItsCentre) {
+    const auto pixel = [](const std::string& where, bool any = false) {
+        std::vector<std::string> args = {"trace", "a.json", "--pixel", where, "--backend", GetParam()};
+        if (any) args.push_back("--any");
+        const Ran ran = runGlint(args);
+        EXPECT_EQ(ran.code, 0);
+        return ran.out.substr(std::string(kHeader).size());
+    };
+    EXPECT_EQ(pixel("1,1"), "1,4,0,0,0,0,0,0,1,0,0,1\n");
+    EXPECT_EQ(pixel("0,0"), kMiss);
+    EXPECT_EQ(pixel("1,1", true), "1,,,,,,,,,,,\n");
+    EXPECT_EQ(pixel("0,0", true), kMiss);
+}
+
+TEST_P(Trace, SizeIsThePicturesThatThePixelIsIn) {
+    const Ran ran = runGlint({"trace", "a.json", "--pixel", "4,4", "--size", "9x9", "--backend", GetParam()});
+    EXPECT_EQ(ran.out, std::string(kHeader) + "1,4,0,0,0,0,0,0,1,0,0,1\n");
+}
+
+// `object` is the index in the scene's list, also where another object comes first in the BVH; `primitive`
+// the face's.
+TEST_P(Trace, FacesAreNumberedAsInTheFile) {
+    writeText("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nf 1 2 3 4\nf 5 6 7\n");
+    writeText("a.json", sceneText(3, 3, R"("meshes": {"m": {"file": "m.obj"}}, "objects": [
+        {"type": "plane", "point": [0, 0, -9], "normal": [0, 0, 1]}, {"type": "mesh", "mesh": "m"}])"));
+    const std::string lines =
+        trace("0.75,0.25,1,0,0,-1\n0.25,0.75,1,0,0,-1\n5.75,0.5,1,0,0,-1\n9,9,1,0,0,-1\n");
+    std::vector<std::string> ids;
+    for (size_t start = 0; start < lines.size(); start = lines.find('\n', start) + 1) {
+        std::string line = lines.substr(start, lines.find('\n', start) - start);
+        for (int skipped = 0; skipped < 4; ++skipped) line.erase(0, line.find(',') + 1);
+        ids.push_back(line.substr(0, line.find(',', line.find(',') + 1)));
+    }
+    EXPECT_EQ(ids, (std::vector<std::string>{"1,0", "1,0", "1,1", "0,0"}));
+}
+
+}  // namespace
+}  // namespace glint::app::test::trace_test
