@@ -13,6 +13,9 @@ namespace glint::view {
 inline constexpr ImGuiWindowFlags kFixedWindow = ImGuiWindowFlags_NoResize |
                                                  ImGuiWindowFlags_NoSavedSettings |
                                                  ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+// With a text field that takes the keyboard when the window appears: since ImGui 1.89 NoNav prevents that.
+inline constexpr ImGuiWindowFlags kDialog =
+    ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse;
 inline const ImVec4 kRed(1.0f, 0.45f, 0.4f, 1.0f), kGreen(0.5f, 0.95f, 0.55f, 1.0f),
     kYellow(1.0f, 0.85f, 0.4f, 1.0f), kDim(0.68f, 0.68f, 0.72f, 1.0f);
 

@@ -59,7 +59,7 @@ void drawOpen(Gui& gui, Model& m) {
     ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.5f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
     ImGui::SetNextWindowSize(ImVec2(std::min(30 * line, size.x), std::min(26 * line, size.y)),
                              ImGuiCond_Appearing);
-    if (ImGui::Begin("open", &m.openVisible, kFixedWindow | ImGuiWindowFlags_NoCollapse)) {
+    if (ImGui::Begin("open", &m.openVisible, kDialog)) {
         if (ImGui::IsWindowAppearing()) m.openFiles = listFiles(m.openFolder);
         wrapped(m.openFolder.string(), kDim);
         ImGui::SetNextItemWidth(-4 * line);
@@ -103,8 +103,7 @@ void drawSaveAs(Gui& gui, Model& m) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetFontSize();
     ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.4f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
-    if (ImGui::Begin("save as", &m.saveAsVisible,
-                     kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse)) {
+    if (ImGui::Begin("save as", &m.saveAsVisible, kDialog | ImGuiWindowFlags_AlwaysAutoResize)) {
         ImGui::PushItemWidth(std::min(22 * line, size.x - 2 * line));
         if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
         const bool entered =
@@ -128,8 +127,7 @@ void drawSaveScene(Gui& gui, Model& m) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetFontSize();
     ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.4f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
-    if (ImGui::Begin("save scene", &m.saveSceneVisible,
-                     kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse)) {
+    if (ImGui::Begin("save scene", &m.saveSceneVisible, kDialog | ImGuiWindowFlags_AlwaysAutoResize)) {
         ImGui::PushItemWidth(std::min(22 * line, size.x - 2 * line));
         if (ImGui::IsWindowAppearing()) {
             std::snprintf(m.sceneName.data(), m.sceneName.size(), "%s-edited.json",
