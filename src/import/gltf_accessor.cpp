@@ -1,11 +1,10 @@
 #include "import/gltf_accessor.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "core/call_terms.h"
+#include "import/binary_numbers.h"
 
 namespace glint {
 
@@ -19,46 +18,19 @@ void takeMemory(GltfFile& file, const JsonCursor& accessor, uint64_t count, size
     file.files().take(2 * count * components * sizeof(double), file.name() + ": " + accessor.pointer());
 }
 
-enum ComponentType { kByte = 5120, kUnsignedByte, kShort, kUnsignedShort, kUnsignedInt = 5125, kFloat };
-
 struct Component {
-    int type = kFloat;
+    NumberType type = NumberType::Float32;
     bool normalized = false;
-    size_t size() const {
-        return type == kByte || type == kUnsignedByte ? 1 : type == kShort || type == kUnsignedShort ? 2 : 4;
-    }
+    size_t size() const { return sizeOf(type); }
 };
-
-template <typename T>
-T load(const char* bytes) {
-    char ordered[sizeof(T)];
-    std::memcpy(ordered, bytes, sizeof(T));
-    if constexpr (std::endian::native == std::endian::big) std::reverse(ordered, ordered + sizeof(T));
-    T value;
-    std::memcpy(&value, ordered, sizeof(T));
-    return value;
-}
 
 // Normalised integers: the table of section 3.11.
 double load(const Component& component, const char* bytes) {
-    const double norm = component.normalized ? 1 : 0;
-    const auto scaled = [norm](double value, double most) {
-        return norm == 0 ? value : std::max(value / most, -1.0);
-    };
-    switch (component.type) {
-        case kByte:
-            return scaled(load<int8_t>(bytes), 127);
-        case kUnsignedByte:
-            return scaled(load<uint8_t>(bytes), 255);
-        case kShort:
-            return scaled(load<int16_t>(bytes), 32767);
-        case kUnsignedShort:
-            return scaled(load<uint16_t>(bytes), 65535);
-        case kUnsignedInt:
-            return scaled(load<uint32_t>(bytes), 4294967295.0);
-        default:
-            return static_cast<double>(load<float>(bytes));
-    }
+    const double value = loadNumberAs<double>(component.type, bytes);
+    if (!component.normalized || !isInteger(component.type)) return value;
+    const size_t bits = 8 * sizeOf(component.type);
+    const bool isSigned = component.type == NumberType::Int8 || component.type == NumberType::Int16;
+    return std::max(value / (std::ldexp(1.0, static_cast<int>(bits - isSigned)) - 1), -1.0);
 }
 
 size_t componentsOf(const JsonCursor& type) {
@@ -70,11 +42,11 @@ size_t componentsOf(const JsonCursor& type) {
 }
 
 Component componentOf(const JsonCursor& object) {
+    constexpr int kByte = 5120, kFloat = 5126;  // the numbers between follow NumberType
     const JsonCursor type = object.require("componentType");
-    Component component;
-    component.type = type.integer(kByte, kFloat);
-    if (component.type == 5124) type.fail("there is no component type 5124");
-    return component;
+    const int number = type.integer(kByte, kFloat);
+    if (number == 5124) type.fail("there is no component type 5124");
+    return {static_cast<NumberType>(number - kByte)};
 }
 
 // `count` elements of `components` each, `stride` bytes apart, from a buffer view that must hold them all.
@@ -181,8 +153,8 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
 std::vector<uint32_t> readIndexAccessor(GltfFile& file, size_t index) {
     const GltfNumbers numbers = readAccessor(file, index, {"SCALAR"});
     const JsonCursor accessor = file.item(GltfList::Accessors, index);
-    const int type = componentOf(accessor).type;
-    if (type != kUnsignedByte && type != kUnsignedShort && type != kUnsignedInt)
+    const NumberType type = componentOf(accessor).type;
+    if (type != NumberType::Uint8 && type != NumberType::Uint16 && type != NumberType::Uint32)
         accessor.require("componentType").failWanted("vertex indices must be of an unsigned type");
     std::vector<uint32_t> indices(numbers.values.size());
     std::transform(numbers.values.begin(), numbers.values.end(), indices.begin(),

@@ -20,11 +20,6 @@ Interpolation interpolationOf(const JsonCursor& sampler) {
     name->failWanted("must be LINEAR, STEP or CUBICSPLINE");
 }
 
-size_t indexIn(const JsonCursor& object, std::string_view key) {
-    const JsonCursor reference = object.require(key);
-    return static_cast<size_t>(reference.integer(0, std::numeric_limits<int>::max()));
-}
-
 void checkKeyframes(const JsonCursor& sampler, const Keyframes& keyframes) {
     const std::vector<double>& times = keyframes.times;
     if (times.empty()) sampler.fail("has no keyframes");
@@ -79,8 +74,9 @@ std::optional<GltfChannel> readChannel(GltfFile& file, const JsonCursor& sampler
         target.require("path").failWanted("must be translation, rotation, scale or weights");
     if (file.item(GltfList::Nodes, result.node).find("matrix"))
         node->fail("a node with a matrix cannot be animated");
-    const size_t index = indexIn(channel, "sampler");
-    if (index >= samplers.size()) channel.require("sampler").fail("there is no such sampler");
+    const JsonCursor reference = channel.require("sampler");
+    const auto index = static_cast<size_t>(reference.integer(0, std::numeric_limits<int>::max()));
+    if (index >= samplers.size()) reference.fail("there is no such sampler");
     result.keyframes = readSampler(file, samplers.item(index), path == "rotation");
     return result;
 }
@@ -100,8 +96,7 @@ std::vector<GltfChannel> readGltfChannels(GltfFile& file) {
             if (auto channel = readChannel(file, samplers, channels.item(i)))
                 result.push_back(std::move(*channel));
     } catch (const Error& error) {
-        const std::string what = error.what(), name = file.name() + ": ";
-        file.warn(what.substr(what.starts_with(name) ? name.size() : 0) + "; nothing is animated");
+        file.warnOf(error, "nothing is animated");
         result.clear();
     }
     return result;
@@ -117,8 +112,8 @@ AnimationSpan spanOf(const std::vector<GltfChannel>& channels) {
     return span;
 }
 
-std::map<size_t, GltfPlace> placesAt(const std::vector<GltfChannel>& channels, double time) {
-    std::map<size_t, GltfPlace> places;
+GltfPlaces placesAt(const std::vector<GltfChannel>& channels, double time) {
+    GltfPlaces places;
     for (const GltfChannel& channel : channels)
         places[channel.node].*channel.path = valueAt(channel.keyframes, time);
     return places;

@@ -14,7 +14,9 @@ namespace glint {
 // Animated transform of a node. A part that is absent keeps the value of the node's file.
 struct GltfPlace {
     std::optional<std::vector<double>> translation, rotation, scale;  // 3, 4 (x y z w) and 3 numbers
+    bool operator==(const GltfPlace&) const = default;
 };
+using GltfPlaces = std::map<size_t, GltfPlace>;  // by node
 
 struct GltfChannel {
     size_t node = 0;
@@ -28,7 +30,6 @@ std::vector<GltfChannel> readGltfChannels(GltfFile& file);
 
 AnimationSpan spanOf(const std::vector<GltfChannel>& channels);
 
-// By node.
-std::map<size_t, GltfPlace> placesAt(const std::vector<GltfChannel>& channels, double time);
+GltfPlaces placesAt(const std::vector<GltfChannel>& channels, double time);
 
 }  // namespace glint

@@ -1,14 +1,14 @@
 #include "import/gltf_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
+#include "import/binary_numbers.h"
 #include "import/gltf_compression.h"
+#include "import/text_scanner.h"
 
 namespace glint {
 
@@ -36,9 +36,7 @@ bool supported(std::string_view extension) {
 }
 
 uint32_t word(std::string_view bytes, size_t at) {
-    uint32_t value = 0;
-    for (size_t i = 0; i < 4; i++) value |= uint32_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
-    return value;
+    return loadNumber<uint32_t>(bytes.data() + at);
 }
 
 int base64Digit(char c) {
@@ -95,7 +93,7 @@ GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
     const bool binary = bytes_.starts_with("glTF");
     if (binary) openBinary();
     if (!binary && lowerExtension(path) == ".glb" && !std::string_view(text_).starts_with('{'))
-        throw Error(ErrorKind::Scene, name_ + ": neither GLB, which starts with \"glTF\", nor glTF's JSON");
+        failFile(name_, "neither GLB, which starts with \"glTF\", nor glTF's JSON");
     {
         const ProgressPart part(0, 0.2);
         document_ = parseJson(text_, name_);
@@ -110,7 +108,7 @@ GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
 // Header and chunks of a .glb: the specification, section 4.4.
 void GltfFile::openBinary() {
     const auto fail = [this](size_t at, const std::string& what) {
-        throw Error(ErrorKind::Scene, name_ + ": byte " + std::to_string(at) + ": " + what);
+        failFile(name_, "byte " + std::to_string(at) + ": " + what);
     };
     if (bytes_.size() < 20) fail(bytes_.size(), "the file ends within its header");
     if (word(bytes_, 4) != 2)

@@ -66,10 +66,10 @@ class MeshReader {
             });
         const auto material = primitive.find("material");
         const GltfMaterials::Use use = materials_.use(material);
-        const Range positions = readPositions(*position);
+        const Range positions = append(mesh_.positions, positions_, *position, {"VEC3"}, vector);
         tellProgress(0.3);
         const auto normal = attributes.find("NORMAL");
-        const Range normals = normal ? readNormals(*normal) : Range{};
+        const Range normals = normal ? append(mesh_.normals, normals_, *normal, {"VEC3"}, vector) : Range{};
         const std::string uvName = "TEXCOORD_" + std::to_string(use.texCoord);
         const auto uv = use.needsTexCoord ? attributes.find(uvName) : std::nullopt;
         if (use.needsTexCoord && !uv)
@@ -153,12 +153,6 @@ class MeshReader {
 
     static glm::dvec3 vector(const double* v, size_t) { return {v[0], v[1], v[2]}; }
 
-    Range readPositions(const JsonCursor& reference) {
-        return append(mesh_.positions, positions_, reference, {"VEC3"}, vector);
-    }
-    Range readNormals(const JsonCursor& reference) {
-        return append(mesh_.normals, normals_, reference, {"VEC3"}, vector);
-    }
     Range readUvs(const JsonCursor& reference, const GltfMaterials::Use& use) {
         const GltfUvTransform turn = use.turned.value_or(GltfUvTransform{});
         std::map<size_t, Range>& known = use.turned ? turnedUvs_[use.material] : uvs_;

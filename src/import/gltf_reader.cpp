@@ -88,8 +88,11 @@ class GltfScene::Reader {
         return {std::move(scene_), hasCamera};
     }
 
-    void show(double time, Scene& scene) {
-        places_ = placesAt(channels_, time);
+    const std::vector<GltfChannel>& channels() const { return channels_; }
+    bool movesObjects() const { return movesObjects_; }
+
+    void show(const GltfPlaces& places, Scene& scene) {
+        places_ = places;
         scene_ = {};
         scene_.image = restImage_;
         instances_.clear();
@@ -147,8 +150,9 @@ class GltfScene::Reader {
             const bool moves =
                 visit.moves || std::any_of(channels_.begin(), channels_.end(),
                                            [&](const auto& c) { return c.node == visit.node; });
-            const bool shows = node.find("mesh") || node.find("camera") || node.find("extensions");
-            moves_ = moves_ || (moves && shows);
+            const bool showsObjects = node.find("mesh") || node.find("extensions");
+            movesObjects_ = movesObjects_ || (moves && showsObjects);
+            moves_ = moves_ || (moves && (showsObjects || node.find("camera")));
             readNode(node, visit.node, place);
             if (const auto children = node.find("children")) push(*children, place, moves, stack);
         }
@@ -386,8 +390,9 @@ class GltfScene::Reader {
     Scene scene_;
     const ImageSettings restImage_;
     std::vector<GltfChannel> channels_;
-    bool moves_ = false;                  // the animation moves something that is shown
-    std::map<size_t, GltfPlace> places_;  // of the time that is shown; empty: the file's
+    bool moves_ = false;         // the animation moves something that is shown
+    bool movesObjects_ = false;  // and not only cameras
+    GltfPlaces places_;          // of the time that is shown; empty: the file's
     std::map<size_t, std::shared_ptr<const Mesh>> meshes_;
     std::vector<Instance> instances_;
     std::set<std::string> cameraNames_;
@@ -403,8 +408,16 @@ ImportedScene GltfScene::take() {
     return reader_->read();
 }
 
-void GltfScene::show(double time, Scene& scene) {
-    reader_->show(time, scene);
+GltfPlaces GltfScene::placesAt(double time) const {
+    return glint::placesAt(reader_->channels(), time);
+}
+
+void GltfScene::show(const GltfPlaces& places, Scene& scene) {
+    reader_->show(places, scene);
+}
+
+bool GltfScene::movesObjects() const {
+    return reader_->movesObjects();
 }
 
 ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files) {

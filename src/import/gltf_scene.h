@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "import/gltf_animation.h"
 #include "import/readers.h"
 
 namespace glint {
@@ -18,9 +19,13 @@ class GltfScene {
     // Returns the scene that was read; call it once.
     ImportedScene take();
 
-    // Puts objects, and lights and cameras if the file has any, into `scene` as they are at that time in
-    // seconds; all else stays. Not yet validated.
-    void show(double time, Scene& scene);
+    // Transforms of the animated nodes at a time in seconds.
+    GltfPlaces placesAt(double time) const;
+    // Puts objects, and lights and cameras if the file has any, into `scene` as these transforms place them;
+    // all else stays. Not yet validated.
+    void show(const GltfPlaces& places, Scene& scene);
+    // False if the animation moves only cameras.
+    bool movesObjects() const;
 
   private:
     class Reader;

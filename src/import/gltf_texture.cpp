@@ -25,14 +25,10 @@ double srgbEncoded(double linear) {
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
-bool startsWith(std::string_view bytes, std::string_view magic, size_t at = 0) {
-    return bytes.size() >= at + magic.size() && bytes.substr(at, magic.size()) == magic;
-}
-
 // PNG and JPEG are all that glTF itself allows, WebP is an extension.
 bool known(std::string_view bytes) {
-    return startsWith(bytes, "WEBP", 8) || startsWith(bytes, "\x89PNG\r\n\x1a\n") ||
-           startsWith(bytes, "\xff\xd8\xff");
+    return bytes.substr(0, 12).ends_with("WEBP") || bytes.starts_with("\x89PNG\r\n\x1a\n") ||
+           bytes.starts_with("\xff\xd8\xff");
 }
 
 }  // namespace

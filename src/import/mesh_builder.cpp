@@ -4,16 +4,20 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/error.h"
 #include "core/quantize.h"
 #include "core/text_file.h"
 #include "import/polygon_split.h"
+#include "import/text_scanner.h"
 
 namespace glint {
 
 namespace {
 
-constexpr glm::uvec3 kNoNormals(Mesh::kNoIndex);
+constexpr glm::uvec3 kNoCorners(Mesh::kNoIndex);
+
+bool areNone(const std::vector<glm::uvec3>& corners) {
+    return std::ranges::all_of(corners, [](const glm::uvec3& c) { return c == kNoCorners; });
+}
 
 std::string counted(size_t count, const char* singular, const char* plural) {
     return std::to_string(count) + " " + (count == 1 ? singular : plural);
@@ -37,7 +41,7 @@ void MeshBuilder::reserve(size_t triangles) {
 
 void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material) {
     const auto pick = [&](const std::vector<uint32_t>& from) {
-        return from.empty() ? kNoNormals : glm::uvec3(from[a], from[b], from[c]);
+        return from.empty() ? kNoCorners : glm::uvec3(from[a], from[b], from[c]);
     };
     mesh_.corners.push_back(pick(corners_));
     if (!normals.empty()) mesh_.normalCorners.push_back(pick(normalCorners_));
@@ -124,12 +128,11 @@ void MeshBuilder::dropBadNormals() {
         return !std::isfinite(n.x) || !std::isfinite(n.y) || !std::isfinite(n.z);
     };
     for (glm::uvec3& corners : mesh_.normalCorners) {
-        if (corners == kNoNormals || !(bad(corners.x) || bad(corners.y) || bad(corners.z))) continue;
-        corners = kNoNormals;
+        if (corners == kNoCorners || !(bad(corners.x) || bad(corners.y) || bad(corners.z))) continue;
+        corners = kNoCorners;
         badNormals_++;
     }
-    const auto none = [](const glm::uvec3& corners) { return corners == kNoNormals; };
-    if (std::all_of(mesh_.normalCorners.begin(), mesh_.normalCorners.end(), none)) {
+    if (areNone(mesh_.normalCorners)) {
         mesh_.normalCorners.clear();
         normals.clear();
     }
@@ -150,18 +153,16 @@ void MeshBuilder::assignDefaultMaterial(std::vector<Material>& materials) {
 }
 
 void MeshBuilder::finishAttributes() {
-    const auto none = [](const glm::uvec3& corners) { return corners == kNoNormals; };
     for (auto* list : {&mesh_.uvCorners, &mesh_.colorCorners})
-        if (std::all_of(list->begin(), list->end(), none)) list->clear();
+        if (areNone(*list)) list->clear();
     if (!mesh_.uvCorners.empty()) mesh_.uvs = std::move(uvs);
     if (!mesh_.colorCorners.empty()) mesh_.colors = std::move(colors);
 }
 
 ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> materials,
                                  std::vector<std::string> warnings) {
-    if (polygons_ == 0)
-        throw Error(ErrorKind::Scene, file + ": holds no faces; points and lines cannot be rendered");
-    if (mesh_.corners.empty()) throw Error(ErrorKind::Scene, file + ": no face has three different vertices");
+    if (polygons_ == 0) failFile(file, "holds no faces; points and lines cannot be rendered");
+    if (mesh_.corners.empty()) failFile(file, "no face has three different vertices");
     dropBadNormals();
     decodeColors(file, warnings);
     finishAttributes();

@@ -1,6 +1,5 @@
 // MTL, the materials of OBJ files (Wavefront, Advanced Visualizer manual, B1; P. Bourke's transcript).
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -41,12 +40,6 @@ constexpr ValueRange kNumbers[] = {{"ns", 0, kMaxShininess, 0},
 constexpr ValueRange kColors[] = {
     {"ka", 0, kMaxColor, 0}, {"kd", 0, kMaxColor, 0.8}, {"ks", 0, kMaxColor, 0}, {"tf", 0, kMaxColor, 0}};
 
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return result;
-}
-
 bool readNumber(std::string_view word, double& value) {
     const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     return !word.empty() && error == std::errc() && stop == word.data() + word.size();
@@ -71,7 +64,7 @@ class MtlReader {
   private:
     void readLine(const std::string& word) {
         if (word.empty()) return;
-        const std::string key = lower(word);
+        const std::string key = lowerCase(word);
         if (key == "newmtl") {
             materials_.push_back({std::string(scanner_.restOfLine()), {}, {}, {}});
             return;

@@ -66,8 +66,7 @@ class NffReader {
     }
 
     double number(const char* owner) {
-        if (!scanner_.skipToWord()) scanner_.fail(std::string("the file ends within ") + owner);
-        const double value = scanner_.number(owner);
+        const double value = scanner_.numberPastLines(owner);
         if (!std::isfinite(value)) scanner_.fail(std::string(owner) + " has a number that is not finite");
         return value;
     }

@@ -2,6 +2,7 @@
 // "0,8" as 0, lets indices run past the end of the arrays, tells no line numbers, and its numbers are off by
 // some last bits.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <map>
 #include <set>
@@ -22,12 +23,11 @@ constexpr int64_t kNone = -1;
 constexpr int64_t kMissing = int64_t{1} << 40;  // of a list that has no items so far
 constexpr Color kWhite = MeshBuilder::kNoColor;
 
-// A face corner; indices count from 0 and may be out of range, as a face may come before its vertices.
-struct Corner {
-    int64_t vertex = kNone;
-    int64_t uv = kNone;
-    int64_t normal = kNone;
-};
+// Indices of a face corner by kind. They count from 0 and may be out of range, as a face may come before its
+// vertices.
+enum Kind { kVertex, kUv, kNormal };
+constexpr const char* kKinds[] = {"vertex", "texture vertex", "normal"};
+using Corner = std::array<int64_t, 3>;
 
 struct Face {
     size_t firstCorner;
@@ -121,33 +121,38 @@ class ObjReader {
 
     // v, v/vt, v//vn or v/vt/vn; slashes with nothing behind them are let pass, some exporters write them.
     Corner readCorner(std::string_view word) {
-        Corner corner;
+        Corner corner = {kNone, kNone, kNone};
         const char* at = word.data();
         const char* end = at + word.size();
         const auto slash = [&] { return at < end && *at == '/' && ++at < end; };
-        corner.vertex = readIndex(at, end, word, "vertex", builder_.positions.size());
+        corner[kVertex] = readIndex(at, end, word, kVertex);
         if (slash()) {
-            if (*at != '/') corner.uv = readIndex(at, end, word, "texture vertex", builder_.uvs.size());
-            if (slash()) corner.normal = readIndex(at, end, word, "normal", builder_.normals.size());
+            if (*at != '/') corner[kUv] = readIndex(at, end, word, kUv);
+            if (slash()) corner[kNormal] = readIndex(at, end, word, kNormal);
         }
         if (at != end) badCorner(word);
         return corner;
     }
 
+    // Items of a kind so far.
+    int64_t countOf(size_t kind) const {
+        return static_cast<int64_t>(kind == kVertex ? builder_.positions.size()
+                                    : kind == kUv   ? builder_.uvs.size()
+                                                    : builder_.normals.size());
+    }
+
     // An index that ends at a slash or at the word's end, counted from 0.
-    int64_t readIndex(const char*& at, const char* end, std::string_view word, const char* what,
-                      size_t count) {
+    int64_t readIndex(const char*& at, const char* end, std::string_view word, Kind kind) {
         int64_t index = 0;
         const auto [stop, error] = std::from_chars(at, end, index);
         if (error != std::errc() || (stop != end && *stop != '/')) badCorner(word);
         at = stop;
         if (index > 0) return index - 1;
-        const auto have =
-            static_cast<int64_t>(count);  // negative indices count back from the last one so far
+        const int64_t have = countOf(kind);  // negative indices count back from the last one so far
         if (index < 0 && index >= -have) return have + index;
         if (index < 0 && have == 0 && !builder_.positions.empty()) return kMissing;
         scanner_.fail(
-            std::string("face uses ") + what + " " + std::to_string(index) +
+            std::string("face uses ") + kKinds[kind] + " " + std::to_string(index) +
             (index == 0 ? ", indices start at 1" : ", there are " + std::to_string(have) + " so far"));
     }
 
@@ -216,53 +221,38 @@ class ObjReader {
     }
 
     // Faces may name texture vertices and normals that the file leaves out altogether.
-    void dropMissing(int64_t Corner::*index, const char* what) {
-        const auto names = [&](const Corner& corner) { return corner.*index != kNone; };
+    void dropMissing(Kind kind, const char* what) {
+        const auto names = [&](const Corner& corner) { return corner[kind] != kNone; };
         if (std::none_of(corners_.begin(), corners_.end(), names)) return;
-        for (Corner& corner : corners_) corner.*index = kNone;
+        for (Corner& corner : corners_) corner[kind] = kNone;
         warnings_.push_back(path_.string() + ": faces name " + what +
                             ", but the file has none; drawn without them");
     }
 
     void checkIndices() {
-        if (builder_.uvs.empty()) dropMissing(&Corner::uv, "texture vertices (vt)");
-        if (builder_.normals.empty()) dropMissing(&Corner::normal, "normals (vn)");
-        const auto vertexCount = static_cast<int64_t>(builder_.positions.size());
-        const auto uvCount = static_cast<int64_t>(builder_.uvs.size());
-        const auto normalCount = static_cast<int64_t>(builder_.normals.size());
-        for (const Face& face : faces_) {
-            for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++) {
-                if (corners_[i].vertex >= vertexCount)
-                    failIndex(face, "vertex", corners_[i].vertex, vertexCount);
-                if (corners_[i].uv >= uvCount) failIndex(face, "texture vertex", corners_[i].uv, uvCount);
-                if (corners_[i].normal >= normalCount)
-                    failIndex(face, "normal", corners_[i].normal, normalCount);
-            }
-        }
-        if (builder_.positions.size() >= Mesh::kNoIndex || builder_.normals.size() >= Mesh::kNoIndex ||
-            builder_.uvs.size() >= Mesh::kNoIndex)
-            scanner_.fail("more than 2^32 - 2 vertices");
-    }
-
-    [[noreturn]] void failIndex(const Face& face, const char* what, int64_t index, int64_t count) const {
-        scanner_.failAt(face.line, std::string("face uses ") + what + " " + std::to_string(index + 1) +
-                                       ", the file has " + std::to_string(count));
+        if (builder_.uvs.empty()) dropMissing(kUv, "texture vertices (vt)");
+        if (builder_.normals.empty()) dropMissing(kNormal, "normals (vn)");
+        for (const Face& face : faces_)
+            for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++)
+                for (const Kind kind : {kVertex, kUv, kNormal})
+                    if (corners_[i][kind] >= countOf(kind))
+                        scanner_.failAt(face.line, std::string("face uses ") + kKinds[kind] + " " +
+                                                       std::to_string(corners_[i][kind] + 1) +
+                                                       ", the file has " + std::to_string(countOf(kind)));
+        for (const Kind kind : {kVertex, kUv, kNormal})
+            if (countOf(kind) >= int64_t{Mesh::kNoIndex}) scanner_.fail("more than 2^32 - 2 vertices");
     }
 
     void addFace(const Face& face) {
-        vertexScratch_.clear();
-        normalScratch_.clear();
-        uvScratch_.clear();
-        for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++) {
-            vertexScratch_.push_back(static_cast<uint32_t>(corners_[i].vertex));
-            if (corners_[i].uv != kNone) uvScratch_.push_back(static_cast<uint32_t>(corners_[i].uv));
-            if (corners_[i].normal != kNone)
-                normalScratch_.push_back(static_cast<uint32_t>(corners_[i].normal));
+        for (const Kind kind : {kVertex, kUv, kNormal}) {
+            std::vector<uint32_t>& list = scratch_[kind];
+            list.clear();
+            for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++)
+                if (corners_[i][kind] != kNone) list.push_back(static_cast<uint32_t>(corners_[i][kind]));
+            if (list.size() != face.cornerCount) list.clear();  // some have none: flat
         }
-        if (normalScratch_.size() != vertexScratch_.size()) normalScratch_.clear();  // some have none: flat
-        if (uvScratch_.size() != vertexScratch_.size()) uvScratch_.clear();
-        MeshBuilder::Corners corners{vertexScratch_, normalScratch_, uvScratch_};
-        if (!builder_.colors.empty()) corners.colors = vertexScratch_;
+        MeshBuilder::Corners corners{scratch_[kVertex], scratch_[kNormal], scratch_[kUv]};
+        if (!builder_.colors.empty()) corners.colors = scratch_[kVertex];
         builder_.addPolygon(corners, face.material);
     }
 
@@ -283,7 +273,7 @@ class ObjReader {
     IgnoredNames ignored_;
     std::vector<std::string> warnings_;
     uint32_t material_ = Mesh::kNoIndex;
-    std::vector<uint32_t> vertexScratch_, normalScratch_, uvScratch_;
+    std::array<std::vector<uint32_t>, 3> scratch_;  // of addFace
 };
 
 }  // namespace

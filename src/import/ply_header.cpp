@@ -1,9 +1,7 @@
 #include "import/ply_header.h"
 
 #include <algorithm>
-#include <array>
 #include <set>
-#include <utility>
 
 #include "core/error.h"
 #include "import/text_scanner.h"
@@ -12,18 +10,15 @@ namespace glint {
 
 namespace {
 
-constexpr std::pair<std::string_view, PlyType> kTypeNames[] = {
-    {"char", PlyType::Int8},      {"uchar", PlyType::Uint8},    {"short", PlyType::Int16},
-    {"ushort", PlyType::Uint16},  {"int", PlyType::Int32},      {"uint", PlyType::Uint32},
-    {"float", PlyType::Float32},  {"double", PlyType::Float64}, {"int8", PlyType::Int8},
-    {"uint8", PlyType::Uint8},    {"int16", PlyType::Int16},    {"uint16", PlyType::Uint16},
-    {"int32", PlyType::Int32},    {"uint32", PlyType::Uint32},  {"float32", PlyType::Float32},
-    {"float64", PlyType::Float64}};
+// Names of each type: those of 1994, and those that name the size.
+constexpr std::string_view kTypeNames[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                              {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                              {"float", "float32"}, {"double", "float64"}};
 
-PlyType readType(TextScanner& line) {
+NumberType readType(TextScanner& line) {
     const std::string_view word = line.word();
-    for (const auto& [name, type] : kTypeNames)
-        if (word == name) return type;
+    for (size_t i = 0; i < std::size(kTypeNames); i++)
+        if (word == kTypeNames[i][0] || word == kTypeNames[i][1]) return static_cast<NumberType>(i);
     line.fail("unknown property type \"" + std::string(word) + "\"");
 }
 
@@ -76,15 +71,6 @@ size_t findBody(std::string_view bytes) {
 }
 
 }  // namespace
-
-size_t sizeOf(PlyType type) {
-    constexpr std::array<size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-    return kSizes[static_cast<size_t>(type)];
-}
-
-bool isInteger(PlyType type) {
-    return type != PlyType::Float32 && type != PlyType::Float64;
-}
 
 int PlyElement::find(std::string_view property) const {
     const auto at = std::find_if(properties.begin(), properties.end(),

@@ -7,18 +7,15 @@
 #include <string_view>
 #include <vector>
 
+#include "import/binary_numbers.h"
+
 namespace glint {
-
-enum class PlyType : uint8_t { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 };
-
-size_t sizeOf(PlyType type);
-bool isInteger(PlyType type);
 
 struct PlyProperty {
     std::string name;
-    PlyType type = PlyType::Float32;
+    NumberType type = NumberType::Float32;
     bool isList = false;
-    PlyType countType = PlyType::Uint8;  // of a list
+    NumberType countType = NumberType::Uint8;  // of a list
 };
 
 struct PlyElement {

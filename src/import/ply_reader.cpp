@@ -64,9 +64,7 @@ class PlyBody {
         if (faces == 0) fail("holds no faces; a point cloud cannot be rendered");
     }
 
-    [[noreturn]] void fail(const std::string& what) const {
-        throw Error(ErrorKind::Scene, printable(file_ + ": " + what));
-    }
+    [[noreturn]] void fail(const std::string& what) const { failFile(file_, what); }
 
     void skipProperty(const PlyProperty& property) {
         const int64_t count = property.isList ? readCount(property) : 1;
@@ -99,33 +97,27 @@ class PlyBody {
     // Finds the groups of properties that are complete in an element, and ignores the rest.
     Slots findSlots(const PlyElement& element, size_t firstWanted) {
         // Texture coordinates go by several names: Blender s t, MeshLab texture_u texture_v, others u v.
-        constexpr std::pair<std::string_view, size_t> kNames[] = {{"x", 0},
-                                                                  {"y", 1},
-                                                                  {"z", 2},
-                                                                  {"nx", 3},
-                                                                  {"ny", 4},
-                                                                  {"nz", 5},
-                                                                  {"s", 6},
-                                                                  {"t", 7},
-                                                                  {"u", 6},
-                                                                  {"v", 7},
-                                                                  {"texture_u", 6},
-                                                                  {"texture_v", 7},
-                                                                  {"red", 8},
-                                                                  {"green", 9},
-                                                                  {"blue", 10},
-                                                                  {"diffuse_red", 8},
-                                                                  {"diffuse_green", 9},
-                                                                  {"diffuse_blue", 10}};
+        constexpr std::string_view kNames[kOther][3] = {{"x"},
+                                                        {"y"},
+                                                        {"z"},
+                                                        {"nx"},
+                                                        {"ny"},
+                                                        {"nz"},
+                                                        {"s", "u", "texture_u"},
+                                                        {"t", "v", "texture_v"},
+                                                        {"red", "diffuse_red"},
+                                                        {"green", "diffuse_green"},
+                                                        {"blue", "diffuse_blue"}};
         Slots slots;
         slots.ofProperty.assign(element.properties.size(), kOther);
-        bool found[kOther + 1] = {};
-        for (const auto& [name, slot] : kNames) {
-            const int at = slot < firstWanted ? -1 : element.find(name);
-            if (at < 0 || element.properties[static_cast<size_t>(at)].isList || found[slot]) continue;
-            slots.ofProperty[static_cast<size_t>(at)] = slot;
-            found[slot] = true;
-        }
+        bool found[kOther] = {};
+        for (size_t slot = firstWanted; slot < kOther; slot++)
+            for (const std::string_view name : kNames[slot]) {
+                const int at = name.empty() ? -1 : element.find(name);
+                if (at < 0 || element.properties[static_cast<size_t>(at)].isList || found[slot]) continue;
+                slots.ofProperty[static_cast<size_t>(at)] = slot;
+                found[slot] = true;
+            }
         slots.positions = found[0] && found[1] && found[2];
         slots.normals = found[3] && found[4] && found[5];
         slots.uvs = found[6] && found[7];
@@ -392,8 +384,8 @@ ImportedMesh readPly(const std::filesystem::path& path, SceneFiles& files) {
         return imported;
     };
     if (header.format == PlyFormat::Ascii) return read(AsciiSource(body, file, header.bodyLine));
-    const bool fileIsLittle = header.format == PlyFormat::LittleEndian;
-    return read(BinarySource(body, file, fileIsLittle != (std::endian::native == std::endian::little)));
+    return read(BinarySource(
+        body, file, header.format == PlyFormat::LittleEndian ? std::endian::little : std::endian::big));
 }
 
 }  // namespace glint

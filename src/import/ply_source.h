@@ -2,49 +2,14 @@
 #pragma once
 
 #include <algorithm>
-#include <cstring>
 #include <string>
 #include <string_view>
 
 #include "core/call_terms.h"
-#include "core/error.h"
-#include "core/text_file.h"
 #include "import/ply_header.h"
 #include "import/text_scanner.h"
 
 namespace glint {
-
-template <typename T>
-T loadPly(const char* bytes, bool swap) {
-    char ordered[sizeof(T)];
-    std::memcpy(ordered, bytes, sizeof(T));
-    if (swap) std::reverse(ordered, ordered + sizeof(T));
-    T value;
-    std::memcpy(&value, ordered, sizeof(T));
-    return value;
-}
-
-template <typename Result>
-Result loadPlyAs(PlyType type, const char* bytes, bool swap) {
-    switch (type) {
-        case PlyType::Int8:
-            return static_cast<Result>(loadPly<int8_t>(bytes, swap));
-        case PlyType::Uint8:
-            return static_cast<Result>(loadPly<uint8_t>(bytes, swap));
-        case PlyType::Int16:
-            return static_cast<Result>(loadPly<int16_t>(bytes, swap));
-        case PlyType::Uint16:
-            return static_cast<Result>(loadPly<uint16_t>(bytes, swap));
-        case PlyType::Int32:
-            return static_cast<Result>(loadPly<int32_t>(bytes, swap));
-        case PlyType::Uint32:
-            return static_cast<Result>(loadPly<uint32_t>(bytes, swap));
-        case PlyType::Float32:
-            return static_cast<Result>(loadPly<float>(bytes, swap));
-        default:
-            return static_cast<Result>(loadPly<double>(bytes, swap));
-    }
-}
 
 inline std::string endsAfter(const PlyElement& element, uint64_t index) {
     return "the file ends after " + std::to_string(index) + " of " + std::to_string(element.count) +
@@ -65,8 +30,8 @@ class AsciiSource {
             if (!lines_.nextLine()) lines_.fail(endsAfter(element, index));
         } while (lines_.lineDone());
     }
-    double nextNumber(PlyType) { return lines_.number(owner_); }
-    int64_t nextInteger(PlyType) { return lines_.integer(owner_); }
+    double nextNumber(NumberType) { return lines_.number(owner_); }
+    int64_t nextInteger(NumberType) { return lines_.integer(owner_); }
     void endElement() {
         if (!lines_.lineDone()) lines_.fail("the line has more numbers than the header announces");
     }
@@ -81,19 +46,18 @@ class AsciiSource {
 
 class BinarySource {
   public:
-    BinarySource(std::string_view body, const std::string& file, bool swap)
-        : at_(body.data()), end_(at_ + body.size()), pace_(at_, end_), file_(file), swap_(swap) {}
+    BinarySource(std::string_view body, const std::string& file, std::endian order)
+        : at_(body.data()), end_(at_ + body.size()), pace_(at_, end_), file_(file), order_(order) {}
 
     void beginElement(const PlyElement& element, uint64_t index) {
         element_ = &element;
         index_ = index;
     }
-    double nextNumber(PlyType type) { return loadPlyAs<double>(type, take(sizeOf(type)), swap_); }
-    int64_t nextInteger(PlyType type) { return loadPlyAs<int64_t>(type, take(sizeOf(type)), swap_); }
+    double nextNumber(NumberType type) { return loadNumberAs<double>(type, take(sizeOf(type)), order_); }
+    int64_t nextInteger(NumberType type) { return loadNumberAs<int64_t>(type, take(sizeOf(type)), order_); }
     void endElement() {}
     void fail(const std::string& what) const {
-        throw Error(ErrorKind::Scene,
-                    printable(file_ + ": " + element_->name + " " + std::to_string(index_) + " " + what));
+        failFile(file_, element_->name + " " + std::to_string(index_) + " " + what);
     }
     uint64_t atMost(const PlyElement& element) const {
         uint64_t least = 0;
@@ -103,8 +67,7 @@ class BinarySource {
 
   private:
     const char* take(size_t size) {
-        if (static_cast<size_t>(end_ - at_) < size)
-            throw Error(ErrorKind::Scene, printable(file_ + ": " + endsAfter(*element_, index_)));
+        if (static_cast<size_t>(end_ - at_) < size) failFile(file_, endsAfter(*element_, index_));
         const char* taken = at_;
         at_ += size;
         pace_.reached(at_);
@@ -115,7 +78,7 @@ class BinarySource {
     const char* end_;
     ReadingPace pace_;
     std::string file_;
-    bool swap_;
+    std::endian order_;
     const PlyElement* element_ = nullptr;
     uint64_t index_ = 0;
 };

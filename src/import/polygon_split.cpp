@@ -63,102 +63,17 @@ bool isConvex(const std::vector<Point>& points) {
     return true;
 }
 
-// Points of which some have been taken out, in a tree of boxes (Bentley 1975), so that a search of a triangle
-// looks at few of them.
-class PointTree {
-  public:
-    PointTree(const std::vector<Point>& points, std::vector<uint32_t> corners)
-        : points_(points), order_(std::move(corners)), leaf_(points.size()) {
-        if (!order_.empty()) build(0, 0, order_.size());
-    }
-
-    void remove(uint32_t corner) {
-        Node& leaf = nodes_[leaf_[corner]];
-        const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(leaf.first);
-        const auto end = begin + static_cast<std::ptrdiff_t>(leaf.count);
-        std::iter_swap(std::find(begin, end, corner), end - 1);
-        for (size_t node = leaf_[corner];; node = (node - 1) / 2) {
-            --nodes_[node].count;
-            if (node == 0) break;
-        }
-    }
-
-    // True if a point lies in the triangle or on its edge. Points in the same place as a corner do not count:
-    // the corner itself, and points of a bridge to a hole, which the outline passes twice.
-    bool anyWithin(const Point& a, const Point& b, const Point& c) const {
-        return !order_.empty() && anyWithin(0, a, b, c);
-    }
-
-  private:
-    static constexpr size_t kLeaf = 8;
-    struct Node {
-        Point lo, hi;
-        size_t first = 0, count = 0;  // in order_; of a leaf, those that are left come first
-        bool leaf = true;
-    };
-
-    // Children of node i are 2 i + 1 and 2 i + 2.
-    void build(size_t node, size_t first, size_t end) {
-        if (nodes_.size() <= node) nodes_.resize(2 * node + 1);
-        Node& n = nodes_[node];
-        n.lo = n.hi = points_[order_[first]];
-        for (size_t i = first; i < end; i++) {
-            n.lo = glm::min(n.lo, points_[order_[i]]);
-            n.hi = glm::max(n.hi, points_[order_[i]]);
-        }
-        n.first = first;
-        n.count = end - first;
-        n.leaf = n.count <= kLeaf;
-        if (n.leaf) {
-            for (size_t i = first; i < end; i++) leaf_[order_[i]] = node;
-            return;
-        }
-        const int axis = n.hi.x - n.lo.x >= n.hi.y - n.lo.y ? 0 : 1;
-        const size_t middle = first + n.count / 2;
-        const auto at = [&](size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-        std::nth_element(at(first), at(middle), at(end),
-                         [&](uint32_t a, uint32_t b) { return points_[a][axis] < points_[b][axis]; });
-        build(2 * node + 1, first, middle);
-        build(2 * node + 2, middle, end);
-    }
-
-    // True if all points of the box are right of a b. Every operation of area() rounds monotonically: if the
-    // farthest corner is computed to be right of a b, so is every point of the box. The test therefore skips
-    // no point that separate tests would find.
-    static bool outside(const Node& n, const Point& a, const Point& b) {
-        const Point farthest(b.y - a.y > 0 ? n.lo.x : n.hi.x, b.x - a.x > 0 ? n.hi.y : n.lo.y);
-        return area(a, b, farthest) < 0;
-    }
-
-    bool anyWithin(size_t node, const Point& a, const Point& b, const Point& c) const {
-        const Node& n = nodes_[node];
-        if (n.count == 0 || outside(n, a, b) || outside(n, b, c) || outside(n, c, a)) return false;
-        if (!n.leaf) return anyWithin(2 * node + 1, a, b, c) || anyWithin(2 * node + 2, a, b, c);
-        for (size_t i = n.first; i < n.first + n.count; i++) {
-            const Point& p = points_[order_[i]];
-            if (p == a || p == b || p == c) continue;
-            if (area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0) return true;
-        }
-        return false;
-    }
-
-    const std::vector<Point>& points_;
-    std::vector<uint32_t> order_;
-    std::vector<size_t> leaf_;  // of each corner
-    std::vector<Node> nodes_;
-};
-
 // Ear clipping over a ring of the corners that are left (Meisters, Polygons have ears, Am. Math. Monthly 82,
-// 1975). Cutting an ear changes only its neighbours (Eberly, Triangulation by Ear Clipping, 2002), and
-// whether one is an ear is a search in a tree: n log n for polygons whose triangles cross few boxes.
+// 1975). Cutting an ear changes only its neighbours (Eberly, Triangulation by Ear Clipping, 2002). The search
+// for corners in an ear covers the reflex corners within its range of x.
 class EarClipper {
   public:
     explicit EarClipper(const std::vector<Point>& points)
         : points_(points),
           next_(points.size()),
           previous_(ringBefore(points.size())),
-          reflex_(points.size()),
-          tree_(points, findReflex()) {
+          reflex_(points.size()) {
+        findReflex();
         for (uint32_t i = 0; i < points.size(); i++)
             if (isEar(i)) ears_.insert(ears_.end(), i);
     }
@@ -186,28 +101,34 @@ class EarClipper {
         return before;
     }
 
-    // Only these can lie inside an ear.
-    std::vector<uint32_t> findReflex() {
+    // Only reflex corners can lie inside an ear.
+    void findReflex() {
         const auto n = static_cast<uint32_t>(points_.size());
         for (uint32_t i = 0; i < n; i++) next_[i] = (i + 1) % n;
-        std::vector<uint32_t> found;
         for (uint32_t i = 0; i < n; i++) {
             reflex_[i] = turn(i) <= 0;
-            if (reflex_[i]) found.push_back(i);
+            if (reflex_[i]) byX_.push_back(i);
         }
-        return found;
+        std::ranges::sort(byX_, {}, [this](uint32_t i) { return points_[i].x; });
+    }
+
+    // True if a reflex corner lies in the triangle or on its edge. Points in the same place as a corner do
+    // not count: the corner itself, and points of a bridge to a hole, which the outline passes twice.
+    bool anyWithin(const Point& a, const Point& b, const Point& c) const {
+        const Point lo = glm::min(glm::min(a, b), c), hi = glm::max(glm::max(a, b), c);
+        auto at = std::ranges::lower_bound(byX_, lo.x, {}, [this](uint32_t i) { return points_[i].x; });
+        for (; at != byX_.end() && points_[*at].x <= hi.x; ++at) {
+            const Point& p = points_[*at];
+            if (!reflex_[*at] || p.y < lo.y || p.y > hi.y || p == a || p == b || p == c) continue;
+            if (area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0) return true;
+        }
+        return false;
     }
 
     double turn(uint32_t i) const { return area(points_[previous_[i]], points_[i], points_[next_[i]]); }
 
     bool isEar(uint32_t i) const {
-        return turn(i) > 0 && !tree_.anyWithin(points_[previous_[i]], points_[i], points_[next_[i]]);
-    }
-
-    void noLongerReflex(uint32_t i) {
-        if (!reflex_[i]) return;
-        reflex_[i] = false;
-        tree_.remove(i);
+        return turn(i) > 0 && !anyWithin(points_[previous_[i]], points_[i], points_[next_[i]]);
     }
 
     void remove(uint32_t i) {
@@ -215,9 +136,9 @@ class EarClipper {
         next_[before] = after;
         previous_[after] = before;
         ears_.erase(i);
-        noLongerReflex(i);
+        reflex_[i] = false;
         for (const uint32_t neighbour : {before, after})
-            if (turn(neighbour) > 0) noLongerReflex(neighbour);
+            if (turn(neighbour) > 0) reflex_[neighbour] = false;
         for (const uint32_t neighbour : {before, after}) {
             if (isEar(neighbour))
                 ears_.insert(neighbour);
@@ -229,7 +150,7 @@ class EarClipper {
     const std::vector<Point>& points_;
     std::vector<uint32_t> next_, previous_;
     std::vector<char> reflex_;
-    PointTree tree_;
+    std::vector<uint32_t> byX_;  // corners that were reflex at first, by x
     std::set<uint32_t> ears_;
 };
 

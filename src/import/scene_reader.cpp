@@ -24,6 +24,7 @@ struct SceneReader::State {
     Animation animation;
     std::vector<std::vector<double>> values;  // of each track, those that `scene` has; empty: the file's
     std::optional<GltfScene> gltf;            // of a .gltf or .glb file
+    GltfPlaces places;                        // of the animated nodes that `scene` shows
     Scene scene;
 
     State(const std::filesystem::path& file, const LoadOptions& options)
@@ -57,52 +58,14 @@ struct SceneReader::State {
     Change showGltf(double time);
 };
 
-namespace {
-
-// Objects have the meshes of the file, so that the places of these are all that can differ.
-bool samePlaces(const Scene& a, const Scene& b) {
-    return std::equal(
-        a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(),
-        [](const Object& x, const Object& y) { return x.name == y.name && x.transform == y.transform; });
-}
-
-struct LightPlace {
-    glm::dvec3 position{0}, direction{0};
-    bool operator==(const LightPlace&) const = default;
-};
-
-LightPlace placeOf(const Light& light) {
-    LightPlace place;
-    std::visit(
-        [&](const auto& l) {
-            if constexpr (requires { l.position; }) place.position = l.position;
-            if constexpr (requires { l.direction; }) place.direction = l.direction;
-        },
-        light);
-    return place;
-}
-
-bool samePlaces(const std::vector<Light>& a, const std::vector<Light>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const Light& x, const Light& y) { return placeOf(x) == placeOf(y); });
-}
-
-bool samePlaces(const std::vector<NamedCamera>& a, const std::vector<NamedCamera>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const NamedCamera& x, const NamedCamera& y) {
-        return x.camera.eye == y.camera.eye && x.camera.target == y.camera.target &&
-               x.camera.up == y.camera.up;
-    });
-}
-
-}  // namespace
-
-// Nodes move; what they hold stays as it is.
+// Nodes move; their contents stay the same.
 SceneReader::Change SceneReader::State::showGltf(double time) {
+    GltfPlaces next = gltf->placesAt(time);
+    if (next == places) return Change::Nothing;
     Scene moved = scene;
-    gltf->show(time, moved);
+    gltf->show(next, moved);
     std::erase_if(moved.cameras, [&](const NamedCamera& c) {  // those that were left out
-        return std::none_of(scene.cameras.begin(), scene.cameras.end(),
-                            [&](const NamedCamera& known) { return known.name == c.name; });
+        return std::ranges::find(scene.cameras, c.name, &NamedCamera::name) == scene.cameras.end();
     });
     try {
         if (!camera.empty()) chooseCamera(moved, camera, name);
@@ -110,10 +73,9 @@ SceneReader::Change SceneReader::State::showGltf(double time) {
     } catch (const Error& error) {
         throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));
     }
-    const bool still = samePlaces(scene, moved) && samePlaces(scene.lights, moved.lights);
-    const bool camerasStill = samePlaces(scene.cameras, moved.cameras);
+    places = std::move(next);
     scene = std::move(moved);
-    return !still ? Change::Scene : camerasStill ? Change::Nothing : Change::Camera;
+    return gltf->movesObjects() ? Change::Scene : Change::Camera;
 }
 
 SceneReader::Change SceneReader::State::show(double time, bool everything) {

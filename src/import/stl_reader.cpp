@@ -7,14 +7,12 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
 #include <unordered_map>
 
 #include "core/call_terms.h"
-#include "core/error.h"
-#include "core/text_file.h"
+#include "import/binary_numbers.h"
 #include "import/mesh_builder.h"
 #include "import/readers.h"
 #include "import/text_scanner.h"
@@ -42,14 +40,6 @@ struct PointHash {
         return static_cast<size_t>(hash);
     }
 };
-
-template <typename T>
-T littleEndian(const char* bytes) {
-    std::array<char, sizeof(T)> ordered;
-    for (size_t i = 0; i < sizeof(T); i++)
-        ordered[std::endian::native == std::endian::little ? i : sizeof(T) - 1 - i] = bytes[i];
-    return std::bit_cast<T>(ordered);
-}
 
 // Triangles with vertices that know nothing of each other become a mesh: equal vertices are one.
 class FacetCollector {
@@ -114,9 +104,7 @@ class AsciiStl {
     std::string nextWord(const char* wanted) {
         if (!scanner_.skipToWord())
             scanner_.fail(std::string("the file ends where \"") + wanted + "\" is expected");
-        std::string word(scanner_.word());
-        for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        return word;
+        return lowerCase(scanner_.word());
     }
 
     void expect(const char* keyword) {
@@ -132,15 +120,6 @@ class AsciiStl {
             scanner_.fail(std::string("expected \"facet\" or \"") + keyword + "\" (got \"" +
                           word.substr(0, 40) + "\")");
         return word == keyword;
-    }
-
-    glm::dvec3 readVector(const char* owner) {
-        glm::dvec3 vector;
-        for (int i = 0; i < 3; i++) {
-            if (!scanner_.skipToWord()) scanner_.fail(std::string("the file ends within ") + owner);
-            vector[i] = scanner_.number(owner);
-        }
-        return vector;
     }
 
     // Only compared with the winding, so what is no number (-1.#IND) is let pass.
@@ -162,7 +141,7 @@ class AsciiStl {
         std::array<glm::dvec3, 3> vertices;
         for (glm::dvec3& vertex : vertices) {
             expect("vertex");
-            vertex = readVector("a vertex");
+            for (int i = 0; i < 3; i++) vertex[i] = scanner_.numberPastLines("a vertex");
         }
         expect("endloop");
         expect("endfacet");
@@ -176,14 +155,12 @@ class AsciiStl {
 
 ImportedMesh readBinary(std::string_view bytes, const std::string& file) {
     if (bytes.size() < kHeaderSize)
-        throw Error(ErrorKind::Scene,
-                    file + ": neither ascii STL (\"solid ...\") nor long enough for binary");
-    const uint64_t count = littleEndian<uint32_t>(bytes.data() + kHeaderSize - 4);
+        failFile(file, "neither ascii STL (\"solid ...\") nor long enough for binary");
+    const uint64_t count = loadNumber<uint32_t>(bytes.data() + kHeaderSize - 4);
     const uint64_t available = (bytes.size() - kHeaderSize) / kFacetSize;
     if (available < count)
-        throw Error(ErrorKind::Scene, file + ": byte " + std::to_string(bytes.size()) +
-                                          ": the file ends after " + std::to_string(available) + " of " +
-                                          std::to_string(count) + " triangles");
+        failFile(file, "byte " + std::to_string(bytes.size()) + ": the file ends after " +
+                           std::to_string(available) + " of " + std::to_string(count) + " triangles");
     FacetCollector facets;
     facets.reserve(count);
     size_t attributes = 0;
@@ -192,9 +169,9 @@ ImportedMesh readBinary(std::string_view bytes, const std::string& file) {
         const char* facet = bytes.data() + kHeaderSize + i * kFacetSize;
         std::array<glm::dvec3, 4> vectors;
         for (size_t k = 0; k < 12; k++)
-            vectors[k / 3][static_cast<int>(k % 3)] = littleEndian<float>(facet + 4 * k);
+            vectors[k / 3][static_cast<int>(k % 3)] = loadNumber<float>(facet + 4 * k);
         facets.add(vectors[0], {vectors[1], vectors[2], vectors[3]});
-        if (littleEndian<uint16_t>(facet + 48) != 0) attributes++;
+        if (loadNumber<uint16_t>(facet + 48) != 0) attributes++;
     }
     std::vector<std::string> warnings;
     if (attributes > 0)
@@ -211,7 +188,7 @@ ImportedMesh readBinary(std::string_view bytes, const std::string& file) {
 bool isAscii(std::string_view bytes, std::string_view text) {
     using namespace std::string_view_literals;
     if (bytes.size() >= kHeaderSize) {
-        const uint64_t count = littleEndian<uint32_t>(bytes.data() + kHeaderSize - 4);
+        const uint64_t count = loadNumber<uint32_t>(bytes.data() + kHeaderSize - 4);
         if (bytes.size() == kHeaderSize + count * kFacetSize) return false;
     }
     for (const std::string_view utf16 : {"\xff\xfe"sv, "\xfe\xff"sv, "s\0o\0"sv})

@@ -1,6 +1,7 @@
 #include "import/text_scanner.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
@@ -10,10 +11,20 @@
 
 namespace glint {
 
+void failFile(const std::string& file, const std::string& what) {
+    throw Error(ErrorKind::Scene, printable(file + ": " + what));
+}
+
+std::string lowerCase(std::string_view text) {
+    std::string result(text);
+    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
+}
+
 std::string_view withoutByteOrderMark(std::string_view text, const std::string& file) {
     const bool wide = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
     if (wide || text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-        throw Error(ErrorKind::Scene, printable(file + ": is UTF-16 text, save it as UTF-8"));
+        failFile(file, "is UTF-16 text, save it as UTF-8");
     return text.substr(text.starts_with("\xef\xbb\xbf") ? 3 : 0);
 }
 
@@ -111,6 +122,11 @@ double TextScanner::number(const char* owner) {
     return value;
 }
 
+double TextScanner::numberPastLines(const char* owner) {
+    if (!skipToWord()) fail(std::string("the file ends within ") + owner);
+    return number(owner);
+}
+
 int64_t TextScanner::integer(const char* owner) {
     skipBlanks();
     const char* start = at_;
@@ -131,7 +147,7 @@ void TextScanner::failWord(const char* start, const char* owner, const char* kin
 }
 
 void TextScanner::failAt(size_t line, const std::string& what) const {
-    throw Error(ErrorKind::Scene, printable(file_ + ":" + std::to_string(line) + ": " + what));
+    failFile(file_ + ":" + std::to_string(line), what);
 }
 
 }  // namespace glint

@@ -13,6 +13,12 @@ namespace glint {
 // `text` without a UTF-8 byte order mark. Throws Error(Scene) "FILE: is UTF-16 text ..." for UTF-16.
 std::string_view withoutByteOrderMark(std::string_view text, const std::string& file);
 
+// Throws Error(Scene) "FILE: what" with printable text.
+[[noreturn]] void failFile(const std::string& file, const std::string& what);
+
+// `text` with the letters A to Z in lower case.
+std::string lowerCase(std::string_view text);
+
 // Names in a file that no reader here understands, for one warning.
 class IgnoredNames {
   public:
@@ -44,6 +50,9 @@ class TextScanner {
     // it, e.g. "a vertex".
     double number(const char* owner);  // also nan and inf, any sign; too large ones become infinite
     int64_t integer(const char* owner);
+
+    // The next word as a number, past line ends; fails if the file ends before.
+    double numberPastLines(const char* owner);
 
     [[noreturn]] void fail(const std::string& what) const { failAt(line_, what); }
     [[noreturn]] void failAt(size_t line, const std::string& what) const;
