@@ -5,7 +5,7 @@
 // tMax, the number of crossings, 1 if it is doubtful, 0; with MODE_LIST kRowThroughput holds the place of the
 // first crossing in the list and the number of crossings.
 #define GLINT_CROSSINGS
-#include "path.glsl"
+#include "path_rows.glsl"
 #include "traversal/count.glsl"
 
 void main() {
@@ -24,8 +24,7 @@ void main() {
     bool live = isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
-    uint slot =
-        countFrom(traversal, loadEnvironment(0u), MODE_RESUME ? walkRow.x : kSlotFresh, instanceRow.zw);
+    uint slot = resume(traversal, loadEnvironment(0u), MODE_RESUME ? walkRow.x : kSlotFresh, instanceRow.zw);
     bool unfinished = live && slot != kNone;
     if (live) storeRow(kRowHit, path, uvec4(hitRow.x, crossings.count, crossings.doubtful, 0u));
     if (FEATURE_INSTANCES && live && (MODE_RESUME || unfinished))

@@ -2,8 +2,16 @@
 #extension GL_GOOGLE_include_directive : require
 // Starts a sample: the camera ray of each pixel of the slice.
 #include "shading/camera.glsl"
-#include "path.glsl"
+#include "path_rows.glsl"
 #include "shading/tree.glsl"
+
+void startTree(uint path, Environment environment) {
+    if (dispatch.sampleIndex == 0u) storeLedger(path, emptyLedger());
+    if (FEATURE_TRANSMISSION) {
+        storeRow(treeRow(kTreeRowMedia), path, eyeMedia(environment));
+        storeRow(treeRow(kTreeRowBranch), path, uvec4(0u));
+    }
+}
 
 void main() {
     uint path = pathIndex();

@@ -2,13 +2,16 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // The closest hit of each live path.
-#include "path.glsl"
-#ifdef GLINT_ANY_HIT
-#include "traversal/query_any.glsl"
-#else
-#include "traversal/query_closest.glsl"
-#endif
+#include "path_rows.glsl"
 #include "traversal/stack.glsl"
+#include "traversal/stackless.glsl"
+
+#ifdef GLINT_ANY_HIT
+bool isAnyHit(Traversal traversal) { return true; }
+#else
+bool isAnyHit(Traversal traversal) { return false; }
+#endif
+bool isShadowRay(Traversal traversal) { return false; }
 
 void main() {
     bool present;
@@ -41,7 +44,11 @@ void main() {
         if (live) traversal.ray.tMax = uintBitsToFloat(bounds.z);
     }
     uvec4 instanceRow = loadInstanceRow(path);
-    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
+    uint slot;
+    if (MODE_RESUME)
+        slot = resume(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
+    else
+        slot = trace(traversal, loadEnvironment(0u));
     Hit hit = traversal.hit;
     // Stores are expensive (traversal/lanes.glsl): a camera ray's rows stay as they are where nothing
     // changes.

@@ -4,9 +4,12 @@
 // Adds the light of the scene's lights to each hit. A dispatch covers as many lights as its loop trips allow
 // (Dispatch::lightEnd).
 #define GLINT_SHADOW_RAYS
-#include "traversal/query_shadow.glsl"
 #include "traversal/stack.glsl"
+#include "traversal/stackless.glsl"
 #include "shading/light.glsl"
+
+bool isAnyHit(Traversal traversal) { return true; }
+bool isShadowRay(Traversal traversal) { return true; }
 
 void main() {
     bool present;
@@ -29,7 +32,11 @@ void main() {
             Sight sight = kNoSight;
             if (going) sight = aim(lit, rest.light, rest.slot == kSlotFresh, traversal);
             if (kConvergent && !going) removeRay(traversal);
-            uint left = trace(traversal, environment, rest.slot, place);
+            uint left;
+            if (MODE_RESUME)
+                left = resume(traversal, environment, rest.slot, place);
+            else
+                left = trace(traversal, environment);
             if (going) {
                 bool finished = left == kNone || settled(traversal) || !sight.facing;
                 take(lit, rest.light, sight, traversal, finished);

@@ -3,16 +3,17 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // The closest hit of each live path, packet by packet: intersect.comp for subgroups of 8 lanes.
-#include "path.glsl"
+#include "path_rows.glsl"
 #ifdef GLINT_ANY_HIT
 #include "packet/any.glsl"
-#include "traversal/query_any.glsl"
 const uint kTurns = kPacketTurns;
+bool isAnyHit(Traversal traversal) { return true; }
 #else
 #include "packet/closest.glsl"
-#include "traversal/query_closest.glsl"
 const uint kTurns = 1u;
+bool isAnyHit(Traversal traversal) { return false; }
 #endif
+bool isShadowRay(Traversal traversal) { return false; }
 
 bool mayHaveRay(uint path) { return uintBitsToFloat(loadRow(kRowDirection, path).w) < kInfinity; }
 

@@ -4,9 +4,11 @@
 #extension GL_KHR_shader_subgroup_basic : require
 // Adds the light of the scene's lights to each hit, packet by packet: light.comp for subgroups of 8 lanes.
 #define GLINT_SHADOW_RAYS
-#include "traversal/query_shadow.glsl"
 #include "packet/any.glsl"
 #include "shading/light.glsl"
+
+bool isAnyHit(Traversal traversal) { return true; }
+bool isShadowRay(Traversal traversal) { return true; }
 
 // A path that hit nothing, or ended before, has nothing to light.
 bool mayHaveRay(uint path) { return loadRow(kRowHit, path).w != kNone; }

@@ -1,9 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Ends a bounce: background or ambient light, the picture's other layers, and the next ray of the path.
-#include "path.glsl"
-#include "shading/scatter.glsl"
-#include "shared/shading.h"
+#include "path_rows.glsl"
 #include "shading/tree.glsl"
 
 uint hashStep(uint hash, uint word) { return (hash ^ word) * kHashPrime; }

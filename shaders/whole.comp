@@ -6,10 +6,12 @@
 // that runs out of trips or rays is counted, and the host draws the slice again by those four.
 #define GLINT_SHADOW_RAYS
 #include "shading/camera.glsl"
-#include "path.glsl"
-#include "traversal/query_path.glsl"
 #include "traversal/stack.glsl"
 #include "shading/lighting.glsl"
+
+// Closest hits and shadow rays in turn.
+bool isAnyHit(Traversal traversal) { return traversal.any; }
+bool isShadowRay(Traversal traversal) { return traversal.any; }
 
 const bool kHasLights = FEATURE_POINT_LIGHTS || FEATURE_DIRECTIONAL_LIGHTS || FEATURE_SPOT_LIGHTS;
 
@@ -26,7 +28,7 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
             Sight sight = kNoSight;
             if (going) sight = aim(lit, index, true, traversal);
             if (kConvergent && !going) removeRay(traversal);
-            uint left = trace(traversal, environment, kSlotFresh, uvec2(kNone));
+            uint left = trace(traversal, environment);
             if (going) {
                 finished = left == kNone || settled(traversal) || !sight.facing;
                 take(lit, index, sight, traversal, finished);
@@ -86,7 +88,7 @@ void main() {
             traversal.hit = Hit(ray.tMax, 0.0, 0.0, kNone, kNone, 0u);
             traversal.any = false;
             if (kConvergent && !alive) removeRay(traversal);
-            bool finished = trace(traversal, environment, kNone, uvec2(kNone)) == kNone;
+            bool finished = trace(traversal, environment) == kNone;
             if (alive) complete = finished;
             Interaction at = interactionAt(ray, traversal.hit, media);
             vec3 transmittance = vec3(1.0);

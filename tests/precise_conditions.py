@@ -4,14 +4,14 @@
     precise_conditions.py FOLDER [--self-test]
 
 `precise` does not reach an expression inside `if (...)` or `? :` (glslang issue 1449), so every compared number of an intersection
-test has to be a named `precise` variable, an argument or a stored value. Looks at shaders/primitives/*.glsl and at the files that
-test boxes; an operator +, - or * next to <, <=, >, >=, == or != within one comparison is a fault, constants apart.
+test has to be a named `precise` variable, an argument or a stored value. Looks at shaders/primitives/*.glsl and at the file that
+tests boxes; an operator +, - or * next to <, <=, >, >=, == or != within one comparison is a fault, constants apart.
 """
 import pathlib
 import re
 import sys
 
-FILES = ["shaders/primitives/*.glsl", "shaders/traversal/box.glsl", "shaders/traversal/ray.glsl"]
+FILES = ["shaders/primitives/*.glsl", "shaders/traversal/ray.glsl"]
 # Products with powers of two are exact.
 ALLOWED = [
     "longest > 32.0 * length(n)",

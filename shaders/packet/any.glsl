@@ -21,45 +21,28 @@ void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uin
     one.hit.primitive = primitive;
 }
 
-// Row by row, as for the closest hit, but with less to take out and put back.
-void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
-    uint left = first < end ? rows : 0u;
-    do {
-        if (left != 0u) {
-            Traversal one = packet[0];
-            uint row = left & (~left + 1u);
-            for (uint r = 1u; r < kPacketRays; ++r) {
-                bool mine = row == 1u << r;
-                one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
-                one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
-                one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
-                one.ray.source = mine ? packet[r].ray.source : one.ray.source;
-                one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
-                one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
-                if (MODE_COST) one.cost = mine ? packet[r].cost : one.cost;
-            }
-            vec3 turned = turnToZ(one.ray.origin, axis);
-            uint index = first;
-            do {
-                if (index < end) {
-                    uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
-                    vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
-                    vec3 normals = turnToZ(loadTriangleSurface(index + (lane & 1u)).normal, axis);
-                    testRowTriangle(one, turned, corners, normals, texel.w, 0u, index, true);
-                    testRowTriangle(one, turned, corners, normals, texel.w, 3u, index + 1u, index + 1u < end);
-                    index += 2u;
-                    ++trips;
-                }
-            } while (index < end);
-            GLINT_EACH_RAY {
-                bool mine = row == 1u << r;
-                packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
-                if (MODE_COST) packet[r].cost = mine ? one.cost : packet[r].cost;
-            }
-            left ^= row;
-            ++trips;
-        }
-    } while (left != 0u);
+// As for the closest hit, but with less to take out and put back.
+Traversal takeRow(uint row) {
+    Traversal one = packet[0];
+    for (uint r = 1u; r < kPacketRays; ++r) {
+        bool mine = row == 1u << r;
+        one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
+        one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
+        one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
+        one.ray.source = mine ? packet[r].ray.source : one.ray.source;
+        one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
+        one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
+        if (MODE_COST) one.cost = mine ? packet[r].cost : one.cost;
+    }
+    return one;
+}
+
+void putRow(uint row, Traversal one) {
+    GLINT_EACH_RAY {
+        bool mine = row == 1u << r;
+        packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
+        if (MODE_COST) packet[r].cost = mine ? one.cost : packet[r].cost;
+    }
 }
 
 // Inner children that are still to be visited, of the nodes on the way down. A node's inner children follow

@@ -31,58 +31,39 @@ void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uin
     accept(one, t, u, v, primitive, id);
 }
 
-// Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or
-// two of four, and only a loop skips work (lanes.glsl). The row is taken out of the packet and put back by
-// selection, as an index that is no constant costs more. Two triangles for a load and a trip.
-void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
-    uint left = first < end ? rows : 0u;
-    do {
-        if (left != 0u) {
-            Traversal one = packet[0];
-            uint row = left & (~left + 1u);
-            for (uint r = 1u; r < kPacketRays; ++r) {
-                bool mine = row == 1u << r;
-                one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
-                one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
-                one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
-                one.ray.source = mine ? packet[r].ray.source : one.ray.source;
-                one.nearest = mine ? packet[r].nearest : one.nearest;
-                one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
-                one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
-                one.hit.t = mine ? packet[r].hit.t : one.hit.t;
-                one.hit.u = mine ? packet[r].hit.u : one.hit.u;
-                one.hit.v = mine ? packet[r].hit.v : one.hit.v;
-                one.hit.id = mine ? packet[r].hit.id : one.hit.id;
-                one.cost = mine ? packet[r].cost : one.cost;
-            }
-            vec3 turned = turnToZ(one.ray.origin, axis);
-            uint index = first;
-            do {
-                if (index < end) {
-                    uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
-                    vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
-                    vec3 normals = turnToZ(loadTriangleSurface(index + (lane & 1u)).normal, axis);
-                    testRowTriangle(one, turned, corners, normals, texel.w, 0u, index, true);
-                    testRowTriangle(one, turned, corners, normals, texel.w, 3u, index + 1u, index + 1u < end);
-                    index += 2u;
-                    ++trips;
-                }
-            } while (index < end);
-            GLINT_EACH_RAY {
-                bool mine = row == 1u << r;
-                packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
-                packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
-                packet[r].nearest = mine ? one.nearest : packet[r].nearest;
-                packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
-                packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
-                packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
-                packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
-                packet[r].cost = mine ? one.cost : packet[r].cost;
-            }
-            left ^= row;
-            ++trips;
-        }
-    } while (left != 0u);
+// The row's rays, by selection: an index that is no constant costs more.
+Traversal takeRow(uint row) {
+    Traversal one = packet[0];
+    for (uint r = 1u; r < kPacketRays; ++r) {
+        bool mine = row == 1u << r;
+        one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
+        one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
+        one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
+        one.ray.source = mine ? packet[r].ray.source : one.ray.source;
+        one.nearest = mine ? packet[r].nearest : one.nearest;
+        one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
+        one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
+        one.hit.t = mine ? packet[r].hit.t : one.hit.t;
+        one.hit.u = mine ? packet[r].hit.u : one.hit.u;
+        one.hit.v = mine ? packet[r].hit.v : one.hit.v;
+        one.hit.id = mine ? packet[r].hit.id : one.hit.id;
+        one.cost = mine ? packet[r].cost : one.cost;
+    }
+    return one;
+}
+
+void putRow(uint row, Traversal one) {
+    GLINT_EACH_RAY {
+        bool mine = row == 1u << r;
+        packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
+        packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
+        packet[r].nearest = mine ? one.nearest : packet[r].nearest;
+        packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
+        packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
+        packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
+        packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
+        packet[r].cost = mine ? one.cost : packet[r].cost;
+    }
 }
 
 // The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has

@@ -230,7 +230,38 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
 GLINT_PACKET_TEST(Sphere)
 GLINT_PACKET_TEST(Cuboid)
 
-void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips);
+// Takes the rays of a row out of the packet, and puts them back: packet/closest.glsl or packet/any.glsl.
+// `row` has the row's bit alone.
+Traversal takeRow(uint row);
+void putRow(uint row, Traversal one);
+
+// Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or
+// two of four, and only a loop skips work (lanes.glsl). Two triangles for a load and a trip.
+void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
+    uint left = first < end ? rows : 0u;
+    do {
+        if (left != 0u) {
+            uint row = left & (~left + 1u);
+            Traversal one = takeRow(row);
+            vec3 turned = turnToZ(one.ray.origin, axis);
+            uint index = first;
+            do {
+                if (index < end) {
+                    uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
+                    vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
+                    vec3 normals = turnToZ(loadTriangleSurface(index + (lane & 1u)).normal, axis);
+                    testRowTriangle(one, turned, corners, normals, texel.w, 0u, index, true);
+                    testRowTriangle(one, turned, corners, normals, texel.w, 3u, index + 1u, index + 1u < end);
+                    index += 2u;
+                    ++trips;
+                }
+            } while (index < end);
+            putRow(row, one);
+            left ^= row;
+            ++trips;
+        }
+    } while (left != 0u);
+}
 
 // rows: those that enter the leaf's box.
 void testPacketLeaf(uint leaf, uint axis, uint lane, uint rows, inout uint trips) {

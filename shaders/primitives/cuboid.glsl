@@ -90,6 +90,7 @@ void surfaceOfCuboid(Ray ray, Hit hit, Cuboid cuboid, inout Surface surface) {
     surface.uv = axis == 0u ? vec2(upper ? rest.z : share.z, share.y)
                             : (axis == 1u ? vec2(share.x, upper ? rest.z : share.z)
                                           : vec2(upper ? share.x : rest.x, share.y));
+    setOwner(cuboid.object, cuboid.primitive, cuboid.material, surface);
 }
 
 #endif

@@ -337,6 +337,7 @@ void surfaceOfQuadric(Ray ray, Hit hit, Quadric quadric, inout Surface surface) 
     surface.error = found.error;
     surface.geometricNormal = found.normal;
     surface.shadingNormal = found.normal;
+    setOwner(quadric.object, quadric.primitive, quadric.material, surface);
 }
 
 #endif

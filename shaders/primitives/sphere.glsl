@@ -116,6 +116,7 @@ void surfaceOfSphere(Ray ray, Hit hit, Sphere sphere, inout Surface surface) {
     outward = towardsRayAtLimb(ray, hit, sphere, outward);
     surface.geometricNormal = outward;
     surface.shadingNormal = outward;
+    setOwner(sphere.object, sphere.primitive, sphere.material, surface);
 }
 
 #endif

@@ -162,6 +162,12 @@ bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
     return crossesTriangle(ray, frame, triangle);
 }
 
+// The weighted sum of three rows' components of a triangle's vertices.
+float weigh(vec3 weights, vec3 values) {
+    precise float sum = weights.x * values.x + weights.y * values.y + weights.z * values.z;
+    return sum;
+}
+
 void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
     uint first = attributes & kAttributeFirstMask;
     bool hasUvs = (attributes & kAttributeUvs) != 0u;
@@ -216,9 +222,7 @@ void surfaceOfTriangle(Hit hit, Instance instance, inout Surface surface) {
         if (smoothed && size > 1e-30)
             surface.shadingNormal = dot(direction, details.normal) < 0.0 ? -direction : direction;
     }
-    surface.object = details.object;
-    surface.primitive = details.primitive;
-    surface.material = details.material;
+    setOwner(details.object, details.primitive, details.material, surface);
     surface.uv = vec2(hit.u, hit.v);
     if (FEATURE_UVS || FEATURE_VERTEX_COLORS)
         triangleAttributes(details.attributes, vec3(w, hit.u, hit.v), surface);

@@ -1,10 +1,123 @@
-// The camera's rays (Shirley & Marschner, Fundamentals of Computer Graphics, ch. 4). The host has worked
-// every kind of camera into steps, see Camera in shared/layout.h.
+// Camera rays (Shirley & Marschner, Fundamentals of Computer Graphics, ch. 4) of a pixel's samples: their
+// positions on the film and on the lens (docs/guide/sampling.md). The host has worked every kind of camera
+// into steps, see Camera in shared/layout.h.
 #ifndef GLINT_CAMERA_GLSL
 #define GLINT_CAMERA_GLSL
 
+#include "shared/shading.h"
+#include "storage.glsl"
 #include "traversal/ray.glsl"
-#include "shading/sample.glsl"
+
+// ---- Samples ----
+
+// M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing of pcg4d: four numbers
+// of 32 random bits from four.
+uvec4 pcg4d(uvec4 v) {
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    v ^= v >> 16u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    return v;
+}
+
+// Owen's scrambling (Owen 1995) by a hash in which every bit is flipped or not by the bits above it alone: B.
+// Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020, after Laine and Karras 2011, with N.
+// Vegdahl's constants.
+uvec2 owenScrambled(uvec2 x, uvec2 seed) {
+    x = bitfieldReverse(x);
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16u) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return bitfieldReverse(x);
+}
+
+// Seeds for that. Its first digits are the seed's lowest bits, and pcg4d's results are good in their highest:
+// with them as they are, places in neighbouring pixels correlate (docs/lab/accuracy.md).
+uvec4 scrambleSeeds(uvec4 v) {
+    v = pcg4d(v);
+    return v ^ (v >> 16u);
+}
+
+// Point `index` of the first two dimensions of Sobol's sequence: van der Corput's, and the one whose matrix
+// is Pascal's triangle modulo 2 (I. M. Sobol 1967).
+uvec2 sobolPair(uint index) {
+    uint y = 0u;
+    uint column = 0x80000000u;
+    for (uint left = index; left != 0u; left >>= 1u) {
+        if ((left & 1u) != 0u) y ^= column;
+        column ^= column >> 1u;
+    }
+    return uvec2(bitfieldReverse(index), y);
+}
+
+// Provides any number of dimensions: each pair uses the same two-dimensional points, shuffled and scrambled
+// by a hash of pixel and pair (padding; Burley 2020, sec. 3). An Owen shuffle keeps every aligned block of
+// 2^k samples a block of 2^k points. Each pair is therefore as even as the first two dimensions, and pairs
+// are independent of each other.
+uvec2 paddedPair(uint index, uvec2 pixel, uint pair, uint seed) {
+    uvec4 random = scrambleSeeds(uvec4(pixel, kPaddingKey + pair, seed));
+    uint shuffled = owenScrambled(uvec2(index), random.xx).x;
+    return owenScrambled(sobolPair(shuffled), random.yz);
+}
+
+// Dimensions 2 pair and 2 pair + 1 of sample `index` of the pixel, in units of 2^-32. `s`: the row of that
+// sample, which has the points of film and lens before they are scattered. Padded pairs do not depend on the
+// sampler.
+uvec2 samplePair(Sample s, uint index, uvec2 pixel, uint pair) {
+    if (pair >= kFirstPaddedPair) return paddedPair(index, pixel, pair, s.seed);
+    bool lens = pair == kPairLens;
+    uvec2 place = lens ? uvec2(s.lensX, s.lensY) : uvec2(s.x, s.y);
+    if (s.scatter == kScatterJitter) {
+        uvec4 hashed = pcg4d(uvec4(pixel, s.key, s.seed));
+        uvec2 random = lens ? hashed.zw : hashed.xy;
+        uvec2 within, fraction;
+        uvec2 width = lens ? uvec2(s.widthLensX, s.widthLensY) : uvec2(s.widthX, s.widthY);
+        umulExtended(random, width, within, fraction);
+        place += within;
+        if (lens) place += pcg4d(uvec4(pixel, kLensKey, s.seed)).zw;
+    }
+    if (s.scatter == kScatterOwen) {
+        uvec4 seeds = scrambleSeeds(uvec4(pixel, s.key, s.seed));
+        place = owenScrambled(place, lens ? seeds.zw : seeds.xy);
+    }
+    return place;
+}
+
+// Pixels from the left (upper) edge, exact: all numbers here have fewer than 24 bits.
+float filmOffset(uint place, uint table) {
+    uint cell = place >> kFilterCellShift;
+    uvec4 row = LOAD4(samplesArray, table * kFilterRows + (cell >> 1));
+    ivec2 ends = ivec2((cell & 1u) == 0u ? row.xy : row.zw);
+    int fraction = int((place >> (kFilterCellShift - 12u)) & 4095u);
+    int distance = ends.x + (((ends.y - ends.x) * fraction) >> 12);
+    return 0.5 + float(distance) * (1.0 / float(1u << kFilterBits));
+}
+
+// The concentric map of the square onto the unit disc (P. Shirley, K. Chiu, "A Low Distortion Map Between
+// Disk and Square", JGT 2(3), 1997). Its angles are no greater than pi/4, where Taylor's polynomials are good
+// to (pi/4)^11 / 11! = 1.8e-9 and (pi/4)^10 / 10! = 2.5e-8; Vulkan asks of sin and cos for 2^-11 only.
+vec2 concentricDisc(uvec2 place) {
+    vec2 p = vec2(ivec2(place >> 8) - (1 << 23)) * (1.0 / float(1 << 23));
+    bool wide = abs(p.x) > abs(p.y);
+    float radius = wide ? p.x : p.y;
+    precise float angle = radius == 0.0 ? 0.0 : 0.78539816339 * quotient(wide ? p.y : p.x, radius);
+    precise float q = angle * angle;
+    precise float sine =
+        angle * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q * (1.0 / 362880.0)))));
+    precise float cosine = 1.0 + q * (-0.5 + q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q * (1.0 / 40320.0))));
+    precise vec2 point = radius * (wide ? vec2(cosine, sine) : vec2(sine, cosine));
+    return point;
+}
+
+// ---- Rays ----
 
 // The ray of the sample at hand through a pixel, and what it counts by.
 Ray cameraRay(uvec2 pixel, out vec3 weight) {

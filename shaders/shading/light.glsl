@@ -3,7 +3,7 @@
 #define GLINT_LIGHT_GLSL
 
 #include "shading/lighting.glsl"
-#include "path.glsl"
+#include "path_rows.glsl"
 
 Lit loadLit(uint path, bool present, uvec4 walkRow) {
     Interaction at = interactionAt(loadRay(path), loadHit(path, walkRow.y), loadMedia(path));

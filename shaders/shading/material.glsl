@@ -3,7 +3,7 @@
 #ifndef GLINT_MATERIAL_GLSL
 #define GLINT_MATERIAL_GLSL
 
-#include "shading/texture.glsl"
+#include "shading/surface.glsl"
 
 const bool kHasTextures = FEATURE_TEXTURES || FEATURE_CHECKERS;
 

@@ -3,7 +3,7 @@
 #ifndef GLINT_OPTICS_GLSL
 #define GLINT_OPTICS_GLSL
 
-#include "shading/surface.glsl"
+#include "shading/material.glsl"
 
 // Optics of a medium, numbered as in Material::medium. The result for 0, air, is arbitrary.
 Optics opticsOf(uint medium) { return loadOptics(medium == 0u ? 0u : medium - 1u); }
@@ -136,6 +136,52 @@ vec3 mirrored(Surface surface, vec3 direction) {
     precise vec3 chosen = dot(r, surface.geometricNormal) > 0.0 ? r : aboutNormal;
     precise vec3 unit = quotient(chosen, length(chosen));
     return unit;
+}
+
+// ---- Shadow rays ----
+
+// Light that a shadow ray keeps on its way through dielectrics: straight on, without refraction. The optical
+// depth is a sum over the surfaces that the ray crosses. Their order does not matter, so the traversal of the
+// BVH may be cut and resumed anywhere.
+struct Passage {
+    vec3 depth;   // optical depth so far
+    float reach;  // t of the light, 0 for one infinitely far away
+    float scale;  // length of a unit of t
+    bool counts;  // of the triangle at hand: crossesOnce
+};
+
+// Attenuation by the media that a ray starts in, per unit of its length.
+vec3 attenuationAround(uvec4 media) {
+    if (!FEATURE_ATTENUATION) return vec3(0.0);
+    return attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);
+}
+
+// The way inside a medium is the sum of t over the surfaces where the ray leaves it less that over those
+// where it enters; a light that is itself inside is a last one where it leaves, so every t is counted from
+// the light. around: of the media that the ray starts in.
+Passage startPassage(vec3 around, float reach, float scale) {
+    Passage passage = Passage(vec3(0.0), reach, scale, true);
+    if (FEATURE_ATTENUATION) passage.depth = around * (reach * scale);
+    return passage;
+}
+
+// False if the surface is opaque. kind, t: of the hit.
+bool passes(inout Passage passage, Met met, uint kind, float t) {
+    uint medium = loadMaterial(met.surface.material).medium;
+    Optics optics = opticsOf(medium);
+    vec3 depth = optics.density;
+    if (FEATURE_TEXTURED_GLASS && optics.transmissionTexture != 0u)
+        depth -= logarithm(max(textureAt(optics.transmissionTexture, met.surface).xyz, vec3(1e-30)));
+    if (FEATURE_ATTENUATION) {
+        float way = (passage.reach - t) * passage.scale;
+        depth += optics.attenuation * (met.leaving ? -way : way);
+    }
+    if (medium != 0u && (kind != kKindTriangle || passage.counts)) passage.depth += depth;
+    return medium != 0u;
+}
+
+vec3 lightThrough(Passage passage) {
+    return mix(exponential(-max(passage.depth, vec3(0.0))), vec3(1.0), equal(passage.depth, vec3(0.0)));
 }
 
 #endif

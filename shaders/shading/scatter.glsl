@@ -3,7 +3,6 @@
 #ifndef GLINT_SCATTER_GLSL
 #define GLINT_SCATTER_GLSL
 
-#include "shading/material.glsl"
 #include "shading/optics.glsl"
 
 float greatestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }

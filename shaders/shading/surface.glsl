@@ -1,9 +1,22 @@
 // From a hit to the surface there: position with a bound on its error, normals, material.
+//
+// Each kind of primitive has a file with
+//   bool hitKind(Ray, RayFrame, Kind, uint primitive, inout uint trips, out Hit)
+//     the first hit in the ray's interval; trips: loop trips that it takes
+//   void surfaceOfKind(Ray, Hit, Kind, inout Surface)
+//     position, error, normals and owner there, and uv if hasOwnUv
+// which the traversals (traversal/state.glsl, traversal/leaf.glsl, packet/packet.glsl) and this file call.
+// Triangles have functions of their own.
 #ifndef GLINT_SURFACE_GLSL
 #define GLINT_SURFACE_GLSL
 
+#include "primitives/cuboid.glsl"
+#include "primitives/flat.glsl"
+#include "primitives/quadric.glsl"
+#include "primitives/sphere.glsl"
+#include "primitives/triangle.glsl"
+#include "shading/texture.glsl"
 #include "traversal/instance.glsl"
-#include "primitives/all.glsl"
 
 void surfaceInWorld(Instance instance, inout Surface surface) {
     leaveInstance(instance, surface.position, surface.error);
@@ -14,38 +27,6 @@ void surfaceInWorld(Instance instance, inout Surface surface) {
     if (instance.material != kNone) surface.material = instance.material;
 }
 
-// The surface of a primitive that is no triangle, loaded already.
-#define GLINT_FILL_ALONE(Kind)                                                 \
-    void fill##Kind(Ray ray, Hit hit, Kind primitive, inout Surface surface) { \
-        surfaceOf##Kind(ray, hit, primitive, surface);                         \
-        surface.object = primitive.object;                                     \
-        surface.primitive = primitive.primitive;                               \
-        surface.material = primitive.material;                                 \
-    }
-#define GLINT_FILL_TRIANGLES(Kind)
-#define GLINT_FILL_PACKETS(Kind) GLINT_FILL_ALONE(Kind)
-#define GLINT_FILL_LEAVES(Kind) GLINT_FILL_ALONE(Kind)
-#define GLINT_FILL_UNBOUNDED(Kind) GLINT_FILL_ALONE(Kind)
-#define GLINT_FILL_INSTANCES(Kind)
-#define GLINT_FILL_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                           loops, uv)                                                                      \
-    GLINT_FILL_##ROLE(Kind)
-GLINT_PRIMITIVES(GLINT_FILL_OF_KIND, 0)
-
-#define GLINT_SURFACE_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, \
-                              crossings, loops, uv)                                                \
-    GLINT_SURFACE_##ROLE(Kind, FEATURE)
-#define GLINT_SURFACE_TRIANGLES(Kind, FEATURE) \
-    if (FEATURE_##FEATURE && kind == kKind##Kind) surfaceOfTriangle(hit, instance, surface);
-#define GLINT_SURFACE_ALONE(Kind, FEATURE)        \
-    if (FEATURE_##FEATURE && kind == kKind##Kind) \
-        fill##Kind(ray, hit, load##Kind(hit.primitive& kLeafFirstMask), surface);
-#define GLINT_SURFACE_PACKETS(Kind, FEATURE) GLINT_SURFACE_ALONE(Kind, FEATURE)
-#define GLINT_SURFACE_LEAVES(Kind, FEATURE) GLINT_SURFACE_ALONE(Kind, FEATURE)
-#define GLINT_SURFACE_UNBOUNDED(Kind, FEATURE) \
-    if (unbounded) GLINT_SURFACE_ALONE(Kind, FEATURE)
-#define GLINT_SURFACE_INSTANCES(Kind, FEATURE)
-
 Surface noSurface() {
     return Surface(vec3(0.0), vec3(0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 1.0, 0.0), 0u, 0u, 0u, vec2(0.0),
                    vec3(1.0));
@@ -55,14 +36,20 @@ Surface noSurface() {
 // the hit has of that, if anything. unbounded: a constant, whether it may be a plane.
 Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance, bool unbounded) {
     Surface surface = noSurface();
-    GLINT_PRIMITIVES(GLINT_SURFACE_OF_KIND, 0)
+    uint index = hit.primitive & kLeafFirstMask;
+    if (FEATURE_TRIANGLES && kind == kKindTriangle) surfaceOfTriangle(hit, instance, surface);
+    if (FEATURE_SPHERES && kind == kKindSphere) surfaceOfSphere(ray, hit, loadSphere(index), surface);
+    if (FEATURE_PLANES && unbounded && kind == kKindPlane)
+        surfaceOfPlane(ray, hit, loadPlane(index), surface);
+    if (FEATURE_DISCS && kind == kKindDisc) surfaceOfDisc(ray, hit, loadDisc(index), surface);
+    if (FEATURE_POLYGONS && kind == kKindPolygon) surfaceOfPolygon(ray, hit, loadPolygon(index), surface);
+    if (FEATURE_QUADRICS && kind == kKindQuadric) surfaceOfQuadric(ray, hit, loadQuadric(index), surface);
+    if (FEATURE_CUBOIDS && kind == kKindCuboid) surfaceOfCuboid(ray, hit, loadCuboid(index), surface);
     return surface;
 }
 
-#define GLINT_OWN_UV(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                     uv)                                                                                    \
-    || (uv == 1 && kind == kKind##Kind)
-bool hasOwnUv(uint kind) { return false GLINT_PRIMITIVES(GLINT_OWN_UV, 0); }
+// True if the hit brings texture coordinates; others come from the object's frame.
+bool hasOwnUv(uint kind) { return kind == kKindTriangle || kind == kKindCuboid; }
 
 // Fills in texture coordinates from the object's frame. The surface must be in world coordinates.
 void fillObjectUv(uint kind, inout Surface surface) {

@@ -8,10 +8,6 @@
 #include "path.glsl"
 #include "shading/scatter.glsl"
 
-uvec4 loadMedia(uint path) {
-    return FEATURE_TRANSMISSION ? loadRow(treeRow(kTreeRowMedia), path) : uvec4(0u);
-}
-
 uvec4 eyeMedia(Environment environment) {
     if (!FEATURE_TRANSMISSION) return uvec4(0u);
     return uvec4(environment.eyeMedium0, environment.eyeMedium1, environment.eyeMedium2,
@@ -40,14 +36,6 @@ void storeLedger(uint path, Ledger ledger) {
     if (MODE_LEDGER && ledger.changed) {
         storeRow(treeRow(kTreeRowLost), path, floatBitsToUint(ledger.sums));
         storeRow(treeRow(kTreeRowLostCounts), path, ledger.counts);
-    }
-}
-
-void startTree(uint path, Environment environment) {
-    if (dispatch.sampleIndex == 0u) storeLedger(path, emptyLedger());
-    if (FEATURE_TRANSMISSION) {
-        storeRow(treeRow(kTreeRowMedia), path, eyeMedia(environment));
-        storeRow(treeRow(kTreeRowBranch), path, uvec4(0u));
     }
 }
 

@@ -4,7 +4,6 @@
 #define GLINT_COUNT_GLSL
 
 #include "traversal/crossings.glsl"
-#include "traversal/hit.glsl"
 #include "traversal/stackless.glsl"
 
 bool isAnyHit(Traversal traversal) { return false; }
@@ -41,46 +40,21 @@ bool hitTriangle(inout Traversal traversal, Ray ray, uint index, uint primitive,
     return isHit;
 }
 
-// Counts the crossings of primitives `first` to `end` - 1, each looked for from the one before on.
-void countAll(inout Traversal traversal, uint kind, uint first, uint end) {
-    uint index = first;
-    float after = traversal.ray.tMin;
-    do {
-        if (index < end) {
-            Ray rest = traversal.ray;
-            rest.tMin = after;
-            Hit hit;
-            bool isHit = hitPrimitive(traversal, rest, kind, index, hit);
-            bool isHole = FEATURE_ALPHA_MASK && holeAt(surfaceOfHit(traversal, kind, hit).surface);
-            if (isHit && !isHole) count(traversal, kind, hit);
-            bool further = isHit && hit.t > after && hasFurtherHits(kind);
-            after = further ? hit.t : traversal.ray.tMin;
-            index += further ? 0u : 1u;
-            traversal.trips += 2u;  // of this loop, and of those in the tests
-        }
-    } while (index < end);
+// Counts a hit, unless it is a hole.
+void handleHit(inout Traversal traversal, uint kind, Hit hit) {
+    bool isHole = FEATURE_ALPHA_MASK && holeAt(surfaceOfHit(traversal, kind, hit).surface);
+    if (!isHole) count(traversal, kind, hit);
 }
 
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint first = leaf & kLeafFirstMask;
-    countAll(traversal, kindOfLeaf(leaf), first, first + sizeOfLeaf(leaf));
+    testEachHit(traversal, kindOfLeaf(leaf), first, first + sizeOfLeaf(leaf));
 }
 
-// Counts from `slot` on, kSlotFresh for the beginning, and returns the slot to continue from, kNone at the
-// end. `place`: the instance that an unfinished ray is in, and its slot in the world.
-uint countFrom(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
-    bool sound = prepare(traversal, environment);
-    bool begins = slot == kSlotFresh;
-    if (FEATURE_PLANES) {
-        uint trips = traversal.trips;  // those of the planes are in the budget already
-        countAll(traversal, kKindPlane, 0u, sound && begins ? environment.planeCount : 0u);
-        traversal.trips = trips;
-    }
-    if (begins) slot = environment.root == kNone ? kNone : 0u;
-    if (begins) place = uvec2(kNone);
-    bool inTree = kHasTree && sound && slot != kNone;
-    enterAgain(traversal, place, inTree);
-    return traverseFrom(traversal, inTree ? slot : kNone);
+void testPlanes(inout Traversal traversal, uint planeCount) {
+    uint trips = traversal.trips;
+    testEachHit(traversal, kKindPlane, 0u, planeCount);
+    traversal.trips = trips;
 }
 
 #endif

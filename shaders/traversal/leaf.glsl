@@ -2,7 +2,6 @@
 #ifndef GLINT_LEAF_GLSL
 #define GLINT_LEAF_GLSL
 
-#include "traversal/hit.glsl"
 #include "traversal/state.glsl"
 
 // True if the ray may pass through surfaces: holes, and as a shadow ray dielectrics.
@@ -29,27 +28,8 @@ bool passesThrough(inout Traversal traversal, uint kind, Hit hit) {
     return through;
 }
 
-// Tests primitives `first` to `end` - 1 for a ray that may pass through some hits: after each of them, the
-// next hit of the same primitive is looked for. One loop for all kinds, as passesThrough is much code, in
-// which drivers' compilers would spend seconds for each copy.
-void testPassing(inout Traversal traversal, uint kind, uint first, uint end) {
-    uint index = first;
-    float after = traversal.ray.tMin;
-    do {
-        if (index < end) {
-            Ray rest = traversal.ray;
-            rest.tMin = after;
-            Hit hit;
-            bool isHit = hitPrimitive(traversal, rest, kind, index, hit);
-            if (isHit && !passesThrough(traversal, kind, hit))
-                accept(traversal, hit.t, hit.u, hit.v, hit.primitive, hit.id);
-            bool further = isHit && hit.t > after && hasFurtherHits(kind);
-            after = further ? hit.t : traversal.ray.tMin;
-            index += further ? 0u : 1u;
-            traversal.trips += 2u;  // of this loop, and of a polygon's edges
-            if (MODE_COST && !further) ++traversal.cost;
-        }
-    } while (index < end);
+void handleHit(inout Traversal traversal, uint kind, Hit hit) {
+    if (!passesThrough(traversal, kind, hit)) accept(traversal, hit.t, hit.u, hit.v, hit.primitive, hit.id);
 }
 
 void testTriangles(inout Traversal traversal, uint first, uint end) {
@@ -106,7 +86,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     uint first = leaf & kLeafFirstMask;
     uint end = first + sizeOfLeaf(leaf);
     if (mayPass(traversal)) {
-        testPassing(traversal, kind, first, end);
+        testEachHit(traversal, kind, first, end);
         return;
     }
     if (FEATURE_TRIANGLES) testTriangles(traversal, kind == kKindTriangle ? first : end, end);
@@ -121,7 +101,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
 void testPlanes(inout Traversal traversal, uint planeCount) {
     uint trips = traversal.trips;
     if (mayPass(traversal) && FEATURE_OPEN_PLANES) {
-        testPassing(traversal, kKindPlane, 0u, planeCount);
+        testEachHit(traversal, kKindPlane, 0u, planeCount);
         traversal.trips = trips;
         return;
     }

@@ -2,13 +2,12 @@
 // its own, the nearer child first. Aila, Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG
 // 2009: an inner loop over nodes up to the next leaf, an outer loop over leaves.
 //
-// A ray that runs out of trips is finished by further dispatches of the same kernel with MODE_RESUME, which
-// traverse without a stack (traversal/stackless.glsl). The closest hit is the same in any order.
+// A ray that runs out of trips is finished by further dispatches without a stack (traversal/stackless.glsl).
+// The closest hit is the same in any order.
 #ifndef GLINT_TRAVERSAL_GLSL
 #define GLINT_TRAVERSAL_GLSL
 
 #include "traversal/leaf.glsl"
-#include "traversal/stackless.glsl"
 #include "traversal/state.glsl"
 
 // One entry for each level of the tree at most, and a free place above it.
@@ -114,20 +113,11 @@ uint traverse(inout Traversal traversal, uint root) {
     return current == kNone ? kNone : 0u;
 }
 
-// Traces the ray, or continues it from `slot` in MODE_RESUME (kSlotFresh: begins it there). `place`: the
-// instance that an unfinished ray is in, and its slot in the world. Returns kNone when finished, else the
-// slot to continue from.
-uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
+// Traces the ray. Returns kNone when finished, else the slot to resume from.
+uint trace(inout Traversal traversal, Environment environment) {
     bool sound = prepare(traversal, environment);
-    bool begins = !MODE_RESUME || slot == kSlotFresh;
-    if (FEATURE_PLANES) testPlanes(traversal, sound && begins ? environment.planeCount : 0u);
+    if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
     bool inTree = kHasTree && sound && !settled(traversal);
-    if (MODE_RESUME) {
-        if (begins) slot = environment.root != kNone ? 0u : kNone;
-        if (begins) place = uvec2(kNone);
-        enterAgain(traversal, place, inTree && slot != kNone);
-        return traverseFrom(traversal, inTree ? slot : kNone);
-    }
     // The stackless traversal begins at slot 0 and tests all leaves again, but not the planes.
     Passage afterPlanes = traversal.passage;
     uint left = traverse(traversal, inTree ? environment.root : kNone);

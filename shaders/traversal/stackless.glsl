@@ -7,8 +7,9 @@
 
 #include "traversal/state.glsl"
 
-// Tests the primitives of a leaf: traversal/leaf.glsl or traversal/crossings.glsl.
+// Tests the primitives of a leaf, and the planes: traversal/leaf.glsl or traversal/count.glsl.
 void testLeaf(inout Traversal traversal, uint leaf);
+void testPlanes(inout Traversal traversal, uint planeCount);
 
 // Tests the box of a slot. Returns the leaf in it if the ray enters that, else kNone; `slot` becomes the
 // next.
@@ -50,6 +51,30 @@ uint traverseFrom(inout Traversal traversal, uint slot) {
         }
     } while (slot != kNone && traversal.trips < budget);
     return slot;
+}
+
+// Goes back to the instance that an unfinished ray was in. Its trip is not counted: with a budget of one trip
+// the ray would never continue.
+void enterAgain(inout Traversal traversal, uvec2 place, bool enters) {
+    if (FEATURE_INSTANCES) {
+        uint trips = traversal.trips;
+        traversal.worldSlot = place.y;
+        enterSpace(traversal, place.x, enters && place.x != kNone);
+        traversal.trips = trips;
+    }
+}
+
+// Resumes a ray from `slot`, or begins it there (kSlotFresh). `place`: the instance that an unfinished ray is
+// in, and its slot in the world. Returns kNone when finished, else the slot to resume from.
+uint resume(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
+    bool sound = prepare(traversal, environment);
+    bool begins = slot == kSlotFresh;
+    if (FEATURE_PLANES) testPlanes(traversal, sound && begins ? environment.planeCount : 0u);
+    bool inTree = kHasTree && sound && !settled(traversal);
+    if (begins) slot = environment.root != kNone ? 0u : kNone;
+    if (begins) place = uvec2(kNone);
+    enterAgain(traversal, place, inTree && slot != kNone);
+    return traverseFrom(traversal, inTree ? slot : kNone);
 }
 
 #endif

@@ -1,13 +1,11 @@
-// A ray on its way through the BVH: its state, hits that are accepted, instances that it enters and leaves.
+// A ray on its way through the BVH: its state, instances that it enters and leaves, its tests against
+// primitives, and the hits that it accepts.
 #ifndef GLINT_STATE_GLSL
 #define GLINT_STATE_GLSL
 
+#include "shading/optics.glsl"
 #include "traversal/instance.glsl"
-#include "traversal/box.glsl"
 #include "traversal/lanes.glsl"
-#include "shading/material.glsl"
-#include "shading/passage.glsl"
-#include "primitives/all.glsl"
 
 // In place of a slot: the ray has not begun.
 const uint kSlotFresh = 0xfffffffeu;
@@ -26,11 +24,11 @@ struct Traversal {
     uint trips;      // loop trips so far, at most dispatch.tripBudget
     uint cost;
     // Only any-hit and shadow queries use these.
-    bool any;         // in traversal/query_path.glsl: a shadow ray, a constant at each call
+    bool any;         // in whole.comp: a shadow ray, a constant at each call
     Passage passage;  // light that is left after dielectrics
 };
 
-// The query, query_*.glsl: true if any hit will do; and if dielectrics let the ray pass.
+// Each kernel defines its query: true if any hit will do; and if dielectrics let the ray pass.
 bool isAnyHit(Traversal traversal);
 bool isShadowRay(Traversal traversal);
 
@@ -121,27 +119,69 @@ bool prepare(inout Traversal traversal, Environment environment) {
     return traversal.ray.tMax > traversal.ray.tMin;
 }
 
-// Goes back to the instance that an unfinished ray was in. Its trip is not counted: with a budget of one trip
-// the ray would never continue.
-void enterAgain(inout Traversal traversal, uvec2 place, bool enters) {
-    if (FEATURE_INSTANCES) {
-        uint trips = traversal.trips;
-        traversal.worldSlot = place.y;
-        enterSpace(traversal, place.x, enters && place.x != kNone);
-        traversal.trips = trips;
-    }
+const bool kHasTree = FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS ||
+                      FEATURE_QUADRICS || FEATURE_INSTANCES || FEATURE_CUBOIDS;
+
+// ---- Tests against primitives ----
+
+// The closest hit of triangle `index` in the interval of `ray`, which is the traversal's or the rest of it.
+// Crossings have a test of their own: traversal/leaf.glsl or traversal/count.glsl.
+bool hitTriangle(inout Traversal traversal, Ray ray, uint index, uint primitive, out Hit hit);
+
+// The same for a primitive of any kind. Each kind's file has the formulas.
+bool hitPrimitive(inout Traversal traversal, Ray ray, uint kind, uint index, out Hit hit) {
+    uint primitive = (kind << kPrimitiveKindShift) | index;
+    bool isHit = false;
+    hit = Hit(0.0, 0.0, 0.0, kNone, kNone, 0u);
+    if (FEATURE_TRIANGLES && kind == kKindTriangle)
+        isHit = hitTriangle(traversal, ray, index, primitive, hit);
+    if (FEATURE_SPHERES && kind == kKindSphere)
+        isHit = hitSphere(ray, traversal.frame, loadSphere(index), primitive, traversal.trips, hit);
+    if (FEATURE_PLANES && kind == kKindPlane)
+        isHit = hitPlane(ray, traversal.frame, loadPlane(index), primitive, traversal.trips, hit);
+    if (FEATURE_DISCS && kind == kKindDisc)
+        isHit = hitDisc(ray, traversal.frame, loadDisc(index), primitive, traversal.trips, hit);
+    if (FEATURE_POLYGONS && kind == kKindPolygon)
+        isHit = hitPolygon(ray, traversal.frame, loadPolygon(index), primitive, traversal.trips, hit);
+    if (FEATURE_QUADRICS && kind == kKindQuadric)
+        isHit = hitQuadric(ray, traversal.frame, loadQuadric(index), primitive, traversal.trips, hit);
+    if (FEATURE_CUBOIDS && kind == kKindCuboid)
+        isHit = hitCuboid(ray, traversal.frame, loadCuboid(index), primitive, traversal.trips, hit);
+    return isHit;
 }
 
-// Triangles come first in the list. (No constant among the terms: glslang 12 folds those of specialization
-// constants wrongly.)
-#define GLINT_IN_TREE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                      uv)                                                                                    \
-    GLINT_IN_TREE_##ROLE(FEATURE)
-#define GLINT_IN_TREE_TRIANGLES(FEATURE) FEATURE_##FEATURE
-#define GLINT_IN_TREE_PACKETS(FEATURE) || FEATURE_##FEATURE
-#define GLINT_IN_TREE_LEAVES(FEATURE) || FEATURE_##FEATURE
-#define GLINT_IN_TREE_INSTANCES(FEATURE) || FEATURE_##FEATURE
-#define GLINT_IN_TREE_UNBOUNDED(FEATURE)
-const bool kHasTree = GLINT_PRIMITIVES(GLINT_IN_TREE, 0);
+// True if a ray may hit a primitive of this kind more than once.
+bool hasFurtherHits(uint kind) { return kind == kKindSphere || kind == kKindQuadric || kind == kKindCuboid; }
+
+// The surface at a hit in the coordinates that the traversal is in.
+Met surfaceOfHit(Traversal traversal, uint kind, Hit hit) {
+    if (FEATURE_INSTANCES) hit.instance = traversal.instance;
+    return metAt(traversal.ray, kind, hit);
+}
+
+// Accepts or counts a hit, or lets the ray pass: traversal/leaf.glsl or traversal/count.glsl.
+void handleHit(inout Traversal traversal, uint kind, Hit hit);
+
+// Tests primitives `first` to `end` - 1 for a ray that may pass through hits: after each hit, the next hit of
+// the same primitive is looked for. One loop for all kinds, as handleHit is much code, in which drivers'
+// compilers would spend seconds for each copy.
+void testEachHit(inout Traversal traversal, uint kind, uint first, uint end) {
+    uint index = first;
+    float after = traversal.ray.tMin;
+    do {
+        if (index < end) {
+            Ray rest = traversal.ray;
+            rest.tMin = after;
+            Hit hit;
+            bool isHit = hitPrimitive(traversal, rest, kind, index, hit);
+            if (isHit) handleHit(traversal, kind, hit);
+            bool further = isHit && hit.t > after && hasFurtherHits(kind);
+            after = further ? hit.t : traversal.ray.tMin;
+            index += further ? 0u : 1u;
+            traversal.trips += 2u;  // of this loop, and of those in the tests
+            if (MODE_COST && !further) ++traversal.cost;
+        }
+    } while (index < end);
+}
 
 #endif

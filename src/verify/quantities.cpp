@@ -84,7 +84,7 @@ Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, co
 
 // t, and each coordinate of a point, is a sum of a dozen products of numbers up to the way and the eye's
 // coordinates, and of a triangle its corners', 16 units with the last rounding; normals and texture
-// coordinates take as many of numbers up to 1 (8 to 12, shading/texcoord.glsl), of coordinates beyond it up
+// coordinates take as many of numbers up to 1 (8 to 12, shading/texture.glsl), of coordinates beyond it up
 // to what they are sums of. A camera that is moved with the scene's origin rounds the sum once more.
 Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
                     const reference::Ray& ray) {

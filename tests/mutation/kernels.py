@@ -27,12 +27,12 @@ PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "packet_light")
 # Shaders of tests: their defines, and what they include.
 PROBES = {
     "tests/render/arithmetic_probe.comp": ((), ("arithmetic.glsl",)),
-    "tests/stability/primitive_probe.comp": ((), ("traversal/box.glsl", "primitives/all.glsl")),
+    "tests/stability/primitive_probe.comp": ((), ("shading/surface.glsl",)),
 }
 # Files about how rays walk, and what every walk does in its own way. The others' functions are the same for all of them: rays that walk by
 # themselves, with a stack, judge those.
-WALKS = ("traversal/stack.glsl", "traversal/stackless.glsl", "traversal/state.glsl", "traversal/leaf.glsl", "traversal/hit.glsl", "traversal/box.glsl", "traversal/instance.glsl", "traversal/ray.glsl", "light.comp", "shading/light.glsl",
-         "shading/lighting.glsl", "intersect.comp", "path.glsl", "shading/passage.glsl", "packet/packet.glsl", "packet/any.glsl", "packet/closest.glsl", "packet_intersect.comp", "packet_light.comp", "whole.comp")
+WALKS = ("traversal/stack.glsl", "traversal/stackless.glsl", "traversal/state.glsl", "traversal/leaf.glsl", "traversal/instance.glsl", "traversal/ray.glsl", "light.comp", "shading/light.glsl",
+         "shading/lighting.glsl", "intersect.comp", "path.glsl", "path_rows.glsl", "shading/optics.glsl", "packet/packet.glsl", "packet/any.glsl", "packet/closest.glsl", "packet_intersect.comp", "packet_light.comp", "whole.comp")
 # Cases that are drawn with glint's own quotients and roots judge this file alone.
 ARITHMETIC = "arithmetic.glsl"
 # spirv-opt -O without what takes 20 s a kernel: functions stay functions.

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // What a kernel that may run over a list knows of its path: the path's column, its pixel, and pairs of
 // dimensions of its sample. GLINT_PROBE_WORDS words for each invocation.
-#include "path.glsl"
-#include "shading/sample.glsl"
+#include "path_rows.glsl"
+#include "shading/camera.glsl"
 
 layout(set = 0, binding = GLINT_BINDING_COUNT, std430) writeonly buffer WordsBlock {
     uint words[];

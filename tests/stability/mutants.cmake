@@ -63,14 +63,14 @@ foreach(edge "a c2.x b2.y c2.y b2.x" "b a2.x c2.y a2.y c2.x" "c b2.x a2.y b2.y a
 endforeach()
 mutant(contracted primitives/triangle.glsl "${edges}" "${fused}" intersect primitive_probe)
 # Not of an edge function: what a precise variable is computed from is precise too, so that `det` vouches for them.
-mutant(imprecise traversal/box.glsl "precise vec3 t0 =" "vec3 t0 =" intersect)
+mutant(imprecise traversal/ray.glsl "precise vec3 t0 =" "vec3 t0 =" intersect)
 # The textbook's discriminant.
 mutant(naive_sphere primitives/sphere.glsl
        "precise float disc = a * (sphere.radius * sphere.radius - dot(perpendicular, perpendicular));"
        "precise float disc = b * b - a * (dot(o, o) - sphere.radius * sphere.radius);" primitive_probe)
 # The quadratic set up where the ray starts, however far away.
 mutant(naive_quadric primitives/quadric.glsl "precise float start = fromSide ? 0.0 : begin + middle;" "precise float start = 0.0;" primitive_probe)
-mutant(unpadded_boxes traversal/box.glsl "kFarPad = 1.00000226497650" "kFarPad = 1.0" primitive_probe)
+mutant(unpadded_boxes traversal/ray.glsl "kFarPad = 1.00000226497650" "kFarPad = 1.0" primitive_probe)
 # An epsilon for the whole scene.
 mutant(fixed_offset traversal/ray.glsl "precise float d = dot(abs(n), error);" "precise float d = 1e-4;" light shade)
 # The hit point o + t d, taken for exact, and nothing known of the primitive that it lies on.

@@ -6,8 +6,7 @@
 // leaves them, with kProbeExchanged as of a mirrored instance, or of quadrics kProbeNormal, for the normal of
 // a hit. In: the path's rows kRowOrigin (and source), kRowDirection (and tMin), kRowHit (tMax). Out: kRowHit
 // = t, u, v, 1 for a hit; or the normal.
-#include "primitives/all.glsl"
-#include "traversal/box.glsl"
+#include "shading/surface.glsl"
 
 layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
 

@@ -1,0 +1,147 @@
+// Planes, discs and polygons. The reference's own version is in src/reference/intersect.cpp.
+#ifndef GLINT_PRIMITIVES_FLAT_GLSL
+#define GLINT_PRIMITIVES_FLAT_GLSL
+
+#include "primitives/surface.glsl"
+
+// Surface of a flat primitive with this point and unit normal. The hit point is moved back to the plane as an
+// offset from `anchor`. The product with the normal errs by gamma_4 of the offset; the subtraction and the
+// addition of the anchor err by a unit each.
+void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surface) {
+    precise vec3 offset = (ray.origin - anchor) + hit.t * ray.direction;
+    precise vec3 projected = offset - dot(normal, offset) * normal;
+    precise vec3 position = anchor + projected;
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(projected) + abs(anchor));
+    surface.geometricNormal = normal;
+    surface.shadingNormal = normal;
+}
+
+// ---- Planes ----
+
+// t from an anchor point, not from a stored plane constant: a distant constant would cancel.
+bool intersectPlane(Ray ray, RayFrame frame, Plane plane, out float t) {
+    precise vec3 toPoint = plane.point - ray.origin;
+    precise float speed = dot(plane.normal, ray.direction);
+    precise float height = dot(plane.normal, toPoint);
+    precise float tHit = quotient(height, speed);
+    t = tHit;
+    tSlip = slipOfFlat(frame, plane.normal, plane.point, toPoint, ray.direction, tHit, speed);
+    return speed != 0.0 && countsAt(ray, tHit);
+}
+
+bool hitPlane(Ray ray, RayFrame frame, Plane plane, uint primitive, inout uint trips, out Hit hit) {
+    float t;
+    bool isHit = intersectPlane(ray, frame, plane, t);
+    hit = Hit(t, 0.0, 0.0, primitive, kNone, plane.id);
+    return isHit;
+}
+
+void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {
+    precise vec3 position = ray.origin + hit.t * ray.direction;
+    precise vec3 projected = position - dot(plane.normal, position - plane.point) * plane.normal;
+    surface.position = projected;
+    surface.error = gammaBound(7.0) * (abs(projected) + abs(plane.point));
+    surface.geometricNormal = plane.normal;
+    surface.shadingNormal = plane.normal;
+    setOwner(plane.object, plane.primitive, plane.material, surface);
+}
+
+// ---- Discs ----
+
+// The plane's t, then the distance from the centre of the point there. Both parts of it are of the size of
+// the ray's way to the disc, not of the coordinates.
+bool intersectDisc(Ray ray, RayFrame frame, Disc disc, out float t) {
+    precise vec3 toCenter = disc.center - ray.origin;
+    precise float speed = dot(disc.normal, ray.direction);
+    precise float height = dot(disc.normal, toCenter);
+    precise float tHit = quotient(height, speed);
+    precise vec3 offset = tHit * ray.direction - toCenter;
+    precise float square = dot(offset, offset);
+    precise float limit = disc.radius * disc.radius;
+    t = tHit;
+    tSlip = slipOfFlat(frame, disc.normal, disc.center, toCenter, ray.direction, tHit, speed);
+    return speed != 0.0 && square <= limit && countsAt(ray, tHit);
+}
+
+bool hitDisc(Ray ray, RayFrame frame, Disc disc, uint primitive, inout uint trips, out Hit hit) {
+    float t;
+    bool isHit = intersectDisc(ray, frame, disc, t);
+    hit = Hit(t, 0.0, 0.0, primitive, kNone, disc.id);
+    return isHit;
+}
+
+void surfaceOfDisc(Ray ray, Hit hit, Disc disc, inout Surface surface) {
+    flatSurface(ray, hit, disc.center, disc.normal, surface);
+    setOwner(disc.object, disc.primitive, disc.material, surface);
+}
+
+// ---- Polygons ----
+
+// A vertex as the ray sees it: sheared as the corners of triangles are, z its t.
+vec3 shearedVertex(Ray ray, RayFrame frame, uint index) {
+    precise vec3 v = turnToZ(loadPolygonVertex(index).position - ray.origin, frame.axis);
+    precise vec2 xy = v.xy - frame.shear.xy * v.z;
+    precise float t = frame.shear.z * v.z;
+    return vec3(xy, t);
+}
+
+// True if the edge crosses the half line x > 0, y = 0. Half open: of two edges that meet on the line, one
+// above and one below it, a single one counts, and both or neither if they are on the same side. Exchanging a
+// and b exchanges nothing: the two products are the same, so polygons that share an edge never disagree on
+// which side of it a ray passes.
+bool crosses(vec3 a, vec3 b) {
+    precise float edge = a.x * b.y - a.y * b.x;
+    bool up = b.y > 0.0;
+    return up != (a.y > 0.0) && (up ? edge > 0.0 : edge < 0.0);
+}
+
+// Even-odd rule on the outline as seen along the ray, projected along the direction's largest component, not
+// the normal's: every edge contributes a bit of its own and the ray's alone, so the parities of polygons that
+// meet add up to that of their common outline, without gaps, whatever rounding does. t is the plane's, kept
+// among those of the vertices, which it leaves by rounding only.
+bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
+    precise float speed = dot(polygon.normal, ray.direction);
+    precise vec3 toPoint = polygon.point - ray.origin;
+    precise float height = dot(polygon.normal, toPoint);
+    precise float tPlane = quotient(height, speed);
+    bool inside = false;
+    uint vertex = polygon.firstVertex;
+    uint end = vertex + polygon.trips * kPolygonEdgesPerTrip;
+    vec3 a = shearedVertex(ray, frame, vertex);
+    float least = a.z;
+    float greatest = a.z;
+    do {
+        if (vertex < end) {
+            vec3 b = shearedVertex(ray, frame, vertex + 1u);
+            vec3 c = shearedVertex(ray, frame, vertex + 2u);
+            vec3 d = shearedVertex(ray, frame, vertex + 3u);
+            vec3 e = shearedVertex(ray, frame, vertex + 4u);
+            bool odd = (crosses(a, b) != crosses(b, c)) != (crosses(c, d) != crosses(d, e));
+            inside = inside != odd;
+            least = min(least, min(min(b.z, c.z), min(d.z, e.z)));
+            greatest = larger(greatest, larger(larger(b.z, c.z), larger(d.z, e.z)));
+            a = e;
+            vertex += kPolygonEdgesPerTrip;
+        }
+    } while (vertex < end);
+    t = tPlane < least ? least : (tPlane > greatest ? greatest : tPlane);
+    tSlip = slipOfFlat(frame, polygon.normal, polygon.point, toPoint, ray.direction, t, speed);
+    bool startsHere = ray.source != kNone && tPlane <= tSlip;
+    return inside && speed != 0.0 && !startsHere && countsAt(ray, t);
+}
+
+bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout uint trips, out Hit hit) {
+    float t;
+    bool isHit = intersectPolygon(ray, frame, polygon, t);
+    trips += polygon.trips;
+    hit = Hit(t, 0.0, 0.0, primitive, kNone, polygon.id);
+    return isHit;
+}
+
+void surfaceOfPolygon(Ray ray, Hit hit, Polygon polygon, inout Surface surface) {
+    flatSurface(ray, hit, polygon.point, polygon.normal, surface);
+    setOwner(polygon.object, polygon.primitive, polygon.material, surface);
+}
+
+#endif
