@@ -13,8 +13,8 @@ Ray Tracer::cameraRay(const rows::Camera& camera, double x, double y, const glm:
     // From the middle of the film.
     const double right = x - camera.halfWidth, down = y - camera.halfHeight;
     const auto reach = [&](const dvec3& middle, const dvec3& stepX, const dvec3& stepY) {
-        return greatestCoordinate(glm::abs(dvec3(middle)) + glm::abs(right * dvec3(stepX)) +
-                                  glm::abs(down * dvec3(stepY)));
+        return greatestMagnitude(glm::abs(dvec3(middle)) + glm::abs(right * dvec3(stepX)) +
+                                 glm::abs(down * dvec3(stepY)));
     };
     const dvec3 direction = dvec3(camera.center) + right * dvec3(camera.stepX) + down * dvec3(camera.stepY);
     Ray ray;

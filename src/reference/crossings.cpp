@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include "core/vectors.h"
 
 namespace glint::reference {
 
@@ -11,10 +12,6 @@ namespace {
 using glm::dvec3;
 
 constexpr double kFloatRoundoff = 0x1p-24;
-
-double greatestCoordinate(const dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 // Ericson, "Real-Time Collision Detection", 2005, sec. 5.1.5: the region of the triangle that p projects into
 // by the signs of barycentric terms.
@@ -67,7 +64,7 @@ class Proximity {
     bool enter(uint32_t child, const dvec3& lo, const dvec3& hi, const Probe& probe,
                std::vector<uint32_t>& waiting) const {
         if (child == shared::kNone) return false;
-        const double reach = reachOf(probe, std::max(greatestCoordinate(lo), greatestCoordinate(hi)));
+        const double reach = reachOf(probe, std::max(greatestMagnitude(lo), greatestMagnitude(hi)));
         for (int axis = 0; axis < 3; ++axis)
             if (probe.point[axis] < lo[axis] - reach || probe.point[axis] > hi[axis] + reach) return false;
         if ((child & shared::kLeafFlag) == 0) {
@@ -78,7 +75,7 @@ class Proximity {
     }
 
     static double reachOf(const Probe& probe, double size) {
-        return probe.units * kFloatRoundoff * (greatestCoordinate(probe.point) + size) + probe.slack;
+        return probe.units * kFloatRoundoff * (greatestMagnitude(probe.point) + size) + probe.slack;
     }
 
     bool leaf(uint32_t leaf, const Probe& probe) const {
@@ -95,7 +92,7 @@ class Proximity {
     static bool triangle(const rows::Triangle& t, const Probe& probe) {
         const dvec3 a(t.v0), b(t.v1), c(t.v2);
         const double reach =
-            reachOf(probe, std::max({greatestCoordinate(a), greatestCoordinate(b), greatestCoordinate(c)}));
+            reachOf(probe, std::max({greatestMagnitude(a), greatestMagnitude(b), greatestMagnitude(c)}));
         return squaredDistance(probe.point, a, b, c) <= reach * reach;
     }
 
@@ -134,8 +131,8 @@ bool touches(const Tracer& tracer, const dvec3& point) {
     if (Proximity(scene).search(scene.environment.root, {point, 4, 0})) return true;
     if (!hasOtherSurfaces(scene)) return false;
     const double reach = 4 * kFloatRoundoff *
-                         (greatestCoordinate(point) + std::max(greatestCoordinate(dvec3(scene.boundsLo)),
-                                                               greatestCoordinate(dvec3(scene.boundsHi))));
+                         (greatestMagnitude(point) + std::max(greatestMagnitude(dvec3(scene.boundsLo)),
+                                                              greatestMagnitude(dvec3(scene.boundsHi))));
     for (int axis = 0; axis < 3; ++axis) {
         Ray ray;
         ray.origin = point;

@@ -1,22 +1,11 @@
 #include "reference/intersect.h"
 
-#include <limits>
 #include <utility>
+
+#include "reference/precision.h"
 
 namespace glint::reference {
 namespace {
-
-// Quadruple precision where the compiler has it; long double elsewhere is still at least as good as double.
-#ifdef __SIZEOF_FLOAT128__
-__extension__ typedef __float128 Quad;
-constexpr double kQuadRoundoff = 0x1p-113;
-#else
-using Quad = long double;
-constexpr double kQuadRoundoff = std::numeric_limits<long double>::epsilon() / 2;
-#endif
-
-using Extended = long double;
-constexpr double kExtendedRoundoff = static_cast<double>(std::numeric_limits<long double>::epsilon() / 2);
 
 // glm refuses __float128 (no std::numeric_limits in strict mode).
 template <class T>
@@ -49,10 +38,6 @@ Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
-T magnitude(T a) {
-    return a < 0 ? -a : a;
-}
-template <class T>
 Vec<T> magnitudes(const Vec<T>& a) {
     return {magnitude(a.x), magnitude(a.y), magnitude(a.z)};
 }
@@ -66,6 +51,21 @@ bool accept(Extended t, double slip, const PreparedRay& ray, double tMax, Root& 
 glm::dvec3 unitOf(const Vec<Extended>& n) {
     return glm::normalize(
         glm::dvec3(static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)));
+}
+
+// Where the line meets a plane; false if it is parallel. n: unit.
+bool solvePlane(const PreparedRay& ray, const glm::dvec3& normal, const glm::dvec3& point, Extended& t) {
+    const Vec<Extended> n = toVec<Extended>(normal);
+    const Extended nd = dot(n, toVec<Extended>(ray.direction));
+    if (nd == 0) return false;
+    t = dot(n, toVec<Extended>(point) - toVec<Extended>(ray.origin)) / nd;
+    return true;
+}
+
+bool acceptFlat(Extended t, const glm::dvec3& normal, const glm::dvec3& point, const PreparedRay& ray,
+                double tMax, Root& root) {
+    root.u = root.v = 0;
+    return accept(t, slipOfFlat(ray, normal, point, static_cast<double>(t)), ray, tMax, root);
 }
 
 // The sign of d.(b x c): on which side of the edge the line passes (Pluecker). Six terms of three factors,
@@ -323,48 +323,36 @@ int sideOf(const glm::dvec3& a, const glm::dvec3& b, const PreparedRay& ray) {
 // its right.
 bool intersectPolygon(const rows::Polygon& polygon, std::span<const rows::PolygonVertex> vertices,
                       const PreparedRay& ray, double tMax, Root& root) {
-    root.u = root.v = 0;
-    const Vec<Extended> n = toVec<Extended>(polygon.normal);
-    const Extended nd = dot(n, toVec<Extended>(ray.direction));
-    if (nd == 0) return false;
+    Extended t;
+    if (!solvePlane(ray, polygon.normal, polygon.point, t)) return false;
     bool odd = false, above = isAbove(vertices[0].position, ray);
     Extended least = std::numeric_limits<Extended>::infinity(), greatest = -least;
     for (size_t i = 1; i < vertices.size(); ++i) {
         const glm::dvec3 &a = vertices[i - 1].position, &b = vertices[i].position;
         const bool wasAbove = std::exchange(above, isAbove(b, ray));
-        const Extended t = (static_cast<Extended>(b[ray.kz]) - ray.origin[ray.kz]) / ray.direction[ray.kz];
-        least = std::min(least, t);
-        greatest = std::max(greatest, t);
+        const Extended corner =
+            (static_cast<Extended>(b[ray.kz]) - ray.origin[ray.kz]) / ray.direction[ray.kz];
+        least = std::min(least, corner);
+        greatest = std::max(greatest, corner);
         if (above != wasAbove && sideOf(a, b, ray) == (above ? 1 : -1)) odd = !odd;
     }
     if (!odd) return false;
-    const Vec<Extended> w = toVec<Extended>(polygon.point) - toVec<Extended>(ray.origin);
-    const Extended t = std::clamp(dot(n, w) / nd, least, greatest);
-    const double slip = slipOfFlat(ray, polygon.normal, polygon.point, static_cast<double>(t));
-    return accept(t, slip, ray, tMax, root);
+    return acceptFlat(std::clamp(t, least, greatest), polygon.normal, polygon.point, ray, tMax, root);
 }
 
 bool intersectDisc(const rows::Disc& disc, const PreparedRay& ray, double tMax, Root& root) {
-    root.u = root.v = 0;
-    const Vec<Extended> n = toVec<Extended>(disc.normal);
-    const Extended nd = dot(n, toVec<Extended>(ray.direction));
-    if (nd == 0) return false;
+    Extended t;
+    if (!solvePlane(ray, disc.normal, disc.center, t)) return false;
     const int side = discSide<double>(disc, ray, kUnitRoundoff);
     // A point that quadruple precision cannot separate from the rim lies on it.
     if (side < 0 || (side == 0 && discSide<Quad>(disc, ray, kQuadRoundoff) < 0)) return false;
-    const Vec<Extended> w = toVec<Extended>(disc.center) - toVec<Extended>(ray.origin);
-    const Extended t = dot(n, w) / nd;
-    return accept(t, slipOfFlat(ray, disc.normal, disc.center, static_cast<double>(t)), ray, tMax, root);
+    return acceptFlat(t, disc.normal, disc.center, ray, tMax, root);
 }
 
 bool intersectPlane(const rows::Plane& plane, const PreparedRay& ray, double tMax, Root& root) {
-    root.u = root.v = 0;
-    const Vec<Extended> n = toVec<Extended>(plane.normal);
-    const Extended nd = dot(n, toVec<Extended>(ray.direction));
-    if (nd == 0) return false;
-    const Vec<Extended> w = toVec<Extended>(plane.point) - toVec<Extended>(ray.origin);
-    const Extended t = dot(n, w) / nd;
-    return accept(t, slipOfFlat(ray, plane.normal, plane.point, static_cast<double>(t)), ray, tMax, root);
+    Extended t;
+    return solvePlane(ray, plane.normal, plane.point, t) &&
+           acceptFlat(t, plane.normal, plane.point, ray, tMax, root);
 }
 
 }  // namespace glint::reference

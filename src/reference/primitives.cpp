@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/vectors.h"
 #include "reference/error_box.h"
 #include "reference/quadric.h"
 
@@ -10,10 +11,6 @@ namespace glint::reference {
 namespace {
 
 using glm::dvec3;
-
-double greatest(const dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 // A plane, or a part of one: `anchor` is a point of it.
 template <class Flat>
@@ -75,7 +72,7 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
 }
 
 double reachOf(const Model&, const Methods&, const rows::Triangle& t) {
-    return std::max({greatest(t.v0), greatest(t.v1), greatest(t.v2)});
+    return std::max({greatestMagnitude(t.v0), greatestMagnitude(t.v1), greatestMagnitude(t.v2)});
 }
 
 // ---- Spheres
@@ -108,7 +105,8 @@ void surfaceOf(const rows::Sphere& sphere, const Place& place, Surface& surface)
 }
 
 double reachOf(const Model&, const Methods& methods, const rows::Sphere& s) {
-    return greatest(s.point) + (isAnchored(s) && methods.spheres == SphereMethod::Robust ? 0 : s.radius);
+    return greatestMagnitude(s.point) +
+           (isAnchored(s) && methods.spheres == SphereMethod::Robust ? 0 : s.radius);
 }
 
 // ---- Planes
@@ -123,7 +121,7 @@ void surfaceOf(const rows::Plane& plane, const Place& place, Surface& surface) {
 }
 
 double reachOf(const Model&, const Methods&, const rows::Plane& plane) {
-    return greatest(plane.point);
+    return greatestMagnitude(plane.point);
 }
 
 // ---- Discs
@@ -137,7 +135,7 @@ void surfaceOf(const rows::Disc& disc, const Place& place, Surface& surface) {
 }
 
 double reachOf(const Model&, const Methods&, const rows::Disc& disc) {
-    return greatest(disc.center) + disc.radius;
+    return greatestMagnitude(disc.center) + disc.radius;
 }
 
 // ---- Polygons
@@ -153,7 +151,7 @@ void surfaceOf(const rows::Polygon& polygon, const Place& place, Surface& surfac
 double reachOf(const Model& scene, const Methods&, const rows::Polygon& polygon) {
     double most = 0;
     for (const rows::PolygonVertex& v : outlineOf(scene, polygon))
-        most = std::max(most, greatest(v.position));
+        most = std::max(most, greatestMagnitude(v.position));
     return most;
 }
 
@@ -173,7 +171,7 @@ void surfaceOf(const rows::Quadric& quadric, const Place& place, Surface& surfac
 }
 
 double reachOf(const Model&, const Methods&, const rows::Quadric& quadric) {
-    return greatest(quadric.point) + quadricReach(quadric);
+    return greatestMagnitude(quadric.point) + quadricReach(quadric);
 }
 
 }  // namespace glint::reference

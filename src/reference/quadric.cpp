@@ -1,30 +1,15 @@
 #include "reference/quadric.h"
 
 #include <array>
-#include <limits>
 
 #include "reference/error_box.h"
+#include "reference/precision.h"
 
 namespace glint::reference {
 namespace {
 
 using glm::dmat3;
 using glm::dvec3;
-
-#ifdef __SIZEOF_FLOAT128__
-__extension__ typedef __float128 Quad;
-constexpr double kQuadRoundoff = 0x1p-113;
-#else
-using Quad = long double;
-constexpr double kQuadRoundoff = 0x1p-64;
-#endif
-using Extended = long double;
-constexpr double kExtendedRoundoff = static_cast<double>(std::numeric_limits<long double>::epsilon() / 2);
-
-template <class T>
-T magnitude(T a) {
-    return a < 0 ? -a : a;
-}
 
 template <class T>
 using Vec4 = std::array<T, 4>;
@@ -57,18 +42,19 @@ struct HomogeneousForm {
     }
 };
 
-// A ray in homogeneous local coordinates.
-template <class T>
+// A ray in homogeneous local coordinates; with kTerms the magnitudes that its sums are made of.
+template <class T, bool kTerms = false>
 struct LocalRay {
     Vec4<T> o{0, 0, 0, 1}, d{0, 0, 0, 0};
 
     LocalRay(const rows::Quadric& q, const PreparedRay& ray) {
+        const auto term = [](T a) { return kTerms ? magnitude(a) : a; };
         const dvec3 turned[3] = {q.toLocal0, q.toLocal1, q.toLocal2};
         for (int i = 0; i < 3; ++i) {
             for (int k = 0; k < 3; ++k) {
                 const T m = static_cast<T>(turned[i][k]);
-                o[i] += m * (static_cast<T>(ray.origin[k]) - static_cast<T>(q.point[k]));
-                d[i] += m * static_cast<T>(ray.direction[k]);
+                o[i] += term(m * (static_cast<T>(ray.origin[k]) - static_cast<T>(q.point[k])));
+                d[i] += term(m * static_cast<T>(ray.direction[k]));
             }
         }
     }
@@ -78,23 +64,8 @@ struct LocalRay {
         return y;
     }
 };
-
-// The magnitudes that its sums are made of.
 template <class T>
-struct LocalTerms {
-    Vec4<T> o{0, 0, 0, 1}, d{0, 0, 0, 0};
-
-    LocalTerms(const rows::Quadric& q, const PreparedRay& ray) {
-        const dvec3 turned[3] = {q.toLocal0, q.toLocal1, q.toLocal2};
-        for (int i = 0; i < 3; ++i) {
-            for (int k = 0; k < 3; ++k) {
-                const T m = static_cast<T>(turned[i][k]);
-                o[i] += magnitude(m * (static_cast<T>(ray.origin[k]) - static_cast<T>(q.point[k])));
-                d[i] += magnitude(m * static_cast<T>(ray.direction[k]));
-            }
-        }
-    }
-};
+using LocalTerms = LocalRay<T, true>;
 
 // a t^2 + 2 b t + c = 0 at the ray's origin.
 template <class T>

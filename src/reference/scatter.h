@@ -2,18 +2,13 @@
 // shaders/shading/scatter.glsl, by the formulas of docs/reference/shading.md.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <glm/glm.hpp>
 
+#include "core/vectors.h"
 #include "reference/optics.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
-
-inline double greatestCoordinate(const glm::dvec3& v) {
-    return std::max(std::max(std::abs(v.x), std::abs(v.y)), std::abs(v.z));
-}
 
 // A hit as shading sees it: normals turned against the ray.
 struct Interaction {

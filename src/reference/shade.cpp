@@ -126,7 +126,7 @@ Interaction PathTracer::interactionAt(const Ray& ray, const Hit& hit, const Surf
     at.n = side * surface.geometricNormal;
     at.s = side * surface.shadingNormal;
     at.view = -d;
-    at.originScale = std::max(greatestCoordinate(ray.origin), ray.originScale);
+    at.originScale = std::max(greatestMagnitude(ray.origin), ray.originScale);
     // Each coordinate of the position is a sum of products of numbers no greater than `scale`, or a point
     // moved onto its primitive, and errs by at most 9 u scale (weights 2 u, products and sums 7 u for a
     // triangle; less for the others): 16 u scale along n. Twice that, as the origin of the next ray is
@@ -180,7 +180,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     dvec3 left(1), sigma(0), fade(0);
     for (uint32_t medium : at.crossing.before) sigma += attenuationOf(scene_, medium);
     std::vector<dvec3> change;
-    double ends = at.scale * greatestCoordinate(sigma);
+    double ends = at.scale * greatestMagnitude(sigma);
     // Opaque surfaces block with their edges too.
     for (const Hit& hit : hits)
         if (scene_.materials[tracer_.surfaceAt(ray, hit).material].medium == 0) return std::nullopt;
@@ -196,7 +196,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
         const bool again = i > 0 && hit == hits[i - 1];
         leaves = again ? !leaves : glm::dot(surface.geometricNormal, ray.direction) > 0;
         change.push_back((leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium));
-        ends += surface.scale * greatestCoordinate(change.back());
+        ends += surface.scale * greatestMagnitude(change.back());
     }
     if (directional) {
         // Infinitely far away there is no medium, so what the ray starts in is what it leaves.
@@ -206,13 +206,13 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     double from = 0, terms = 0;
     const double length = glm::length(ray.direction);
     for (size_t i = 0; i < hits.size(); ++i) {
-        terms += 1 + greatestCoordinate(change[i]) * length * std::max(hits[i].t, std::abs(1 - hits[i].t));
+        terms += 1 + greatestMagnitude(change[i]) * length * std::max(hits[i].t, std::abs(1 - hits[i].t));
         fade += (hits[i].t - from) * sigma;
         sigma += change[i];
         from = hits[i].t;
     }
     if (!directional) fade += (1 - from) * sigma;
-    terms += length * greatestCoordinate(fade);
+    terms += length * greatestMagnitude(fade);
     return Passed{glm::min(left * glm::exp(-length * fade), dvec3(1)), terms, ends};
 }
 
@@ -404,7 +404,7 @@ void PathTracer::addLight(const dvec3& throughput, const dvec3& slack, const Lig
 
 Ray PathTracer::moved(const Ray& cameraRay) {
     Ray ray = cameraRay;
-    mover_.move(ray, std::max(greatestCoordinate(ray.origin), ray.originScale));
+    mover_.move(ray, std::max(greatestMagnitude(ray.origin), ray.originScale));
     return ray;
 }
 
@@ -426,7 +426,7 @@ void PathTracer::finishRounding() {
 
 Step PathTracer::step(Branch branch) {
     Ray& ray = branch.ray;
-    mover_.move(ray, std::max({greatestCoordinate(ray.origin), ray.originScale, branch.scale}));
+    mover_.move(ray, std::max({greatestMagnitude(ray.origin), ray.originScale, branch.scale}));
     const double height = glm::dot(ray.origin - branch.start, branch.out);
     if (height < 0) ray.origin -= 2 * height * branch.out;
     record_.pathHash = shared::kHashStart;

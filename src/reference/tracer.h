@@ -183,7 +183,8 @@ class Tracer {
     bool occluded(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
     // Every hit, nearest first; of triangles that share the edge or corner that is hit, all.
     std::vector<Hit> allHits(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
-    // The same as `closest` by testing every primitive, without the BVH: the oracle's oracle.
+    // The same as `closest` by testing every primitive in the leaves, whatever boxes the ray hits: the
+    // oracle's oracle.
     std::optional<Hit> closestBruteForce(const Ray& ray, const Source& source = {}) const;
 
     // False for a hit in a triangle's edge or corner that counts as another triangle's, where a ray goes

@@ -38,6 +38,7 @@ struct Search {
     bool found = false;
     uint32_t instance = kNone;
     uint32_t idBase = 0;
+    bool everywhere = false;  // every box is entered
     std::vector<Hit>* all = nullptr;
     const Ray* world = nullptr;      // as it was given
     const Tracer* tracer = nullptr;  // whose search it is
@@ -195,10 +196,11 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
             const auto* planes = reinterpret_cast<const double*>(&node);
             const double limit = cullLimit(search.end);
             const bool has0 = node.child0 != kNone, has1 = node.child1 != kNone;
-            const double t0 =
-                has0 ? enterBox(planes, 0, ray, limit) : std::numeric_limits<double>::infinity();
-            const double t1 =
-                has1 ? enterBox(planes, 1, ray, limit) : std::numeric_limits<double>::infinity();
+            const auto enter = [&](bool has, int side) {
+                if (!has) return std::numeric_limits<double>::infinity();
+                return search.everywhere ? 0 : enterBox(planes, side, ray, limit);
+            };
+            const double t0 = enter(has0, 0), t1 = enter(has1, 1);
             search.cost += static_cast<uint64_t>(has0) + static_cast<uint64_t>(has1);
             const bool enter0 = t0 <= limit, enter1 = t1 <= limit;
             if (enter0 && enter1) {
@@ -221,51 +223,11 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
     }
 }
 
-void testAll(const Model& scene, const PreparedRay& ray, uint32_t source, Search& search) {
-    visitPrimitiveArrays(scene, [&](shared::PrimitiveKind kind, const auto& array) {
-        testPrimitives<false>(scene, ray, kind, 0, static_cast<uint32_t>(array.size()), source, search);
-    });
-}
-
-// Every leaf of a tree and of the trees of its instances, without a look at the boxes.
-void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Search& search) {
-    const bool inWorld = search.instance == kNone;
-    const uint32_t source = world.source.instance == search.instance ? world.source.primitive : kNone;
-    std::vector<uint32_t> pending{root};
-    while (!pending.empty()) {
-        const uint32_t child = pending.back();
-        pending.pop_back();
-        if (child == kNone) continue;
-        if (!(child & shared::kLeafFlag)) {
-            pending.push_back((*world.scene.nodes)[child].child0);
-            pending.push_back((*world.scene.nodes)[child].child1);
-            continue;
-        }
-        const shared::PrimitiveKind kind = kindOfLeaf(child);
-        const uint32_t first = child & shared::kLeafFirstMask;
-        const uint32_t count = (child >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
-        if (kind != shared::PrimitiveKind::Instance) {
-            testPrimitives<false>(world.scene, ray, kind, first, count, source, search);
-            continue;
-        }
-        for (uint32_t i = first; inWorld && i < first + count; ++i) {
-            const rows::Instance& instance = world.scene.instances[i];
-            search.instance = i;
-            search.idBase = instance.idBase;
-            PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
-            inside.leaves = world.source.primitive != kNone;
-            inside.slip = InstanceFrame(instance).slipOfWayIn(world.ray.origin);
-            if (inside.valid) testLeaves(world, inside, instance.root, search);
-            search.instance = kNone;
-            search.idBase = 0;
-        }
-    }
-}
-
 template <bool kAny>
 Search searchScene(const Tracer& tracer, const Model& scene, const Ray& ray, const Source& from,
-                   uint64_t* cost, std::vector<Hit>* all = nullptr) {
+                   uint64_t* cost, std::vector<Hit>* all = nullptr, bool everywhere = false) {
     Search search;
+    search.everywhere = everywhere;
     search.tracer = &tracer;
     search.all = all;
     search.world = &ray;
@@ -283,10 +245,6 @@ Search searchScene(const Tracer& tracer, const Model& scene, const Ray& ray, con
     if (cost) *cost += search.cost;
     return search;
 }
-
-}  // namespace
-
-namespace {
 
 // The device's least contribution is a float.
 Tracing roundedTracing(const Tracing& tracing) {
@@ -344,20 +302,7 @@ bool Tracer::crosses(const Ray& ray, const Hit& hit) const {
 }
 
 std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& source) const {
-    Search search;
-    PreparedRay prepared(ray);
-    if (!prepared.valid) return std::nullopt;
-    prepared.leaves = source.primitive != kNone;
-    search.tracer = this;
-    search.world = &ray;
-    search.end = ray.tMax;
-    if (scene_.instances.empty()) {
-        testAll(scene_, prepared, source.primitive, search);
-    } else {
-        testPrimitives<false>(scene_, prepared, shared::PrimitiveKind::Plane, 0,
-                              static_cast<uint32_t>(scene_.planes.size()), source.primitive, search);
-        testLeaves({scene_, ray, source}, prepared, scene_.environment.root, search);
-    }
+    const Search search = searchScene<false>(*this, scene_, ray, source, nullptr, nullptr, true);
     return search.found ? std::optional<Hit>(search.best) : std::nullopt;
 }
 

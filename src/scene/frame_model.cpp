@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/vectors.h"
 #include "scene/camera_frame.h"
 #include "scene/frame_model.h"
 
@@ -28,17 +29,13 @@ struct Box {
     }
 };
 
-bool finite(const glm::dvec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 // Which vertices of a mesh triangles without a bad one have.
 std::vector<uint8_t> drawnVertices(const Mesh& mesh) {
     const auto& p = mesh.positions;
-    const bool allFinite = std::all_of(p.begin(), p.end(), finite);
+    const bool allFinite = std::all_of(p.begin(), p.end(), isFinite);
     std::vector<uint8_t> drawn(p.size());
     for (const glm::uvec3& c : mesh.corners)
-        if (allFinite || (finite(p[c.x]) && finite(p[c.y]) && finite(p[c.z])))
+        if (allFinite || (isFinite(p[c.x]) && isFinite(p[c.y]) && isFinite(p[c.z])))
             drawn[c.x] = drawn[c.y] = drawn[c.z] = 1;
     return drawn;
 }
@@ -91,7 +88,7 @@ class PartVisitor {
     glm::dvec3 world(const glm::dvec3& p) const { return transform_.linear * p + transform_.offset; }
     void point(const glm::dvec3& p) const { visit_(world(p), nullptr); }
     void triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const {
-        if (!finite(a) || !finite(b) || !finite(c)) return;
+        if (!isFinite(a) || !isFinite(b) || !isFinite(c)) return;
         point(a);
         point(b);
         point(c);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/vectors.h"
+
 namespace glint {
 namespace {
 
@@ -11,10 +13,6 @@ constexpr double kUnit = 0x1p-53;
 // Coordinates written with six digits do not decide which side of an outline has the greater area where the
 // areas differ by less than this part of them.
 constexpr double kSameArea = 1e-5;
-
-double greatest(const glm::dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 // Newell's sum, twice the vector area, and how far rounding may take it from zero.
 struct Newell {
@@ -33,7 +31,7 @@ Newell newell(std::span<const glm::dvec3> vertices) {
         result.mean += p / static_cast<double>(vertices.size());
         terms += glm::length(p) * glm::length(q);
         length += glm::length(q - p);
-        scale = std::max(scale, greatest(vertices[i]));
+        scale = std::max(scale, greatestMagnitude(vertices[i]));
     }
     // Each cross product errs by 4 u of its terms and each addition by another u of them; a vertex that was
     // itself rounded, by u of its coordinates on each axis, turns the sum by that times the two edges it
@@ -62,9 +60,9 @@ PolygonPlane planeOf(std::span<const glm::dvec3> vertices, const glm::dvec3& poi
 // line's points.
 glm::dvec3 widestTriangle(std::span<const glm::dvec3> vertices) {
     glm::dvec3 ab(0), ac(0);
-    double scale = greatest(vertices[0]);
+    double scale = greatestMagnitude(vertices[0]);
     for (const glm::dvec3& v : vertices) {
-        scale = std::max(scale, greatest(v));
+        scale = std::max(scale, greatestMagnitude(v));
         if (glm::length(v - vertices[0]) > glm::length(ab)) ab = v - vertices[0];
     }
     for (const glm::dvec3& v : vertices) {
@@ -117,7 +115,8 @@ double planarTolerance(std::span<const glm::dvec3> vertices) {
         lo = glm::min(lo, v);
         hi = glm::max(hi, v);
     }
-    const double size = greatest(hi - lo), scale = std::max(greatest(lo), greatest(hi));
+    const double size = greatestMagnitude(hi - lo),
+                 scale = std::max(greatestMagnitude(lo), greatestMagnitude(hi));
     return 2 * std::numbers::sqrt3 * std::max(5e-6 * size, 0x1p-24 * scale);
 }
 

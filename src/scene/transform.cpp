@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/vectors.h"
+
 namespace glint {
 
 namespace {
@@ -26,10 +28,6 @@ std::pair<double, double> sinCosDegrees(double degrees) {
         default:
             return {-c, s};
     }
-}
-
-double largestComponent(const glm::dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
 double greatestElement(const glm::dmat3& m) {
@@ -62,7 +60,7 @@ class NormalTransform {
         if (mirrors(linear)) matrix_ = -matrix_;
     }
     glm::dvec3 operator()(const glm::dvec3& normal) const {
-        const double size = largestComponent(normal);
+        const double size = greatestMagnitude(normal);
         if (!(size > 0) || !std::isfinite(size)) return normal;
         return glm::normalize(matrix_ * (normal / size));
     }
@@ -96,7 +94,7 @@ Affine translation(const glm::dvec3& offset) {
 
 Affine rotation(const glm::dvec3& axis, double degrees) {
     // Rodrigues 1840: R = c I + s [a]x + (1 - c) a a^T for a unit axis a.
-    const glm::dvec3 a = glm::normalize(axis / largestComponent(axis));
+    const glm::dvec3 a = glm::normalize(axis / greatestMagnitude(axis));
     const auto [s, c] = sinCosDegrees(degrees);
     const glm::dmat3 cross(0, a.z, -a.y, -a.z, 0, a.x, a.y, -a.x, 0);  // by columns
     return {c * glm::dmat3(1) + s * cross + (1 - c) * glm::outerProduct(a, a), glm::dvec3(0)};
@@ -136,7 +134,7 @@ std::optional<double> similarityFactor(const glm::dmat3& linear) {
 
 std::optional<double> discFactor(const glm::dvec3& normal, const glm::dmat3& linear) {
     const double greatest = greatestElement(linear);
-    const glm::dvec3 n = glm::normalize(normal / largestComponent(normal));
+    const glm::dvec3 n = glm::normalize(normal / greatestMagnitude(normal));
     // An axis far from n, so that the cross product is not small.
     const int axis = std::abs(n.x) < 0.6 ? 0 : std::abs(n.y) < 0.6 ? 1 : 2;
     glm::dvec3 tangent(0);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "core/vectors.h"
 #include "pack/primitives.h"
 #include "scene/transform.h"
 
@@ -19,17 +20,9 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFloatUnit = 0x1p-24;
 
-double greatest(const dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
-bool isFinite(const dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 bool asksForNothing(const WorldRay& ray) {
     return !isFinite(ray.origin) || !isFinite(ray.direction) ||
-           greatest(ray.direction) < kShortestDirection || !(ray.tMin < ray.tMax) || !(ray.tMax > 0);
+           greatestMagnitude(ray.direction) < kShortestDirection || !(ray.tMin < ray.tMax) || !(ray.tMax > 0);
 }
 
 // A ray in the coordinates of a tree, as boxes see it.
@@ -40,7 +33,7 @@ struct BoxRay {
           pad(originPad),
           spread(directionSpread),
           inverse(1.0 / along),
-          reach(greatest(from)) {}
+          reach(greatestMagnitude(from)) {}
 
     dvec3 origin, direction;
     double pad;     // what its origin is off, on each axis
@@ -61,10 +54,10 @@ BoxRay entered(const BoxRay& ray, const shared::Instance& instance) {
     const auto times = [&](const dvec3& v) { return dvec3(glm::dot(x, v), glm::dot(y, v), glm::dot(z, v)); };
     const double rows = greatestSum(x, y, z);
     const dvec3 direction = times(ray.direction);
-    const double size = greatest(direction);
+    const double size = greatestMagnitude(direction);
     return {times(away), direction,
-            rows * (ray.pad + kFloatUnit * (4 * greatest(place) + 16 * greatest(away))),
-            size > 0 ? 16 * kFloatUnit * rows * greatest(ray.direction) / size : 1};
+            rows * (ray.pad + kFloatUnit * (4 * greatestMagnitude(place) + 16 * greatestMagnitude(away))),
+            size > 0 ? 16 * kFloatUnit * rows * greatestMagnitude(ray.direction) / size : 1};
 }
 
 dmat3 magnitudes(const dmat3& m) {
@@ -83,9 +76,10 @@ double greatestMove(const Scene& scene, const PackedScene& packed) {
     for (const Object& object : scene.objects) {
         if (!object.transform || std::holds_alternative<MeshShape>(object.shape)) continue;
         const dmat3 m = magnitudes(object.transform->linear) * magnitudes(inverse(*object.transform).linear);
-        gain = std::max(gain, greatest(m * dvec3(1)));
+        gain = std::max(gain, greatestMagnitude(m * dvec3(1)));
     }
-    const double size = std::max(greatest(dvec3(packed.boundsLo)), greatest(dvec3(packed.boundsHi)));
+    const double size =
+        std::max(greatestMagnitude(dvec3(packed.boundsLo)), greatestMagnitude(dvec3(packed.boundsHi)));
     return 2 * kFloatUnit * (4 + 6 * gain) * size;
 }
 
@@ -101,10 +95,11 @@ class Search {
         for (uint32_t i = 0; i < packed_.planes.size(); ++i) plane(i);
         const dvec3 origin = ray_.ray().origin - packed_.origin;
         BoxRay local{origin, ray_.ray().direction,
-                     2 * tracer_.slack_ + tracer_.boxSlack_ + 0x1p-50 * greatest(origin), 0x1p-50};
+                     2 * tracer_.slack_ + tracer_.boxSlack_ + 0x1p-50 * greatestMagnitude(origin), 0x1p-50};
         if (packed_.environment.root != kNone && !packed_.nodes.empty()) {
-            const double instances = static_cast<double>(packed_.environment.instancePad) * greatest(origin) +
-                                     static_cast<double>(packed_.environment.instancePadAtOrigin);
+            const double instances =
+                static_cast<double>(packed_.environment.instancePad) * greatestMagnitude(origin) +
+                static_cast<double>(packed_.environment.instancePadAtOrigin);
             local.pad += instances;
             walk(packed_.environment.root, local, kNone);
         }
@@ -151,7 +146,7 @@ class Search {
     // coordinates outside.
     double enter(const BoxRay& ray, uint32_t child, const glm::vec3& lo, const glm::vec3& hi) const {
         if (child == kNone) return kInfinity;
-        const double size = std::max(greatest(dvec3(lo)), greatest(dvec3(hi)));
+        const double size = std::max(greatestMagnitude(dvec3(lo)), greatestMagnitude(dvec3(hi)));
         const double pad = ray.pad + ray.spread * (ray.reach + size) + 2 * kFloatUnit * size;
         double near = std::max(ray_.ray().tMin, 0.0) * (1 - 0x1p-48), far = end_ * (1 + 0x1p-48);
         for (int i = 0; i < 3; ++i) {
@@ -297,24 +292,26 @@ class Search {
 // those of an instance to and fro.
 Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), packed_(packed) {
     const PrimitiveNumbers numbers(scene);
-    double size = greatest(packed.origin);
+    double size = greatestMagnitude(packed.origin);
     // A plane's point is moved to where the scene and the eye are.
     if (!packed.planes.empty())
-        size = std::max({size + greatest(dvec3(packed.boundsLo)) + greatest(dvec3(packed.boundsHi)),
-                         greatest(scene.camera.eye)});
+        size = std::max(
+            {size + greatestMagnitude(dvec3(packed.boundsLo)) + greatestMagnitude(dvec3(packed.boundsHi)),
+             greatestMagnitude(scene.camera.eye)});
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
         firstIds_.push_back(numbers.firstId(i));
         if (const auto* plane = std::get_if<PlaneShape>(&object.shape))
-            size = std::max(size, greatest(plane->point));
+            size = std::max(size, greatestMagnitude(plane->point));
         const auto* mesh = std::get_if<MeshShape>(&object.shape);
         if (mesh == nullptr || !object.transform) continue;
         double reach = 0;
-        for (const dvec3& p : mesh->mesh->positions) reach = std::max(reach, isFinite(p) ? greatest(p) : 0);
+        for (const dvec3& p : mesh->mesh->positions)
+            reach = std::max(reach, isFinite(p) ? greatestMagnitude(p) : 0);
         const glm::dmat3& m = object.transform->linear;
         const double rows =
             greatestSum({m[0].x, m[1].x, m[2].x}, {m[0].y, m[1].y, m[2].y}, {m[0].z, m[1].z, m[2].z});
-        size = std::max(size, rows * reach + greatest(object.transform->offset));
+        size = std::max(size, rows * reach + greatestMagnitude(object.transform->offset));
     }
     boxSlack_ = greatestMove(scene, packed);
     slack_ =

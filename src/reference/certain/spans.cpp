@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/vectors.h"
+
 namespace glint::reference::certain {
 
 namespace {
@@ -15,10 +17,6 @@ constexpr double kUnit = 0x1p-53;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Products below this are rounded by more than a unit of themselves.
 constexpr double kLeastDoubt = 1e-290;
-
-double greatest(const dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 dvec3 turned(const dvec3& v, int axis) {
     return axis == 0 ? dvec3(v.y, v.z, v.x) : axis == 1 ? dvec3(v.z, v.x, v.y) : v;
@@ -61,8 +59,8 @@ std::optional<Span> PreparedRay::span(const std::array<dvec3, 3>& corners, const
         if (place != nullptr) {
             const glm::dmat3 sizes{glm::abs(place->linear[0]), glm::abs(place->linear[1]),
                                    glm::abs(place->linear[2])};
-            offset =
-                std::max(offset, 8 * kUnit * greatest(sizes * glm::abs(corner) + glm::abs(place->offset)));
+            offset = std::max(
+                offset, 8 * kUnit * greatestMagnitude(sizes * glm::abs(corner) + glm::abs(place->offset)));
             corner = place->linear * corner + place->offset;
         }
         const dvec3 seen = turned(corner - ray_.origin, axis_);
@@ -116,7 +114,7 @@ std::optional<Span> PreparedRay::span(const PlaneShape& plane) const {
 // than 128 u (|c - o|^2 + r^2), the root of D by that over the root, b / a by 8 u |c - o| / |d|.
 std::array<std::optional<Span>, 2> PreparedRay::spans(const SphereShape& sphere) const {
     // By a power of two, exactly: the square of a direction may overflow or vanish.
-    const int exponent = std::ilogb(greatest(ray_.direction));
+    const int exponent = std::ilogb(greatestMagnitude(ray_.direction));
     const dvec3 scaled = {std::scalbn(ray_.direction.x, -exponent), std::scalbn(ray_.direction.y, -exponent),
                           std::scalbn(ray_.direction.z, -exponent)};
     const double scaledLength = std::sqrt(glm::dot(scaled, scaled));

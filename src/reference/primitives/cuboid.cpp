@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "reference/error_box.h"
+#include "reference/precision.h"
 #include "reference/primitives.h"
 
 namespace glint::reference {
 namespace {
 
 using glm::dvec3;
-using Extended = long double;
 
 // An edge belongs to both of its faces, though the point that is found there errs by some roundings.
 constexpr double kEdgeSlack = 0x1p-58;
@@ -134,26 +134,9 @@ void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
         share[i] =
             (glm::dot(dvec3(normals[i]), surface.position - dvec3(c.point)) - static_cast<double>(c.lo[i])) /
             (static_cast<double>(c.hi[i]) - static_cast<double>(c.lo[i]));
-    const double flippedX = 1 - share.x, flippedZ = 1 - share.z;
-    switch (place.part()) {
-        case 0:
-            surface.uv = {share.z, share.y};
-            break;
-        case 1:
-            surface.uv = {flippedZ, share.y};
-            break;
-        case 2:
-            surface.uv = {share.x, share.z};
-            break;
-        case 3:
-            surface.uv = {share.x, flippedZ};
-            break;
-        case 4:
-            surface.uv = {flippedX, share.y};
-            break;
-        default:
-            surface.uv = {share.x, share.y};
-    }
+    const double u[6] = {share.z, 1 - share.z, share.x, share.x, 1 - share.x, share.x};
+    const double v[6] = {share.y, share.y, share.z, 1 - share.z, share.y, share.y};
+    surface.uv = {u[place.part()], v[place.part()]};
 }
 
 double reachOf(const Model&, const Methods&, const rows::Cuboid& c) {

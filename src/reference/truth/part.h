@@ -24,6 +24,14 @@ struct Identity {
     uint32_t id = 0, object = 0, face = 0, material = 0;
 };
 
+template <class Row>
+void identify(const Identity& who, Row& row) {
+    row.id = who.id;
+    row.object = who.object;
+    row.primitive = who.face;
+    row.material = who.material;
+}
+
 // The world's primitives, or a prototype's, in the order of the scene.
 struct Part {
     Model model;  // the arrays of primitives and what belongs to them

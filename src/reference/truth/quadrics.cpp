@@ -224,10 +224,7 @@ void Part::addQuadric(const Shape& shape, const Place& place, const dvec3& origi
     row.lo = s.lo;
     row.hi = s.hi;
     row.caps = s.caps;
-    row.id = who.id;
-    row.object = who.object;
-    row.primitive = who.face;
-    row.material = who.material;
+    identify(who, row);
     model.quadrics.push_back(row);
     bounds.lo -= origin;
     bounds.hi -= origin;

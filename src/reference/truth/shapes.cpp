@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/room.h"
+#include "core/vectors.h"
 #include "reference/truth/part.h"
 #include "scene/polygon_plane.h"
 
@@ -15,18 +16,6 @@ using glm::dvec3;
 
 dmat3 magnitudesOf(const dmat3& m) {
     return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
-}
-
-bool isFinite(const dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-template <class Row>
-void identify(const Identity& who, Row& row) {
-    row.id = who.id;
-    row.object = who.object;
-    row.primitive = who.face;
-    row.material = who.material;
 }
 
 // The half edges of a box's faces from its middle, at right angles to them, as unit vectors and lengths.
