@@ -60,10 +60,12 @@ const mpi::Module& loadModule() {
 }
 
 // Skips Open MPI's search for networks if all ranks are on one machine: it is ready after 0.06 s instead of
-// 0.26 s (4.1.4). The user's own setting wins.
+// 0.26 s (4.1.4), and 5.0.7 prints no warnings about networks it cannot reach. The user's own settings win.
 void skipNetworks() {
     const auto here = numberIn("OMPI_COMM_WORLD_LOCAL_SIZE");
-    if (here && here == numberIn("OMPI_COMM_WORLD_SIZE")) ::setenv("OMPI_MCA_pml", "ob1", 0);
+    if (!here || here != numberIn("OMPI_COMM_WORLD_SIZE")) return;
+    ::setenv("OMPI_MCA_pml", "ob1", 0);
+    ::setenv("OMPI_MCA_btl", "^tcp", 0);
 }
 
 const mpi::Module* running = nullptr;  // between begin() and end()
