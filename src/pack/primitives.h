@@ -91,7 +91,7 @@ using Corners = std::array<glm::vec3, 3>;
 // that is accepted therefore passes the point P = sum w_k x_k, w_k >= 0, at a distance along x of no more
 // than sum w_k (2 u |X_k| + 9 u |S Z_k|). X_k is P's own X but for the triangle's extent e, and |S| P's Z the
 // ray's t |d_x|: so 11 u t |d_x| + 2 u e_x + 9 u e_z. The first part is in the pad of the slab test (kFarPad,
-// shaders/traversal/box.glsl), the second is this: 16 u of the largest extent, which leaves room for the
+// shaders/traversal/ray.glsl), the second is this: 16 u of the largest extent, which leaves room for the
 // weights' own errors in t. Tight boxes lose hits where a triangle is far longer than the ray's way to it,
 // and with them the ray leaves a closed mesh (tests/render/tree_leaks_test.cpp).
 inline float edgeMargin(const Box& tight) {

@@ -1,4 +1,4 @@
-// Sample positions of the reference, from the packed rows; written apart from shaders/shading/sample.glsl.
+// Sample positions of the reference, from the packed rows; written apart from shaders/shading/camera.glsl.
 #pragma once
 
 #include <array>

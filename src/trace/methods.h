@@ -26,7 +26,7 @@ constexpr auto entriesOf(SphereMethod) {
 }
 
 // By how much the far planes of boxes are moved away: 1 + 2 (gamma_7 + 11 u) (kFarPad in
-// shaders/traversal/box.glsl), 1 + 2 gamma_3, not at all; and how far
+// shaders/traversal/ray.glsl), 1 + 2 gamma_3, not at all; and how far
 // from a surface rays start that leave it: by the error box of the point, by 1e-4, not at all. Of the device
 // alone, and for `glint report` alone, which shows what the defaults are worth (docs/lab/accuracy.md).
 enum class SlabPad : uint32_t { Gamma7, Gamma3, None };

@@ -14,7 +14,7 @@ Fenced blocks of a page, in order:
                             stands for anything, on a line by itself for any lines
     ```sh no-run            not run (a window, minutes): but each glint command's options must be in its --help
 
-In the folder are links to scenes/ and to the folders build/, src/, tools/, docs/, examples/ of the repository, so that paths on pages hold.
+The folder has a copy of scenes/, and links to the folders build/, src/, tools/, docs/, examples/ of the repository, so that paths on pages hold.
 """
 import os
 import pathlib
@@ -112,7 +112,8 @@ def check_page(glint, page, pictures=False):
     faults = []
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as path:
         os.symlink(pathlib.Path(glint).resolve(), pathlib.Path(path) / "glint")
-        for name in ("scenes", "build", "src", "tools", "docs", "examples"):
+        shutil.copytree(ROOT / "scenes", pathlib.Path(folder) / "scenes")
+        for name in ("build", "src", "tools", "docs", "examples"):
             if (ROOT / name).exists():
                 os.symlink(ROOT / name, pathlib.Path(folder) / name)
         for number, words, text in blocks(page.read_text()):
