@@ -52,7 +52,8 @@ Ray loadRay(uint path) {
     uvec4 origin = loadRow(kRowOrigin, path);
     uvec4 direction = loadRow(kRowDirection, path);
     return Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w),
-               MODE_GIVEN ? uintBitsToFloat(origin.w) : kInfinity, MODE_GIVEN ? kNone : origin.w,
+               MODE_GIVEN ? uintBitsToFloat(origin.w) : kInfinity,
+               MODE_GIVEN ? (MODE_LEAVES ? kElsewhere : kNone) : origin.w,
                MODE_GIVEN ? kNone : loadInstanceRow(path).y);
 }
 

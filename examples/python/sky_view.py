@@ -25,7 +25,7 @@ sky = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - radius
 
 seen = np.zeros(points.shape[:2])
 for direction in sky:
-    seen += (normals @ direction > 0) & ~scene.occluded(points, direction, coherent=True)
+    seen += (normals @ direction > 0) & ~scene.occluded(points, direction, coherent=True, leave=True)
 factor = seen / count
 
 write_png(given.out, colours(factor, 0, 1))

@@ -26,7 +26,7 @@ suns = np.stack([-np.cos(declination) * np.sin(angle),
 
 hours = np.zeros(points.shape[:2])
 for sun in suns[suns[:, 2] > 0.01]:
-    lit = (normals @ sun > 0) & ~scene.occluded(points, sun, coherent=True)
+    lit = (normals @ sun > 0) & ~scene.occluded(points, sun, coherent=True, leave=True)
     hours += 0.25 * lit
 
 write_png(given.out, colours(hours, 0, 12))

@@ -51,11 +51,11 @@ def town(device=None):
 
 
 def surface(scene, size):
-    """What is seen from straight above, one point for each pixel of a map: points (size, size, 3), just off the surface, and normals."""
+    """What is seen from straight above, one point for each pixel of a map: where rays leave it (size, size, 3), and normals."""
     side = (np.arange(size) + 0.5) / size * 2 * HALF - HALF
     x, y = np.meshgrid(side, side[::-1])
-    hits = scene.cast(np.stack([x, y, np.full_like(x, 200)], axis=-1), [0, 0, -1], want=("point", "normal"), coherent=True)
-    return hits.point + 1e-3 * hits.normal, hits.normal
+    hits = scene.cast(np.stack([x, y, np.full_like(x, 200)], axis=-1), [0, 0, -1], want=("origin", "normal"), coherent=True)
+    return hits.origin, hits.normal
 
 
 def colours(values, low, high):

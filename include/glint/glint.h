@@ -288,8 +288,12 @@ GLINT_API glint_status glint_scene_warning(const glint_scene* scene, uint32_t in
 
 enum {
     GLINT_RAYS_COHERENT =
-        1u /* neighbours in the array go about the same way: may be faster, changes no answer. In calls of
+        1u, /* neighbours in the array go about the same way: may be faster, changes no answer. In calls of
               4096 rays and more glint looks at some of them, and finds out by itself. */
+    /* The rays start on surfaces, at glint_hits.origin: a ray does not hit a surface that is where it starts,
+     * as far as rounding can tell, be it its own or another one in that place. For glint_query_closest,
+     * without certainty, and glint_query_any. The rule is in docs/design/numerics.md. */
+    GLINT_RAYS_LEAVE = 2u
 };
 
 /* The points origin + t direction with t_min < t <= t_max and t > 0: what is behind the origin is never met,
@@ -303,7 +307,7 @@ typedef struct glint_rays {
     glint_view directions; /* three numbers each, of any length (above); a count of 1: all go there */
     glint_view t_min;      /* no data: 0 */
     glint_view t_max;      /* no data: infinite */
-    uint32_t flags;        /* 0, or GLINT_RAYS_COHERENT */
+    uint32_t flags;        /* GLINT_RAYS_..., any of them */
     uint32_t reserved;
 } glint_rays;
 
@@ -325,6 +329,10 @@ typedef struct glint_hits {
     glint_out sure;    /* U8: 1 if that is proven, else 0 */
     glint_out t_lower; /* F32 or F64: the exact t is not below it */
     glint_out t_upper; /* F32 or F64: the exact t is not above it */
+    /* Three of F32 or F64, world: where a ray starts that leaves the hit on the side that the ray came from,
+     * `point` moved along the normal by the bound on its rounding error. On the other side, for refracted
+     * rays: 2 point - origin. See GLINT_RAYS_LEAVE. */
+    glint_out origin;
 } glint_hits;
 
 /* The nearest hit of each ray.
@@ -377,6 +385,19 @@ enum {
  * 2^-22 of the coordinates' size about the scene's own origin (2^-20 for instances). */
 GLINT_API glint_status glint_query_inside(const glint_scene* scene, const glint_view* points,
                                           const glint_out* where, const glint_options* options);
+
+/* ---- Distances ---- */
+
+/* The closest point of all surfaces to each of `points`, three F32 or F64 each, as a hit: t is its distance,
+ * `point` the closest point, and geometry, primitive, material, uv and normal are those of the surface there.
+ * A point with a coordinate that is not finite, or 1e18 or more from the scene's own origin, has none, as a
+ * ray that misses. Scenes may hold meshes, spheres and their instances; others are refused with
+ * GLINT_ERROR_ARGUMENT. Holes of alpha-masked surfaces count as surface. A device finds the closest primitive
+ * in fp32: the distance may exceed the least by 2^-20 of the coordinates' size about the scene's own origin.
+ * Device "cpu" finds it in double. A signed distance is negative where glint_query_inside says GLINT_INSIDE.
+ */
+GLINT_API glint_status glint_query_closest_point(const glint_scene* scene, const glint_view* points,
+                                                 const glint_hits* hits, const glint_options* options);
 
 /* ---- Pictures ---- */
 

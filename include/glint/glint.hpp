@@ -280,6 +280,7 @@ struct Rays {
     View<1> tMin = {};        // default: 0
     View<1> tMax = {};        // default: infinity
     bool coherent = false;    // neighbours go about the same way
+    bool leave = false;       // they start on surfaces, at Hits::origin
 
     // Same data as the struct of the C API.
     glint_rays raw() const {
@@ -288,7 +289,7 @@ struct Rays {
         rays.directions = directions.raw;
         rays.t_min = tMin.raw;
         rays.t_max = tMax.raw;
-        if (coherent) rays.flags = GLINT_RAYS_COHERENT;
+        rays.flags = (coherent ? GLINT_RAYS_COHERENT : 0) | (leave ? GLINT_RAYS_LEAVE : 0);
         return rays;
     }
 };
@@ -306,6 +307,7 @@ struct Hits {
     Out<1> sure = {};       // uint8_t: 1 if the nearest hit is proven
     Out<1> tLower = {};     // the exact t is not below it
     Out<1> tUpper = {};     // nor above it
+    Out<3> origin = {};     // three numbers, world: where rays that leave the hit start
 
     // Same data as the struct of the C API.
     glint_hits raw() const {
@@ -321,6 +323,7 @@ struct Hits {
         hits.sure = sure.raw;
         hits.t_lower = tLower.raw;
         hits.t_upper = tUpper.raw;
+        hits.origin = origin.raw;
         return hits;
     }
 };
@@ -480,6 +483,13 @@ class Scene {
     void inside(const View<3>& points, const Out<1>& where, const Control& control = {}) const {
         const detail::RawOptions options(control);
         check(glint_query_inside(get(), &points.raw, &where.raw, &options.options));
+    }
+
+    // The closest point of all surfaces to each point, as a hit whose t is the distance.
+    void closestPoint(const View<3>& points, const Hits& hits, const Control& control = {}) const {
+        const glint_hits wanted = hits.raw();
+        const detail::RawOptions options(control);
+        check(glint_query_closest_point(get(), &points.raw, &wanted, &options.options));
     }
 
     // See glint_render.

@@ -32,7 +32,7 @@ Cancelled = Optional[Callable[[], bool]]
 Progress = Optional[Callable[[float], object]]
 Selector = Union["Device", str, int, None]
 Path = Union[str, "os.PathLike[str]"]
-HitField = Literal["hit", "t", "geometry", "primitive", "material", "uv", "point", "normal", "sure", "t_lower", "t_upper"]
+HitField = Literal["hit", "t", "geometry", "primitive", "material", "uv", "point", "normal", "sure", "t_lower", "t_upper", "origin"]
 LayerName = Literal["color", "depth", "position", "normal", "geometry", "primitive", "material"]
 
 
@@ -53,6 +53,7 @@ class Hits(Protocol):
     sure: NDArray[numpy.bool_]
     t_lower: NDArray[Any]
     t_upper: NDArray[Any]
+    origin: NDArray[Any]
 
 
 class Picture(Protocol):
@@ -66,7 +67,7 @@ class Picture(Protocol):
     material: NDArray[numpy.uint32]
 
 
-_WIDTHS = {"uv": 2, "point": 3, "normal": 3, "position": 3, "color": 4}
+_WIDTHS = {"uv": 2, "point": 3, "normal": 3, "origin": 3, "position": 3, "color": 4}
 _FLAGS = ("hit", "sure")
 _INDICES = ("geometry", "primitive", "material")
 
@@ -189,7 +190,7 @@ class _RayArrays:
     """Keeps the arrays of a batch alive while it is under way."""
 
     def __init__(self, rays: ArrayLike, directions: ArrayLike | None, t_min: ArrayLike | None, t_max: ArrayLike | None,
-                 coherent: bool) -> None:
+                 coherent: bool = False, leave: bool = False) -> None:
         if directions is None:
             both = _native.numbers(rays, 6, "rays")
             self.shape = _native.shape_before(rays)
@@ -216,7 +217,7 @@ class _RayArrays:
                 array = _native.numbers(bound, None, name)
                 self.kept.append(array)
                 setattr(self.struct, name, _native.view(array))
-        self.struct.flags = _native.COHERENT if coherent else 0
+        self.struct.flags = (_native.COHERENT if coherent else 0) | (_native.LEAVE if leave else 0)
 
     def _spread(self, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
         """As many as the rays, by numpy's rules; or one, which stands for all to the library too."""
@@ -430,18 +431,21 @@ class Scene(_native.Owner):
 
     def cast(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
              t_max: ArrayLike | None = None, want: Iterable[HitField] = ("t", "geometry", "primitive", "uv", "normal"),
-             dtype: DTypeLike = numpy.float64, coherent: bool = False, cancelled: Cancelled = None,
+             dtype: DTypeLike = numpy.float64, coherent: bool = False, leave: bool = False, cancelled: Cancelled = None,
              progress: Progress = None) -> Hits:
         """The nearest hit of each ray, as a named tuple of arrays: those in `want`, nothing else is computed.
 
         rays: (..., 6), or origins (..., 3) with directions (..., 3), either may be one for all. want: of hit, t, geometry, primitive,
-        material, uv, point, normal. On a miss t is inf, indices are NONE, all else is 0. uv: the point is (1 - u - v) a + u b + v c.
+        material, uv, point, normal, origin. On a miss t is inf, indices are NONE, all else is 0. uv: the point is (1 - u - v) a + u b + v c.
         Where `want` has sure, t_lower or t_upper, hits are certified: those of exact arithmetic on the numbers given. sure: it is
         proven; the exact t is between t_lower and t_upper. Every ray is sure that meets triangles and planes alone.
+        origin: where a ray starts that leaves the hit on the side that the ray came from; 2 * point - origin is on the other side.
+        leave: these rays start there, and do not hit the surface that they start on, nor another one in its place; it cannot be
+        combined with sure, t_lower and t_upper.
         coherent: neighbours in the array go about the same way, which may be faster. cancelled: asked now and then, ends the call if
         true; progress: told the part that is done.
         """
-        batch = _RayArrays(rays, directions, t_min, t_max, coherent)
+        batch = _RayArrays(rays, directions, t_min, t_max, coherent, leave)
         arrays = _hit_arrays(want, batch.count, dtype)
         hits = _hits_struct(arrays)
         _Options(cancelled, progress, True).call("glint_query_closest", self._handle, ctypes.byref(batch.struct), ctypes.byref(hits))
@@ -456,16 +460,16 @@ class Scene(_native.Owner):
         return answers.reshape(batch.shape)
 
     def occluded(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
-                 t_max: ArrayLike | None = None, coherent: bool = False, cancelled: Cancelled = None,
+                 t_max: ArrayLike | None = None, coherent: bool = False, leave: bool = False, cancelled: Cancelled = None,
                  progress: Progress = None) -> NDArray[numpy.bool_]:
-        """Whether each ray hits anything."""
-        batch = _RayArrays(rays, directions, t_min, t_max, coherent)
+        """Whether each ray hits anything. leave: the rays start at the `origin` of hits, as in `cast`."""
+        batch = _RayArrays(rays, directions, t_min, t_max, coherent, leave)
         return self._flags("glint_query_any", batch, numpy.uint8, cancelled, progress).view(numpy.bool_)
 
     def count(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
               t_max: ArrayLike | None = None, cancelled: Cancelled = None, progress: Progress = None) -> NDArray[numpy.uint32]:
         """How many surfaces each ray crosses: a closed one is crossed an even number of times from outside, an odd one from inside."""
-        batch = _RayArrays(rays, directions, t_min, t_max, False)
+        batch = _RayArrays(rays, directions, t_min, t_max)
         return self._flags("glint_query_count", batch, numpy.uint32, cancelled, progress)
 
     def all_hits(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
@@ -473,7 +477,7 @@ class Scene(_native.Owner):
                  dtype: DTypeLike = numpy.float64, cancelled: Cancelled = None,
                  progress: Progress = None) -> tuple[NDArray[numpy.uint64], Hits]:
         """Everything each ray crosses, nearest first: (offsets, hits), those of ray i at offsets[i]:offsets[i + 1]."""
-        batch = _RayArrays(rays, directions, t_min, t_max, False)
+        batch = _RayArrays(rays, directions, t_min, t_max)
         offsets = numpy.zeros(batch.count + 1, numpy.uint64)
         out, total = _native.view(offsets), ctypes.c_uint64()
         options = _Options(cancelled, progress, True)
@@ -496,6 +500,31 @@ class Scene(_native.Owner):
     def contains(self, points: ArrayLike) -> NDArray[numpy.bool_]:
         """Whether each point is inside of the closed surfaces; one on a surface is not."""
         return numpy.equal(self.locate(points), INSIDE)
+
+    # ---- distances ----
+
+    def closest_point(self, points: ArrayLike, *, want: Iterable[HitField] = ("point", "t", "geometry", "primitive"),
+                      dtype: DTypeLike = numpy.float64, cancelled: Cancelled = None, progress: Progress = None) -> Hits:
+        """The closest point of all surfaces to each of `points` (..., 3), as a hit: `t` is its distance, `point` the closest point.
+
+        want: as in `cast`, but sure, t_lower and t_upper. Raises Error if the scene holds other shapes than meshes, spheres and
+        their instances. On a device the distance may exceed the least by 2^-20 of the coordinates' size; device "cpu" is exact.
+        """
+        places = _native.numbers(points, 3, "points")
+        arrays = _hit_arrays(want, places.shape[0], dtype)
+        given, hits = _native.view(places), _hits_struct(arrays)
+        options = _Options(cancelled, progress, True)
+        options.call("glint_query_closest_point", self._handle, ctypes.byref(given), ctypes.byref(hits))
+        made: Hits = _record("Hits", arrays, _native.shape_before(points))
+        return made
+
+    def distance(self, points: ArrayLike) -> NDArray[numpy.float64]:
+        """The distance of each point (..., 3) to the closest surface, inf if there is none. See `closest_point`."""
+        return self.closest_point(points, want=("t",)).t
+
+    def signed_distance(self, points: ArrayLike) -> NDArray[numpy.float64]:
+        """The same, negative for points inside of closed surfaces (`contains`)."""
+        return numpy.where(self.contains(points), -1.0, 1.0) * self.distance(points)
 
     # ---- pictures ----
 

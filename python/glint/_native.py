@@ -6,6 +6,7 @@ import ctypes
 import ctypes.util
 import functools
 import os
+import re
 import signal
 import threading
 from typing import Any
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 OK, CANCELLED = 0, 5
 NONE = 0xFFFFFFFF
-COHERENT = 1
+COHERENT, LEAVE = 1, 2
 _TYPES = {"float32": 0, "float64": 1, "uint32": 2, "uint8": 3, "uint64": 4}
 
 
@@ -43,7 +44,7 @@ def _struct(name: str, fields: list[tuple[str, Any]]) -> Any:
 
 Rays = _struct("Rays", [("origins", View), ("directions", View), ("t_min", View), ("t_max", View), ("flags", ctypes.c_uint32),
                         ("reserved", ctypes.c_uint32)])
-HIT_FIELDS = ("hit", "t", "geometry", "primitive", "material", "uv", "point", "normal", "sure", "t_lower", "t_upper")
+HIT_FIELDS = ("hit", "t", "geometry", "primitive", "material", "uv", "point", "normal", "sure", "t_lower", "t_upper", "origin")
 Hits = _struct("Hits", [(name, View) for name in HIT_FIELDS])
 Triangles = _struct("Triangles", [("vertices", View), ("indices", View), ("material", ctypes.c_uint32), ("reserved", ctypes.c_uint32)])
 Spheres = _struct("Spheres", [("centers", View), ("radii", View), ("material", ctypes.c_uint32), ("reserved", ctypes.c_uint32)])
@@ -113,6 +114,7 @@ _SIGNATURES = {
     "glint_query_count": [_handle, _pointer(Rays), _pointer(View), _pointer(Options)],
     "glint_query_all": [_handle, _pointer(Rays), _pointer(View), _pointer(Hits), _pointer(ctypes.c_uint64), _pointer(Options)],
     "glint_query_inside": [_handle, _pointer(View), _pointer(View), _pointer(Options)],
+    "glint_query_closest_point": [_handle, _pointer(View), _pointer(Hits), _pointer(Options)],
     "glint_render": [_handle, _pointer(Picture), _pointer(Options)],
 }
 for _name, _arguments in _SIGNATURES.items():
@@ -131,7 +133,8 @@ def call(name: str, *arguments: Any) -> None:
     """The function of that name; Error if it fails."""
     status = getattr(loaded, name)(*arguments)
     if status != OK:
-        raise Error(loaded.glint_status_name(status).decode(), loaded.glint_last_error().decode())
+        message = re.sub(r"^glint_\w+: ", "", loaded.glint_last_error().decode())  # the name of the C function
+        raise Error(loaded.glint_status_name(status).decode(), message)
 
 
 class Owner:

@@ -119,6 +119,21 @@ class RaycastingScene:
         """1 inside, 0 elsewhere. No more samples than one are needed."""
         return _like(query_points, self._ready().contains(_plain(query_points)).astype(numpy.float32))
 
+    def compute_closest_points(self, query_points: Any, nthreads: int = 0) -> dict[str, Any]:  # pylint: disable=unused-argument
+        """points, geometry_ids, primitive_ids, primitive_uvs, primitive_normals of the closest points of all surfaces."""
+        closest = self._ready().closest_point(_plain(query_points), want=("point", "geometry", "primitive", "uv", "normal"), dtype=numpy.float32)
+        return {name: _like(query_points, array) for name, array in
+                (("points", closest.point), ("geometry_ids", closest.geometry), ("primitive_ids", closest.primitive),
+                 ("primitive_uvs", closest.uv), ("primitive_normals", closest.normal))}
+
+    def compute_distance(self, query_points: Any, nthreads: int = 0) -> Any:  # pylint: disable=unused-argument
+        """Distances to the closest surface."""
+        return _like(query_points, self._ready().distance(_plain(query_points)).astype(numpy.float32))
+
+    def compute_signed_distance(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:  # pylint: disable=unused-argument
+        """The same, negative inside. One sample is enough."""
+        return _like(query_points, self._ready().signed_distance(_plain(query_points)).astype(numpy.float32))
+
     @staticmethod
     def create_rays_pinhole(*arguments: Any, **named: Any) -> Any:
         """Rays through the middles of a camera's pixels, (height_px, width_px, 6) of float32.

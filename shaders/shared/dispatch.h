@@ -39,7 +39,8 @@
 // pixels take the same one, in the push constants. adaptive: pixels stop when their samples agree
 // (adapt.comp); implies scattered. tally: count rays by class, for `glint bench`, and in
 // scenes with transmission trace those of class Dispatch::rayClass alone. given: rays of a caller's, which
-// start on no primitive and have met none: in the source's place stands tMax. list: count.comp also stores
+// start on no primitive and have met none: in the source's place stands tMax. leaves: given rays start on
+// surfaces, which are not named. list: count.comp also stores
 // where rays cross surfaces.
 #define GLINT_MODES(X)            \
     X(64, AOVS, aovs)             \
@@ -51,6 +52,7 @@
     X(74, ADAPTIVE, adaptive)     \
     X(79, TALLY, tally)           \
     X(82, GIVEN, given)           \
+    X(76, LEAVES, leaves)         \
     X(75, LIST, list)
 
 // Not a mode but the device's: all lanes leave the loops of a traversal together (traversal/lanes.glsl).

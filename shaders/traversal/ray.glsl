@@ -142,8 +142,8 @@ bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out flo
 
 float tSlip;
 
-// Rays of callers, and those that count crossings, take each t as it is.
-const bool kSlips = !MODE_GIVEN;
+// Rays of callers, unless they leave surfaces, and those that count crossings take each t as it is.
+const bool kSlips = !MODE_GIVEN || MODE_LEAVES;
 
 // True if a surface at t +- tSlip is within the ray's interval.
 bool countsAt(Ray ray, float t) {

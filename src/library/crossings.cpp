@@ -119,7 +119,7 @@ struct ListRun {
 uint64_t roomOf(const glint_hits& hits) {
     uint64_t room = UINT64_MAX;
     for (const glint_out* out : {&hits.hit, &hits.t, &hits.geometry, &hits.primitive, &hits.material,
-                                 &hits.uv, &hits.point, &hits.normal})
+                                 &hits.uv, &hits.point, &hits.normal, &hits.origin})
         if (out->data != nullptr) room = std::min(room, out->count);
     return room;
 }
@@ -189,7 +189,7 @@ glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays,
                                const glint_options* options) {
     return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
-        const RayReader reader(rays, *snapshot);
+        const RayReader reader(rays, *snapshot, GLINT_RAYS_COHERENT);
         require(count != nullptr && count->data != nullptr, "glint_query_count: count is NULL");
         const Output out(*count, Output::Kind::Index, 1, reader.count(), "count");
         const Callbacks callbacks(options);
@@ -207,14 +207,11 @@ glint_status glint_query_all(const glint_scene* scene, const glint_rays* rays, c
                              const glint_hits* hits, uint64_t* total, const glint_options* options) {
     return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
-        const RayReader reader(rays, *snapshot);
+        const RayReader reader(rays, *snapshot, GLINT_RAYS_COHERENT);
         const Output places(offsets != nullptr ? *offsets : glint_out{}, Output::Kind::Long, 1,
                             reader.count() + 1, "offsets");
         glint_hits wanted{};
-        if (hits != nullptr) wanted = readStruct(hits, "hits");
-        require(
-            wanted.sure.data == nullptr && wanted.t_lower.data == nullptr && wanted.t_upper.data == nullptr,
-            "glint_query_all: hits.sure, t_lower and t_upper are for glint_query_closest");
+        if (hits != nullptr) wanted = uncertified(hits, "glint_query_all");
         listAll(*snapshot, reader, places, hits != nullptr ? &wanted : nullptr, total, Callbacks(options));
     });
 }

@@ -40,16 +40,23 @@ uint64_t countOf(const glint_rays& rays) {
 
 }  // namespace
 
-RayReader::RayReader(const glint_rays* rays, const Snapshot& snapshot)
+RayReader::RayReader(const glint_rays* rays, const Snapshot& snapshot, uint32_t allowed)
     : given_(readStruct(rays, "rays")),
       origins_(given_.origins, 3, countOf(given_), "rays.origins"),
       directions_(given_.directions, 3, countOf(given_), "rays.directions"),
       tMin_(bounds(given_.t_min, countOf(given_), "rays.t_min")),
       tMax_(bounds(given_.t_max, countOf(given_), "rays.t_max")),
       count_(countOf(given_)),
-      origin_(snapshot.part().packed.origin),
-      coherent_((given_.flags & GLINT_RAYS_COHERENT) != 0) {
-    if ((given_.flags & ~uint32_t{GLINT_RAYS_COHERENT}) != 0) refuse("rays.flags has bits that mean nothing");
+      origin_(snapshot.part().packed.origin) {
+    if ((given_.flags & ~allowed) != 0)
+        refuse("rays.flags: this call has no use for bits " + std::to_string(given_.flags & ~allowed));
+}
+
+glint_hits uncertified(const glint_hits* hits, const std::string& call) {
+    const glint_hits wanted = readStruct(hits, "hits");
+    if (wanted.sure.data != nullptr || wanted.t_lower.data != nullptr || wanted.t_upper.data != nullptr)
+        refuse(call + ": hits.sure, t_lower and t_upper are of the closest hits of rays alone");
+    return wanted;
 }
 
 WorldRay RayReader::world(uint64_t i) const {
@@ -124,8 +131,9 @@ HitWriter::HitWriter(const glint_hits& hits, uint64_t count, const Snapshot::Par
       uv_(hits.uv, Output::Kind::Real, 2, count, "hits.uv"),
       point_(hits.point, Output::Kind::Real, 3, count, "hits.point"),
       normal_(hits.normal, Output::Kind::Real, 3, count, "hits.normal"),
+      origin_(hits.origin, Output::Kind::Real, 3, count, "hits.origin"),
       places_(geometry_.wanted() || primitive_.wanted() || material_.wanted()),
-      surfaces_(point_.wanted() || normal_.wanted()) {}
+      surfaces_(point_.wanted() || normal_.wanted() || origin_.wanted()) {}
 
 bool HitWriter::wantsAny() const {
     return places_ || surfaces_ || hit_.wanted() || t_.wanted() || uv_.wanted();
@@ -144,8 +152,7 @@ void HitWriter::writeMiss(uint64_t i) const {
     primitive_.putIndex(i, GLINT_NONE);
     material_.putIndex(i, GLINT_NONE);
     uv_.put(i, 0, 0);
-    point_.put(i, glm::dvec3(0));
-    normal_.put(i, glm::dvec3(0));
+    for (const Output* out : {&point_, &normal_, &origin_}) out->put(i, glm::dvec3(0));
 }
 
 void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit) const {
@@ -173,6 +180,18 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
     material_.putIndex(i, surface.material);
     point_.put(i, packed.origin + surface.position);
     normal_.put(i, surface.geometricNormal);
+    if (origin_.wanted()) writeOrigin(i, ray, surface);
+}
+
+// On the side that the ray came from, outside the box of the point's error (docs/design/numerics.md, 1),
+// which here also holds the rounding of what is stored and of a ray that starts there in fp32.
+void HitWriter::writeOrigin(uint64_t i, const LocalRay& ray, const reference::Surface& surface) const {
+    const glm::dvec3& n = surface.geometricNormal;
+    const glm::dvec3 world = part_.packed.origin + surface.position;
+    const glm::dvec3 error = surface.error + 0x1p-24 * glm::abs(surface.position) +
+                             (origin_.wide() ? 0x1p-53 : 0x1p-24) * glm::abs(world);
+    const double side = glm::dot(ray.direction, n) > 0 ? -1 : 1;
+    origin_.put(i, world + side * (1 + 0x1p-20) * glm::dot(glm::abs(n), error) * n);
 }
 
 // Tracer::surfaceAt for triangles, array by array, which is the fastest order.
@@ -253,7 +272,7 @@ void HitWriter::write(const render::RayNumbers& numbers, const render::FoundHits
     for (size_t k = 0; k < hits.size(); ++k) {
         const uint32_t primitive = hits.primitive(k);
         const bool triangle = primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
-                              (!surfaces_ || hits.instance(k) == shared::kNone);
+                              !origin_.wanted() && (!surfaces_ || hits.instance(k) == shared::kNone);
         own[k] = triangle ? surfaces + (primitive & shared::kPrimitiveIndexMask) : &kNothing;
         if (places_ || surfaces_) __builtin_prefetch(own[k]);
         others |= !triangle && primitive != shared::kNone;

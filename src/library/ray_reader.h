@@ -11,10 +11,14 @@ namespace glint::library {
 
 class RayReader {
   public:
-    RayReader(const glint_rays* rays, const Snapshot& snapshot);
+    // Refuses flags but those of `allowed`.
+    RayReader(const glint_rays* rays, const Snapshot& snapshot,
+              uint32_t allowed = GLINT_RAYS_COHERENT | GLINT_RAYS_LEAVE);
 
     uint64_t count() const { return count_; }
-    bool coherent() const { return coherent_; }
+    bool coherent() const { return (given_.flags & GLINT_RAYS_COHERENT) != 0; }
+    // True if the rays start on surfaces.
+    bool leave() const { return (given_.flags & GLINT_RAYS_LEAVE) != 0; }
     WorldRay world(uint64_t i) const;
     // Ray i will be asked for.
     void foresee(uint64_t i) const {
@@ -33,8 +37,10 @@ class RayReader {
     std::optional<NumberView> tMin_, tMax_;
     uint64_t count_;
     glm::dvec3 origin_;  // of the scene
-    bool coherent_;
 };
+
+// The hits of a call that cannot certify them; refuses sure, t_lower and t_upper.
+glint_hits uncertified(const glint_hits* hits, const std::string& call);
 
 class HitWriter {
   public:
@@ -60,6 +66,7 @@ class HitWriter {
     void write(uint64_t i, const LocalRay& ray, const reference::Hit& hit,
                const reference::Tracer* tracer) const;
     void writeMiss(uint64_t i) const;
+    void writeOrigin(uint64_t i, const LocalRay& ray, const reference::Surface& surface) const;
     using Rows = std::array<const shared::TriangleSurface*, render::RayTask::kBlock>;
     void writeTriangles(const render::RayNumbers& numbers, const render::FoundHits& found,
                         const Rows& rows) const;
@@ -69,14 +76,16 @@ class HitWriter {
                        const Rows& rows) const;
 
     const Snapshot::Part& part_;
-    Output hit_, t_, geometry_, primitive_, material_, uv_, point_, normal_;
+    Output hit_, t_, geometry_, primitive_, material_, uv_, point_, normal_, origin_;
     bool places_ = false;    // geometry, primitive or material
-    bool surfaces_ = false;  // point or normal
+    bool surfaces_ = false;  // point, normal or origin
 };
 
-// The ray for the reference.
-inline reference::Ray referenceRay(const LocalRay& ray) {
-    return {ray.origin, ray.direction, ray.tMin, ray.tMax};
+// The ray for the reference. leaves: it starts on a surface.
+inline reference::Ray referenceRay(const LocalRay& ray, bool leaves = false) {
+    reference::Ray known{ray.origin, ray.direction, ray.tMin, ray.tMax};
+    known.ties = leaves;
+    return known;
 }
 
 // Both as a call is given them; absent ones are empty.

@@ -22,6 +22,7 @@ void askDevice(const RayReader& rays, bool any, bool spreads, const Callbacks& c
     task.count = rays.count();
     task.ask = any ? render::RayTask::Ask::Any : render::RayTask::Ask::Nearest;
     task.coherent = rays.coherent();
+    task.leaves = rays.leave();
     task.spreads = spreads;
     task.cancelled = callbacks.cancelled;
     task.progress = callbacks.progress;
@@ -34,10 +35,13 @@ void askDevice(const RayReader& rays, bool any, bool spreads, const Callbacks& c
     if (!queries.run(task)) throw Cancelled();
 }
 
-reference::Hit answer(const reference::Tracer& tracer, const LocalRay& ray, bool any) {
+// leaves: the ray starts on a surface, which is not known.
+reference::Hit answer(const reference::Tracer& tracer, const LocalRay& ray, bool any, bool leaves) {
+    const reference::Ray given = referenceRay(ray, leaves);
+    const reference::Source source(leaves ? reference::kElsewhere : shared::kNone);
     reference::Hit miss;
-    if (!any) return tracer.closest(referenceRay(ray)).value_or(miss);
-    if (tracer.occluded(referenceRay(ray))) miss.primitive = 0;  // no more is known
+    if (!any) return tracer.closest(given, source).value_or(miss);
+    if (tracer.occluded(given, source)) miss.primitive = 0;  // no more is known
     return miss;
 }
 
@@ -46,7 +50,7 @@ void askReference(const RayReader& rays, bool any, const Callbacks& callbacks,
     forBlocks(rays.count(), callbacks, [&](uint64_t first, uint64_t end) {
         for (uint64_t i = first; i < end; ++i) {
             const LocalRay ray = rays.local(i);
-            write(i, ray, answer(tracer, ray, any));
+            write(i, ray, answer(tracer, ray, any, rays.leave()));
         }
     });
 }
@@ -76,6 +80,8 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
         const glint_hits wanted = readStruct(hits, "hits");
         const HitWriter writer(wanted, reader.count(), snapshot->part());
         const CertaintyWriter certainty(wanted, reader.count());
+        require(!reader.leave() || !certainty.wantsAny(),
+                "glint_query_closest: rays with GLINT_RAYS_LEAVE cannot be certified");
         const Callbacks callbacks(options);
         if (certainty.wantsAny()) certify(*snapshot, reader, writer, certainty, callbacks);
         if (certainty.wantsAny() || !writer.wantsAny()) return;

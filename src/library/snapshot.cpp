@@ -170,7 +170,7 @@ void Retired::close() {
 std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene) {
     require(scene != nullptr, "scene is NULL");
     const std::lock_guard lock(scene->mutex);
-    if (!scene->committed) refuse("the scene has not been committed: glint_scene_commit does it");
+    if (!scene->committed) refuse("the scene has not been committed: commit it first");
     return scene->committed;
 }
 

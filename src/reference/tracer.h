@@ -56,6 +56,8 @@ struct Source {
     uint32_t primitive;  // kind and index
     uint32_t instance;
 };
+// A primitive that is not known. (kElsewhere in shaders/traversal/ray.glsl)
+inline constexpr uint32_t kElsewhere = 0xfffffffe;
 inline Source sourceOf(const Hit& hit) {
     return {hit.primitive, hit.instance};
 }

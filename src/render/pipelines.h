@@ -17,7 +17,7 @@ namespace glint::render {
 struct TraceModes {
     bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
     bool scattered = false, adaptive = false, tally = false, given = false;
-    bool list = false;
+    bool list = false, leaves = false;
     Methods methods = {};
     auto operator<=>(const TraceModes&) const = default;
 };

@@ -48,6 +48,8 @@ KernelId kernelOf(RayTask::Ask ask) {
             return KernelId::IntersectAny;
         case RayTask::Ask::Count:
             return KernelId::Count;
+        case RayTask::Ask::Point:
+            return KernelId::ClosestPoint;
     }
     return KernelId::Intersect;
 }
@@ -121,7 +123,7 @@ struct RayQueries::State {
 
     void fill(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
               size_t count) const;
-    void trace(Slot& slot, size_t paths, KernelId id, bool packets, bool list = false) const;
+    void trace(Slot& slot, size_t paths, KernelId id, TraceModes modes, bool packets) const;
     void checkListed(const Slot& slot, std::span<const RowEntry> wanted) const;
     void listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fill,
                    const ListTake& take);
@@ -133,7 +135,9 @@ struct RayQueries::State {
     void giveGathered(const RayTask& task, size_t first, const RowEntry* gathered, size_t count) const;
     void givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered, size_t count) const;
     RayOrder orderOf(const RayTask& task, size_t first) const;
-    bool packetsKnow(RayTask::Ask ask) const { return traversal.packets && ask != RayTask::Ask::Count; }
+    bool packetsKnow(RayTask::Ask ask) const {
+        return traversal.packets && (ask == RayTask::Ask::Nearest || ask == RayTask::Ask::Any);
+    }
     unsigned hostThreads() const { return inPlace ? 0 : 1; }
 };
 
@@ -172,7 +176,7 @@ void RayQueries::State::fill(const Slot& slot, const Placement& placement, const
         hostThreads());
 }
 
-void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packets, bool list) const {
+void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, TraceModes modes, bool packets) const {
     const auto groups = static_cast<uint32_t>(paths / shared::kWorkgroupSize);
     shared::Dispatch dispatch;
     dispatch.tileCount = dispatch.run = groups;
@@ -184,7 +188,7 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
     const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
     const size_t staged = slot.staging ? kSlotRows.size() - (features.instances ? 0 : 1) : 0;
 
-    TraceModes modes = {.given = true, .list = list};
+    modes.given = true;
     for (size_t i = 0; i < staged; ++i)
         slot.submission.copy(slot.staging, i * row, slot.rows, kSlotRows[i] * row, used);
     const uint32_t perLane = packets ? raysOfLane(packetKernel(id)) : 1;
@@ -262,7 +266,7 @@ void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, si
     fill(slot, placement, task, rays, count);
     const ProcessorWatch processor;
     const Stopwatch watch;
-    trace(slot, placement.places() * kBlock, kernelOf(task.ask), packets);
+    trace(slot, placement.places() * kBlock, kernelOf(task.ask), {.leaves = task.leaves}, packets);
     if (task.kernels) {
         const std::lock_guard lock(mutex);
         task.kernels->wall += watch.seconds();
@@ -310,7 +314,7 @@ void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first
     }
     const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry);
     gpu::upload(device, slot.rows, std::as_bytes(std::span(places)), shared::kRowThroughput * row);
-    trace(slot, placement.places() * kBlock, KernelId::Count, false, true);
+    trace(slot, placement.places() * kBlock, KernelId::Count, {.list = true}, false);
     checkListed(slot, places);
     std::vector<RowEntry> found(2 * sum);
     gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)), (rowCount - kListRows) * row);

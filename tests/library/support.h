@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,13 @@ inline const char* selector() {
 using F3 = std::array<float, 3>;
 using D3 = std::array<double, 3>;
 using U3 = std::array<uint32_t, 3>;
+
+inline glm::dvec3 vectorOf(const D3& v) {
+    return {v[0], v[1], v[2]};
+}
+inline D3 arrayOf(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
 
 template <class T>
 constexpr glint_type typeOf() {

@@ -40,7 +40,7 @@ OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-loca
              "--eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive --redundancy-elimination "
              "--eliminate-dead-code-aggressive --compact-ids").split()
 # Shaders that verify never runs: crossing counts are for the library, the probe is for the device.
-LEFT_OUT = ("count.comp", "traversal/count.glsl", "traversal/crossings.glsl", "probe.comp")
+LEFT_OUT = ("closest_point.comp", "count.comp", "traversal/count.glsl", "traversal/crossings.glsl", "probe.comp")
 
 
 def includes(name, seen=None):

@@ -1,0 +1,99 @@
+// The closest point of all surfaces. A device finds the primitive, the host the point of it in double.
+#include "core/call_terms.h"
+#include "library/ray_reader.h"
+#include "library/status.h"
+#include "reference/closest_point.h"
+
+namespace glint::library {
+
+namespace {
+
+// Points as far from the scene's origin or farther, whose squares overflow in fp32, have no closest point.
+constexpr double kFarthestPoint = 1e18;
+
+void requireKinds(const PackedScene& packed) {
+#define GLINT_REQUIRE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                      uv)                                                                                    \
+    if (!packed.kinds.empty() && number != shared::kKindInstance &&                                          \
+        !reference::hasClosestPoint(shared::PrimitiveKind::Kind))                                            \
+        refuse("closest points are of triangles and spheres alone: the scene has a " #one);
+    GLINT_PRIMITIVES(GLINT_REQUIRE, 0)
+#undef GLINT_REQUIRE
+}
+
+class PointRun {
+  public:
+    PointRun(const Snapshot& snapshot, const NumberView& points, const HitWriter& hits,
+             const Callbacks& callbacks)
+        : part_(snapshot.part()), points_(points), hits_(hits), callbacks_(callbacks) {}
+
+    void run() const {
+        if (part_.queries) return onDevice();
+        forBlocks(points_.count(), callbacks_, [&](uint64_t first, uint64_t end) {
+            for (uint64_t i = first; i < end; ++i)
+                write(i, isFar(local(i)) ? std::nullopt
+                                         : reference::closestPoint(part_.tracer().model(), local(i)));
+        });
+    }
+
+  private:
+    glm::dvec3 local(uint64_t i) const { return points_.three(i) - part_.packed.origin; }
+    static bool isFar(const glm::dvec3& point) {
+        return !glm::all(glm::lessThan(glm::abs(point), glm::dvec3(kFarthestPoint)));
+    }
+    void onDevice() const {
+        render::RayTask task;
+        task.count = points_.count();
+        task.ask = render::RayTask::Ask::Point;
+        task.cancelled = callbacks_.cancelled;
+        task.progress = callbacks_.progress;
+        task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
+            for (size_t i = 0; i < inputs.size(); ++i) {
+                const glm::dvec3 point = local(numbers[i]);
+                inputs[i] = {glm::vec3(point), glm::vec3(0, 0, 1), isFar(point) ? shared::kInfinity : 0,
+                             shared::kInfinity};
+            }
+        };
+        task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
+            for (size_t i = 0; i < found.size(); ++i) {
+                const bool none = found.primitive(i) == shared::kNone;
+                write(numbers[i], none ? std::nullopt
+                                       : std::optional(reference::closestPointOn(
+                                             part_.tracer().model(), found.primitive(i), found.instance(i),
+                                             local(numbers[i]))));
+            }
+        };
+        if (!part_.queries->run(task)) throw Cancelled();
+    }
+    // As the hit of a ray from the point, whose direction is unit.
+    void write(uint64_t i, const std::optional<reference::ClosestPoint>& closest) const {
+        if (!closest) return hits_.write(i, {}, {});
+        LocalRay ray{local(i), glm::dvec3(0, 0, 1)};
+        if (closest->hit.t > 0) ray.direction = (closest->point - ray.origin) / closest->hit.t;
+        hits_.write(i, ray, closest->hit);
+    }
+
+    const Snapshot::Part& part_;
+    const NumberView& points_;
+    const HitWriter& hits_;
+    const Callbacks& callbacks_;
+};
+
+}  // namespace
+
+}  // namespace glint::library
+
+using namespace glint::library;
+
+glint_status glint_query_closest_point(const glint_scene* scene, const glint_view* points,
+                                       const glint_hits* hits, const glint_options* options) {
+    return guarded(termsOf(scene), [&] {
+        const auto snapshot = snapshotOf(scene);
+        require(points != nullptr, "glint_query_closest_point: points is NULL");
+        const NumberView given(*points, 3, 0, "points");
+        const HitWriter writer(uncertified(hits, "glint_query_closest_point"), given.count(),
+                               snapshot->part());
+        requireKinds(snapshot->part().packed);
+        PointRun(*snapshot, given, writer, Callbacks(options)).run();
+    });
+}

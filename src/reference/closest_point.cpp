@@ -1,0 +1,140 @@
+#include "reference/closest_point.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "reference/instance.h"
+#include "reference/intersect.h"
+#include "reference/primitives.h"
+
+namespace glint::reference {
+
+namespace {
+
+using glm::dvec3;
+using Extended = long double;  // a point far from a small triangle cancels squares of its distance
+using Wide = glm::vec<3, Extended>;
+
+// u and v of the closest point by Voronoi regions (Ericson, Real-Time Collision Detection, 2005, sec. 5.1.5).
+std::pair<Extended, Extended> closestOnTriangle(const Wide& p, const Wide& a, const Wide& b, const Wide& c) {
+    const auto part = [](Extended of, Extended whole) { return whole > 0 ? of / whole : Extended{0}; };
+    const Wide ab = b - a, ac = c - a;
+    const Extended d1 = glm::dot(ab, p - a), d2 = glm::dot(ac, p - a);
+    if (d1 <= 0 && d2 <= 0) return {0, 0};
+    const Extended d3 = glm::dot(ab, p - b), d4 = glm::dot(ac, p - b);
+    if (d3 >= 0 && d4 <= d3) return {1, 0};
+    const Extended vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return {part(d1, d1 - d3), 0};
+    const Extended d5 = glm::dot(ab, p - c), d6 = glm::dot(ac, p - c);
+    if (d6 >= 0 && d5 <= d6) return {0, 1};
+    const Extended vb = d5 * d2 - d1 * d6;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return {0, part(d2, d2 - d6)};
+    const Extended va = d3 * d6 - d5 * d4;
+    if (va <= 0 && d4 >= d3 && d5 >= d6) {
+        const Extended w = part(d4 - d3, (d4 - d3) + (d5 - d6));
+        return {1 - w, w};
+    }
+    return {part(vb, va + vb + vc), part(vc, va + vb + vc)};
+}
+
+dvec3 closestOnSphere(const rows::Sphere& sphere, const dvec3& point) {
+    const Wide center = Wide(sphere.point) - Extended{sphere.radius} * Wide(sphere.anchorNormal);
+    const Wide away = Wide(point) - center;
+    const Extended length = glm::length(away);
+    const Wide outward = length > 0 ? away / length : Wide(0, 0, 1);
+    return dvec3(center + Extended{sphere.radius} * outward);
+}
+
+// Depth first, the nearer child first.
+class Search {
+  public:
+    Search(const Model& model, const dvec3& point) : model_(model), point_(point) {}
+
+    std::optional<ClosestPoint> run() {
+        if (model_.environment.root != shared::kNone)
+            visit(model_.environment.root, {point_, 1, shared::kNone});
+        return best_;
+    }
+
+  private:
+    struct Space {
+        dvec3 point;     // the point in the coordinates of the instance
+        double stretch;  // a distance there is at most so many times that in the world
+        uint32_t instance;
+    };
+
+    static double distanceTo(const Space& space, const dvec3& lo, const dvec3& hi) {
+        return glm::length(space.point - glm::clamp(space.point, lo, hi)) / space.stretch;
+    }
+    void visit(uint32_t child, const Space& space) {
+        if (child & shared::kLeafFlag) return visitLeaf(child, space);
+        const rows::Node& node = (*model_.nodes)[child];
+        std::pair<double, uint32_t> children[] = {{distanceTo(space, node.lo0, node.hi0), node.child0},
+                                                  {distanceTo(space, node.lo1, node.hi1), node.child1}};
+        if (children[1].first < children[0].first) std::swap(children[0], children[1]);
+        for (const auto& [distance, next] : children)
+            if (next != shared::kNone && (!best_ || distance * (1 - 0x1p-40) <= best_->hit.t))
+                visit(next, space);
+    }
+    void visitLeaf(uint32_t leaf, const Space& space) {
+        const uint32_t kind = leaf >> shared::kLeafKindShift & shared::kLeafKindMask;
+        const uint32_t first = leaf & shared::kLeafFirstMask;
+        const uint32_t count = (leaf >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
+        for (uint32_t i = first; i < first + count; ++i) {
+            if (kind == shared::kKindInstance) {
+                const InstanceFrame frame(model_.instances[i]);
+                visit(model_.instances[i].root,
+                      {frame.enterInstance(Ray{.origin = point_}).origin, frame.stretch(), i});
+                continue;
+            }
+            const ClosestPoint found =
+                closestPointOn(model_, kind << shared::kPrimitiveKindShift | i, space.instance, point_);
+            if (!best_ || std::pair(found.hit.t, found.hit.id) < std::pair(best_->hit.t, best_->hit.id))
+                best_ = found;
+        }
+    }
+
+    const Model& model_;
+    const dvec3 point_;
+    std::optional<ClosestPoint> best_;
+};
+
+}  // namespace
+
+bool hasClosestPoint(shared::PrimitiveKind kind) {
+    return kind == shared::PrimitiveKind::Triangle || kind == shared::PrimitiveKind::Sphere;
+}
+
+ClosestPoint closestPointOn(const Model& model, uint32_t primitive, uint32_t instance, const dvec3& point) {
+    ClosestPoint closest;
+    closest.hit.primitive = primitive;
+    closest.hit.instance = instance;
+    const uint32_t index = primitive & shared::kPrimitiveIndexMask;
+    if (kindOfPrimitive(primitive) == shared::PrimitiveKind::Sphere) {
+        closest.hit.id = model.spheres[index].id;
+        closest.point = closestOnSphere(model.spheres[index], point);
+    } else {
+        const rows::Triangle& triangle = model.triangles[index];
+        closest.hit.id = triangle.id;
+        dvec3 corners[] = {triangle.v0, triangle.v1, triangle.v2};
+        if (instance != shared::kNone) {
+            closest.hit.id += model.instances[instance].idBase;
+            for (dvec3& corner : corners)
+                corner = InstanceFrame(model.instances[instance]).pointInWorld(corner);
+        }
+        const Wide a(corners[0]), b(corners[1]), c(corners[2]);
+        const auto [u, v] = closestOnTriangle(Wide(point), a, b, c);
+        closest.point = dvec3(a + u * (b - a) + v * (c - a));
+        closest.hit.u = static_cast<double>(u);
+        closest.hit.v = static_cast<double>(v);
+        if (isMirrored(model, instance)) std::swap(closest.hit.u, closest.hit.v);
+    }
+    closest.hit.t = glm::length(closest.point - point);
+    return closest;
+}
+
+std::optional<ClosestPoint> closestPoint(const Model& model, const dvec3& point) {
+    return Search(model, point).run();
+}
+
+}  // namespace glint::reference
