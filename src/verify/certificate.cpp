@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/vectors.h"
 #include "reference/scatter.h"
 #include "verify/stiffness.h"
 
@@ -166,11 +167,9 @@ Box Certifier::boxOf(const Branch& branch, const Step& step) const {
 bool Certifier::startsWithin(const Pending& pending, const TrailRay& ray) const {
     if (!pending.from) {
         const auto& camera = pending.branch.ray;
-        const double way =
-            8 * kFloatUnit * std::max(reference::greatestCoordinate(camera.origin), camera.originScale);
-        return reference::greatestCoordinate(ray.origin - camera.origin) <= way &&
-               reference::greatestCoordinate(glm::normalize(ray.direction) -
-                                             glm::normalize(camera.direction)) <=
+        const double way = 8 * kFloatUnit * std::max(greatestMagnitude(camera.origin), camera.originScale);
+        return greatestMagnitude(ray.origin - camera.origin) <= way &&
+               greatestMagnitude(glm::normalize(ray.direction) - glm::normalize(camera.direction)) <=
                    16 * kFloatUnit * camera.directionScale;
     }
     const Outcome& from = *pending.from;
