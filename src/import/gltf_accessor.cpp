@@ -1,4 +1,4 @@
-#include "import/gltf_accessor.h"
+#include "import/gltf_file.h"
 
 #include <algorithm>
 #include <cmath>

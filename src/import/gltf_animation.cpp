@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "import/gltf_accessor.h"
+#include "import/gltf_file.h"
 
 namespace glint {
 

@@ -1,8 +1,7 @@
-#include "import/gltf_compression.h"
 
 #include <algorithm>
 
-#include "import/gltf_accessor.h"
+#include "import/gltf_file.h"
 
 #if GLINT_MESHOPT
 #include <meshoptimizer.h>

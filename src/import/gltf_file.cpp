@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/binary_numbers.h"
-#include "import/gltf_compression.h"
 #include "import/text_scanner.h"
 
 namespace glint {

@@ -127,4 +127,27 @@ bool withExtension(const JsonCursor& object, std::string_view name, const Visit&
     return true;
 }
 
+// ---- Numbers behind accessors (specification, section 3.6.2)
+
+// Accessor `index`: of any component type, interleaved or not, normalised integers as fractions, with its
+// sparse substitutions. `types` are the element types that the caller accepts ("VEC3"). Throws Error(Scene)
+// for other types and for an accessor that does not fit its buffer view.
+GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std::string_view> types);
+
+// The same for vertex indices: SCALAR, of an unsigned type.
+std::vector<uint32_t> readIndexAccessor(GltfFile& file, size_t index);
+
+// ---- Compressed geometry, by libraries that not every build has (gltf_compression.cpp)
+
+// True if this build reads geometry compressed by Draco (KHR_draco_mesh_compression).
+bool readsDraco();
+
+// The bytes of a buffer view with EXT_meshopt_compression (or KHR_, the same), whose object is `extension`,
+// from `compressed`. Throws Error(Scene) if they are damaged or the build does not read them.
+std::string decodeMeshopt(GltfFile& file, const JsonCursor& extension, std::string_view compressed);
+
+// Decodes the Draco geometry of a primitive, whose extension object is `extension`, for readAccessor: the
+// accessors of its attributes and indices have no data of their own. Throws Error(Scene).
+void decodeDraco(GltfFile& file, const JsonCursor& primitive, const JsonCursor& extension);
+
 }  // namespace glint

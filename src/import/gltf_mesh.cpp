@@ -5,8 +5,7 @@
 
 #include "core/call_terms.h"
 #include "core/room.h"
-#include "import/gltf_accessor.h"
-#include "import/gltf_compression.h"
+#include "import/gltf_file.h"
 
 namespace glint {
 

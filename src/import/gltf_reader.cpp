@@ -6,7 +6,6 @@
 
 #include "core/call_terms.h"
 #include "core/error.h"
-#include "import/gltf_accessor.h"
 #include "import/gltf_animation.h"
 #include "import/gltf_file.h"
 #include "import/gltf_material.h"

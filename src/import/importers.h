@@ -17,22 +17,18 @@ struct ImportedMesh {
     std::vector<std::string> warnings;
 };
 
-// By its extension, whether importMesh reads it; and what it says if not.
+// True if importMesh reads files with this extension; its message for all others.
 bool isMeshFile(const std::filesystem::path& path);
 inline constexpr const char* kNoMeshFile = "a mesh file must end in .obj, .ply, .stl, .gltf or .glb";
 
 // Reads .obj (with its .mtl), .ply (ascii, binary little and big endian), .stl (ascii, binary) or the meshes
-// of .gltf and .glb, by extension.
+// of .gltf and .glb, by extension. docs/reference/file-formats.md describes each format.
 //
-// glTF: all meshes of the default scene as one, where their nodes place them; cameras and lights are left
-// out.
+// glTF: all meshes of the default scene as one, where their nodes place them, without cameras and lights.
 //
-// What is read of each format, and how: docs/reference/file-formats.md. What is not understood is named in
-// one warning; a number that is none is an error.
-//
+// The reader names each unknown part of a file in one warning. A number that cannot be parsed is an error.
 // Vertices that are not finite are kept (see validateScene). Throws Error(Scene), e.g.
-// "bunny.obj:88: face uses vertex 9, the file has 8".
-// The first form reads what lies in the model's folder.
+// "bunny.obj:88: face uses vertex 9, the file has 8". The first form reads only files in the model's folder.
 ImportedMesh importMesh(const std::filesystem::path& path);
 ImportedMesh importMesh(const std::filesystem::path& path, SceneFiles& files);
 

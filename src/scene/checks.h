@@ -1,11 +1,11 @@
 // Checks that the parts of the validation share; internal to it.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "core/text_file.h"
+#include "core/vectors.h"
 #include "scene/limits.h"
 #include "scene/scene.h"
 #include "scene/validate.h"
@@ -27,18 +27,17 @@ inline std::string got(const glm::dvec3& v) {
     return got(text(v));
 }
 
-inline bool finite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-inline double greatest(const glm::dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
 inline void checkPoint(const Place& place, std::string_view key, const glm::dvec3& point) {
-    if (!finite(point)) place.fail(key, "must be finite" + got(point));
-    if (greatest(point) >= kMaxCoordinate)
+    if (!isFinite(point)) place.fail(key, "must be finite" + got(point));
+    if (greatestMagnitude(point) >= kMaxCoordinate)
         place.fail(key, "coordinates must be below " + describe(kMaxCoordinate) + got(point));
+}
+
+// Both ends are in the range; `unit` follows the greatest number.
+inline void checkRange(const Place& place, std::string_view key, double value, double least, double most,
+                       const std::string& unit = "") {
+    if (!(value >= least && value <= most))
+        place.fail(key, "must be from " + describe(least) + " to " + describe(most) + unit + got(value));
 }
 
 // One for each shape that is a quadric.

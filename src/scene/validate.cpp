@@ -27,24 +27,23 @@ std::string gotColor(const Color& c) {
 
 void checkDirection(const Place& place, std::string_view key, const glm::dvec3& direction) {
     checkPoint(place, key, direction);
-    if (greatest(direction) < kMinLength) place.fail(key, "must not be zero" + got(direction));
+    if (greatestMagnitude(direction) < kMinLength) place.fail(key, "must not be zero" + got(direction));
 }
 
 void checkRadius(const Place& place, double radius) {
     if (!(radius > 0)) place.fail("radius", "must be > 0" + got(radius));
-    if (radius < kMinRadius || radius > kMaxRadius)
-        place.fail("radius",
-                   "must be from " + describe(kMinRadius) + " to " + describe(kMaxRadius) + got(radius));
+    checkRange(place, "radius", radius, kMinRadius, kMaxRadius);
 }
 
 bool isColor(const Color& color) {
-    return finite(color) && std::min({color.x, color.y, color.z}) >= 0 && greatest(color) <= kMaxColor;
+    return isFinite(color) && std::min({color.x, color.y, color.z}) >= 0 &&
+           greatestMagnitude(color) <= kMaxColor;
 }
 
 void checkColor(const Place& place, std::string_view key, const Color& color) {
-    if (!finite(color)) place.fail(key, "must be finite" + gotColor(color));
+    if (!isFinite(color)) place.fail(key, "must be finite" + gotColor(color));
     if (std::min({color.x, color.y, color.z}) < 0) place.fail(key, "must be >= 0" + gotColor(color));
-    if (greatest(color) > kMaxColor)
+    if (greatestMagnitude(color) > kMaxColor)
         place.fail(key, "must be at most " + describe(kMaxColor) + gotColor(color));
 }
 
@@ -89,9 +88,7 @@ void checkWindowSize(const Camera& camera, const Place& place) {
         checkWindow(*camera.window, place);
     } else if (camera.projection == Projection::Orthographic) {
         if (!(camera.height > 0)) place.fail("height", "must be > 0" + got(camera.height));
-        if (camera.height < kMinLength || camera.height > kMaxCoordinate)
-            place.fail("height", "must be from " + describe(kMinLength) + " to " + describe(kMaxCoordinate) +
-                                     got(camera.height));
+        checkRange(place, "height", camera.height, kMinLength, kMaxCoordinate);
     } else if (!(camera.fovY > 0 && camera.fovY < 180)) {
         place.fail("fovY", "must be between 0 and 180 degrees" + got(camera.fovY));
     }
@@ -100,8 +97,7 @@ void checkWindowSize(const Camera& camera, const Place& place) {
 void checkSpot(const SpotLight& spot, const Place& place) {
     checkPoint(place, "position", spot.position);
     checkDirection(place, "direction", spot.direction);
-    if (!(spot.angle >= 0 && spot.angle <= 180))
-        place.fail("angle", "must be from 0 to 180 degrees" + got(spot.angle));
+    checkRange(place, "angle", spot.angle, 0, 180, " degrees");
     if (!(spot.penumbra >= 0)) place.fail("penumbra", "must be >= 0 degrees" + got(spot.penumbra));
     const double edge = spot.angle + spot.penumbra;
     if (!(edge >= kMinSpotAngle && edge <= 180))
@@ -115,7 +111,7 @@ void checkVertices(const Mesh& mesh, const Place& place, const char* ofWhat) {
         if (!isColor(mesh.colors[i]))
             checkColor(place, "color of vertex " + std::to_string(i), mesh.colors[i]);
     for (size_t i = 0; i < mesh.positions.size(); i++)
-        if (finite(mesh.positions[i]) && greatest(mesh.positions[i]) >= kMaxCoordinate)
+        if (isFinite(mesh.positions[i]) && greatestMagnitude(mesh.positions[i]) >= kMaxCoordinate)
             place.fail({}, "vertex " + std::to_string(i) + ofWhat + ": coordinates must be below " +
                                describe(kMaxCoordinate) + got(mesh.positions[i]));
 }
@@ -126,7 +122,6 @@ void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount
             place.fail({}, std::string("the mesh has ") + std::to_string(size) + " " + what + " for " +
                                std::to_string(mesh.corners.size()) + " triangles");
     };
-    checkSize("normal corners", mesh.normalCorners.size());
     checkSize("face indices", mesh.faces.size());
     checkSize("material indices", mesh.materials.size());
     const auto checkIndex = [&](const char* what, size_t triangle, size_t index, size_t count) {
@@ -136,16 +131,13 @@ void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount
     };
     for (size_t i = 0; i < mesh.corners.size(); i++)
         for (int k = 0; k < 3; k++) checkIndex("vertex", i, mesh.corners[i][k], mesh.positions.size());
-    for (size_t i = 0; i < mesh.normalCorners.size(); i++)
-        if (mesh.normalCorners[i] != glm::uvec3(Mesh::kNoIndex))
-            for (int k = 0; k < 3; k++)
-                checkIndex("normal", i, mesh.normalCorners[i][k], mesh.normals.size());
     const auto checkAttribute = [&](const char* what, const std::vector<glm::uvec3>& corners, size_t count) {
         checkSize((std::string(what) + " corners").c_str(), corners.size());
         for (size_t i = 0; i < corners.size(); i++)
             if (corners[i] != glm::uvec3(Mesh::kNoIndex))
                 for (int k = 0; k < 3; k++) checkIndex(what, i, corners[i][k], count);
     };
+    checkAttribute("normal", mesh.normalCorners, mesh.normals.size());
     checkAttribute("texture vertex", mesh.uvCorners, mesh.uvs.size());
     checkAttribute("colour", mesh.colorCorners, mesh.colors.size());
     for (size_t i = 0; i < mesh.materials.size(); i++)
@@ -256,9 +248,7 @@ void validateImage(const ImageSettings& image, const Place& place) {
     checkInteger(place, "width", image.width, 1, kMaxImageSize);
     checkInteger(place, "height", image.height, 1, kMaxImageSize);
     checkInteger(place, "samplesPerPixel", image.samplesPerPixel, 1, kMaxSamplesPerPixel);
-    if (!(image.filterRadius >= kMinFilterRadius && image.filterRadius <= kMaxFilterRadius))
-        place.fail("filterRadius", "must be from " + describe(kMinFilterRadius) + " to " +
-                                       describe(kMaxFilterRadius) + " pixels" + got(image.filterRadius));
+    checkRange(place, "filterRadius", image.filterRadius, kMinFilterRadius, kMaxFilterRadius, " pixels");
     if (image.adaptive) {
         const Place adaptive{place.file, place.pointer + "/adaptive"};
         checkInteger(adaptive, "maxSamples", image.adaptive->maxSamples, 1, kMaxSamplesPerPixel);
@@ -318,21 +308,16 @@ void validateMaterial(const Material& material, const Place& place) {
     checkColor(place, "diffuse", material.diffuse);  // first: ambient is often a copy of it
     checkColor(place, "ambient", material.ambient);
     checkColor(place, "specular", material.specular);
-    if (!(material.shininess >= 0 && material.shininess <= kMaxShininess))
-        place.fail("shininess", "must be from 0 to " + describe(kMaxShininess) + got(material.shininess));
-    checkColor(place, "mirror", material.mirror);
-    if (greatest(material.mirror) > 1)
-        place.fail("mirror", "must be from 0 to 1" + gotColor(material.mirror));
-    checkColor(place, "transmission", material.transmission);
-    if (greatest(material.transmission) > 1)
-        place.fail("transmission", "must be from 0 to 1" + gotColor(material.transmission));
-    if (!(material.ior >= kMinIor && material.ior <= kMaxIor))
-        place.fail("ior",
-                   "must be from " + describe(kMinIor) + " to " + describe(kMaxIor) + got(material.ior));
+    checkRange(place, "shininess", material.shininess, 0, kMaxShininess);
+    for (const auto& [key, color] :
+         {std::pair("mirror", material.mirror), std::pair("transmission", material.transmission)}) {
+        checkColor(place, key, color);
+        if (greatestMagnitude(color) > 1) place.fail(key, "must be from 0 to 1" + gotColor(color));
+    }
+    checkRange(place, "ior", material.ior, kMinIor, kMaxIor);
     checkColor(place, "attenuation", material.attenuation);
     checkInteger(place, "priority", material.priority, -kMaxPriority, kMaxPriority);
-    if (!(material.alphaCutoff >= 0 && material.alphaCutoff <= 1))
-        place.fail("alphaCutoff", "must be from 0 to 1" + got(material.alphaCutoff));
+    checkRange(place, "alphaCutoff", material.alphaCutoff, 0, 1);
     if (material.alphaCutoff > 0 && material.diffuseTexture == Material::kNoTexture)
         place.fail("alphaCutoff", "needs a diffuse texture, whose alpha it is compared with");
 }

@@ -32,7 +32,7 @@ void checkQuadric(const QuadricShape& shape, const Place& place) {
             place.fail("bounds",
                        std::string("the first corner must be less than the second in x, y and z (got ") +
                            text(shape.lo) + " and " + text(shape.hi) + ")");
-    if (greatest(shape.hi - shape.lo) < kMinRadius)
+    if (greatestMagnitude(shape.hi - shape.lo) < kMinRadius)
         place.fail("bounds", "must be " + describe(kMinRadius) + " wide or more" + got(shape.hi - shape.lo));
     bool any = false;
     for (int i = 0; i < 10; i++) {

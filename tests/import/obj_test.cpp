@@ -66,22 +66,6 @@ TEST(Obj, FacesMayComeBeforeTheirVertices) {
     EXPECT_EQ(import("f 1 2 3\n" + kFour).mesh.corners[0], uvec3(0, 1, 2));
 }
 
-TEST(Obj, ConcavePentagon) {
-    // Corner 2 is the notch: no triangle may leave the polygon, whose area is 12.
-    const Mesh mesh = import("v 0 0 0\nv 4 0 0\nv 2 1 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4 5\n").mesh;
-    ASSERT_EQ(mesh.corners.size(), 3u);
-    double area = 0;
-    for (const uvec3& c : mesh.corners) {
-        const double one = 0.5 * glm::cross(mesh.positions[c.y] - mesh.positions[c.x],
-                                            mesh.positions[c.z] - mesh.positions[c.x])
-                                     .z;
-        EXPECT_GT(one, 0);
-        area += one;
-    }
-    EXPECT_DOUBLE_EQ(area, 12);
-    EXPECT_EQ(mesh.faces, (std::vector<uint32_t>{0, 0, 0}));
-}
-
 TEST(Obj, LineEndsOfAllSystems) {
     std::string text = "# dos\r\nv 0 0 0\r\nv 1 0 0 \r\nv 0 1 0\r\nf 1 2 3\r\n";
     EXPECT_EQ(import(text).mesh.positions[2], dvec3(0, 1, 0));

@@ -225,6 +225,47 @@ const Case kValues[] = {
      "s.json: /meshes/bunny/file: the file name is empty"},
 };
 
+#define OBJECT(...) R"({"objects": [{"type": )" __VA_ARGS__ "}]}"
+
+const Case kShapes[] = {
+    {"quadricOfTwo", OBJECT(R"("quadric", "coefficients": [1, 2], "bounds": [[0,0,0],[1,1,1]])"),
+     "s.json: /objects/0/coefficients: must be ten numbers [A, B, C, D, E, F, G, H, I, J] (got [1, 2])"},
+    {"quadricOfNothing",
+     OBJECT(R"("quadric", "coefficients": [0,0,0,0,0,0,0,0,0,0], "bounds": [[0,0,0],[1,1,1]])"),
+     "s.json: /objects/0/coefficients: one of A to I must not be 0: J = 0 alone is no surface, but nothing "
+     "or "
+     "everything"},
+    {"quadricBounds",
+     OBJECT(R"("quadric", "coefficients": [1,0,0,0,0,0,0,0,0,0], "bounds": [[0,2,0],[1,1,1]])"),
+     "s.json: /objects/0/bounds: the first corner must be less than the second in x, y and z (got [0, 2, 0] "
+     "and [1, 1, 1])"},
+    {"ellipsoidRadius", OBJECT(R"("ellipsoid", "center": [0,0,0], "radii": [1,0,1])"),
+     "s.json: /objects/0/radii/1: must be > 0 (got 0)"},
+    {"cylinderWithoutHeight", OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,0,0], "radius": 1)"),
+     "s.json: /objects/0/top: must differ from base (got [0, 0, 0])"},
+    {"cylinderTooLong", OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,1e9,0], "radius": 1)"),
+     "s.json: /objects/0: height and radius must not differ by more than a factor of 1e+08 (got 1e+09 and "
+     "1)"},
+    {"cylinderCapped", OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,1,0], "radius": 1, "capped": 1)"),
+     "s.json: /objects/0/capped: must be true or false (got 1)"},
+    {"coneThatIsACylinder",
+     OBJECT(R"("cone", "base": [0,0,0], "apex": [0,1,0], "radius": 1, "topRadius": 1)"),
+     "s.json: /objects/0/topRadius: must not be the radius, or the cone is a cylinder (got 1)"},
+    {"hyperboloidWaist", OBJECT(R"("hyperboloid", "base": [0,0,0], "top": [0,1,0], "radius": 1, "waist": 1)"),
+     "s.json: /objects/0/waist: must be less than the radius, 1 (got 1)"},
+    {"paraboloidRadius", OBJECT(R"("paraboloid", "vertex": [0,0,0], "top": [0,1,0], "radius": -1)"),
+     "s.json: /objects/0/radius: must be > 0 (got -1)"},
+    {"boxWithoutMax", OBJECT(R"("box", "min": [0, 0, 0])"), R"(s.json: /objects/0: missing key "max")"},
+    {"boxTurnedOver", OBJECT(R"("box", "min": [0, 2, 0], "max": [1, 1, 1])"),
+     "s.json: /objects/0/max: must be greater than min along each axis, by 1e-14 at least, which y is not "
+     "(got [0, 2, 0] and [1, 1, 1])"},
+    {"boxWithoutWidth", OBJECT(R"("box", "min": [0, 0, 0], "max": [0, 1, 1])"),
+     "s.json: /objects/0/max: must be greater than min along each axis, by 1e-14 at least, which x is not "
+     "(got [0, 0, 0] and [0, 1, 1])"},
+    {"boxTooFar", OBJECT(R"("box", "min": [0, 0, -1e19], "max": [1, 1, 1])"),
+     "s.json: /objects/0/min: coordinates must be below 1e+18 (got [0, 0, -1e+19])"},
+};
+
 #define ORTHOGRAPHIC(...) R"({"camera": {"type": "orthographic", )" __VA_ARGS__ "}}"
 #define SPOT(...) R"({"lights": [{"type": "spot", "position": [0, 0, 0], )" __VA_ARGS__ "}]}"
 
@@ -293,6 +334,7 @@ std::string caseName(const testing::TestParamInfo<Case>& info) {
 INSTANTIATE_TEST_SUITE_P(Structure, ParseError, testing::ValuesIn(kStructure), caseName);
 INSTANTIATE_TEST_SUITE_P(Types, ParseError, testing::ValuesIn(kTypes), caseName);
 INSTANTIATE_TEST_SUITE_P(Values, ParseError, testing::ValuesIn(kValues), caseName);
+INSTANTIATE_TEST_SUITE_P(Shapes, ParseError, testing::ValuesIn(kShapes), caseName);
 INSTANTIATE_TEST_SUITE_P(CamerasAndSpots, ParseError, testing::ValuesIn(kCamerasAndSpots), caseName);
 INSTANTIATE_TEST_SUITE_P(Transforms, ParseError, testing::ValuesIn(kTransforms), caseName);
 

@@ -205,6 +205,63 @@ TEST(Parse, Objects) {
     EXPECT_EQ(scene.objects[3].material, 2u);
 }
 
+TEST(Parse, QuadricsOfEveryForm) {
+    const Scene scene = parse(R"({"objects": [
+        {"type": "quadric", "coefficients": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10], "bounds": [[-1, -2, -3], [1, 2, 3]]},
+        {"type": "ellipsoid", "center": [1, 2, 3], "radii": [4, 5, 6]},
+        {"type": "cylinder", "base": [0, 0, 1], "top": [0, 0, 2], "radius": 3},
+        {"type": "cone", "base": [0, 0, 1], "apex": [0, 0, 2], "radius": 3, "topRadius": 1, "capped": true},
+        {"type": "hyperboloid", "base": [0, 0, 1], "top": [0, 0, 2], "radius": 3, "waist": 2, "capped": false},
+        {"type": "paraboloid", "vertex": [0, 0, 1], "top": [0, 0, 2], "radius": 3, "capped": true}]})");
+    const auto& quadric = std::get<QuadricShape>(scene.objects[0].shape);
+    EXPECT_EQ(quadric.coefficients[0], 1);
+    EXPECT_EQ(quadric.coefficients[9], 10);
+    EXPECT_EQ(quadric.lo, dvec3(-1, -2, -3));
+    EXPECT_EQ(quadric.hi, dvec3(1, 2, 3));
+    EXPECT_EQ(std::get<EllipsoidShape>(scene.objects[1].shape).radii, dvec3(4, 5, 6));
+    const auto& cylinder = std::get<CylinderShape>(scene.objects[2].shape);
+    EXPECT_EQ(cylinder.top, dvec3(0, 0, 2));
+    EXPECT_FALSE(cylinder.capped);
+    const auto& cone = std::get<ConeShape>(scene.objects[3].shape);
+    EXPECT_EQ(cone.topRadius, 1);
+    EXPECT_TRUE(cone.capped);
+    EXPECT_EQ(std::get<HyperboloidShape>(scene.objects[4].shape).waist, 2);
+    EXPECT_TRUE(std::get<ParaboloidShape>(scene.objects[5].shape).capped);
+}
+
+TEST(Parse, TransformedQuadrics) {
+    const Scene scene = parse(R"({"objects": [
+        {"type": "sphere", "center": [1, 0, 0], "radius": 2, "transform": [{"scale": [1, 2, 1]}]},
+        {"type": "sphere", "center": [1, 0, 0], "radius": 2, "transform": [{"scale": 3}]},
+        {"type": "cylinder", "base": [0, 0, 1], "top": [0, 0, 2], "radius": 3, "transform": [{"translate": [5, 0, 0]}]}]})");
+    EXPECT_EQ(std::get<EllipsoidShape>(scene.objects[0].shape).radii, dvec3(2));
+    ASSERT_TRUE(scene.objects[0].transform);
+    EXPECT_EQ(scene.objects[0].transform->linear[1], dvec3(0, 2, 0));
+    EXPECT_EQ(std::get<SphereShape>(scene.objects[1].shape).radius, 6);
+    EXPECT_FALSE(scene.objects[1].transform);
+    ASSERT_TRUE(scene.objects[2].transform);
+    EXPECT_EQ(scene.objects[2].transform->offset, dvec3(5, 0, 0));
+}
+
+TEST(Parse, Boxes) {
+    const Scene scene = parse(R"({"objects": [
+        {"type": "box", "min": [1, 2, 3], "max": [4, 5, 6]},
+        {"type": "box", "min": [0, 0, 0], "max": [1, 1, 1], "transform": [{"scale": [2, 3, 4]}, {"translate": [1, 0, 0]}]},
+        {"type": "box", "min": [0, 0, 0], "max": [1, 1, 1], "transform": [{"rotate": [0, 1, 0, 30]}]}]})");
+    EXPECT_EQ(std::get<BoxShape>(scene.objects[0].shape).min, glm::dvec3(1, 2, 3));
+    EXPECT_EQ(std::get<BoxShape>(scene.objects[0].shape).max, glm::dvec3(4, 5, 6));
+    EXPECT_EQ(std::get<BoxShape>(scene.objects[1].shape).max, glm::dvec3(3, 3, 4));
+    EXPECT_FALSE(scene.objects[1].transform);
+    EXPECT_TRUE(scene.objects[2].transform);
+}
+
+TEST(Parse, BoxesThatStretchTooUnevenlyAreRefused) {
+    EXPECT_NE(parseErrorOf(R"({"objects": [{"type": "box", "min": [0, 0, 0], "max": [1, 1, 1],
+                          "transform": [1, 1, 0, 0, 1, 1.00001, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}]})")
+                  .find("stretches too unevenly"),
+              std::string::npos);
+}
+
 TEST(Parse, TransformsReachTheShapes) {
     const Scene scene = parse(R"({"objects": [
         {"type": "sphere", "center": [1, 0, 0], "radius": 1,

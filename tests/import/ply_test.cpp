@@ -264,13 +264,6 @@ TEST(Ply, AHeaderThatLiesReservesNoMemory) {
     EXPECT_EQ(mesh.corners.size(), 2u);
 }
 
-TEST(Ply, FacesMayStandBeforeVertices) {
-    const Mesh mesh = import(header("ascii", "element face 1\n" + kList + "element vertex 4\n" + kXyz) +
-                             "4 0 1 2 3\n" + kSquareVertices)
-                          .mesh;
-    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}}));
-}
-
 TEST(Ply, FacesOnBothSidesOfTheVerticesKeepTheirOrder) {
     const Mesh mesh =
         import(header("ascii", "element face 1\n" + kList + "element vertex 4\n" + kXyz + kStrips) +
@@ -359,12 +352,6 @@ TEST(Ply, BinaryTriangleStrips) {
     }
 }
 
-TEST(Ply, StripsBesideFaces) {
-    const ImportedMesh both =
-        import(header("ascii", kSquare + kStrips) + kSquareVertices + "3 0 1 2\n3 0 2 3\n3 3 2 1\n");
-    EXPECT_EQ(both.mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}, {3, 2, 1}}));
-}
-
 TEST(Ply, StripsThatCannotBeDrawn) {
     const std::string head = header("ascii", "element vertex 3\n" + kXyz + kStrips) + "0 0 0\n1 0 0\n0 1 0\n";
     EXPECT_EQ(importErrorOf(head + "3 0 1 3\n"),
@@ -390,21 +377,6 @@ TEST(Ply, MessagesArePrintable) {
         EXPECT_NE(message.find("[31m"), std::string::npos) << message;
         EXPECT_EQ(message.find('\x1b'), std::string::npos) << message;
     }
-}
-
-TEST(Ply, FacesAreListedFromTheFirstThatIsMoreThanATriangleOn) {
-    const Mesh mesh = import(header("ascii", "element vertex 4\n" + kXyz + "element face 3\n" + kList) +
-                             kSquareVertices + "3 0 1 2\n3 1 2 3\n4 0 1 2 3\n")
-                          .mesh;
-    EXPECT_EQ(mesh.faces, (std::vector<uint32_t>{0, 1, 2, 2}));
-}
-
-TEST(Ply, DegenerateFacesAreCounted) {
-    const ImportedMesh imported = import(header("ascii", kSquare) + kSquareVertices + "3 0 0 1\n4 0 1 2 3\n");
-    EXPECT_EQ(imported.mesh.faces, (std::vector<uint32_t>{1, 1}));
-    ASSERT_EQ(imported.warnings.size(), 1u);
-    EXPECT_TRUE(
-        imported.warnings[0].ends_with("m.ply: 1 face with fewer than three different vertices left out"));
 }
 
 }  // namespace glint::test::ply_test

@@ -1,8 +1,6 @@
 // Discs by formulas of their own: hits, the rim, sources.
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::disc_test {
@@ -49,28 +47,6 @@ TEST(ReferenceDisc, BothSidesAndNoneFromTheEdge) {
     EXPECT_FALSE(hitDisc(center, normal, 1, makeRay({-5, 2, 3}, {1, 0, 0}))) << "in its plane";
     EXPECT_FALSE(hitDisc(center, normal, 1, makeRay({1, 2, 3}, {0, 1, 0}))) << "t = 0";
     EXPECT_FALSE(hitDisc(center, normal, 1, makeRay({1, 3, 3}, {0, 1, 0}))) << "behind";
-}
-
-// Points of a known place in the disc, seen along known rays.
-TEST(ReferenceDisc, RandomDiscs) {
-    Random random(12);
-    for (int i = 0; i < 2000; ++i) {
-        const vec3 center(random.box(10)), normal(random.direction());
-        const auto radius = static_cast<float>(std::exp(random.uniform(-8, 8)));
-        const dvec3 n = glm::normalize(dvec3(normal));
-        const dvec3 a = glm::normalize(glm::cross(n, random.direction())), b = glm::cross(n, a);
-        const double angle = random.uniform(0, 2 * std::numbers::pi);
-        const bool inside = i % 2 == 0;
-        const double share = inside ? random.uniform(0, 0.999) : random.uniform(1.001, 3);
-        const dvec3 target = dvec3(center) + share * radius * (std::cos(angle) * a + std::sin(angle) * b);
-        const dvec3 origin = target + (radius + 1.0) * random.uniform(1, 50) * (random.direction() + 1.1 * n);
-        const Ray ray = rayTowards(origin, target);
-        const auto hit = hitDisc(center, normal, radius, ray);
-        ASSERT_EQ(hit.has_value(), inside) << i;
-        if (inside) {
-            EXPECT_NEAR(hit->t, 1, 1e-9);
-        }
-    }
 }
 
 TEST(ReferenceDisc, SurfaceAndSource) {

@@ -96,37 +96,6 @@ TEST(ReferencePolygon, NeedlessVertices) {
     }
 }
 
-// Against the rule in the plane's own coordinates, in any attitude: target points whose side is known.
-TEST(ReferencePolygon, AnyAttitude) {
-    Random random(9);
-    int hits = 0;
-    for (int i = 0; i < 2000; ++i) {
-        const dvec3 a = random.direction(), n = glm::normalize(glm::cross(a, random.direction())),
-                    b = glm::cross(n, a);
-        const dvec3 at = random.box(5);
-        std::vector<vec3> moved;
-        for (const vec3& v : kL)
-            moved.emplace_back(at + static_cast<double>(v.x) * a + static_cast<double>(v.y) * b);
-        const double x = random.uniform(-0.5, 2.5), y = random.uniform(-0.5, 2.5);
-        // Roundings of the vertices move an edge by 1e-6, seen aslant by a hundred times that.
-        const auto near = [](double c) {
-            return std::min({std::abs(c), std::abs(c - 1), std::abs(c - 2)}) < 1e-3;
-        };
-        if (near(x) || near(y)) continue;
-        const bool inside = x > 0 && y > 0 && x < 2 && y < 2 && (x < 1 || y < 1);
-        const dvec3 target = at + x * a + y * b;
-        dvec3 from = random.direction();
-        if (std::abs(glm::dot(from, n)) < 0.01) continue;
-        const auto hit = hitPolygon(moved, rayTowards(target + 7.0 * from, target));
-        ASSERT_EQ(hit.has_value(), inside) << x << " " << y;
-        hits += inside;
-        if (inside) {
-            EXPECT_NEAR(hit->t, 1, 1e-4);
-        }
-    }
-    EXPECT_GT(hits, 300);
-}
-
 // Of polygons that meet in an edge, any ray through the edge hits exactly one, also where their planes
 // differ.
 TEST(ReferencePolygon, SharedEdges) {

@@ -91,41 +91,6 @@ TEST(Sampling, PaddedPairsAreThePapers) {
             }
 }
 
-// Of 2^m samples from a multiple of 2^m on, each pair has one in each elementary interval.
-TEST(Sampling, PaddedPairsStratify) {
-    constexpr int m = 6;
-    shared::Sample row;
-    row.seed = 3;
-    for (uint32_t pair = shared::kFirstPaddedPair; pair < 6; ++pair)
-        for (const uint32_t first : {0u, 1u << m, 5u << m})
-            for (int a = 0; a <= m; ++a) {
-                std::set<std::pair<uint32_t, uint32_t>> cells;
-                for (uint32_t i = 0; i < 1u << m; ++i) {
-                    const auto p = samplePair(row, first + i, pair, 17, 4);
-                    cells.insert({static_cast<uint32_t>(uint64_t{p[0]} << a >> 32),
-                                  static_cast<uint32_t>(uint64_t{p[1]} << (m - a) >> 32)});
-                }
-                EXPECT_EQ(cells.size(), 1u << m) << pair << ' ' << first << ' ' << a;
-            }
-}
-
-// Which point of one pair meets which of another is random: of 256 samples each of 4 x 4 cells of two
-// coordinates of different pairs has 16 but for chance, sigma 3.4 (hypergeometric). One and the same order in
-// both would put 64 into each cell of a diagonal.
-TEST(Sampling, PaddedPairsAreIndependent) {
-    shared::Sample row;
-    row.seed = 9;
-    for (uint32_t pixel = 0; pixel < 20; ++pixel)
-        for (uint32_t pair = shared::kFirstPaddedPair; pair < 5; ++pair) {
-            std::array<int, 16> counts{};
-            for (uint32_t i = 0; i < 256; ++i) {
-                const auto p = samplePair(row, i, pair, pixel, 1), q = samplePair(row, i, pair + 1, pixel, 1);
-                ++counts[(p[0] >> 30) * 4 + (q[0] >> 30)];
-            }
-            for (const int count : counts) EXPECT_NEAR(count, 16, 20) << pixel << ' ' << pair;
-        }
-}
-
 // One cell as wide as the pixel: the place is the hash, cut to the 22 bits that the filter's table uses.
 TEST(Sampling, JitterIsThePapersHash) {
     const PackedSamples samples = packSamples(settingsOf(Sampler::Jittered, Filter::Box, 0.5, 1), false);
@@ -186,19 +151,6 @@ TEST(Sampling, CellsFillTheSquare) {
         for (const FixedCell& c : cells)
             EXPECT_NEAR(std::ldexp(double(c.width[0]) * double(c.width[1]), -64), 1.0 / count, 0x1p-30);
     }
-}
-
-TEST(Sampling, SeedsAndPixelsDiffer) {
-    ImageSettings image = settingsOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 4);
-    const PackedSamples a = packSamples(image, false);
-    image.seed = 8;
-    const PackedSamples b = packSamples(image, false);
-    int same = 0;
-    for (uint32_t x = 0; x < 100; ++x) {
-        same += filmSample(a, 1, x, 0).offset == filmSample(b, 1, x, 0).offset;
-        same += filmSample(a, 1, x, 0).offset == filmSample(a, 1, x + 1, 0).offset;
-    }
-    EXPECT_EQ(same, 0);
 }
 
 // Places of one sample, film and lens, in a square of pixels, each dimension with mean 0 and variance 1 if it

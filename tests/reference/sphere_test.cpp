@@ -1,7 +1,6 @@
 // Spheres, ordinary and anchored: answers from books, closed forms, and quadruple precision.
 #include <gtest/gtest.h>
 
-#include "quad_truth.h"
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::sphere_test {
@@ -33,14 +32,6 @@ std::vector<double> rootsOf(const vec3& center, float radius, Ray ray) {
     return roots;
 }
 
-// P. Shirley and S. Marschner, Fundamentals of Computer Graphics, ch. 4, exercise 1: t = 1 -+ 1/sqrt(3).
-TEST(ReferenceSphere, ShirleyExercise) {
-    const auto roots = rootsOf(vec3(0), 1, makeRay(dvec3(1), dvec3(-1)));
-    ASSERT_EQ(roots.size(), 2u);
-    EXPECT_DOUBLE_EQ(roots[0], 0.4226497308103742);
-    EXPECT_DOUBLE_EQ(roots[1], 1.5773502691896257);
-}
-
 // J. Buck, The Ray Tracer Challenge, features/spheres.feature; roots behind the origin do not count here.
 TEST(ReferenceSphere, RayTracerChallenge) {
     const dvec3 z(0, 0, 1);
@@ -65,17 +56,6 @@ TEST(ReferenceSphere, GrazingAndTangent) {
     EXPECT_FALSE(hitSphere(vec3(0), 1, makeRay({1.0000001f, 0, -10}, {0, 0, 1})));
 }
 
-// The lines (-4, 3) + k (3, 4) touch the circle of radius 5 at (-4, 3); all numbers are exact in fp32.
-TEST(ReferenceSphere, ExactTangentsAtAnyDistance) {
-    for (int k = 1; k < 1 << 21; k = k * 2 + 1) {
-        const Ray ray = makeRay({-4.0 - 3.0 * k, 3.0 - 4.0 * k, 0}, {3, 4, 0});
-        const auto hit = hitSphere(vec3(0), 5, ray);
-        ASSERT_TRUE(hit) << k;
-        EXPECT_EQ(hit->t, k);
-        EXPECT_FALSE(hitSphere(vec3(0), std::nextafter(5.0f, 0.0f), ray)) << k;
-    }
-}
-
 // The same lines with directions 7 times as long: the touching t = k / 7 is no binary fraction, so that no
 // partial result is exact. Only b^2 - a c of the integers, below 2^113, is.
 TEST(ReferenceSphere, TangentsWithoutExactRoots) {
@@ -85,52 +65,6 @@ TEST(ReferenceSphere, TangentsWithoutExactRoots) {
         ASSERT_TRUE(hit) << k;
         EXPECT_DOUBLE_EQ(hit->t, k / 7.0);
         EXPECT_FALSE(hitSphere(vec3(0), std::nextafter(5.0f, 0.0f), ray)) << k;
-    }
-}
-
-// Hearn and Baker's and pbrt's forms give up in fp32 beyond 8000 radii; the reference has to be right far
-// beyond. Bound: the result's rounding; the shift to the nearest point and |shifted|^2 err by 32 x 2^-64 x D,
-// over the half chord.
-TEST(ReferenceSphere, FarSpheresAgreeWithTheTruth) {
-    Random random(59);
-    SceneMaker maker;
-    maker.sphere(vec3(0), 1);
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
-    for (const double far : {1.5, 100.0, 400.0, 2000.0, 4100.0, 7500.0, 8000.0, 1e5, 1e6}) {
-        int hits = 0;
-        for (int i = 0; i < 20000; ++i) {
-            const vec3 from(far * random.direction());
-            const dvec3 at = 1.2 * std::sqrt(random.uniform(0, 1)) * random.direction();
-            const Ray ray = makeRay(from, vec3(glm::normalize(at - dvec3(from))));
-            const auto truth = sphereTruth(dvec3(0), 1, ray);
-            const auto hit = tracer.closest(ray);
-            ASSERT_EQ(hit.has_value(), truth.has_value()) << far << " ray " << i;
-            if (!hit) continue;
-            ++hits;
-            const double halfChord = std::max(static_cast<double>(truth->halfChord), 1e-9);
-            ASSERT_LE(distance(truth->t0, hit->t), 0x1p-52 * hit->t + 0x1p-59 * far / halfChord) << far;
-        }
-        EXPECT_GT(hits, 5000);
-    }
-}
-
-// Straight at the centre: t = D - r, to 4 u.
-TEST(ReferenceSphere, TinyAndFar) {
-    const double sizes[][2] = {{1e-3, 1e3}, {1, 1e6}, {1e-6, 1}};
-    for (const auto& [size, far] : sizes) {
-        const auto radius = static_cast<float>(size);
-        const auto hit = hitSphere(vec3(0), radius, makeRay({0, 0, -far}, {0, 0, 1}));
-        ASSERT_TRUE(hit);
-        EXPECT_DOUBLE_EQ(hit->t, far - static_cast<double>(radius));
-    }
-}
-
-TEST(ReferenceSphere, DirectionLengthScalesT) {
-    for (const double s : {1e-15, 1e15, 0.25, 3.0}) {
-        const auto hit = hitSphere(vec3(0), 1, makeRay({0, 0, -5}, {0, 0, s}));
-        ASSERT_TRUE(hit);
-        EXPECT_DOUBLE_EQ(hit->t, 4 / s);
     }
 }
 
@@ -146,50 +80,6 @@ TEST(ReferenceSphere, GiantSphereFromClose) {
         const auto anchored = hitScene(maker, ray);
         ASSERT_TRUE(anchored);
         EXPECT_DOUBLE_EQ(anchored->t, h);
-    }
-}
-
-// An anchored sphere is |x - p|^2 + 2 r n.(x - p) = 0: the sphere about p - r n of radius r |n|.
-TEST(ReferenceSphere, AnchoredAgreesWithTheTruth) {
-    Random random(60);
-    for (const float radius : {1.0f, 1e3f, 6.371e6f}) {
-        const vec3 point(12.5f, -3.25f, 7), normal(glm::normalize(dvec3(1, 2, 3)));
-        SceneMaker maker;
-        maker.anchoredSphere(point, normal, radius);
-        const PackedScene scene = maker.finish();
-        const Tracer tracer(scene);
-        int hits = 0, misses = 0;
-        for (int i = 0; i < 20000; ++i) {
-            const double height = std::pow(10.0, random.uniform(-2, 2));
-            const dvec3 from = dvec3(point) + height * dvec3(normal) + random.box(height);
-            const Ray ray =
-                makeRay(from, glm::normalize(random.direction() - dvec3(normal) * random.uniform(0, 1)));
-            // In the frame of the anchor, where nothing cancels: a t^2 + 2 b t + c = 0.
-            const QuadVec w = QuadVec(ray.origin) - QuadVec(point), d(ray.direction),
-                          n = QuadVec(normal) * radius;
-            const Quad a = d.dot(d), b = w.dot(d) + n.dot(d), c = w.dot(w) + 2 * n.dot(w),
-                       disc = b * b - a * c;
-            const Quad s = squareRoot(disc);
-            const Quad q = b > 0 ? -b - s : -b + s;
-            std::optional<Quad> truth;
-            if (disc >= 0 && q != 0) {
-                const Quad t0 = c / q, t1 = q / a;
-                for (const Quad t : {t0, t1}) {
-                    if (t > 0 && (!truth || t < *truth)) truth = t;
-                }
-            }
-            const auto hit = tracer.closest(ray);
-            ASSERT_EQ(hit.has_value(), truth.has_value()) << radius << " ray " << i;
-            if (!hit) {
-                ++misses;
-                continue;
-            }
-            ++hits;
-            const double steepness = std::max(static_cast<double>(s) / radius, 1e-9);
-            EXPECT_LE(distance(*truth, hit->t), 0x1p-52 * hit->t + 0x1p-58 * (height + hit->t) / steepness);
-        }
-        EXPECT_GT(hits, 1000);
-        EXPECT_GT(misses, 1000);
     }
 }
 

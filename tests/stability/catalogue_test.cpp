@@ -2,11 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "../render/support.h"
 #include "checks.h"
-#include "core/error.h"
 #include "reference/tracer.h"
 
 namespace glint::stability::catalogue_test {
@@ -21,32 +19,6 @@ class CatalogueTest : public render::test::RenderTest {
   protected:
     Subject subject() const { return {&device(), {}}; }
 };
-
-// T06: Buck, The Ray Tracer Challenge, features/world.feature, "the default world": what the ray from (0, 0,
-// -5) along z meets, and its colour, in which Blinn's and Phong's highlights are both below 1e-5.
-TEST_F(CatalogueTest, RayTracerChallengeDefaultWorld) {
-    const render::test::Case c = render::test::textCase(
-        R"({"camera": {"eye": [0, 0, -5], "target": [0, 0, 0], "fovY": 10}, "ambient": 1,
-            "lights": [{"type": "point", "position": [-10, 10, -10], "intensity": 1}],
-            "materials": {"outer": {"ambient": [0.08, 0.1, 0.06], "diffuse": [0.56, 0.7, 0.42], "specular": 0.2, "shininess": 200},
-                          "inner": {"ambient": 0.1, "diffuse": 0.9, "specular": 0.9, "shininess": 200}},
-            "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "outer"},
-                        {"type": "sphere", "center": [0, 0, 0], "radius": 0.5, "material": "inner"}]})",
-        1, 1);
-    render::Renderer renderer(device(), c.packed);
-    const Picture picture = draw(renderer, c);
-    const double expected[3] = {0.38066, 0.47583, 0.2855};
-    for (int channel = 0; channel < 3; ++channel)
-        EXPECT_NEAR(picture.color.at(0, 0, channel), expected[channel], 1e-5);
-    render::RayInput ray = render::test::rayOf({0, 0, -5}, {0, 0, 1});
-    for (const float t : {4.0f, 4.5f, 5.5f, 6.0f}) {
-        const render::RayHit hit = renderer.trace({ray}, false)[0];
-        ASSERT_TRUE(hit.hit);
-        EXPECT_EQ(hit.t, t);
-        ray.tMin = t;
-    }
-    EXPECT_FALSE(renderer.trace({ray}, false)[0].hit);
-}
 
 // T08: Buck, features/spheres.feature, "computing the normal on a transformed sphere": the sphere turned by
 // pi / 5 about z, then halved along y. The book's point (0, 1, -1) / sqrt 2 lies outside it, on the ray from
@@ -70,61 +42,6 @@ TEST_F(CatalogueTest, NormalOfATransformedSphere) {
     for (int axis = 0; axis < 3; ++axis) {
         EXPECT_NEAR(truth[axis], expected[axis], 5e-6);
         EXPECT_NEAR(hit.data.geometricNormal[axis], expected[axis], 6e-6);
-    }
-}
-
-// T76. A transform that flattens, or is no number, never comes to the tracers.
-TEST_F(CatalogueTest, SingularTransformsAreRefused) {
-    const auto refused = [](const std::string& transform) {
-        try {
-            render::test::textCase(R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
-                                       "transform": )" +
-                                       transform + "}]}",
-                                   1, 1);
-        } catch (const Error& error) {
-            return error.kind() == ErrorKind::Scene;
-        }
-        return false;
-    };
-    EXPECT_TRUE(refused(R"([{"scale": [1, 0, 1]}])"));
-    EXPECT_TRUE(refused("[1,0,0,0, 0,1,0,0, 0,0,1e999,0, 0,0,0,1]"));
-    EXPECT_TRUE(refused(R"([{"scale": [1, 1e-13, 1]}])"));
-    EXPECT_FALSE(refused(R"([{"scale": [1, 1e-3, 1]}])"));
-}
-
-// T17: embree, the regression test of watertightness: a sphere of triangles far from the origin, rays from
-// its middle.
-TEST_F(CatalogueTest, EmbreesDistantSphere) {
-    const dvec3 center(148376, 1234, -223423);
-    for (const uint32_t phi : {50u, 200u}) {
-        std::vector<dvec3> positions;
-        std::vector<glm::uvec3> corners;
-        const uint32_t around = 2 * phi;
-        for (uint32_t i = 0; i <= phi; ++i) {
-            for (uint32_t k = 0; k < around; ++k) {
-                const double theta = std::numbers::pi * i / phi, angle = 2 * std::numbers::pi * k / around;
-                positions.push_back(center + 2.0 * dvec3(std::sin(theta) * std::cos(angle), std::cos(theta),
-                                                         std::sin(theta) * std::sin(angle)));
-            }
-        }
-        for (uint32_t i = 0; i < phi; ++i) {
-            for (uint32_t k = 0; k < around; ++k) {
-                const uint32_t a = i * around + k, b = i * around + (k + 1) % around;
-                if (i > 0) corners.emplace_back(a, b, a + around);
-                if (i + 1 < phi) corners.emplace_back(b, b + around, a + around);
-            }
-        }
-        Scene scene = render::test::emptyScene();
-        render::test::addMesh(scene, positions, corners);
-        scene.camera.eye = center + dvec3(0, 0, 5);
-        scene.camera.target = center;
-        const PackedScene packed = packScene(scene);
-        Random random(17);
-        std::vector<render::RayInput> rays;
-        for (int i = 0; i < 20000; ++i)
-            rays.push_back(render::test::rayOf(vec3(center - packed.origin), vec3(random.box(1))));
-        render::Renderer renderer(device(), packed);
-        EXPECT_EQ(render::test::misses(renderer.trace(rays, false)), 0u) << phi;
     }
 }
 
