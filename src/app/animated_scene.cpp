@@ -1,7 +1,9 @@
 #include "app/animated_scene.h"
 
-#include <ostream>
+#include <iostream>
+#include <iterator>
 
+#include "app/common.h"
 #include "core/available_memory.h"
 #include "core/error.h"
 #include "core/stopwatch.h"
@@ -10,12 +12,35 @@
 
 namespace glint::app {
 
+namespace {
+
+// The file "-" beside all others.
+class StandardInput : public FileSource {
+  public:
+    std::string read(const std::filesystem::path& path) override {
+        if (path != "-") return files_->read(path);
+        return {std::istreambuf_iterator<char>(std::cin), {}};
+    }
+    FileStatus status(const std::filesystem::path& path) override { return files_->status(path); }
+    std::filesystem::path real(const std::filesystem::path& path) override { return files_->real(path); }
+
+  private:
+    std::shared_ptr<FileSource> files_ = fileSystem();
+};
+
+}  // namespace
+
 AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err,
                              bool quiet)
     : options_(options), err_(quiet ? nullptr : &err) {
     const Stopwatch watch;
+    std::shared_ptr<FileSource> files = options.files;
+    if (options.scene == "-")
+        files = std::make_shared<StandardInput>();
+    else if (!files)
+        checkScene(options.scene);
     reader_.emplace(options.scene,
-                    LoadOptions{options.allowOutside, availableMemory(), options.camera, options.files},
+                    LoadOptions{options.allowOutside, availableMemory(), options.camera, options.up, files},
                     time);
     loaded_.scene = reader_->scene();
     loaded_.loadSeconds = watch.seconds();

@@ -10,6 +10,7 @@
 
 #include "app/animated_scene.h"
 #include "core/error.h"
+#include "core/near_names.h"
 #include "core/text_file.h"
 #include "pack/pack_samples.h"
 #include "scene/sampling.h"
@@ -18,6 +19,30 @@ namespace glint::app {
 
 LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet) {
     return AnimatedScene(options, options.time, err, quiet).take();
+}
+
+void checkScene(const std::filesystem::path& scene) {
+    namespace fs = std::filesystem;
+    constexpr std::string_view kKinds[] = {".json", ".gltf", ".glb", ".nff", ".obj", ".ply", ".stl"};
+    std::error_code failed;
+    std::string nearest;
+    const std::string stem = scene.stem().string();
+    size_t best = stem.size() / 3 + 1;
+    if (!fs::exists(scene, failed) && stem.size() < 64) {
+        for (const auto& entry : fs::directory_iterator(fs::path(".") / scene.parent_path(), failed)) {
+            const fs::path& path = entry.path();
+            if (std::find(std::begin(kKinds), std::end(kKinds), lowerExtension(path)) == std::end(kKinds))
+                continue;
+            const size_t distance = editDistance(stem, path.stem().string());
+            if (distance >= best) continue;
+            best = distance;
+            nearest = path.filename().string();
+        }
+    }
+    if (!nearest.empty())
+        throw Error(ErrorKind::Scene,
+                    printable(scene.string() + ": no such file (did you mean \"" + nearest + "\"?)"));
+    checkFile(scene);
 }
 
 Request requestOf(const LoadedScene& loaded, const SceneOptions& options) {

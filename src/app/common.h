@@ -19,6 +19,9 @@ namespace glint::app {
 // quiet.
 LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet = false);
 
+// Throws Error(Scene) if there is no such file, and names one that is called alike.
+void checkScene(const std::filesystem::path& scene);
+
 // The whole image of the scene, with the wishes of the command line. Throws Error(Argument) for sampler,
 // samples and filter that contradict each other.
 Request requestOf(const LoadedScene& loaded, const SceneOptions& options);

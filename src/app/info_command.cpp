@@ -6,6 +6,7 @@
 #include "app/commands.h"
 #include "app/common.h"
 #include "core/error.h"
+#include "core/text_file.h"
 #include "gpu/device.h"
 #include "pack/scene_arrays.h"
 #include "render/traversal_choice.h"
@@ -29,6 +30,36 @@ std::string arraySize(const PackedScene& packed) {
     visitArrays(packed, [&](const char*, const auto& array) { bytes += array.size() * sizeof(array[0]); });
     if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
     return format("%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
+}
+
+constexpr size_t kMostNames = 16;
+
+// ": "red", "glass"", or nothing.
+std::string materialNames(const Scene& scene) {
+    std::string text;
+    for (size_t i = 0; i < std::min(scene.materials.size(), kMostNames); ++i)
+        text += (i == 0 ? ": \"" : ", \"") + printable(scene.materials[i].name) + '"';
+    return text + (scene.materials.size() > kMostNames ? ", ..." : "");
+}
+
+// ": 2 point, 1 spot", or nothing.
+std::string lightKinds(const Scene& scene) {
+    constexpr const char* kKinds[] = {"point", "directional", "spot"};
+    static_assert(std::size(kKinds) == std::variant_size_v<Light>);
+    std::string text;
+    for (size_t kind = 0; kind < std::size(kKinds); ++kind) {
+        const auto count = std::count_if(scene.lights.begin(), scene.lights.end(),
+                                         [kind](const Light& light) { return light.index() == kind; });
+        if (count > 0) text += (text.empty() ? ": " : ", ") + std::to_string(count) + " " + kKinds[kind];
+    }
+    return text;
+}
+
+// A corner of the bounds: without the margin of the BVH, to five digits of `extent`.
+std::string cornerText(const glm::dvec3& corner, double extent) {
+    const double step = std::pow(10, std::ceil(std::log10(std::max(extent, 1e-300) * 1e-5)));
+    const glm::dvec3 p = glm::round(corner / step) * step + 0.0;  // no -0
+    return format("(%.9g %.9g %.9g)", p.x, p.y, p.z);
 }
 
 // "12 triangles, 1 sphere, ..."; instances have a line of their own.
@@ -75,8 +106,10 @@ void printGeometry(const PackedScene& packed, std::ostream& out) {
     } else {
         const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
                          hi = packed.origin + glm::dvec3(packed.boundsHi);
-        out << format("  bounds        (%.9g %.9g %.9g) .. (%.9g %.9g %.9g)%s\n", lo.x, lo.y, lo.z, hi.x,
-                      hi.y, hi.z, packed.planes.empty() ? "" : ", planes apart");
+        const glm::dvec3 size = hi - lo;
+        const double extent = std::max({size.x, size.y, size.z});
+        out << "  bounds        " << cornerText(lo, extent) << " .. " << cornerText(hi, extent)
+            << (packed.planes.empty() ? "\n" : ", planes apart\n");
         printLeastGap(packed, out);
         if (s.splitTriangles > 0)
             out << "  split         " << counted(s.splitTriangles, "further part") << " of triangles\n";
@@ -144,11 +177,11 @@ ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream&
         << samplerText(image) << ", at most "
         << counted(static_cast<uint64_t>(depthOf(loaded, request)), "reflection") << '\n'
         << "  camera        " << cameraKind(scene.camera) << '\n';
-    if (!scene.cameras.empty()) out << "  cameras       " << cameraNames(scene, scene.cameras.size()) << '\n';
+    if (!scene.cameras.empty()) out << "  cameras       " << cameraNames(scene, kMostNames) << '\n';
     out << "  objects       " << scene.objects.size() << " (" << kindCounts(packed) << ")\n";
     printInstances(packed, out);
-    out << "  materials     " << scene.materials.size() << '\n'
-        << "  lights        " << scene.lights.size() << '\n';
+    out << "  materials     " << scene.materials.size() << materialNames(scene) << '\n'
+        << "  lights        " << scene.lights.size() << lightKinds(scene) << '\n';
     printTextures(scene, out);
     printGeometry(packed, out);
     out << "  arrays        " << arraySize(packed) << " on the device\n";

@@ -1,6 +1,9 @@
 #include "app/option_groups.h"
 
+#include <cstdlib>
+
 #include "core/error.h"
+#include "core/thread_count.h"
 #include "scene/limits.h"
 
 namespace glint::app {
@@ -17,8 +20,10 @@ void addOutside(OptionTable& table, bool& allowed) {
 }  // namespace
 
 void addScene(OptionTable& table, SceneOptions& options) {
-    table.name("SCENE", "", "a scene (.json .gltf .glb .nff) or a model alone (.obj .ply .stl)",
-               options.scene, OptionTable::Need::Required);
+    table.name(
+        "SCENE", "",
+        "a scene (.json .gltf .glb .nff) or a model alone (.obj .ply .stl); - reads JSON from standard input",
+        options.scene, OptionTable::Need::Required);
     addOutside(table, options.allowOutside);
 }
 
@@ -46,6 +51,7 @@ void addCamera(OptionTable& table, std::string& name) {
 
 void addCamera(OptionTable& table, SceneOptions& options) {
     addCamera(table, options.camera);
+    table.choice<UpAxis>("--up", "axis that points up in a model without a camera (default y)", options.up);
 }
 
 void addTime(OptionTable& table, SceneOptions& options) {
@@ -97,6 +103,12 @@ void addBackend(OptionTable& table, Backend& backend) {
 void addDevice(OptionTable& table, DeviceChoice& device) {
     table.name("--device", "NAME|INDEX", "index or part of the name, see glint devices (default: the best)",
                device.selector);
+    table.value("--threads", "N",
+                "host threads, of the reference and of lavapipe too (default: one a processor)",
+                [](const Text& t) {
+                    limitThreads(static_cast<unsigned>(parseWhole(t, 1, 1024)));
+                    setenv("LP_NUM_THREADS", t.c_str(), 1);
+                });
     table.flag("--validation", "run the Vulkan validation layer; its messages are errors", device.validation);
 }
 

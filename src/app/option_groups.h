@@ -13,6 +13,7 @@
 #include "core/file_source.h"
 #include "core/progress.h"
 #include "render/traversal_choice.h"
+#include "scene/frame_model.h"
 #include "scene/scene.h"
 #include "trace/backend.h"
 #include "trace/methods.h"
@@ -24,6 +25,7 @@ struct SceneOptions {
     std::filesystem::path scene;
     bool allowOutside = false;  // files outside the scene's folder may be read
     std::string camera;         // by its name; empty: the scene's own
+    std::optional<UpAxis> up;   // of a file without a camera
     std::optional<Size> size;
     std::optional<int> spp;
     std::optional<int> maxDepth;
@@ -52,7 +54,7 @@ void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes,  
                bool& allowOutside);
 void addSceneOverrides(OptionTable& table,
                        SceneOptions& options);              // --size, --spp, --max-depth, --build-quality
-void addCamera(OptionTable& table, SceneOptions& options);  // --camera
+void addCamera(OptionTable& table, SceneOptions& options);  // --camera, --up
 void addCamera(OptionTable& table, std::string& name);
 void addTime(OptionTable& table, SceneOptions& options);     // --time
 void addMethods(OptionTable& table, SceneOptions& options);  // --intersector, --sphere
@@ -60,7 +62,7 @@ void addMinContribution(OptionTable& table, SceneOptions& options);
 void addSampling(OptionTable& table, SceneOptions& options);  // --sampler, --filter, --seed, --adaptive
 void addExposure(OptionTable& table, std::optional<double>& stops);
 void addBackend(OptionTable& table, Backend& backend);
-void addDevice(OptionTable& table, DeviceChoice& device);  // --device, --validation
+void addDevice(OptionTable& table, DeviceChoice& device);  // --device, --validation, --threads
 void addTraversal(OptionTable& table, DeviceChoice& device);
 void addFallback(OptionTable& table, DeviceChoice& device);
 void addProgress(OptionTable& table, ProgressMode& mode);

@@ -144,7 +144,7 @@ report::Options optionsOf(const ReportCommand& command) {
 ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     checkDevicesAreNamed(command);
-    for (const fs::path& scene : command.scenes) checkFile(scene);
+    for (const fs::path& scene : command.scenes) checkScene(scene);
     const OpenDevices devices = openDevices(command);
     const gpu::Device& device = devices.open.front();
     makeFolder(command.folder);

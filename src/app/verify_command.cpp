@@ -161,7 +161,7 @@ class SceneVerifier {
 };
 
 ExitCode run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
-    for (const auto& scene : command.scenes) checkFile(scene);  // the last one's name may be misspelt
+    for (const auto& scene : command.scenes) checkScene(scene);  // the last one's name may be misspelt
     if (!command.artifacts.empty()) makeFolder(command.artifacts);
     if (!command.jsonFile.empty() && !command.printsJson()) checkOutputPath(command.jsonFile);
     if (!command.junitFile.empty()) checkOutputPath(command.junitFile);

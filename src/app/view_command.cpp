@@ -55,6 +55,7 @@ ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     options.scene = command.scene.scene;
     options.loading.allowOutside = command.scene.allowOutside;
     options.loading.camera = command.scene.camera;
+    options.loading.up = command.scene.up;
     options.time = command.scene.time;
     options.loading.quality = command.scene.buildQuality;
     if (command.scene.size) {

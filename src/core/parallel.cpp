@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/call_terms.h"
+#include "core/thread_count.h"
 
 namespace glint {
 
@@ -141,7 +142,16 @@ KeptThreads::~KeptThreads() {
     teamInForce = before_;
 }
 
+namespace {
+std::atomic<unsigned> mostThreads = 0;  // 0: no limit
+}
+
+void limitThreads(unsigned count) {
+    mostThreads = count;
+}
+
 unsigned defaultThreadCount() {
+    if (const unsigned most = mostThreads) return most;
     // The affinity mask and not hardware_concurrency(): containers and taskset narrow the former only.
     cpu_set_t set;
     CPU_ZERO(&set);

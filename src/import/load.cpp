@@ -47,7 +47,7 @@ Scene loadModel(const std::filesystem::path& path, SceneFiles& files) {
     if (scene.materials.empty()) scene.materials.emplace_back().name = "default";
     scene.objects.push_back(
         {"/objects/0", MeshShape{std::make_shared<const Mesh>(std::move(imported.mesh))}, 0});
-    frameModel(scene);
+    frameModel(scene, files.up().value_or(UpAxis::Y));
     validateFramedScene(scene, path.string());
     return scene;
 }
@@ -67,10 +67,18 @@ void dropFaultyCameras(Scene& scene, const std::filesystem::path& path) {
 
 }  // namespace
 
-Scene completed(ImportedScene imported, const std::filesystem::path& path) {
+void checkUpIsOpen(const SceneFiles& files, const std::string& name) {
+    if (files.up())
+        throw Error(ErrorKind::Argument, name + ": has a camera of its own, which decides what is up (--up)");
+}
+
+Scene completed(ImportedScene imported, const std::filesystem::path& path, const SceneFiles& files) {
     Scene scene = std::move(imported.scene);
-    if (!imported.hasCamera) frameCamera(scene);
-    if (imported.hasCamera) validateCamera(scene.camera, {path.string(), "camera"});
+    if (!imported.hasCamera) frameCamera(scene, files.up().value_or(UpAxis::Y));
+    if (imported.hasCamera) {
+        checkUpIsOpen(files, path.string());
+        validateCamera(scene.camera, {path.string(), "camera"});
+    }
     dropFaultyCameras(scene, path);
     if (scene.lights.empty()) lightModel(scene);
     imported.hasCamera ? validateScene(scene, path.string()) : validateFramedScene(scene, path.string());
@@ -91,8 +99,8 @@ Scene loadFrom(const std::filesystem::path& path, SceneFiles& files) {
     const std::string extension = lowerExtension(path);
     if (extension == ".json") return parseScene(files.read(path), path.string(), path.parent_path(), files);
     if (extension == ".obj" || extension == ".ply" || extension == ".stl") return loadModel(path, files);
-    if (extension == ".gltf" || extension == ".glb") return completed(readGltf(path, files), path);
-    if (extension == ".nff") return completed(readNff(path, files), path);
+    if (extension == ".gltf" || extension == ".glb") return completed(readGltf(path, files), path, files);
+    if (extension == ".nff") return completed(readNff(path, files), path, files);
     if (!files.isFile(path)) files.read(path);  // says what is wrong
     throw Error(ErrorKind::Scene,
                 path.string() +

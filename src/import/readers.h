@@ -28,7 +28,10 @@ ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files);
 ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files);
 
 // Adds a camera and lights if an imported scene lacks them, and validates the scene.
-Scene completed(ImportedScene imported, const std::filesystem::path& path);
+Scene completed(ImportedScene imported, const std::filesystem::path& path, const SceneFiles& files);
+
+// Throws Error(Argument) if the options name an axis that points up, for a file with a camera.
+void checkUpIsOpen(const SceneFiles& files, const std::string& name);
 
 // Chooses the camera of that name; without a name, warns if a scene of another program has several.
 void settleCamera(Scene& scene, const std::filesystem::path& path, const std::string& camera);

@@ -6,11 +6,13 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/file_source.h"
 #include "core/image.h"
+#include "scene/frame_model.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -23,6 +25,8 @@ struct LoadOptions {
     uint64_t memory = std::numeric_limits<uint64_t>::max();
     // The camera of this name becomes the scene's own (scene/cameras.h); empty: the file's default.
     std::string camera = {};
+    // The axis that points up in a file without a camera; empty: y. Error(Argument) for one with a camera.
+    std::optional<UpAxis> up = {};
     // Source of the files; empty: the file system.
     std::shared_ptr<FileSource> source = {};
 };
@@ -53,6 +57,8 @@ class SceneFiles {
     // The image in linear samples: PNG and JPEG are decoded from sRGB (their alpha is linear already), HDR,
     // EXR and PFM are linear. Throws Error(Scene) "PATH: reason" if there is none.
     std::shared_ptr<const Image> image(const std::filesystem::path& path);
+
+    std::optional<UpAxis> up() const { return options_.up; }
 
     // Pixels that a picture may still have.
     uint64_t mostPixels() const;

@@ -30,7 +30,7 @@ struct SceneReader::State {
     State(const std::filesystem::path& file, const LoadOptions& options)
         : path(file),
           folder(file.parent_path()),
-          name(file.string()),
+          name(file == "-" ? "standard input" : file.string()),
           camera(options.camera),
           files(folder, options) {}
 
@@ -104,10 +104,10 @@ SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& o
                          std::optional<double> time)
     : state_(std::make_unique<State>(path, options)) {
     State& s = *state_;
-    const std::string extension = lowerExtension(path);
+    const std::string extension = path == "-" ? ".json" : lowerExtension(path);
     if (extension == ".gltf" || extension == ".glb") {
         s.gltf.emplace(path, s.files);
-        s.scene = completed(s.gltf->take(), path);
+        s.scene = completed(s.gltf->take(), path, s.files);
         s.scene.sources = s.files.sources();
         settleCamera(s.scene, path, options.camera);
         if (time && s.scene.animation) s.showGltf(*time);
@@ -117,6 +117,7 @@ SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& o
         s.scene = loadScene(path, options);
         return;
     }
+    checkUpIsOpen(s.files, s.name);
     s.document = parseJson(s.files.read(path), s.name);
     s.animation = parseAnimation(JsonCursor(s.document, s.name));
     s.values.resize(s.animation.tracks.size());

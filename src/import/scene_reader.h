@@ -13,7 +13,8 @@ namespace glint {
 class SceneReader {
   public:
     // Reads the file, as loadScene does, at a moment of its animation in seconds; without one, as it stands
-    // in the file. Meshes and pictures are kept for later moments.
+    // in the file. Meshes and pictures are kept for later moments. The path "-" is a scene in JSON, which
+    // options.source must have.
     SceneReader(const std::filesystem::path& path, const LoadOptions& options,
                 std::optional<double> time = {});
     ~SceneReader();

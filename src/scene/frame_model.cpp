@@ -145,9 +145,14 @@ struct Frame {
     glm::dvec3 right, up, back;  // orthonormal; back points to the eye
 };
 
-Frame viewFrame() {
-    const glm::dvec3 back = glm::normalize(kTowardsEye);
-    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back));
+// Turns a direction of a scene whose y axis points up, so that the front of a model with z up is -y.
+glm::dvec3 turned(const glm::dvec3& v, UpAxis up) {
+    return up == UpAxis::Z ? glm::dvec3(v.x, -v.z, v.y) : up == UpAxis::X ? glm::dvec3(v.y, v.z, v.x) : v;
+}
+
+Frame viewFrame(UpAxis up) {
+    const glm::dvec3 back = glm::normalize(turned(kTowardsEye, up));
+    const glm::dvec3 right = glm::normalize(glm::cross(turned({0, 1, 0}, up), back));
     return {right, glm::cross(back, right), back};
 }
 
@@ -171,11 +176,11 @@ double viewingDistance(const Scene& scene, DrawnVertices& drawn, const Frame& fr
 
 }  // namespace
 
-void frameModel(Scene& scene) {
+void frameModel(Scene& scene, UpAxis up) {
     scene.maxDepth = 5;
     scene.background = kModelBackground;
     scene.ambient = kModelAmbient;
-    frameCamera(scene);
+    frameCamera(scene, up);
     if (scene.lights.empty()) lightModel(scene);
 }
 
@@ -187,9 +192,10 @@ void lightModel(Scene& scene) {
     scene.lights.push_back(DirectionalLight{-glm::normalize(towardsLight), Color(0.9)});
 }
 
-void frameCamera(Scene& scene) {
+void frameCamera(Scene& scene, UpAxis up) {
     scene.camera = Camera{};
-    const Frame frame = viewFrame();
+    scene.camera.up = turned(scene.camera.up, up);
+    const Frame frame = viewFrame(up);
     DrawnVertices drawn;
     Box box;
     forEachPart(scene, drawn, [&](const glm::dvec3& center, const glm::dmat3* axes) {

@@ -1,6 +1,7 @@
 // A view and a light for models that bring none.
 #pragma once
 
+#include "core/enum_names.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -9,12 +10,18 @@ namespace glint {
 inline constexpr Color kModelBackground{0.42, 0.50, 0.60};
 inline constexpr Color kModelAmbient{0.2};
 
+// The axis that points up in a file.
+enum class UpAxis { X, Y, Z };
+constexpr auto entriesOf(UpAxis) {
+    return std::to_array<EnumEntry<UpAxis>>({{UpAxis::X, "x"}, {UpAxis::Y, "y"}, {UpAxis::Z, "z"}});
+}
+
 // A camera and, if there is none, a light that show all of `scene`'s finite geometry: frameCamera and
 // lightModel; background and ambient light as above.
-void frameModel(Scene& scene);
+void frameModel(Scene& scene, UpAxis up = UpAxis::Y);
 
 // A view from the front, above and to the right, 40 degrees, that holds all finite geometry but planes.
-void frameCamera(Scene& scene);
+void frameCamera(Scene& scene, UpAxis up = UpAxis::Y);
 
 // Adds a directional light from the upper left of `scene.camera`'s picture, which must be valid.
 void lightModel(Scene& scene);

@@ -12,6 +12,7 @@
 #include "bvh/builder.h"
 #include "core/available_memory.h"
 #include "gpu/swapchain.h"
+#include "scene/frame_model.h"
 #include "view/settings.h"
 
 namespace glint::view {
@@ -20,6 +21,7 @@ namespace glint::view {
 struct Loading {
     bool allowOutside = false;  // files outside the scene's folder may be read
     std::string camera;         // by its name; empty: the scene's own
+    std::optional<UpAxis> up;   // of a file without a camera
     std::optional<int> maxDepth, samplesPerPixel;
     BuildQuality quality = BuildQuality::Default;
 };

@@ -103,7 +103,7 @@ Ball boundsOf(const ViewScene& scene, uint32_t object, const glm::dvec3& hit, do
 Moments::Moments(const std::filesystem::path& path, const Loading& loading, std::optional<double> time)
     : path_(path),
       loading_(loading),
-      reader_(path, {loading.allowOutside, availableMemory(), loading.camera}, time),
+      reader_(path, {loading.allowOutside, availableMemory(), loading.camera, loading.up}, time),
       time_(time),
       remembers_(reader_.scene().animation.has_value()) {}
 

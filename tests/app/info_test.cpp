@@ -51,6 +51,10 @@ TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
                        "0 boxes)\n"),
               std::string::npos)
         << out;
+    EXPECT_NE(out.find("  materials     3: \"red\", \"mirror\", \"blue\"\n  lights        1: 1 point\n"),
+              std::string::npos)
+        << out;
+    EXPECT_NE(out.find("  bounds        (-3.9 -1.7 -1) .. (3.6 2.2 1.4)\n"), std::string::npos) << out;
     EXPECT_NE(out.find("  features used triangles, spheres, pointLights, specular, mirrors\n"),
               std::string::npos)
         << out;

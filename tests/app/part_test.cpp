@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/image_io.h"
 #include "support.h"
 
 namespace glint::app::test::part_test {
@@ -66,6 +67,17 @@ TEST_F(Part, NamesAndSummary) {
     EXPECT_EQ(mergedJson["hash"], wholeJson["hash"]);
     EXPECT_EQ(mergedJson["parts"], 2);
     EXPECT_EQ(readBytes("a.png"), readBytes("b.png"));
+}
+
+TEST_F(Part, TheMergedPictureIsExposed) {
+    ASSERT_EQ(part("1/1", {"-q", "-o", "1.part"}).code, 0);
+    ASSERT_EQ(runGlint({"render", "a.json", "--backend", "cpu", "-q", "--exposure", "-2"}).code, 0);
+    for (const bool rows : {false, true}) {
+        std::vector<std::string> merge = {"merge", "1.part", "-o", "all.png", "--exposure", "-2", "-q"};
+        if (rows) merge.push_back("--in-bands");
+        ASSERT_EQ(runGlint(merge).code, 0);
+        EXPECT_EQ(readImage("all.png").pixels, readImage("a.png").pixels);
+    }
 }
 
 TEST_F(Part, OptionsThatMakeNoSense) {

@@ -78,6 +78,23 @@ TEST_F(Process, ClosedStandardOutput) {
     }
 }
 
+TEST_F(Process, StandardStreams) {
+    const std::string render = "'" GLINT_PROGRAM "' render ";
+    ASSERT_EQ(shell(render + "a.json --backend cpu -q -o a.png"), 0);
+    EXPECT_EQ(shell(render + "- --backend cpu --threads 3 < a.json > out.txt"), 0);
+    EXPECT_NE(readText("out.txt").find("(double precision), 3 threads\n"), std::string::npos);
+    EXPECT_EQ(readBytes("stdin.png"), readBytes("a.png"));
+    EXPECT_EQ(shell(render + "- --backend cpu -o - < a.json > b.png 2> err.txt"), 0);
+    EXPECT_EQ(readText("err.txt"), "");
+    EXPECT_EQ(readBytes("b.png"), readBytes("a.png"));
+    EXPECT_EQ(shell(render + "a.json --backend cpu -o - > /dev/full 2> err.txt"), 1);
+    EXPECT_EQ(shell("echo '{\"objekts\": []}' | " + render + "- 2> err.txt"), 3);
+    EXPECT_EQ(readText("err.txt"),
+              "glint: standard input:1:13: /objekts: unknown key (did you mean \"objects\"?)\n");
+    EXPECT_EQ(names(),
+              (std::set<std::string>{"a.json", "a.png", "b.png", "err.txt", "out.txt", "stdin.png"}));
+}
+
 TEST_F(Process, FilesThatGrowBeyondTheLimitAreNotLeft) {
     // The size that `ulimit -f` takes is in blocks of 512 or 1024 bytes; the picture has 3 MB.
     EXPECT_EQ(shell("ulimit -f 8; '" GLINT_PROGRAM

@@ -172,6 +172,49 @@ TEST_F(Render, SingleDataLayerIsAFileOfItsOwn) {
     EXPECT_TRUE(ran.out.starts_with("wrote p.depth.png (64x48)\n")) << ran.out;
 }
 
+// The samples of the PNG are those of radiance times 2^STOPS; alpha stays.
+TEST_F(Render, ExposureScalesTheColoursOfPngFiles) {
+    render({"-o", "linear.pfm"});
+    Image image = readImage("linear.pfm");
+    for (float& sample : image.pixels) sample *= 2;
+    writeImage("twice.png", image);
+    for (const std::vector<std::string>& way :
+         {std::vector<std::string>{}, {"--band-rows", "8"}, {"--frames", "0"}}) {
+        std::vector<std::string> args = {"-o", "new/", "--exposure", "1", "--overwrite"};
+        if (way.empty() || way[0] != "--frames") args.pop_back();
+        args.insert(args.end(), way.begin(), way.end());
+        render(args);
+        EXPECT_EQ(readImage("new/a.png").pixels, readImage("twice.png").pixels);
+        std::filesystem::remove("new/a.png");
+    }
+    for (const char* output : {"a.exr", "a.pfm", "a.hdr"})
+        EXPECT_EQ(runGlint({"render", "a.json", "-o", output, "--exposure", "1"}).err,
+                  std::string("glint: --exposure: ") + output +
+                      " holds linear floats, which need none; use .png\n");
+    EXPECT_EQ(runGlint({"render", "a.json", "--part", "1/2", "--exposure", "1"}).code, 2);
+}
+
+// A wedge that is flat along z, and the same model lying down: x' = x, y' = -z, z' = y for z up.
+TEST_F(Render, UpTurnsModelsThatLieDown) {
+    writeText("y.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    writeText("z.obj", "v 0 0 0\nv 3 0 0\nv 0 0 2\nv 0 -1 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    writeText("x.obj", "v 0 0 0\nv 0 0 3\nv 2 0 0\nv 0 1 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    const auto draw = [](const std::string& model, const std::string& up, const std::string& output) {
+        return runGlint(
+                   {"render", model, "--backend", "cpu", "-q", "--size", "64x48", "--up", up, "-o", output})
+            .code;
+    };
+    ASSERT_EQ(draw("y.obj", "y", "y.pfm"), 0);
+    ASSERT_EQ(draw("z.obj", "z", "z.pfm"), 0);
+    ASSERT_EQ(draw("x.obj", "x", "x.pfm"), 0);
+    ASSERT_EQ(draw("z.obj", "y", "down.pfm"), 0);
+    EXPECT_EQ(runGlint({"diff", "y.pfm", "z.pfm", "--tolerance", "1e-5"}).code, 0);
+    EXPECT_EQ(runGlint({"diff", "y.pfm", "x.pfm", "--tolerance", "1e-5"}).code, 0);
+    EXPECT_EQ(runGlint({"diff", "y.pfm", "down.pfm", "--tolerance", "0.1"}).code, 5);
+    EXPECT_EQ(runGlint({"render", "a.json", "--up", "z"}).err,
+              "glint: a.json: has a camera of its own, which decides what is up (--up)\n");
+}
+
 TEST_F(Render, ReplacesAnOldPicture) {
     writeText("a.png", "old");
     render({});

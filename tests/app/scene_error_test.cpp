@@ -77,6 +77,19 @@ TEST_F(SceneFile, MissingOrAFolder) {
     EXPECT_EQ(names(), std::set<std::string>{"folder.json"});
 }
 
+TEST_F(SceneFile, AMissingOneNamesItsNeighbour) {
+    std::filesystem::create_directory("sub");
+    writeSmallScene("sub/earth.json");
+    writeText("sub/erth.png", "");
+    for (const auto& [file, hint] : {std::pair("sub/erth.json", " (did you mean \"earth.json\"?)"),
+                                     {"sub/earth.obj", " (did you mean \"earth.json\"?)"},
+                                     {"sub/moon.json", ""}}) {
+        const Ran ran = runGlint({"info", file});
+        EXPECT_EQ(ran.err, std::string("glint: ") + file + ": no such file" + hint + "\n");
+        EXPECT_EQ(ran.code, 3);
+    }
+}
+
 // Models that can be rendered, with a warning each.
 TEST_F(SceneFile, NotFiniteVerticesAreAWarning) {
     writeText("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 1 0\nf 1 2 3\nf 1 2 4\n");
