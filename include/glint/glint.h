@@ -265,6 +265,10 @@ GLINT_API glint_status glint_scene_commit(glint_scene* scene);
 /* The same, and it may be cancelled, at any time until its end, and tells how far it is. */
 GLINT_API glint_status glint_scene_commit_with(glint_scene* scene, const glint_options* options);
 
+/* Compiles what glint_query_closest and glint_query_any of the committed scene need, so that their first call
+ * takes no longer than others. */
+GLINT_API glint_status glint_scene_prepare(const glint_scene* scene);
+
 /* What is known of a committed scene. */
 typedef struct glint_scene_info {
     uint64_t size;
@@ -352,6 +356,16 @@ GLINT_API glint_status glint_query_closest(const glint_scene* scene, const glint
 /* Whether there is a hit: U8, 1 or 0 for each ray. */
 GLINT_API glint_status glint_query_any(const glint_scene* scene, const glint_rays* rays, const glint_out* hit,
                                        const glint_options* options);
+
+/* Rays through the middles of the pixels of a pinhole camera that is given by matrices: `origin` (may be
+ * NULL) receives where all start, element y * width + x of `directions`, three F32 or F64, where the ray
+ * through pixel (x, y) from the upper left corner goes. Their component along the camera's axis is 1, so the
+ * t of a hit is its depth along that axis. intrinsics  rows of [fx, skew, cx; 0, fy, cy; 0, 0, 1], in pixels;
+ * (0, 0) is the upper left corner of the picture, (0.5, 0.5) the middle of its first pixel. extrinsics  rows
+ * of [rotation | shift], from the world to the camera, which looks along its z with y down. */
+GLINT_API glint_status glint_pinhole_rays(const double intrinsics[9], const double extrinsics[12],
+                                          uint32_t width, uint32_t height, double origin[3],
+                                          const glint_out* directions);
 
 /* ---- Counts: closed surfaces are entered and left in turns ---- */
 

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from . import _native
 from ._native import NONE, Error
 
-__all__ = ["Device", "Error", "Hits", "NONE", "Picture", "Scene", "INSIDE", "ON_SURFACE", "OUTSIDE", "devices", "render", "version"]
+__all__ = ["Device", "Error", "Hits", "NONE", "Picture", "Scene", "INSIDE", "ON_SURFACE", "OUTSIDE", "devices", "pinhole_rays", "render", "version"]
 
 OUTSIDE, INSIDE, ON_SURFACE = 0, 1, 2
 Cancelled = Optional[Callable[[], bool]]
@@ -379,6 +379,11 @@ class Scene(_native.Owner):
         _Options(cancelled, progress, True).call("glint_scene_commit_with", self._handle)
         return self
 
+    def prepare(self) -> Scene:
+        """Compiles what `cast` and `occluded` of the committed scene need, so that their first call takes no longer than others."""
+        _native.call("glint_scene_prepare", self._handle)
+        return self
+
     def _added(self, name: str, *arguments: Any) -> int:
         number = ctypes.c_uint32()
         _native.call(name, self._handle, *arguments, ctypes.byref(number))
@@ -576,6 +581,27 @@ class Scene(_native.Owner):
             warnings.warn(f"the error may be {bound.value:.3g}, not {error:.3g}: max_samples are too few", RuntimeWarning, stacklevel=2)
         made = _record("Picture", arrays, (height, width))
         return made.color if layers == ("color",) else made
+
+
+def pinhole_rays(intrinsics: ArrayLike, extrinsics: ArrayLike, width: int, height: int, dtype: DTypeLike = numpy.float64) -> NDArray[Any]:
+    """Rays through the middles of a camera's pixels, (height, width, 6), for `cast`: the t of hits is depth along the camera's axis.
+
+    intrinsics: (3, 3), [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] in pixels; (0, 0) is the upper left corner of the picture, (0.5, 0.5)
+    the middle of its first pixel. extrinsics: (3, 4) or (4, 4), rotation and shift from the world to the camera, which looks along
+    its z with y down. Raises ValueError for other shapes, and Error if a focal length is 0.
+    """
+    lens, place = numpy.ascontiguousarray(intrinsics, numpy.float64), _transform(extrinsics)
+    if lens.shape != (3, 3):
+        raise ValueError(f"intrinsics has the shape {lens.shape}; it must be (3, 3)")
+    if not (0 < width <= _LARGEST and 0 < height <= _LARGEST):
+        raise ValueError(f"width and height must be 1 to {_LARGEST}")
+    rays, origin = numpy.empty((height, width, 6), _real(dtype)), numpy.empty(3)
+    doubles = ctypes.POINTER(ctypes.c_double)
+    out = _native.view(rays.reshape(-1, 6)[:, 3:])
+    _native.call("glint_pinhole_rays", lens.ctypes.data_as(doubles), place[1], width, height, origin.ctypes.data_as(doubles),
+                 ctypes.byref(out))
+    rays[..., :3] = origin
+    return rays
 
 
 def render(scene: Scene | Path, *arguments: int, device: Selector = None, **options: Any) -> Any:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy
 from numpy.typing import NDArray
 
-from . import Device, Scene, Selector, _native
+from . import Device, Error, Scene, Selector, _native, pinhole_rays
 
 _BY_MATRICES = ("intrinsic_matrix", "extrinsic_matrix", "width_px", "height_px")
 _BY_PLACES = ("fov_deg", "center", "eye", "up", "width_px", "height_px")
@@ -149,22 +149,12 @@ class RaycastingScene:
             raise TypeError(f"create_rays_pinhole takes {', '.join(_BY_MATRICES)}, or {', '.join(_BY_PLACES)}")
         given.update(named)
         width, height = int(given["width_px"]), int(given["height_px"])
-        if width < 1 or height < 1:
-            raise ValueError("width_px and height_px must be 1 or more")
         if names is _BY_PLACES:
             lens, place = _camera_of_places(given["fov_deg"], given["center"], given["eye"], given["up"], width, height)
         else:
             lens, place = (numpy.asarray(_plain(given[name]), dtype=numpy.float64) for name in _BY_MATRICES[:2])
-        if lens.shape != (3, 3) or place.shape != (4, 4):
-            raise ValueError(f"intrinsic_matrix and extrinsic_matrix have the shapes {lens.shape} and {place.shape}; they must be "
-                             "(3, 3) and (4, 4)")
-        turn = place[:3, :3].T
         try:
-            ways = turn @ numpy.linalg.inv(lens)
-        except numpy.linalg.LinAlgError:
-            raise ValueError("intrinsic_matrix has no inverse") from None
-        x, y = numpy.meshgrid(numpy.arange(width) + 0.5, numpy.arange(height) + 0.5)
-        rays = numpy.empty((height, width, 6), numpy.float32)
-        rays[..., :3] = -turn @ place[:3, 3]
-        rays[..., 3:] = numpy.stack((x, y, numpy.ones_like(x)), axis=-1) @ ways.T
+            rays = pinhole_rays(lens, place, width, height, numpy.float32)
+        except Error as error:
+            raise ValueError(f"intrinsic_matrix: {error}") from None
         return _like(next((one for one in given.values() if hasattr(type(one), "from_numpy")), None), rays)

@@ -123,6 +123,14 @@ glint_status glint_scene_commit_with(glint_scene* scene, const glint_options* op
     });
 }
 
+glint_status glint_scene_prepare(const glint_scene* scene) {
+    return guarded(termsOf(scene), [&] {
+        const auto snapshot = snapshotOf(scene);
+        if (snapshot->onDevice()) return snapshot->part().queries->prepare();
+        snapshot->part().tracer();
+    });
+}
+
 glint_status glint_scene_info_of(const glint_scene* scene, glint_scene_info* info) {
     return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);

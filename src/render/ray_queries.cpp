@@ -333,6 +333,15 @@ RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene)
     : state_(std::make_unique<State>(device, scene)) {}
 RayQueries::~RayQueries() = default;
 
+void RayQueries::prepare() {
+    Slot& slot = state_->acquire();
+    const State::Release release{*state_, slot};
+    for (const KernelId id : {KernelId::Intersect, KernelId::IntersectAny}) {
+        slot.pipelines.get(id, {.given = true});
+        if (state_->traversal.packets) slot.pipelines.get(packetKernel(id), {.given = true});
+    }
+}
+
 bool RayQueries::update() {
     // The kernels are made for the scene's features; its arrays may be elsewhere than before.
     if (state_->features != hitFeatures(state_->scene.features)) return false;

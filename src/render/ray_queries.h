@@ -81,6 +81,9 @@ class RayQueries {
     // numbers alone. False if it cannot, and only queries made anew know the scene. Nobody may be asking.
     bool update();
 
+    // Compiles the kernels of Ask::Nearest and Ask::Any.
+    void prepare();
+
     // False if it was cancelled.
     bool run(const RayTask& task);
 

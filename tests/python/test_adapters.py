@@ -163,7 +163,7 @@ def test_open3d_pinhole():
         RaycastingScene.create_rays_pinhole(lens, place, 4, width_px=2)
     for arguments, message in (((0, [2, 1, 4], [2, 3, 4], [5, 0, 0], 4, 2), "fov_deg"), ((90, [2, 3, 4], [2, 3, 4], [5, 0, 0], 4, 2), "apart"),
                                ((90, [2, 1, 4], [2, 3, 4], [0, 1, 0], 4, 2), "another way"), ((90, [2, 1], [2, 3, 4], [5, 0, 0], 4, 2), "center"),
-                               ((90, [2, 1, 4], [2, 3, 4], [5, 0, 0], 0, 2), "width_px"), ((0 * lens, place, 4, 2), "no inverse"),
-                               ((lens, turn, 4, 2), "shapes")):
+                               ((90, [2, 1, 4], [2, 3, 4], [5, 0, 0], 0, 2), "width"), ((0 * lens, place, 4, 2), "focal length"),
+                               ((lens, turn, 4, 2), "matrix")):
         with pytest.raises(ValueError, match=message):
             RaycastingScene.create_rays_pinhole(*arguments)

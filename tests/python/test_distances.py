@@ -1,4 +1,4 @@
-"""Rays that leave their hits, closest points and distances, from Python."""
+"""Rays that leave their hits, closest points, distances and rays of cameras, from Python."""
 import numpy
 import pytest
 
@@ -54,6 +54,30 @@ def test_distances_as_open3d_has_them(device):
     assert set(closest) == {"points", "geometry_ids", "primitive_ids", "primitive_uvs", "primitive_normals"}
     assert scene.compute_distance(points).tolist() == [0.5, 2]
     assert scene.compute_signed_distance(points).tolist() == [-0.5, 2]
+
+
+def test_pinhole_rays(device):
+    lens = numpy.array([[120, 3, 31.5], [0, 110, 20.25], [0, 0, 1]])
+    turn, _ = numpy.linalg.qr(numpy.random.default_rng(2).normal(size=(3, 3)))
+    place = numpy.column_stack((turn, [0.3, -0.2, 2]))
+    rays = glint.pinhole_rays(lens, place, 64, 40)
+    assert rays.shape == (40, 64, 6) and glint.pinhole_rays(lens, place, 8, 4, numpy.float32).dtype == numpy.float32
+    # Every point of a ray is seen in its pixel's middle, and t is its depth.
+    seen = (rays[..., :3] + 7 * rays[..., 3:]) @ turn.T + place[:, 3]
+    assert seen[..., 2] == pytest.approx(numpy.full((40, 64), 7))
+    pixels = seen @ lens.T / 7
+    assert pixels[..., 0] == pytest.approx(numpy.tile(numpy.arange(64) + 0.5, (40, 1)))
+    assert pixels[..., 1] == pytest.approx(numpy.tile((numpy.arange(40) + 0.5)[:, None], (1, 64)))
+    wall = glint.Scene(numpy.array([[-99, -99, 0], [99, -99, 0], [0, 99, 0.0]]), device=device).prepare()
+    looking = glint.pinhole_rays([[50, 0, 16], [0, 50, 12], [0, 0, 1]], [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 6]], 32, 24)
+    assert wall.cast(looking, want="t").t == pytest.approx(numpy.full((24, 32), 6), rel=1e-6)
+    for lens, place, size, message in ((numpy.eye(2), place, 4, "shape"), (lens, turn, 4, "matrix"), (lens, place, 0, "width")):
+        with pytest.raises(ValueError, match=message):
+            glint.pinhole_rays(lens, place, size, 4)
+    with pytest.raises(glint.Error, match="focal length"):
+        glint.pinhole_rays(numpy.diag([0, 1, 1]), place, 4, 4)
+    with pytest.raises(glint.Error, match="committed"):
+        glint.Scene(device=device).prepare()
 
 
 def test_messages_name_no_functions_of_c(device):
