@@ -28,7 +28,7 @@ void toggle(bool& flag) {
 }  // namespace
 
 Commands::Commands(Model& model, Host host)
-    : m_(model), host_(std::move(host)), editsAtWork_(model.edits), timeAtWork_(model.time) {
+    : m_(model), host_(std::move(host)), editsAtWork_(model.settings.edits), timeAtWork_(model.time) {
     files_.watch(sceneFiles(m_.path, *m_.file));
 }
 
@@ -246,7 +246,7 @@ void Commands::copyJson() {
         json += ",\n\"lights\": " + lightsJson(m_.settings.lights, *m_.file);
         what += ", lights";
     }
-    const std::string materials = materialsJson(m_.edits.materials, m_.fileEdits.materials);
+    const std::string materials = materialsJson(m_.settings.edits.materials, m_.fileSettings.edits.materials);
     if (!materials.empty()) {
         json += ",\n\"materials\": " + materials;
         what += ", what has changed of materials";
@@ -296,7 +296,7 @@ void Commands::writeScene() {
                         target.string() + " exists: choose another name, or \"replace the file\"");
         const std::string text = readWholeFile(m_.scene->path);
         checkUnchanged(text);
-        writeTextFile(target, editedSceneText(text, *m_.file, m_.undoable()));
+        writeTextFile(target, editedSceneText(text, *m_.file, m_.settings, m_.fileSettings));
         m_.saveSceneVisible = m_.replacesFile = false;
         const std::string line = "wrote lights and materials to " + target.string();
         m_.say(line);

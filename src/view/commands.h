@@ -103,11 +103,11 @@ class Commands {
     Model& m_;
     Host host_;
     const gpu::Device* device_ = nullptr;
-    Job<std::string> saving_;
-    Job<VerifyResult> verifying_;
-    Job<Image> referring_;
-    Job<Loaded> loading_;
-    Job<Moment> packing_;
+    Job<std::string> saving_{host_.wake};
+    Job<VerifyResult> verifying_{host_.wake};
+    Job<Image> referring_{host_.wake};
+    Job<Loaded> loading_{host_.wake};
+    Job<Moment> packing_{host_.wake};
     SceneEdits editsAtWork_;            // of packing_, or of the scene that is shown
     std::optional<double> timeAtWork_;  // likewise
     FileWatch files_;

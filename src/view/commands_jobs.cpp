@@ -38,7 +38,7 @@ void Commands::showScene(std::shared_ptr<const ViewScene> scene) {
     const int width = m_.session ? m_.session->width() : 0, height = m_.session ? m_.session->height() : 0;
     m_.scene = std::move(scene);
     m_.session.reset();
-    m_.session = std::make_unique<Session>(*device_, m_.scene, m_.traversal);
+    m_.session = std::make_unique<Session>(*device_, m_.scene);
     m_.session->apply(m_.settings);
     m_.session->wantData(m_.inspects);
     m_.session->setView(m_.control.camera(), width, height);
@@ -50,12 +50,11 @@ void Commands::showScene(std::shared_ptr<const ViewScene> scene) {
 }
 
 void Commands::startLoading() {
-    loading_.start([path = m_.path, loading = m_.loading, wake = host_.wake, another = opensAnother_,
-                    time = m_.timeline.time(), edits = m_.edits, before = m_.fileEdits](JobControl&) {
+    loading_.start([path = m_.path, loading = m_.loading, another = opensAnother_, time = m_.timeline.time(),
+                    edits = m_.settings.edits, before = m_.fileSettings.edits](JobControl&) {
         Loaded loaded;
         loaded.moments = std::make_shared<Moments>(path, loading, another ? std::optional<double>() : time);
         loaded.shown = another ? loaded.moments->show() : loaded.moments->show({}, edits, before);
-        wake();
         return loaded;
     });
     m_.dirty = 3;
@@ -78,7 +77,6 @@ void Commands::useScene(Loaded loaded) {
         m_.settings.sampleLimit = mine.sampleLimit;
         m_.settings.until = mine.until;
         m_.fileSettings = m_.settings;
-        m_.edits = m_.fileEdits = SceneEdits::of(scene);
         m_.control = CameraControl(scene.camera);
         m_.history = {};
         m_.bookmarks.clear();
@@ -97,11 +95,8 @@ void Commands::useScene(Loaded loaded) {
 // Values that the user has not changed follow the file.
 void Commands::takeMoment(Moment moment) {
     const PictureSettings file = PictureSettings::of(*moment.file);
-    const SceneEdits edits = SceneEdits::of(*moment.file);
     m_.settings.follow(m_.fileSettings, file);
-    m_.edits.follow(m_.fileEdits, edits);
     m_.fileSettings = file;
-    m_.fileEdits = edits;
     editsAtWork_ = std::move(moment.edits);
     m_.file = std::move(moment.file);
     m_.time = moment.time;
@@ -150,15 +145,12 @@ void Commands::pollPacking() {
         }
     }
     if (packing_.running() || loading_.running()) return;
-    if (same(m_.edits, editsAtWork_) && m_.timeline.time() == timeAtWork_) return;
-    editsAtWork_ = m_.edits;
+    if (m_.settings.edits == editsAtWork_ && m_.timeline.time() == timeAtWork_) return;
+    editsAtWork_ = m_.settings.edits;
     timeAtWork_ = m_.timeline.time();
-    packing_.start([moments = m_.moments, wake = host_.wake, time = timeAtWork_, edits = m_.edits,
-                    before = m_.fileEdits](JobControl&) {
-        Moment moment = moments->show(time, edits, before);
-        wake();
-        return moment;
-    });
+    packing_.start(
+        [moments = m_.moments, time = timeAtWork_, edits = editsAtWork_,
+         before = m_.fileSettings.edits](JobControl&) { return moments->show(time, edits, before); });
 }
 
 // The words that ask `glint render` for the moment that is shown.
@@ -230,7 +222,7 @@ bool Commands::hasJobs() const {
 
 bool Commands::settled() const {
     return !m_.moving() && m_.session->finished() && !hasJobs() && !loading_.running() &&
-           !m_.timeline.playing() && m_.timeline.time() == timeAtWork_ && same(m_.edits, editsAtWork_);
+           !m_.timeline.playing() && m_.timeline.time() == timeAtWork_ && m_.settings.edits == editsAtWork_;
 }
 
 void Commands::close() {
@@ -275,25 +267,16 @@ void Commands::saveNamed() {
 
 void Commands::save(const std::filesystem::path& file, bool seen) {
     follow(Hint::Save);
-    if (!seen) {
-        saving_.start([device = device_, wake = host_.wake, moment = momentText(),
-                       request = RenderRequest{viewRequest(*m_.session), file, m_.settings.sampling,
-                                               m_.display}](JobControl& control) {
-            std::string line = view::save(*device, request, control) + moment;
-            wake();
-            return line;
+    const auto start = [&](auto request) {
+        saving_.start([device = device_, moment = momentText(), request](JobControl& control) mutable {
+            return view::save(*device, std::move(request), control) + moment;
         });
-        return;
-    }
+    };
+    if (!seen) return start(RenderRequest{viewRequest(*m_.session), file, m_.settings.sampling, m_.display});
     SeenRequest request = seenRequest(*m_.session, file, m_.display);
     // A comparison or a verification over the image is saved too.
     if (request.canvas && (m_.difference || m_.compares())) request.canvas = refreshPicture();
-    saving_.start([device = device_, wake = host_.wake, moment = momentText(),
-                   request = std::move(request)](JobControl& control) mutable {
-        std::string line = view::save(*device, std::move(request), control) + moment;
-        wake();
-        return line;
-    });
+    start(std::move(request));
 }
 
 void Commands::drop(const std::vector<std::string>& files) {
@@ -320,22 +303,15 @@ void Commands::startVerifying() {
     if (verifying_.running()) return;
     m_.verdict.clear();
     m_.difference.reset();
-    verifying_.start(
-        [device = device_, wake = host_.wake, request = viewRequest(*m_.session)](JobControl& control) {
-            VerifyResult result = verifyView(*device, request, control);
-            wake();
-            return result;
-        });
+    verifying_.start([device = device_, request = viewRequest(*m_.session)](JobControl& control) {
+        return verifyView(*device, request, control);
+    });
 }
 
 void Commands::startReference() {
     if (referring_.running()) return;
-    referring_.start([wake = host_.wake, request = viewRequest(*m_.session),
-                      samples = m_.session->taken()](JobControl& control) {
-        Image image = traceReference(request, samples, control);
-        wake();
-        return image;
-    });
+    referring_.start([request = viewRequest(*m_.session), samples = m_.session->taken()](
+                         JobControl& control) { return traceReference(request, samples, control); });
 }
 
 void Commands::keepPicture() {

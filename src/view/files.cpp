@@ -1,13 +1,12 @@
 #include "view/files.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cstdlib>
 #include <string>
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/text_file.h"
 
 namespace glint::view {
 
@@ -36,12 +35,8 @@ bool isThere(const fs::path& file) {
     return file.is_absolute() && fs::is_regular_file(file, error);
 }
 
-template <size_t N>
-bool endsIn(const std::filesystem::path& file, const std::array<const char*, N>& extensions) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+bool endsIn(const fs::path& file, std::initializer_list<const char*> extensions) {
+    return std::find(extensions.begin(), extensions.end(), lowerExtension(file)) != extensions.end();
 }
 
 }  // namespace
@@ -103,11 +98,11 @@ void RecentFiles::add(const fs::path& scene) {
 }
 
 bool isPictureFile(const std::filesystem::path& file) {
-    return endsIn(file, std::array{".png", ".exr", ".pfm", ".hdr", ".jpg", ".jpeg"});
+    return endsIn(file, {".png", ".exr", ".pfm", ".hdr", ".jpg", ".jpeg"});
 }
 
 bool isSceneFile(const std::filesystem::path& file) {
-    return endsIn(file, std::array{".json", ".gltf", ".glb", ".nff", ".obj", ".ply", ".stl"});
+    return endsIn(file, {".json", ".gltf", ".glb", ".nff", ".obj", ".ply", ".stl"});
 }
 
 std::vector<FileEntry> listFiles(const std::filesystem::path& folder) {

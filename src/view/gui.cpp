@@ -2,9 +2,12 @@
 
 #include <imgui.h>
 #include <imgui_internal.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <utility>
 
 namespace glint::view {
 
@@ -160,13 +163,18 @@ void mapKeys(ImGuiIO& io) {
     io.KeyMap[ImGuiKey_X] = 'X';
 }
 
-constexpr FontPlace kPlaces[] = {
-    {"fonts-dejavu-core", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"},
-    {"fonts-noto-core", "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"},
-    {"fonts-liberation2", "/usr/share/fonts/truetype/liberation2/LiberationSans-Regular.ttf"},
-    {"fonts-liberation", "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf"},
-    {"fonts-freefont-ttf", "/usr/share/fonts/truetype/freefont/FreeSans.ttf"},
-};
+// The first font that is there, where Debian has it; null: Dear ImGui's own font, which is made of pixels.
+const char* findFont() {
+    for (const char* file : {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                             "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
+                             "/usr/share/fonts/truetype/liberation2/LiberationSans-Regular.ttf",
+                             "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+                             "/usr/share/fonts/truetype/freefont/FreeSans.ttf"}) {
+        std::error_code error;
+        if (std::filesystem::is_regular_file(file, error)) return file;
+    }
+    return nullptr;
+}
 
 }  // namespace
 
@@ -189,8 +197,8 @@ Gui::Gui(float scale, Clipboard clipboard) : scale_(scale), clipboard_(std::move
     font.OversampleH = font.OversampleV = 1;  // glyphs are drawn texel for pixel
     font.PixelSnapH = true;
     font.SizePixels = std::round(kFontPixels * scale);
-    const std::optional<std::filesystem::path> file = findFont();
-    if (!file || io.Fonts->AddFontFromFileTTF(file->c_str(), font.SizePixels, &font) == nullptr) {
+    const char* const file = findFont();
+    if (file == nullptr || io.Fonts->AddFontFromFileTTF(file, font.SizePixels, &font) == nullptr) {
         font.SizePixels = 13 * std::round(scale);  // the built-in font is made of pixels
         io.Fonts->AddFontDefault(&font);
     }
@@ -311,18 +319,6 @@ void Gui::end(Canvas& target) {
             if (command.UserCallback == nullptr) drawCommand(target, command, list, font);
         }
     }
-}
-
-std::span<const FontPlace> fontPlaces() {
-    return kPlaces;
-}
-
-std::optional<std::filesystem::path> findFont() {
-    for (const FontPlace& place : kPlaces) {
-        std::error_code error;
-        if (std::filesystem::is_regular_file(place.file, error)) return place.file;
-    }
-    return std::nullopt;
 }
 
 }  // namespace glint::view

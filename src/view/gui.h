@@ -1,12 +1,9 @@
 
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <map>
-#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -72,16 +69,5 @@ class Gui {
     std::vector<unsigned char> font_;  // coverage, a byte for each texel
     int fontWidth_ = 0, fontHeight_ = 0;
 };
-
-struct FontPlace {
-    const char* package;  // of Debian
-    const char* file;
-};
-
-// In the order in which they are looked for.
-std::span<const FontPlace> fontPlaces();
-
-// The first that is there; empty: Dear ImGui's own font, which is made of pixels, must do.
-std::optional<std::filesystem::path> findFont();
 
 }  // namespace glint::view

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/image_io.h"
+#include "core/text_file.h"
 #include "pack/pack_samples.h"
 #include "reference/render.h"
 #include "scene/sampling.h"
@@ -17,7 +18,7 @@ namespace glint::view {
 namespace {
 
 bool isExr(const std::filesystem::path& file) {
-    return file.extension() == ".exr" || file.extension() == ".EXR";
+    return lowerExtension(file) == ".exr";
 }
 
 // A claimed file that nothing was written to goes away with this.
@@ -55,6 +56,20 @@ void applyDisplay(Image& color, const Display& display) {
     }
 }
 
+// The view by the device. Throws Error(Failed) if it is stopped.
+Picture rendered(const gpu::Device& device, const ViewRequest& view, Request wanted,
+                 const std::filesystem::path& file, JobControl& control) {
+    static_cast<Tracing&>(wanted) = view.tracing;
+    wanted.width = view.width;
+    wanted.height = view.height;
+    wanted.progress = [&](double fraction) { control.progress = fraction; };
+    wanted.cancelled = [&] { return control.cancelled.load(); };
+    render::Renderer renderer(device, view.scene->packed, windowOptions(*view.scene));
+    Picture picture = renderer.render(view.camera, wanted);
+    if (!picture.complete) throw Error(ErrorKind::Failed, "saving stopped: " + file.string());
+    return picture;
+}
+
 std::string line(const std::filesystem::path& file, const ViewRequest& view, const std::string& how) {
     return "saved " + file.string() + " (" + std::to_string(view.width) + "x" + std::to_string(view.height) +
            ", " + how + ")";
@@ -68,7 +83,6 @@ ViewRequest viewRequest(const Session& session) {
     request.tracing = session.tracing();
     request.camera = session.packedCamera();
     request.lens = hasLens(session.camera());
-    request.traversal = session.traversal();
     request.width = session.width();
     request.height = session.height();
     return request;
@@ -92,18 +106,11 @@ SeenRequest seenRequest(const Session& session, const std::filesystem::path& fil
 
 std::string save(const gpu::Device& device, const RenderRequest& request, JobControl& control) {
     const Claim claim(request.file);
-    const ImageSettings image = request.sampling.image(request.view.width, request.view.height);
-    const std::string conflict = samplingConflict(image);
+    const std::string conflict = samplingConflict(request.sampling);
     if (!conflict.empty()) throw Error(ErrorKind::Failed, "not saved: " + conflict);
-    Request wanted = requestOf(image, request.view.lens);
-    static_cast<Tracing&>(wanted) = request.view.tracing;
+    Request wanted = requestOf(request.sampling, request.view.lens);
     wanted.data = wanted.cost = isExr(request.file);
-    wanted.progress = [&](double fraction) { control.progress = fraction; };
-    wanted.cancelled = [&] { return control.cancelled.load(); };
-    const ViewScene& scene = *request.view.scene;
-    render::Renderer renderer(device, scene.packed, windowOptions(scene, request.view.traversal));
-    Picture picture = renderer.render(request.view.camera, wanted);
-    if (!picture.complete) throw Error(ErrorKind::Failed, "saving stopped: " + request.file.string());
+    Picture picture = rendered(device, request.view, wanted, request.file, control);
     if (!isExr(request.file)) applyDisplay(picture.color, request.display);
     const std::vector<Aov> one = {Aov::Radiance};
     writeLayers(request.file, makeLayers(picture, isExr(request.file) ? allLayers() : one));
@@ -118,16 +125,8 @@ std::string save(const gpu::Device& device, SeenRequest request, JobControl& con
     const bool lacksData = !request.hasData && (exr || needsData(request.layer));
     if (!request.canvas && (lacksColor || lacksData)) {
         Request wanted;
-        static_cast<Tracing&>(wanted) = request.view.tracing;
-        wanted.width = request.view.width;
-        wanted.height = request.view.height;
         wanted.data = wanted.cost = lacksData;
-        wanted.progress = [&](double fraction) { control.progress = fraction; };
-        wanted.cancelled = [&] { return control.cancelled.load(); };
-        const ViewScene& scene = *request.view.scene;
-        render::Renderer renderer(device, scene.packed, windowOptions(scene, request.view.traversal));
-        Picture traced = renderer.render(request.view.camera, wanted);
-        if (!traced.complete) throw Error(ErrorKind::Failed, "saving stopped: " + request.file.string());
+        Picture traced = rendered(device, request.view, wanted, request.file, control);
         request.picture.region = traced.region;
         if (lacksColor) {
             request.picture.color = std::move(traced.color);
@@ -151,8 +150,7 @@ std::string save(const gpu::Device& device, SeenRequest request, JobControl& con
 }
 
 VerifyResult verifyView(const gpu::Device& device, const ViewRequest& request, JobControl& control) {
-    render::Renderer renderer(device, request.scene->packed,
-                              windowOptions(*request.scene, request.traversal));
+    render::Renderer renderer(device, request.scene->packed, windowOptions(*request.scene));
     verify::Options options;
     static_cast<Tracing&>(options) = request.tracing;
     options.width = request.width;

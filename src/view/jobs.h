@@ -21,11 +21,11 @@ struct JobControl {
     std::atomic<bool> cancelled{false};
 };
 
-// At most one run at a time. Destruction cancels and waits.
+// At most one run at a time. Destruction cancels and waits. Each run ends with `wake`, on its own thread.
 template <typename Result>
 class Job {
   public:
-    Job() = default;
+    explicit Job(std::function<void()> wake) : wake_(std::move(wake)) {}
     ~Job() { stop(); }
     Job(const Job&) = delete;
     Job& operator=(const Job&) = delete;
@@ -35,7 +35,11 @@ class Job {
     void start(std::function<Result(JobControl&)> work) {
         stop();
         control_ = std::make_unique<JobControl>();
-        future_ = std::async(std::launch::async, std::move(work), std::ref(*control_));
+        future_ = std::async(std::launch::async, [this, work = std::move(work), control = control_.get()] {
+            Result result = work(*control);
+            wake_();
+            return result;
+        });
     }
     bool finished() const {
         return future_.valid() && future_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
@@ -49,6 +53,7 @@ class Job {
     }
 
   private:
+    std::function<void()> wake_;
     std::unique_ptr<JobControl> control_;
     std::future<Result> future_;
 };
@@ -59,7 +64,6 @@ struct ViewRequest {
     Tracing tracing;
     shared::Camera camera;
     bool lens = false;  // the camera has one
-    render::Traversal traversal = render::Traversal::Auto;
     int width = 0, height = 0;
 };
 ViewRequest viewRequest(const Session& session);
@@ -68,7 +72,7 @@ ViewRequest viewRequest(const Session& session);
 struct RenderRequest {
     ViewRequest view;
     std::filesystem::path file;  // .exr: every layer; else colour, by `display`
-    SamplingSettings sampling;
+    ImageSettings sampling;      // its size is not used
     Display display;
 };
 

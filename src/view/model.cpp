@@ -16,12 +16,10 @@ Model::Model(const Options& options)
       control(scene->scene.camera, boundsOf(*scene).radius),
       hints(stateFile("hints")),
       recent(stateFile("recent")),
-      docked(options.width == 0),
-      mode(options.presentMode) {
+      docked(options.width == 0) {
     file = {scene, &scene->scene};
     settings = fileSettings = PictureSettings::of(*file);
     settings.until = options.until;
-    edits = fileEdits = SceneEdits::of(*file);
     timeline.follow(file->animation);
     timeline.setTime(time);
     for (size_t i = 0; i < file->cameras.size(); ++i)
@@ -63,26 +61,19 @@ std::string Model::waitingComparison() const {
            std::to_string(settings.sampleLimit) + ")";
 }
 
-Undoable Model::undoable() const {
-    return {control.camera(), settings.lights, settings.background, edits, fileSettings, fileEdits};
-}
-
 bool Model::changed() const {
     const Undoable& seen = history.seen();
-    return !sameCamera(control.camera(), seen.camera) || settings.lights != seen.lights ||
-           settings.background != seen.background || !same(edits, seen.edits);
+    return !sameCamera(control.camera(), seen.camera) || settings.lights != seen.settings.lights ||
+           settings.background != seen.settings.background || settings.edits != seen.settings.edits;
 }
 
 void Model::restore(const Undoable& state) {
     control.set(state.camera);
-    PictureSettings then = settings;
-    then.lights = state.lights;
-    then.background = state.background;
-    then.follow(state.fileSettings, fileSettings);
+    PictureSettings then = state.settings;
+    then.follow(state.file, fileSettings);
     settings.lights = then.lights;
     settings.background = then.background;
-    edits = state.edits;
-    edits.follow(state.fileEdits, fileEdits);
+    settings.edits = then.edits;
     forgetView();
     touch();
 }

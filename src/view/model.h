@@ -11,7 +11,6 @@
 
 #include "core/stopwatch.h"
 #include "gpu/device.h"
-#include "gpu/swapchain.h"
 #include "view/camera_control.h"
 #include "view/display.h"
 #include "view/files.h"
@@ -52,7 +51,6 @@ struct Model {
     // ---- what the user edits; undo covers camera, lights, background and materials ----
     CameraControl control;
     PictureSettings settings, fileSettings;  // fileSettings: as the file says it
-    SceneEdits edits, fileEdits;
     History history;
     std::vector<NamedCamera> bookmarks;  // not in the file
     static constexpr size_t kNoCamera = ~size_t{0};
@@ -61,7 +59,6 @@ struct Model {
     // ---- the image ----
     const gpu::DeviceInfo* device = nullptr;
     std::unique_ptr<Session> session;
-    render::Traversal traversal = render::Traversal::Auto;
     Display display;
     Comparison comparison;
     uint64_t compared = 0;  // grows with each new comparison image
@@ -103,8 +100,6 @@ struct Model {
     double targetSeconds = 0;  // of a frame while the camera moves
     double frameSeconds = 0, drawSeconds = 0, presentSeconds = 0;
     std::vector<float> frameTimes;  // milliseconds, oldest first
-    gpu::PresentMode mode = gpu::PresentMode::Fifo;
-    std::vector<gpu::PresentMode> modes;  // of the screen
 
     int dirty = 3;     // frames to draw even if nothing happens
     Stopwatch clock;   // of toasts, flicker and the timeline
@@ -124,12 +119,14 @@ struct Model {
     // Shows the warnings of loading, and writes them to `err`.
     void sayWarnings(std::ostream& err);
     // Lights or materials differ from the file.
-    bool edited() const { return settings.lights != fileSettings.lights || !same(edits, fileEdits); }
+    bool edited() const {
+        return settings.lights != fileSettings.lights || settings.edits != fileSettings.edits;
+    }
     // While a comparison cannot be shown yet: what it waits for; else empty.
     std::string waitingComparison() const;
 
     // The state that undo restores; whether it differs from the one that the history has seen.
-    Undoable undoable() const;
+    Undoable undoable() const { return {control.camera(), settings, fileSettings}; }
     bool changed() const;
     void restore(const Undoable& state);
 

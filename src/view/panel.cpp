@@ -240,6 +240,9 @@ void drawMain(Gui& gui, Model& m) {
         drawView(gui, m);
         drawLights(gui, m);
         drawMaterials(gui, m);
+        if (m.hasJsonFile() && m.edited() &&
+            button(gui, "save scene", "lights and materials, into a scene file"))
+            m.wish = Action::SaveScene;
         drawFiles(gui, m);
         drawCompare(gui, m);
         drawCameras(gui, m);

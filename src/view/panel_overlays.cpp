@@ -45,18 +45,23 @@ ImU32 colorOf(reference::RayClass kind) {
     return kind == reference::RayClass::Refracted ? kTransmittedRay : kEyeRay;
 }
 
+void drawHit(const PixelData& d, const std::string& object, const std::string& material) {
+    text(object);
+    ImGui::Text("object %u, face %u, material %u %s", d.object, d.primitive, d.material, material.c_str());
+    ImGui::Text("depth %.7g", d.depth);
+    ImGui::Text("position %.6g %.6g %.6g", d.position.x, d.position.y, d.position.z);
+    ImGui::Text("normal %.4f %.4f %.4f", static_cast<double>(d.normal.x), static_cast<double>(d.normal.y),
+                static_cast<double>(d.normal.z));
+    ImGui::Text("uv %.5f %.5f", static_cast<double>(d.u), static_cast<double>(d.v));
+}
+
 void drawPickFacts(const Pick& pick) {
     if (!pick.hit()) {
         ImGui::Text("pixel %d, %d: nothing", pick.x, pick.y);
         return;
     }
-    const PixelData& d = pick.data;
-    ImGui::Text("pixel %d, %d: %s", pick.x, pick.y, pick.object.c_str());
-    ImGui::Text("object %u, face %u, %s", d.object, d.primitive, pick.material.c_str());
-    ImGui::Text("t %.7g,  u %.5f  v %.5f", d.depth, static_cast<double>(d.u), static_cast<double>(d.v));
-    ImGui::Text("point  %.6g %.6g %.6g", d.position.x, d.position.y, d.position.z);
-    ImGui::Text("normal %.4f %.4f %.4f", static_cast<double>(d.normal.x), static_cast<double>(d.normal.y),
-                static_cast<double>(d.normal.z));
+    ImGui::Text("pixel %d, %d", pick.x, pick.y);
+    drawHit(pick.data, pick.object, pick.material);
 }
 
 void drawRayTree(const Pick& pick) {
@@ -105,13 +110,7 @@ void drawLayers(const PixelFacts& p) {
         ImGui::Text("cost %u", d.cost);
         return;
     }
-    text(p.object);
-    ImGui::Text("object %u, face %u, material %u %s", d.object, d.primitive, d.material, p.material.c_str());
-    ImGui::Text("depth %.7g", d.depth);
-    ImGui::Text("position %.5g %.5g %.5g", d.position.x, d.position.y, d.position.z);
-    ImGui::Text("normal %.4f %.4f %.4f", static_cast<double>(d.normal.x), static_cast<double>(d.normal.y),
-                static_cast<double>(d.normal.z));
-    ImGui::Text("uv %.4f %.4f", static_cast<double>(d.u), static_cast<double>(d.v));
+    drawHit(d, p.object, p.material);
     ImGui::Text("bounces %u, cost %u", d.bounces, d.cost);
 }
 

@@ -91,16 +91,9 @@ void drawTracing(Gui& gui, Model& m) {
            "how rays are tried against triangles; watertight is right, the others show why");
     choice(gui, "spheres", s.methods.spheres,
            "how rays are tried against spheres; robust is right, the others show why");
-    choice(gui, "traversal", m.traversal, "how rays walk the tree; the images are the same, bit for bit");
     double target = 1e3 * m.targetSeconds;
     if (slider(gui, "aim", target, 8, 200, "%.0f ms a frame", "while the camera moves: less is coarser"))
         m.targetSeconds = 1e-3 * target;
-    if (m.modes.size() > 1 &&
-        ImGui::BeginCombo("present", nameOf(m.mode).data())) {  // literals: they end in 0
-        for (const gpu::PresentMode mode : m.modes)
-            if (ImGui::Selectable(nameOf(mode).data(), mode == m.mode)) m.mode = mode;
-        ImGui::EndCombo();
-    }
     const bool differs = s.maxDepth != file.maxDepth || s.shadows != file.shadows ||
                          s.reflections != file.reflections || s.background != file.background ||
                          s.methods != file.methods;
@@ -115,19 +108,22 @@ void drawTracing(Gui& gui, Model& m) {
 void drawSampling(Gui& gui, Model& m) {
     if (!group(gui, "sampling", false, "of rendered images (Alt+S); filter and seed of the window's too"))
         return;
-    SamplingSettings& s = m.settings.sampling;
+    ImageSettings& s = m.settings.sampling;
     slider(gui, "per pixel", s.samplesPerPixel, 1, 1024, "samples of a rendered image", true);
     choice(gui, "sampler", s.sampler, "where the samples of a pixel lie");
     if (choice(gui, "filter", s.filter, "how samples are weighted into pixels"))
         s.filterRadius = defaultRadius(s.filter);
     slider(gui, "filter radius", s.filterRadius, 0.5, 4, "%.2f pixels",
            "how far a sample is from its pixel at most");
-    checkbox(gui, "adaptive", s.adaptive, "more samples where the first ones differ");
+    bool adaptive = s.adaptive.has_value();
+    if (checkbox(gui, "adaptive", adaptive, "more samples where the first ones differ"))
+        s.adaptive = adaptive ? std::optional(AdaptiveSampling()) : std::nullopt;
     if (s.adaptive) {
-        slider(gui, "at most", s.maxSamples, 1, 4096, "samples of a pixel", true);
-        slider(gui, "threshold", s.threshold, 0.001, 1, "%.3f", "contrast below which a pixel is done", true);
+        slider(gui, "at most", s.adaptive->maxSamples, 1, 4096, "samples of a pixel", true);
+        slider(gui, "threshold", s.adaptive->threshold, 0.001, 1, "%.3f",
+               "contrast below which a pixel is done", true);
     }
-    const std::string conflict = samplingConflict(s.image(1, 1));
+    const std::string conflict = samplingConflict(s);
     if (!conflict.empty()) wrapped(conflict, kRed);
     if (resetButton(gui, "sampling", !(s == m.fileSettings.sampling))) s = m.fileSettings.sampling;
 }
@@ -196,7 +192,8 @@ void drawLights(Gui& gui, Model& m) {
 }
 
 void drawMaterials(Gui& gui, Model& m) {
-    std::vector<Material>& all = m.edits.materials;
+    SceneEdits& edits = m.settings.edits;
+    std::vector<Material>& all = edits.materials;
     if (all.empty() || !group(gui, "materials", opensWide(), "colors and glass; C copies changes as JSON"))
         return;
     m.material = std::min(m.material, all.size() - 1);
@@ -222,10 +219,8 @@ void drawMaterials(Gui& gui, Model& m) {
     for (Color* part : {&material.mirror, &material.transmission}) *part = glm::clamp(*part, 0.0, 1.0);
     if (material.transmission != Color(0))
         slider(gui, "ior", material.ior, 0.5, 4, "%.3f", "index of refraction: water 1.333, glass 1.5");
-    choice(gui, "glass shadows", m.edits.transmissiveShadows, "colored by what the light passes, or full");
-    if (resetButton(gui, "materials", !same(m.edits, m.fileEdits))) m.edits = m.fileEdits;
-    if (m.hasJsonFile() && m.edited() && button(gui, "save scene", "lights and materials, into a scene file"))
-        m.wish = Action::SaveScene;
+    choice(gui, "glass shadows", edits.transmissiveShadows, "colored by what the light passes, or full");
+    if (resetButton(gui, "materials", edits != m.fileSettings.edits)) edits = m.fileSettings.edits;
 }
 
 }  // namespace glint::view

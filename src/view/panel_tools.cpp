@@ -237,8 +237,9 @@ void drawSpeed(Gui& gui, Model& m) {
         ImGui::PlotLines("##times", m.frameTimes.data(), static_cast<int>(m.frameTimes.size()), 0, label, 0,
                          most, ImVec2(17 * ImGui::GetFontSize(), 3.2f * ImGui::GetFontSize()));
     }
-    const render::StageTimes& t = m.session->facts().times;
-    ImGui::Text("trace %.1f, read back %.1f ms", milliseconds(t.trace), milliseconds(t.readback));
+    const FrameFacts& facts = m.session->facts();
+    ImGui::Text("trace %.1f, read back %.1f ms", milliseconds(facts.traceSeconds),
+                milliseconds(facts.readbackSeconds));
     ImGui::Text("draw %.1f, present %.1f ms", milliseconds(m.drawSeconds), milliseconds(m.presentSeconds));
 }
 

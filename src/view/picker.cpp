@@ -79,16 +79,6 @@ std::string pickCsv(const Pick& pick) {
     return kHitCsvHeading + hitCsv(hitOf(pick.data), kDeviceDigits);
 }
 
-std::string pickTree(const Pick& pick) {
-    std::string lines;
-    for (const PickRay& ray : pick.rays) {
-        char share[16];
-        std::snprintf(share, sizeof(share), "%.1f %% ", 100 * ray.share);
-        lines += std::string(2 * ray.depth, ' ') + share + ray.text + '\n';
-    }
-    return lines;
-}
-
 // A camera ray of film point (x, y) starts at eye + x ox + y oy and goes along center + x sx + y sy
 // (shaders/generate.comp), so a point is at the (x, y) that solve a linear equation: with parallel rays
 // p - eye = x ox + y oy + t center, else p - eye = t (x sx + y sy + center).

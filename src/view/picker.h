@@ -39,9 +39,6 @@ Pick pickPixel(Session& session, int x, int y);
 // The two lines that `glint trace --pixel` prints.
 std::string pickCsv(const Pick& pick);
 
-// One line for each ray, indented by its depth.
-std::string pickTree(const Pick& pick);
-
 struct Segment {
     glm::dvec2 from{0}, to{0};  // pixels, from the picture's top left corner
 };

@@ -31,27 +31,14 @@ double radicalInverse(int k, int base) {
     return result;
 }
 
-render::StageTimes since(const render::StageTimes& now, const render::StageTimes& before) {
-    render::StageTimes d = now;
-    d.upload -= before.upload;
-    d.compile -= before.compile;
-    d.trace -= before.trace;
-    d.device -= before.device;
-    d.readback -= before.readback;
-    d.submissions -= before.submissions;
-    d.pathRays -= before.pathRays;
-    return d;
-}
-
-// Everything but what is shown of the picture, and how much of it.
+// Equal but for what is shown of the image, how much of it, and edits, which need the scene packed again.
 bool tracesAlike(const PictureSettings& a, const PictureSettings& b) {
     PictureSettings same = a;
     same.layer = b.layer;
     same.sampleLimit = b.sampleLimit;
     same.sampling.samplesPerPixel = b.sampling.samplesPerPixel;
     same.sampling.adaptive = b.sampling.adaptive;
-    same.sampling.maxSamples = b.sampling.maxSamples;
-    same.sampling.threshold = b.sampling.threshold;
+    same.edits = b.edits;
     return same == b;
 }
 
@@ -77,9 +64,8 @@ int Pace::depth(int maxDepth, double fullPixels, bool glass) const {
     return std::min(maxDepth, glass ? std::max(bound, kGlassDepth) : bound);
 }
 
-render::Options windowOptions(const ViewScene& scene, render::Traversal traversal) {
+render::Options windowOptions(const ViewScene& scene) {
     render::Options options;
-    options.traversal = traversal;
     options.sliceSeconds = kSliceSeconds;
     options.also = scene.also;
     return options;
@@ -89,12 +75,10 @@ glm::dvec2 progressiveOffset(int k) {
     return k == 0 ? glm::dvec2(0.5) : glm::dvec2(radicalInverse(k, 2), radicalInverse(k, 3));
 }
 
-Session::Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene,
-                 render::Traversal traversal)
+Session::Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene)
     : device_(device),
       scene_(std::move(scene)),
-      traversal_(traversal),
-      renderer_(device, scene_->packed, windowOptions(*scene_, traversal)),
+      renderer_(device, scene_->packed, windowOptions(*scene_)),
       settings_(PictureSettings::of(scene_->scene)),
       camera_(scene_->scene.camera) {}
 
@@ -154,7 +138,7 @@ Session::Content Session::contentOf(ViewLayer layer) {
 
 // A lens needs samples that differ from pixel to pixel, and so does a filter that is wider than the pixel.
 bool Session::scattered() const {
-    const SamplingSettings& s = settings_.sampling;
+    const ImageSettings& s = settings_.sampling;
     return hasLens(camera_) || s.filter != Filter::Box || s.filterRadius != 0.5 ||
            s.sampler == Sampler::Jittered;
 }
@@ -163,30 +147,31 @@ shared::Camera Session::packedCamera() const {
     return packCamera(camera_, width_, height_, scene_->packed.origin);
 }
 
-Picture Session::render(const Piece& piece) {
+Request Session::requestFor(Content content, int width, int height) const {
+    Request request;
+    static_cast<Tracing&>(request) = tracing();
+    request.width = width;
+    request.height = height;
+    request.data = content >= Content::Data;
+    request.cost = content == Content::Cost;
+    request.ledger = content == Content::Color && goal_.has_value();
+    return request;
+}
+
+Picture Session::render(const Request& request) {
     const Stopwatch watch;
     const render::StageTimes before = renderer_.times();
-    Request wanted;
-    static_cast<Tracing&>(wanted) = tracing();
-    wanted.width = piece.width;
-    wanted.height = piece.height;
-    wanted.region = piece.region;
-    wanted.samples = piece.samples;
-    wanted.data = piece.content >= Content::Data;
-    wanted.cost = piece.content == Content::Cost;
-    wanted.ledger = piece.content == Content::Color && goal_.has_value();
-    wanted.maxDepth = static_cast<uint32_t>(piece.depth);
-    wanted.cancelled = piece.cancelled;
-    const shared::Camera camera = packCamera(camera_, piece.width, piece.height, scene_->packed.origin);
-    Picture picture = renderer_.render(camera, wanted);
-    facts_.times = since(renderer_.times(), before);
-    facts_.width = piece.width;
-    facts_.height = piece.height;
-    facts_.depth = piece.depth;
-    facts_.renderSeconds = watch.seconds() - facts_.times.compile;
-    if (facts_.times.trace > 0) {
-        facts_.raysPerSecond = static_cast<double>(facts_.times.pathRays) / facts_.times.trace;
-    }
+    Picture picture =
+        renderer_.render(packCamera(camera_, request.width, request.height, scene_->packed.origin), request);
+    const render::StageTimes& now = renderer_.times();
+    facts_.width = request.width;
+    facts_.height = request.height;
+    facts_.depth = static_cast<int>(request.maxDepth.value());
+    facts_.renderSeconds = watch.seconds() - (now.compile - before.compile);
+    facts_.traceSeconds = now.trace - before.trace;
+    facts_.readbackSeconds = now.readback - before.readback;
+    if (facts_.traceSeconds > 0)
+        facts_.raysPerSecond = static_cast<double>(now.pathRays - before.pathRays) / facts_.traceSeconds;
     return picture;
 }
 
@@ -194,14 +179,12 @@ Picture Session::render(const Piece& piece) {
 bool Session::renderMoving(double scale, int depth) {
     const Content wanted = contentOf(settings_.layer);
     if (coarseContent_ >= wanted || ready() || width_ == 0 || height_ == 0) return false;
-    Piece piece;
-    piece.width = std::max(1, static_cast<int>(std::lround(width_ * scale)));
-    piece.height = std::max(1, static_cast<int>(std::lround(height_ * scale)));
-    piece.region = {0, 0, piece.width, piece.height};
-    piece.samples = PackedSamples::fixed({glm::dvec2(0.5)});
-    piece.depth = std::min(depth, static_cast<int>(settings_.depth()));
-    piece.content = wanted;
-    coarse_ = render(piece);
+    const auto scaled = [&](int pixels) {
+        return std::max(1, static_cast<int>(std::lround(pixels * scale)));
+    };
+    Request request = requestFor(wanted, scaled(width_), scaled(height_));
+    request.maxDepth = std::min(static_cast<uint32_t>(std::max(depth, 0)), settings_.depth());
+    coarse_ = render(request);
     coarseContent_ = wanted;
     ++version_;
     return true;
@@ -255,8 +238,7 @@ void Session::beginPass(Content pass) {
         sum_.assign(full_.color.pixels.size(), 0);
         sequence_ = sequence();
         if (settings_.until.error > 0)
-            goal_.emplace(settings_.until, settings_.sampling.image(width_, height_), full_.region,
-                          countsMirrors());
+            goal_.emplace(settings_.until, settings_.sampling, full_.region, countsMirrors());
     }
     colorPass_ = goal_       ? goal_->begin()
                  : sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
@@ -265,7 +247,7 @@ void Session::beginPass(Content pass) {
 
 std::optional<SampleSequence> Session::sequence() const {
     if (!scattered()) return std::nullopt;
-    ImageSettings image = settings_.sampling.image(width_, height_);
+    ImageSettings image = settings_.sampling;
     if (image.sampler == Sampler::Grid) image.sampler = Sampler::LowDiscrepancy;
     return SampleSequence(image);
 }
@@ -279,21 +261,17 @@ PackedSamples Session::taken() const {
     return PackedSamples::fixed(offsets);
 }
 
-Session::Piece Session::nextPiece(Content pass, double seconds) const {
+Request Session::nextPiece(Content pass, double seconds) const {
     int rows = kBandRows;
     if (secondsPerPixel_ > 0) {
         const double wanted = seconds / (secondsPerPixel_ * width_ * kBandRows);
         rows = kBandRows * static_cast<int>(std::clamp(wanted, 1.0, 4096.0));
     }
     const int row = pass == Content::Color ? nextRow_ : dataRow_;
-    Piece piece;
-    piece.width = width_;
-    piece.height = height_;
-    piece.region = {0, row, width_, std::min(row + rows, height_)};
-    piece.samples = pass == Content::Color ? colorPass_ : PackedSamples::fixed({glm::dvec2(0.5)});
-    piece.depth = static_cast<int>(settings_.depth());
-    piece.content = pass;
-    return piece;
+    Request request = requestFor(pass, width_, height_);
+    request.region = {0, row, width_, std::min(row + rows, height_)};
+    if (pass == Content::Color) request.samples = colorPass_;
+    return request;
 }
 
 // The reference traces some thousand pixels for it, beside the window.
@@ -343,14 +321,14 @@ bool Session::refine(double seconds, const std::function<bool()>& cancelled) {
     const Content pass = nextPass();
     int& row = pass == Content::Color ? nextRow_ : dataRow_;
     if (row == 0) beginPass(pass);
-    Piece piece = nextPiece(pass, seconds);
-    piece.cancelled = cancelled;
-    const Picture picture = render(piece);
-    secondsPerPixel_ =
-        facts_.renderSeconds / (static_cast<double>(piece.region.width()) * piece.region.height());
+    Request request = nextPiece(pass, seconds);
+    request.cancelled = cancelled;
+    const Picture picture = render(request);
+    const Region& band = request.region;
+    secondsPerPixel_ = facts_.renderSeconds / (static_cast<double>(band.width()) * band.height());
     if (!picture.complete) return true;
     pass == Content::Color ? addBand(picture) : keepData(picture);
-    row = piece.region.y1;
+    row = band.y1;
     if (row == height_) {
         row = 0;
         if (pass == Content::Color) {
@@ -405,11 +383,7 @@ Canvas Session::canvas(const Display& display) const {
 }
 
 PixelData Session::pixel(int x, int y) {
-    Request wanted;
-    static_cast<Tracing&>(wanted) = tracing();
-    wanted.width = width_;
-    wanted.height = height_;
-    return renderer_.pixel(packedCamera(), wanted, x, y);
+    return renderer_.pixel(packedCamera(), requestFor(Content::Data, width_, height_), x, y);
 }
 
 }  // namespace glint::view

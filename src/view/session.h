@@ -44,21 +44,20 @@ class Pace {
 
 struct FrameFacts {
     int width = 0, height = 0;  // traced
-    double renderSeconds = 0;   // of the last piece of work
-    double raysPerSecond = 0;   // camera and mirrored rays, while tracing
-    render::StageTimes times;   // of the last piece of work
     int depth = 0;              // reflections followed
+    // Seconds of the last piece of work: all but compiling, and of it tracing and reading back.
+    double renderSeconds = 0, traceSeconds = 0, readbackSeconds = 0;
+    double raysPerSecond = 0;  // camera and mirrored rays, while tracing
 };
 
 // Submissions of the window are short, so that a click waits for no more than one, and the work beside it
 // takes turns with it on the device's queue.
-render::Options windowOptions(const ViewScene& scene, render::Traversal traversal);
+render::Options windowOptions(const ViewScene& scene);
 
 class Session {
   public:
     // Keeps a reference to `device`.
-    Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene,
-            render::Traversal traversal = render::Traversal::Auto);
+    Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene);
 
     const ViewScene& scene() const { return *scene_; }
     std::shared_ptr<const ViewScene> sharedScene() const { return scene_; }
@@ -103,7 +102,6 @@ class Session {
     // The full picture: its colour once samples() > 0, its data once hasData().
     const Picture& picture() const { return full_; }
     const Camera& camera() const { return camera_; }
-    render::Traversal traversal() const { return traversal_; }  // that was asked for
     // The samples that its colour is the mean of; before the first, that one.
     PackedSamples taken() const;
     const FrameFacts& facts() const { return facts_; }
@@ -114,23 +112,16 @@ class Session {
 
   private:
     enum class Content { Nothing, Color, Data, Cost };  // each with what stands before it
-    struct Piece {
-        int width = 0, height = 0;  // of the whole picture
-        Region region;
-        PackedSamples samples;
-        int depth = 0;
-        Content content = Content::Color;
-        std::function<bool()> cancelled;
-    };
-
     static Content contentOf(ViewLayer layer);
     void restart();
     bool scattered() const;
     Content nextPass() const;
-    Picture render(const Piece& piece);
+    // Of a whole image of this size, one sample in the middle of each pixel.
+    Request requestFor(Content content, int width, int height) const;
+    Picture render(const Request& request);
     std::optional<SampleSequence> sequence() const;  // empty: progressiveOffset does
     void beginPass(Content pass);
-    Piece nextPiece(Content pass, double seconds) const;
+    Request nextPiece(Content pass, double seconds) const;
     void addBand(const Picture& band);
     bool enough() const;  // samples
     // False if there is nothing to look at; takes `seconds` at most.
@@ -141,7 +132,6 @@ class Session {
 
     const gpu::Device& device_;
     std::shared_ptr<const ViewScene> scene_;
-    render::Traversal traversal_;
     render::Renderer renderer_;
     PictureSettings settings_;
     Camera camera_;

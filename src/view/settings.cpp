@@ -2,10 +2,27 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <tuple>
 #include <utility>
 
 #include "core/error.h"
 #include "scene/limits.h"
+
+namespace glint {
+
+bool operator==(const AdaptiveSampling& a, const AdaptiveSampling& b) {
+    return a.maxSamples == b.maxSamples && a.threshold == b.threshold;
+}
+
+bool operator==(const ImageSettings& a, const ImageSettings& b) {
+    const auto fields = [](const ImageSettings& s) {
+        return std::tie(s.width, s.height, s.samplesPerPixel, s.sampler, s.filter, s.filterRadius, s.seed,
+                        s.adaptive);
+    };
+    return fields(a) == fields(b);
+}
+
+}  // namespace glint
 
 namespace glint::view {
 
@@ -24,7 +41,7 @@ void followLight(LightSetting& mine, const LightSetting& before, const LightSett
     followOne(mine.penumbra, before.penumbra, now.penumbra);
 }
 
-void followSampling(SamplingSettings& mine, const SamplingSettings& before, const SamplingSettings& now) {
+void followSampling(ImageSettings& mine, const ImageSettings& before, const ImageSettings& now) {
     followOne(mine.samplesPerPixel, before.samplesPerPixel, now.samplesPerPixel);
     followOne(mine.sampler, before.sampler, now.sampler);
     // A radius belongs to its filter.
@@ -34,8 +51,6 @@ void followSampling(SamplingSettings& mine, const SamplingSettings& before, cons
     }
     followOne(mine.seed, before.seed, now.seed);
     followOne(mine.adaptive, before.adaptive, now.adaptive);
-    followOne(mine.maxSamples, before.maxSamples, now.maxSamples);
-    followOne(mine.threshold, before.threshold, now.threshold);
 }
 
 using Json = nlohmann::ordered_json;
@@ -120,40 +135,13 @@ Light LightSetting::applied(const Light& light) const {
     return result;
 }
 
-SamplingSettings SamplingSettings::of(const ImageSettings& image) {
-    SamplingSettings s;
-    s.samplesPerPixel = image.samplesPerPixel;
-    s.sampler = image.sampler;
-    s.filter = image.filter;
-    s.filterRadius = image.filterRadius;
-    s.seed = image.seed;
-    s.adaptive = image.adaptive.has_value();
-    if (image.adaptive) {
-        s.maxSamples = image.adaptive->maxSamples;
-        s.threshold = image.adaptive->threshold;
-    }
-    return s;
-}
-
-ImageSettings SamplingSettings::image(int width, int height) const {
-    ImageSettings image;
-    image.width = width;
-    image.height = height;
-    image.samplesPerPixel = samplesPerPixel;
-    image.sampler = sampler;
-    image.filter = filter;
-    image.filterRadius = filterRadius;
-    image.seed = seed;
-    if (adaptive) image.adaptive = AdaptiveSampling{maxSamples, threshold};
-    return image;
-}
-
 PictureSettings PictureSettings::of(const Scene& scene) {
     PictureSettings s;
     s.maxDepth = scene.maxDepth;
     for (const Light& light : scene.lights) s.lights.push_back(LightSetting::of(light));
     s.background = glm::vec3(scene.environment ? scene.environment->intensity : scene.background);
-    s.sampling = SamplingSettings::of(scene.image);
+    s.sampling = scene.image;
+    s.edits = SceneEdits::of(scene);
     return s;
 }
 
@@ -161,6 +149,7 @@ void PictureSettings::follow(const PictureSettings& before, const PictureSetting
     followOne(maxDepth, before.maxDepth, now.maxDepth);
     followOne(background, before.background, now.background);
     followSampling(sampling, before.sampling, now.sampling);
+    edits.follow(before.edits, now.edits);
     const std::vector<LightSetting> mine = std::move(lights);
     lights = now.lights;
     for (size_t i = 0; i < std::min({mine.size(), before.lights.size(), now.lights.size()}); ++i) {
@@ -173,16 +162,14 @@ double steppedExposure(double exposure, double step) {
     return std::clamp(exposure + step, -kMostExposure, kMostExposure);
 }
 
-bool same(const Material& a, const Material& b) {
-    bool equal = a.name == b.name;
-    forFields([&](const char*, auto field) { equal = equal && a.*field == b.*field; });
-    return equal;
-}
-
-bool same(const SceneEdits& a, const SceneEdits& b) {
-    return a.transmissiveShadows == b.transmissiveShadows &&
-           std::equal(a.materials.begin(), a.materials.end(), b.materials.begin(), b.materials.end(),
-                      [](const Material& x, const Material& y) { return same(x, y); });
+bool SceneEdits::operator==(const SceneEdits& other) const {
+    return transmissiveShadows == other.transmissiveShadows &&
+           std::equal(materials.begin(), materials.end(), other.materials.begin(), other.materials.end(),
+                      [](const Material& a, const Material& b) {
+                          bool equal = a.name == b.name;
+                          forFields([&](const char*, auto field) { equal = equal && a.*field == b.*field; });
+                          return equal;
+                      });
 }
 
 SceneEdits SceneEdits::of(const Scene& scene) {
@@ -248,18 +235,19 @@ std::string materialsJson(const std::vector<Material>& materials, const std::vec
     return json.is_null() ? "" : json.dump();
 }
 
-std::string editedSceneText(const std::string& text, const Scene& scene, const Undoable& state) {
+std::string editedSceneText(const std::string& text, const Scene& scene, const PictureSettings& settings,
+                            const PictureSettings& file) {
     Json json = Json::parse(text, nullptr, true, true);
-    if (state.lights != state.fileSettings.lights) json["lights"] = lightsOf(state.lights, scene);
-    const Json materials = materialsOf(state.edits.materials, state.fileEdits.materials);
+    if (settings.lights != file.lights) json["lights"] = lightsOf(settings.lights, scene);
+    const Json materials = materialsOf(settings.edits.materials, file.edits.materials);
     for (const auto& [name, fields] : materials.items()) {
         if (!json["materials"].contains(name))
             throw Error(ErrorKind::Argument,
                         "the material \"" + name + "\" comes from another file: edit that file");
         json["materials"][name].update(fields);
     }
-    if (state.edits.transmissiveShadows != state.fileEdits.transmissiveShadows)
-        json["transmissiveShadows"] = nameOf(state.edits.transmissiveShadows);
+    if (settings.edits.transmissiveShadows != file.edits.transmissiveShadows)
+        json["transmissiveShadows"] = nameOf(settings.edits.transmissiveShadows);
     return json.dump(2) + '\n';
 }
 

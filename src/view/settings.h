@@ -12,6 +12,13 @@
 #include "trace/methods.h"
 #include "view/display.h"
 
+namespace glint {
+
+bool operator==(const AdaptiveSampling& a, const AdaptiveSampling& b);
+bool operator==(const ImageSettings& a, const ImageSettings& b);
+
+}  // namespace glint
+
 namespace glint::view {
 
 struct LightSetting {
@@ -28,28 +35,23 @@ struct LightSetting {
     Light applied(const Light& light) const;
 };
 
-// ImageSettings but for the size, comparable.
-struct SamplingSettings {
-    int samplesPerPixel = 1;
-    Sampler sampler = Sampler::Auto;
-    Filter filter = Filter::Box;
-    double filterRadius = 0.5;
-    uint32_t seed = 0;
-    bool adaptive = false;
-    int maxSamples = 64;
-    double threshold = 0.05;
-    bool operator==(const SamplingSettings&) const = default;
-
-    static SamplingSettings of(const ImageSettings& image);
-    ImageSettings image(int width, int height) const;
-};
-
 // Stops sampling at an error instead of a number of samples (docs/design/error-targets.md).
 struct ErrorSetting {
     double error = 0;  // linear radiance, root mean square over the picture; 0: a number of samples
     double confidence = 0.95;
     bool withinDepth = false;  // what lies beyond the depth is not counted
     bool operator==(const ErrorSetting&) const = default;
+};
+
+// Values that need the scene packed again.
+struct SceneEdits {
+    std::vector<Material> materials;  // as in Scene::materials
+    TransmissiveShadows transmissiveShadows = TransmissiveShadows::Colored;
+    bool operator==(const SceneEdits& other) const;
+
+    static SceneEdits of(const Scene& scene);
+    // After the file has changed, as PictureSettings::follow. Materials are told apart by their place.
+    void follow(const SceneEdits& before, const SceneEdits& now);
 };
 
 struct PictureSettings {
@@ -60,9 +62,10 @@ struct PictureSettings {
     std::vector<LightSetting> lights;
     glm::vec3 background{0};
     Methods methods;
-    SamplingSettings sampling;
-    int sampleLimit = 64;  // of the picture in the window, unless `until` says it
+    ImageSettings sampling;  // its size is not used
+    int sampleLimit = 64;    // of the picture in the window, unless `until` says it
     ErrorSetting until;
+    SceneEdits edits;
     bool operator==(const PictureSettings&) const = default;
 
     // The settings of the file.
@@ -75,17 +78,6 @@ struct PictureSettings {
 // A multiple of 0.5 stops further, within kMostExposure.
 double steppedExposure(double exposure, double step);
 
-struct SceneEdits {
-    std::vector<Material> materials;  // as in Scene::materials
-    TransmissiveShadows transmissiveShadows = TransmissiveShadows::Colored;
-
-    static SceneEdits of(const Scene& scene);
-    // After the file has changed, as PictureSettings::follow. Materials are told apart by their place.
-    void follow(const SceneEdits& before, const SceneEdits& now);
-};
-bool same(const Material& a, const Material& b);
-bool same(const SceneEdits& a, const SceneEdits& b);
-
 Scene edited(Scene scene, const SceneEdits& edits);
 
 // Changes the diffuse color, and the ambient color with it while both are equal: in a scene file "ambient" is
@@ -97,18 +89,18 @@ void setDiffuse(Material& material, const Color& diffuse);
 std::string lightsJson(const std::vector<LightSetting>& settings, const Scene& scene);
 std::string materialsJson(const std::vector<Material>& materials, const std::vector<Material>& before);
 
+// The text of a JSON scene with the lights and edits that differ from `file`; comments are lost. `scene`: as
+// read from the text. Throws Error(Argument) if a changed material is not in the text.
+std::string editedSceneText(const std::string& text, const Scene& scene, const PictureSettings& settings,
+                            const PictureSettings& file);
+
+// Undo restores camera, lights, background and edits.
 struct Undoable {
     Camera camera;
-    std::vector<LightSetting> lights;
-    glm::vec3 background{0};
-    SceneEdits edits;
+    PictureSettings settings;
     // The file at that time: values equal to it follow the file when the state is restored.
-    PictureSettings fileSettings;
-    SceneEdits fileEdits;
+    PictureSettings file;
 };
-// The text of a JSON scene with changed lights and materials; comments are lost. `scene`: as read from the
-// text. Throws Error(Argument) if a changed material is not in the text.
-std::string editedSceneText(const std::string& text, const Scene& scene, const Undoable& state);
 
 class History {
   public:

@@ -108,7 +108,7 @@ Moments::Moments(const std::filesystem::path& path, const Loading& loading, std:
       remembers_(reader_.scene().animation.has_value()) {}
 
 Moment Moments::packed(Moment moment) {
-    const bool kept = last_ && !moved_ && same(moment.edits, lastEdits_) &&
+    const bool kept = last_ && !moved_ && moment.edits == lastEdits_ &&
                       (sameCamera(moment.file->camera, last_->scene.camera) ||
                        keepsArrays(last_->packed, last_->scene, moment.file->camera));
     if (kept) return moment;

@@ -70,7 +70,6 @@ void Viewer::openDevice() {
     checkRoom(window_.size());
     device_ = std::make_unique<gpu::Device>(options);
     openSwapchain();
-    model_.modes = gpu::presentModes(*device_);
     model_.targetSeconds = options_.targetSeconds > 0 ? options_.targetSeconds
                            : device_->info().software ? kSoftwareTarget
                                                       : kGpuTarget;
@@ -81,8 +80,7 @@ void Viewer::openDevice() {
 void Viewer::openSwapchain() {
     const PixelSize size = window_.size();
     swapchain_.reset();
-    swapchain_ = std::make_unique<gpu::Swapchain>(*device_, size.width, size.height, model_.mode);
-    model_.mode = swapchain_->presentMode();
+    swapchain_ = std::make_unique<gpu::Swapchain>(*device_, size.width, size.height, options_.presentMode);
 }
 
 // Throws Error(Failed) if there is no memory for a window of this size, beside what the present size holds.
@@ -198,8 +196,6 @@ void Viewer::takePanel() {
     if (model_.display != std::exchange(shown_, model_.display)) model_.dirty = std::max(model_.dirty, 1);
     model_.session->wantData(model_.inspects);
     pace_.setTarget(model_.targetSeconds);
-    if (model_.mode != swapchain_->presentMode()) openSwapchain();
-    if (model_.traversal != model_.session->traversal()) commands_.setDevice(*device_);
     if (const std::optional<Action> wish = std::exchange(model_.wish, std::nullopt)) {
         model_.history.endStep();
         commands_.perform(*wish);

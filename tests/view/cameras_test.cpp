@@ -90,7 +90,7 @@ TEST_F(Cameras, TheOptionChoosesTheFirst) {
     writeText("other.json", sceneText());
     const Ran ran = view(
         "set samples 1\nsettle\nscreenshot one.png\nkey Left\nkey R\nsettle\nscreenshot two.png\n"
-        "drop other.json\nsettle\nexpect-no-error\nprint cameras\n",
+        "drop other.json\nsettle\nexpect fault none\nprint cameras\n",
         {"--spp", "1", "--camera", "top"});
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_NE(ran.out.find("cameras none"), std::string::npos);

@@ -12,7 +12,12 @@
 namespace glint::view::test {
 
 Driver::Driver(Viewer& viewer, std::vector<ScriptCommand> script, std::ostream& out, bool stays)
-    : viewer_(viewer), out_(out), script_(std::move(script)), stays_(stays) {}
+    : viewer_(viewer),
+      m_(viewer.model()),
+      input_(viewer.input()),
+      out_(out),
+      script_(std::move(script)),
+      stays_(stays) {}
 
 namespace {
 
@@ -61,8 +66,7 @@ void Driver::run() {
         advance();
         const bool scripted = wait_ || next_ < script_.size();
         viewer_.setRestless(!idles_ && (scripted || script_.empty()));
-        if (!scripted && !stays_ && !std::exchange(closed, true))
-            viewer_.input().push({.type = Event::Type::Close});
+        if (!scripted && !stays_ && !std::exchange(closed, true)) input_.push({.type = Event::Type::Close});
     } while (viewer_.step());
     viewer_.close();
 }
@@ -73,9 +77,9 @@ void Driver::run() {
 void Driver::advance() {
     const auto repeats = [this](const Event& event) {
         return (event.type == Event::Type::Key && event.repeat) ||
-               (event.type == Event::Type::Text && viewer_.input().flies());
+               (event.type == Event::Type::Text && input_.flies());
     };
-    if (!std::all_of(viewer_.input().queue().begin(), viewer_.input().queue().end(), repeats)) return;
+    if (!std::all_of(input_.queue().begin(), input_.queue().end(), repeats)) return;
     if (wait_ && !wait_()) return;
     wait_ = nullptr;
     if (next_ < script_.size()) start(script_[next_++]);
@@ -92,8 +96,7 @@ void Driver::start(const ScriptCommand& command) {
         const PixelSize wanted = {wholeOf(command, 0), wholeOf(command, 1)};
         viewer_.window().resize(wanted);
         wait_ = [this, wanted] {
-            return viewer_.window().size() == wanted &&
-                   viewer_.model().session->width() == wanted.width - viewer_.model().left;
+            return viewer_.window().size() == wanted && m_.session->width() == wanted.width - m_.left;
         };
     } else if (name == "minimise") {
         viewer_.window().setMinimised(true);
@@ -107,7 +110,7 @@ void Driver::start(const ScriptCommand& command) {
         if (!layer)
             throw Error(ErrorKind::Argument,
                         command.place + ": no such layer: '" + command.arguments[0] + "'");
-        viewer_.model().settings.layer = *layer;
+        m_.settings.layer = *layer;
         viewer_.commands().takeSettings();
     } else if (name == "set") {
         set(command);
@@ -118,8 +121,8 @@ void Driver::start(const ScriptCommand& command) {
     } else if (name == "verify") {
         viewer_.commands().perform(Action::Verify);
         wait_ = [this, &command] {
-            if (viewer_.model().verifyProgress >= 0) return false;
-            if (!viewer_.model().verdictPassed) fail(command, viewer_.model().verdict);
+            if (m_.verifyProgress >= 0) return false;
+            if (!m_.verdictPassed) fail(command, m_.verdict);
             return true;
         };
     } else if (name == "pace") {
@@ -137,41 +140,40 @@ void Driver::start(const ScriptCommand& command) {
 
 bool Driver::startInput(const ScriptCommand& command) {
     const std::string& name = command.name;
-    const double x = viewer_.model().left + viewer_.model().session->width() / 2,
-                 y = viewer_.model().session->height() / 2;
+    const double x = m_.left + m_.session->width() / 2, y = m_.session->height() / 2;
     if (name == "orbit" || name == "pan") {
         const int mods = name == "pan" ? kShift : 0;
-        viewer_.input().push(cursorAt(x, y));
-        viewer_.input().push(press(Button::Left, true, mods));
-        viewer_.input().push(cursorAt(x + numberOf(command, 0), y + numberOf(command, 1)));
-        viewer_.input().push(press(Button::Left, false, mods));
+        input_.push(cursorAt(x, y));
+        input_.push(press(Button::Left, true, mods));
+        input_.push(cursorAt(x + numberOf(command, 0), y + numberOf(command, 1)));
+        input_.push(press(Button::Left, false, mods));
     } else if (name == "dolly") {
-        viewer_.input().push(cursorAt(x, y));
-        viewer_.input().push({.type = Event::Type::Wheel, .y = numberOf(command, 0)});
+        input_.push(cursorAt(x, y));
+        input_.push({.type = Event::Type::Wheel, .y = numberOf(command, 0)});
     } else if (name == "key") {
-        viewer_.input().push(keyEvent(keyOf(command), true));
-        viewer_.input().push(keyEvent(keyOf(command), false));
+        input_.push(keyEvent(keyOf(command), true));
+        input_.push(keyEvent(keyOf(command), false));
     } else if (name == "hold") {
-        viewer_.input().push(keyEvent(keyOf(command), true));
+        input_.push(keyEvent(keyOf(command), true));
         wait_ = [this, until = viewer_.frames() + static_cast<uint64_t>(wholeOf(command, 1)),
                  k = keyOf(command)] {
             if (viewer_.frames() < until) return false;
-            viewer_.input().push(keyEvent(k, false));
+            input_.push(keyEvent(k, false));
             return true;
         };
     } else if (name == "click") {
-        viewer_.input().push(cursorAt(viewer_.model().left + wholeOf(command, 0), wholeOf(command, 1)));
-        viewer_.input().push(press(Button::Left, true));
-        viewer_.input().push(press(Button::Left, false));
+        input_.push(cursorAt(m_.left + wholeOf(command, 0), wholeOf(command, 1)));
+        input_.push(press(Button::Left, true));
+        input_.push(press(Button::Left, false));
     } else if (name == "press") {
         const Gui::Place place = placeOf(command, "@" + command.arguments[0]);
-        viewer_.input().push(cursorAt(place.x, place.y));
-        viewer_.input().push({.type = Event::Type::Redraw});
-        viewer_.input().push(press(Button::Left, true));
-        viewer_.input().push(press(Button::Left, false));
+        input_.push(cursorAt(place.x, place.y));
+        input_.push({.type = Event::Type::Redraw});
+        input_.push(press(Button::Left, true));
+        input_.push(press(Button::Left, false));
         waitFrames(4);
     } else if (name == "drop") {
-        viewer_.input().push({.type = Event::Type::Drop, .files = {command.arguments[0]}});
+        input_.push({.type = Event::Type::Drop, .files = {command.arguments[0]}});
     } else if (name == "hand") {
         startHand(command);
     } else {
@@ -182,7 +184,7 @@ bool Driver::startInput(const ScriptCommand& command) {
 
 Gui::Place Driver::placeOf(const ScriptCommand& command, const std::string& word) const {
     double x = 0, y = 0;
-    if (std::sscanf(word.c_str(), "@%lf,%lf", &x, &y) == 2) return {viewer_.model().left + x, y};
+    if (std::sscanf(word.c_str(), "@%lf,%lf", &x, &y) == 2) return {m_.left + x, y};
     std::string label = word.substr(1);
     std::replace(label.begin(), label.end(), '_', ' ');
     const std::optional<Gui::Place> place = viewer_.gui().controlAt(label);
@@ -218,7 +220,7 @@ void Driver::startFile(const ScriptCommand& command) {
             throw Error(ErrorKind::Argument, command.place + ": expected a .png or .exr file");
         viewer_.commands().save(file, command.name == "save");
         wait_ = [this, &command, file] {
-            if (viewer_.model().saveProgress >= 0) return false;
+            if (m_.saveProgress >= 0) return false;
             if (!std::filesystem::exists(file)) fail(command, viewer_.commands().lastError());
             return true;
         };
@@ -238,7 +240,7 @@ void Driver::startFile(const ScriptCommand& command) {
 
 void Driver::set(const ScriptCommand& command) {
     const std::string& what = command.arguments[0];
-    PictureSettings& s = viewer_.model().settings;
+    PictureSettings& s = m_.settings;
     if (what == "depth") {
         s.maxDepth = std::max(wholeOf(command, 1), 0);
     } else if (what == "shadows") {
@@ -250,21 +252,17 @@ void Driver::set(const ScriptCommand& command) {
     } else if (what == "error") {
         s.until.error = std::max(numberOf(command, 1), 0.0);
     } else if (what == "exposure") {
-        viewer_.model().display.exposure = std::clamp(numberOf(command, 1), -kMostExposure, kMostExposure);
+        m_.display.exposure = std::clamp(numberOf(command, 1), -kMostExposure, kMostExposure);
     } else if (what == "tonemap" && named<ToneMap>(command.arguments[1])) {
-        viewer_.model().display.toneMap = *named<ToneMap>(command.arguments[1]);
-    } else if (what == "lens" || what == "focus") {
-        const Camera& camera = viewer_.model().control.camera();
-        viewer_.model().control.setLens(what == "lens" ? numberOf(command, 1) : camera.lensRadius,
-                                        what == "focus" ? numberOf(command, 1) : camera.focusDistance);
-        viewer_.model().touch();
-    } else if (what == "fov") {
-        viewer_.model().control.zoom(numberOf(command, 1) / viewer_.model().control.camera().fovY);
-        viewer_.model().touch();
+        m_.display.toneMap = *named<ToneMap>(command.arguments[1]);
+    } else if (what == "lens") {
+        CameraControl& control = m_.control;
+        control.setLens(numberOf(command, 1), control.camera().focusDistance);
+        m_.touch();
     } else if (what == "glass" && named<TransmissiveShadows>(command.arguments[1])) {
-        viewer_.model().edits.transmissiveShadows = *named<TransmissiveShadows>(command.arguments[1]);
+        s.edits.transmissiveShadows = *named<TransmissiveShadows>(command.arguments[1]);
     } else if (what == "diffuse" && command.arguments.size() == 5) {
-        std::vector<Material>& all = viewer_.model().edits.materials;
+        std::vector<Material>& all = s.edits.materials;
         const auto found = std::find_if(all.begin(), all.end(),
                                         [&](const Material& m) { return m.name == command.arguments[1]; });
         if (found == all.end()) fail(command, "there is no such material");
@@ -292,7 +290,7 @@ void Driver::startIdling(double seconds) {
     wait_ = [this, processor, watch = Stopwatch(), frames = viewer_.frames(), before = processor(),
              seconds]() mutable {
         if (!idles_) {  // the rest begins when there is nothing left to trace
-            if (!viewer_.model().session->rested()) return false;
+            if (!m_.session->rested()) return false;
             idles_ = true;
             watch.restart();
             frames = viewer_.frames();
@@ -323,14 +321,14 @@ void Driver::startPace(int frames) {
             run->last = viewer_.frames();
             run->seconds.push_back(run->frame.seconds());
             run->frame.restart();
-            if (viewer_.model().session->facts().width < run->leastWidth) {
-                run->leastWidth = viewer_.model().session->facts().width;
-                run->leastHeight = viewer_.model().session->facts().height;
+            if (m_.session->facts().width < run->leastWidth) {
+                run->leastWidth = m_.session->facts().width;
+                run->leastHeight = m_.session->facts().height;
             }
         }
         if (static_cast<int>(run->seconds.size()) < frames) {
-            viewer_.model().control.orbit(0.01745, 0);
-            viewer_.model().touch();
+            m_.control.orbit(0.01745, 0);
+            m_.touch();
             return false;
         }
         // The first frames find the pace, and compile.
@@ -343,8 +341,8 @@ void Driver::startPace(int frames) {
                       "pace: %zu frames, %.1f frames/s, median %.1f ms, 95th percentile %.1f ms, now %d x %d "
                       "(least %d x %d)",
                       s.size(), static_cast<double>(s.size()) / sum, s[s.size() / 2] * 1e3,
-                      s[s.size() * 95 / 100] * 1e3, viewer_.model().session->facts().width,
-                      viewer_.model().session->facts().height, run->leastWidth, run->leastHeight);
+                      s[s.size() * 95 / 100] * 1e3, m_.session->facts().width, m_.session->facts().height,
+                      run->leastWidth, run->leastHeight);
         out_ << line << std::endl;
         return true;
     };

@@ -38,6 +38,8 @@ class Driver {
     [[noreturn]] static void fail(const ScriptCommand& command, const std::string& what);
 
     Viewer& viewer_;
+    Model& m_;
+    Input& input_;
     std::ostream& out_;
     std::vector<ScriptCommand> script_;
     size_t next_ = 0;

@@ -103,7 +103,7 @@ TEST_F(MomentsTest, EditsStayWhileTheRestMoves) {
     ASSERT_TRUE(later.scene);
     EXPECT_EQ(material(later.scene->scene, "red").diffuse, Color(0.25));
     EXPECT_EQ(material(later.scene->scene, "blue").diffuse, Color(0.1, 0.8, 0.8));
-    EXPECT_TRUE(same(later.edits, SceneEdits::of(later.scene->scene)));
+    EXPECT_EQ(later.edits, SceneEdits::of(later.scene->scene));
 }
 
 }  // namespace

@@ -128,8 +128,8 @@ TEST(Edits, JsonIsWhatAFileTakes) {
     const Scene again = parseScene(scene.dump(), "b.json", ".");
     for (size_t i = 0; i < 3; ++i)
         EXPECT_EQ(LightSetting::of(again.lights[i]), LightSetting::of(changed.lights[i])) << i;
-    EXPECT_TRUE(same(SceneEdits::of(again), SceneEdits::of(changed)));
-    EXPECT_FALSE(same(SceneEdits::of(again), SceneEdits::of(before)));
+    EXPECT_EQ(SceneEdits::of(again), SceneEdits::of(changed));
+    EXPECT_NE(SceneEdits::of(again), SceneEdits::of(before));
 }
 
 // Whether the file gives an ambient color or not, the copied JSON means the edited material.
@@ -147,25 +147,22 @@ TEST(Edits, ADefaultAmbientColorFollowsTheDiffuseOne) {
 
 TEST(Edits, ASavedSceneIsTheEditedOne) {
     const Scene scene = parseScene(sceneText(), "a.json", ".");
-    Undoable state;
-    state.fileSettings = PictureSettings::of(scene);
-    state.lights = state.fileSettings.lights;
-    state.edits = state.fileEdits = SceneEdits::of(scene);
+    PictureSettings file = PictureSettings::of(scene), state = file;
     const auto plain = nlohmann::json::parse(sceneText());
-    EXPECT_EQ(nlohmann::json::parse(editedSceneText("// mine\n" + sceneText(), scene, state)), plain);
+    EXPECT_EQ(nlohmann::json::parse(editedSceneText("// mine\n" + sceneText(), scene, state, file)), plain);
     state.lights[0].dim = 0.5f;
     state.lights[1].on = false;
     for (Material& material : state.edits.materials)
         if (material.name == "two") setDiffuse(material, {0.75, 0.25, 0.5});
-    const std::string text = editedSceneText(sceneText(), scene, state);
+    const std::string text = editedSceneText(sceneText(), scene, state, file);
     const Scene again = parseScene(text, "b.json", ".");
     ASSERT_EQ(again.lights.size(), 1u);
     EXPECT_EQ(std::get<PointLight>(again.lights[0]).intensity, Color(0.35));
-    EXPECT_TRUE(same(SceneEdits::of(again), state.edits));
+    EXPECT_EQ(SceneEdits::of(again), state.edits);
     state.edits.materials[0].name = "of a mesh";
-    state.fileEdits.materials[0].name = "of a mesh";
+    file.edits.materials[0].name = "of a mesh";
     state.edits.materials[0].shininess += 1;
-    EXPECT_THROW(editedSceneText(sceneText(), scene, state), Error);
+    EXPECT_THROW(editedSceneText(sceneText(), scene, state, file), Error);
 }
 
 TEST(Edits, FollowTheFileWhereTheyAreUntouched) {

@@ -41,9 +41,8 @@ constexpr ScriptWord kWords[] = {
     {"minimise", "N", 1, 1, "minimise the window for N rounds, then restore it"},
     {"aov", "NAME", 1, 1, "show a layer: color depth normal uv object primitive material bounces cost"},
     {"set", "WHAT VALUE...", 2, 5,
-     "depth N, shadows on|off, reflections on|off, samples N, error E, exposure STOPS, tonemap NAME, fov "
-     "DEGREES, "
-     "lens RADIUS, focus DISTANCE, background R G B, light I FACTOR, diffuse MATERIAL R G B, "
+     "depth N, shadows on|off, reflections on|off, samples N, error E, exposure STOPS, tonemap NAME, "
+     "lens RADIUS, background R G B, light I FACTOR, diffuse MATERIAL R G B, "
      "glass colored|full"},
     {"screenshot", "FILE", 1, 1,
      "render the view at the scene's own sampling, as Alt+S does, and wait for it; .png or .exr"},
@@ -59,16 +58,11 @@ constexpr ScriptWord kWords[] = {
     {"stay", "", 0, 0, "leave the window open at the end of the script"},
     {"print", "WHAT", 1, 2,
      "print something that `expect` knows: aim, built, camera, cameras, control LABEL, covered, difference, "
-     "error, exposure, figures, focus, fov, hints, layer, lens, limit, panel, pick, picture, pixel, playing, "
-     "progress, rate, "
-     "recent, samples, scroll, submissions, time, tip, toast, tonemap, tree, depth"},
-    {"expect", "WHAT VALUE...", 2, kAny, "it prints as VALUE; of toast and pick, it holds VALUE"},
+     "error, exposure, fault (of the scene's file), figures, focus, fov, hints, layer, object (picked), "
+     "pick, picture, pixel, playing, progress, rate, samples, scroll, size, submissions, time, tip, toast, "
+     "tonemap, tree, depth, verdict, waiting, warnings"},
+    {"expect", "WHAT VALUE...", 2, kAny, "it prints as VALUE; of toast, pick and fault, it holds VALUE"},
     {"await", "WHAT VALUE...", 2, kAny, "until it prints as VALUE; fails after a minute"},
-    {"expect-object", "N|none", 1, 1, "the last click picked this object"},
-    {"expect-size", "W H", 2, 2, "the window has this size"},
-    {"expect-layer", "NAME", 1, 1, "this layer is shown"},
-    {"expect-error", "TEXT", 1, kAny, "the scene's file is at fault, and the message holds TEXT"},
-    {"expect-no-error", "", 0, 0, "the scene's file is not at fault"},
 };
 
 const ScriptWord* wordNamed(const std::string& name) {

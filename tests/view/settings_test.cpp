@@ -25,19 +25,18 @@ class Settings : public FolderTest {
     nlohmann::json scene_ = nlohmann::json::parse(sceneText());
 };
 
-TEST_F(Settings, ADimmedLight) {
+TEST_F(Settings, LightsBackgroundAndDepth) {
     scene_["lights"][0]["intensity"] = 0.35;  // 0.7 / 2: exact in floats
-    expectLike("set light 0 0.5\n", scene_);
+    scene_["lights"].erase(1);
+    scene_["background"] = {0.25, 0.5, 0.125};
+    scene_["maxDepth"] = 1;
+    expectLike("set light 0 0.5\nset light 1 0\nset background 0.25 0.5 0.125\nset depth 1\n", scene_);
 }
 
-TEST_F(Settings, ALightThatIsOff) {
-    scene_["lights"].erase(0);
-    expectLike("set light 0 0\n", scene_);
-}
-
-TEST_F(Settings, NoLightAtAll) {
+TEST_F(Settings, NoLightAndNoReflections) {
     scene_["lights"].clear();
-    expectLike("set light 0 0\nset light 1 0\n", scene_);
+    scene_["maxDepth"] = 0;
+    expectLike("set light 0 0\nset light 1 0\nset reflections off\n", scene_);
 }
 
 // A material is changed where the scene is: the pictures are those of a file with the new one.
@@ -70,29 +69,12 @@ TEST_F(Settings, TheCopiedSceneIsTheOneThatIsSeen) {
     EXPECT_EQ(readBytes("shot.png"), readBytes("like.png"));
 }
 
-TEST_F(Settings, Reflections) {
-    scene_["maxDepth"] = 0;
-    expectLike("set reflections off\n", scene_);
-}
-
-TEST_F(Settings, DepthBothWays) {
-    scene_["maxDepth"] = 1;
-    expectLike("set depth 1\n", scene_);
-    scene_["maxDepth"] = 7;
-    expectLike("set depth 7\n", scene_);
-}
-
 // A scene that is loaded without reflections has a pipeline that can still be asked for them.
 TEST_F(Settings, ReflectionsInASceneOfDepthZero) {
     nlohmann::json flat = scene_;
     flat["maxDepth"] = 0;
     writeText("scene.json", flat.dump());
     expectLike("set depth 3\n", scene_);
-}
-
-TEST_F(Settings, Background) {
-    scene_["background"] = {0.25, 0.5, 0.125};
-    expectLike("set background 0.25 0.5 0.125\n", scene_);
 }
 
 // Exposure doubles linear values for each stop; the bytes of background 0.25 at +1 are those of 0.5.
@@ -129,36 +111,6 @@ TEST_F(Settings, Shadows) {
     EXPECT_EQ(darker, 0);
     EXPECT_GT(brighter, 500);
     EXPECT_GT(same, 20000);
-}
-
-// Each layer shows what an EXR of the same picture holds.
-TEST_F(Settings, Layers) {
-    std::string script = "set samples 1\nkey H\n";
-    for (const char* name : {"depth", "normal", "object", "primitive", "material", "bounces", "cost", "uv"})
-        script +=
-            std::string("aov ") + name + "\nexpect-layer " + name + "\nsettle\nwindow " + name + ".png\n";
-    script += "aov color\nkey L\nwait 1\nexpect-layer depth\nkey shift+L\nwait 1\nexpect-layer color\n";
-    const Ran ran = view(script);
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    const auto at = [](const char* name, int x, int y) {
-        return pixelOf(readImage(std::string(name) + ".png"), x, y);
-    };
-    const Rgb nothing{0, 0, 0};
-    for (const char* name : {"depth", "normal", "object", "primitive", "material", "uv"})
-        EXPECT_EQ(at(name, 3, 3), nothing) << name;
-    EXPECT_EQ(at("object", 60, 90), at("object", 75, 85));
-    EXPECT_NE(at("object", 60, 90), at("object", 138, 80));
-    EXPECT_NE(at("object", 60, 90), at("object", 120, 170));
-    EXPECT_NE(at("material", 60, 90), at("material", 138, 80));
-    // The floor looks up: (0.5, 1, 0.5).
-    EXPECT_NEAR(at("normal", 120, 175).r, 127.5, 0.5);
-    EXPECT_EQ(at("normal", 120, 175).g, 255);
-    EXPECT_NEAR(at("normal", 120, 175).b, 127.5, 0.5);
-    // The floor's near edge is the nearest thing in the picture, the sphere is not.
-    EXPECT_GT(at("depth", 120, 179).r, at("depth", 138, 80).r);
-    // One bounce or more on the mirror, none on the triangle: blue is none.
-    EXPECT_EQ(at("bounces", 185, 95), (Rgb{0, 0, 255}));
-    EXPECT_NE(at("bounces", 138, 80), (Rgb{0, 0, 255}));
 }
 
 }  // namespace

@@ -121,6 +121,19 @@ std::string byHand(const std::string& script) {
     return result;
 }
 
+std::vector<nlohmann::json> cameras(const Ran& ran) {
+    const std::string start = "\"camera\": ";
+    std::vector<nlohmann::json> list;
+    std::istringstream lines(ran.out);
+    for (std::string line; std::getline(lines, line);) {
+        const size_t at = line.find(start);
+        if (at == std::string::npos) continue;
+        if (line.back() == ',') line.pop_back();
+        list.push_back(nlohmann::json::parse(line.substr(at + start.size())));
+    }
+    return list;
+}
+
 std::string sceneText(double red) {
     return R"({
   "image": {"width": 240, "height": 180},

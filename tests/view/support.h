@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ Ran runGlint(const std::vector<std::string>& args);
 // `glint view ARGS` driven by a script. ARGS starts with the scene; of the options those that tests of the
 // window use.
 Ran runView(const std::vector<std::string>& args, const std::vector<ScriptCommand>& script);
+
+// The cameras that `print camera` and the key C wrote.
+std::vector<nlohmann::json> cameras(const Ran& ran);
 
 using glint::test::readBytes;
 using glint::test::writeText;

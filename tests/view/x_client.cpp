@@ -36,20 +36,6 @@ std::optional<Window> windowOf(Display* display, Window window, const std::strin
     return below;
 }
 
-void addWindows(Display* display, Window window, const std::string& title, std::vector<FoundWindow>& found) {
-    char* name = nullptr;
-    XWindowAttributes attributes;
-    if (XFetchName(display, window, &name) != 0 && title == name &&
-        XGetWindowAttributes(display, window, &attributes) != 0 && attributes.map_state == IsViewable)
-        found.push_back({window, attributes.width});
-    if (name != nullptr) XFree(name);
-    Window root = 0, parent = 0, *children = nullptr;
-    unsigned count = 0;
-    if (XQueryTree(display, window, &root, &parent, &children, &count) == 0) return;
-    for (unsigned i = 0; i < count; ++i) addWindows(display, children[i], title, found);
-    if (children != nullptr) XFree(children);
-}
-
 // Calls `done` every few milliseconds until it is true, or patience ends.
 bool await(const std::function<bool()>& done) {
     const auto start = std::chrono::steady_clock::now();
@@ -164,35 +150,6 @@ std::string dragOnto(const std::string& title, const std::vector<std::string>& f
     });
     if (!there) return "no window is called '" + title + "'";
     return Source(display.get(), *target).drop(uriList(files));
-}
-
-std::vector<FoundWindow> windowsCalled(const std::string& title, size_t count) {
-    std::vector<FoundWindow> found;
-    const DisplayHandle display = openDisplay();
-    if (!display) return found;
-    await([&] {
-        found.clear();
-        addWindows(display.get(), DefaultRootWindow(display.get()), title, found);
-        return found.size() >= count;
-    });
-    return found;
-}
-
-void giveKeysTo(unsigned long window) {
-    const DisplayHandle display = openDisplay();
-    if (!display) return;
-    XSetInputFocus(display.get(), window, RevertToParent, CurrentTime);
-    XSync(display.get(), False);
-}
-
-bool takesKeys(unsigned long window) {
-    const DisplayHandle display = openDisplay();
-    return display && await([&] {
-               Window focus = 0;
-               int revert = 0;
-               XGetInputFocus(display.get(), &focus, &revert);
-               return focus == window;
-           });
 }
 
 void setDotsPerInch(int dots) {
