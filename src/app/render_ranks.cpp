@@ -111,7 +111,7 @@ ExitCode renderAsOther(const RenderCommand& command, farm::Transport& transport)
 
 bool isForRanks(const RenderCommand& command) {
     if (command.part || !command.checkpoint.empty()) return false;
-    if (!farm::launchedByMpi()) return false;
+    if (!farm::launchedRank()) return false;
     if (command.frames)
         throw Error(ErrorKind::Argument,
                     "--frames: mpirun's processes share one image; give each machine frames of its own");
@@ -120,8 +120,7 @@ bool isForRanks(const RenderCommand& command) {
 }
 
 int rankOfLauncher() {
-    const auto launched = farm::launchedByMpi();
-    return launched ? launched->rank : 0;
+    return farm::launchedRank().value_or(0);
 }
 
 void abortRanks(int exitCode) {

@@ -18,6 +18,7 @@
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "farm/checkpoint.h"
+#include "farm/merge.h"
 #include "farm/unit_file.h"
 
 namespace glint::app {
@@ -45,12 +46,11 @@ struct Done {
 };
 
 void print(const Done& done, const RenderCommand& command, const LoadedScene& loaded, std::ostream& out) {
-    const farm::Unit unit = {0, command.part->number, command.part->of};
     if (command.json) {
         nlohmann::json json = {{"scene", command.scene.scene.string()},
                                {"files", {done.file.string()}},
-                               {"part", unit.part},
-                               {"parts", unit.parts},
+                               {"part", command.part->number},
+                               {"parts", command.part->of},
                                {"pixels", done.pixels},
                                {"backend", nameOf(done.drawn.failed ? Backend::Cpu : command.backend)},
                                {"device", done.drawn.device},
@@ -64,7 +64,8 @@ void print(const Done& done, const RenderCommand& command, const LoadedScene& lo
         if (done.drawn.failed) json["fallback"] = fallbackJson(*done.drawn.failed);
         printJson(json, out);
     } else if (!command.quiet) {
-        out << "wrote " << shown(done.file) << " (" << farm::nameOf(unit) << ", "
+        out << "wrote " << shown(done.file) << " ("
+            << farm::namesOfParts({command.part->number}, command.part->of) << ", "
             << counted(done.pixels, "pixel") << ")\n";
         out << "device: " << done.drawn.device << ", " << done.drawn.driver << '\n';
         out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
@@ -78,10 +79,9 @@ void checkRoom(const RenderCommand& command, uint64_t pixels) {
     const uint64_t needed = 2 * pixels * bytesPerPixel(command.aovs, needsData(command));
     const uint64_t available = availableMemory();
     if (needed <= available) return;
-    throw Error(ErrorKind::Failed, farm::nameOf(farm::Unit{0, command.part->number, command.part->of}) +
-                                       " has " + counted(pixels, "pixel") + ", which take " +
-                                       gibibytes(needed) + " of memory, " + gibibytes(available) +
-                                       " are free; use more parts");
+    throw Error(ErrorKind::Failed, farm::namesOfParts({command.part->number}, command.part->of) + " has " +
+                                       counted(pixels, "pixel") + ", which take " + gibibytes(needed) +
+                                       " of memory, " + gibibytes(available) + " are free; use more parts");
 }
 
 // Leaves room for a unit while it is rendered, encoded and copied into the image.
@@ -119,7 +119,7 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
     }
     if (!result)
         throw Error(ErrorKind::Interrupted, "interrupted before the part was finished; nothing written");
-    writeFile(done.file, farm::encodePart(units.header(), *result));
+    writeFile(done.file, farm::encodeUnits(units.header(), {&*result, 1}));
     done.drawn = units.drawing().facts();
     done.totalSeconds = total.seconds();
     print(done, command, units.loaded(), out);
@@ -140,7 +140,7 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
     std::vector<bool> there(static_cast<size_t>(header.parts) + 1);
     const auto add = [&](const farm::UnitResult& result) {
         picture.add(result);
-        there[static_cast<size_t>(result.unit.part)] = true;
+        there[static_cast<size_t>(result.part)] = true;
     };
     farm::Checkpoint checkpoint(command.checkpoint, header, add);
     installInterruptHandler();

@@ -104,7 +104,7 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function
     // Losses are told where a picture drawn at once would tell them.
     if (!loaded_.packed.features.transmission && command_.scene.minContribution == 0) result->losses = {};
     const DrawingFacts facts = drawing_.facts();
-    result->unit = {0, part, header_.parts};
+    result->part = part;
     result->producer = {facts.device, drawing_.backend() == Backend::Cpu ? "" : facts.driver,
                         facts.sharesBits()};
     return result;

@@ -61,9 +61,9 @@ Checkpoint::Checkpoint(const std::filesystem::path& path, const UnitHeader& head
                 fail(path,
                      "is a checkpoint of another picture: " + other + "; remove it, or give another name");
         };
-        std::set<Unit> units;
+        std::set<int> parts;
         const auto add = [&](const UnitResult& result) {
-            if (units.insert(result.unit).second) found(result);
+            if (parts.insert(result.part).second) found(result);
         };
         size_ = forEachUnit(path, true, check, add).wholeBytes;
         if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail(path, "cannot write: " + reason(errno));

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/content_hash.h"
-
 namespace glint::farm {
 
 namespace {
@@ -27,12 +25,6 @@ std::string textOf(const Fact& there, const std::string& here) {
 }
 
 }  // namespace
-
-std::string Identity::hash() const {
-    std::string all;
-    for (const auto& [name, value] : facts) all += name + '\0' + value + '\0';
-    return hashText(contentHash(all));
-}
 
 std::string difference(const Identity& there, const Identity& here) {
     for (const Fact& fact : there.facts) {

@@ -12,8 +12,6 @@ namespace glint::farm {
 struct Identity {
     std::vector<std::pair<std::string, std::string>> facts;
     bool operator==(const Identity&) const = default;
-    // One number for all of them (core/content_hash.h).
-    std::string hash() const;
 };
 
 // The first fact that differs, for people: "size is 640x480 there and 800x600 here"; empty if none does.

@@ -72,7 +72,7 @@ Assembly::Strip& Assembly::stripOf(int y) {
     return strip;
 }
 
-void Assembly::addRow(const Block& block, int y, const Unit& unit) {
+void Assembly::addRow(const Block& block, int y, int part) {
     const Region& r = block.region;
     const Region strip = regionOf((y - whole_.y0) / kStripRows);
     const bool taken = y < whole_.y0 + taken_ * kStripRows;
@@ -90,12 +90,12 @@ void Assembly::addRow(const Block& block, int y, const Unit& unit) {
             return;
         }
     }
-    fail(nameOf(unit) + " has pixels that another part has too");
+    fail("part " + std::to_string(part) + " has pixels that another part has too");
 }
 
 void Assembly::add(const UnitResult& result) {
     for (const Block& block : result.blocks)
-        for (int y = block.region.y0; y < block.region.y1; ++y) addRow(block, y, result.unit);
+        for (int y = block.region.y0; y < block.region.y1; ++y) addRow(block, y, result.part);
     losses_.add(result.losses);
     if (std::find(producers_.begin(), producers_.end(), result.producer) == producers_.end())
         producers_.push_back(result.producer);
@@ -134,14 +134,9 @@ Rows Assembly::take() {
 
 namespace {
 
-struct PartFile {
-    int part;
-    std::filesystem::path path;
-};
-
-// Which parts the files hold, in ascending order; they are all of one picture.
-std::vector<PartFile> sortedParts(const std::vector<std::filesystem::path>& files, UnitHeader& header,
-                                  uint64_t& largest) {
+// The file of each part of one picture.
+std::map<int, std::filesystem::path> filesOfParts(const std::vector<std::filesystem::path>& files,
+                                                  UnitHeader& header, uint64_t& largest) {
     std::map<int, std::filesystem::path> there;
     for (const std::filesystem::path& path : files) {
         const UnitOutline outline = outlineOf(path);
@@ -151,19 +146,17 @@ std::vector<PartFile> sortedParts(const std::vector<std::filesystem::path>& file
         if (!other.empty())
             fail(path.string() + ": belongs to another picture than " + files.front().string() + ": " +
                  other);
-        for (const Unit& unit : outline.units) {
-            const auto [known, isNew] = there.emplace(unit.part, path);
+        for (const int part : outline.parts) {
+            const auto [known, isNew] = there.emplace(part, path);
             if (!isNew)
-                fail(path.string() + ": holds " + nameOf(unit) + ", which " +
+                fail(path.string() + ": holds " + namesOfParts({part}, header.parts) + ", which " +
                      (known->second == path ? "it" : known->second.string()) + " holds already");
         }
     }
     const std::vector<int> missing = missingParts(there, header.parts);
     if (!missing.empty())
         fail(namesOfParts(missing, header.parts) + (missing.size() > 1 ? " are" : " is") + " missing");
-    std::vector<PartFile> sorted;
-    for (const auto& [part, path] : there) sorted.push_back({part, path});
-    return sorted;
+    return there;
 }
 
 }  // namespace
@@ -173,16 +166,14 @@ void mergeParts(const std::vector<std::filesystem::path>& files,
                 const std::function<void(const UnitResult&)>& add) {
     UnitHeader header;
     uint64_t largest = 0;
-    const std::vector<PartFile> parts = sortedParts(files, header, largest);
+    const auto parts = filesOfParts(files, header, largest);
     begin(header, largest);
-    UnitFile file;
-    std::filesystem::path path;  // of the file
-    for (const PartFile& part : parts) {
-        if (part.path != path) file = readUnits(part.path);
-        path = part.path;
-        for (const UnitResult& result : file.results)
-            if (result.unit.part == part.part) add(result);
-    }
+    for (const auto& [part, path] : parts)
+        forEachUnit(
+            path, false, [](const UnitHeader&) {},
+            [&, part = part](const UnitResult& result) {
+                if (result.part == part) add(result);
+            });
 }
 
 std::string namesOfParts(const std::vector<int>& parts, int of) {

@@ -51,7 +51,7 @@ class Assembly {
     };
     Region regionOf(int strip) const;
     Strip& stripOf(int y);
-    void addRow(const Block& block, int y, const Unit& unit);
+    void addRow(const Block& block, int y, int part);
 
     const Region whole_;
     const std::vector<Aov> aovs_;
@@ -73,7 +73,7 @@ void mergeParts(const std::vector<std::filesystem::path>& files,
                 const std::function<void(const UnitHeader&, uint64_t largest)>& begin,
                 const std::function<void(const UnitResult&)>& add);
 
-// "parts 3, 5 to 7 of 8": numbers in ascending order.
+// "part 3 of 8", "parts 3, 5 to 7 of 8": numbers in ascending order.
 std::string namesOfParts(const std::vector<int>& parts, int of);
 
 }  // namespace glint::farm

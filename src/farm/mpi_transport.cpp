@@ -103,7 +103,7 @@ class MpiTransport : public Transport {
 
 }  // namespace
 
-std::optional<Launched> launchedByMpi() {
+std::optional<int> launchedRank() {
     // Open MPI; MPICH, Intel MPI and others with Hydra, and srun --mpi=pmi2; srun --mpi=pmix.
     constexpr std::pair<const char*, const char*> kVariables[] = {
         {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
@@ -111,7 +111,7 @@ std::optional<Launched> launchedByMpi() {
         {"PMIX_RANK", "SLURM_STEP_NUM_TASKS"}};
     for (const auto& [rank, size] : kVariables) {
         const auto number = numberIn(rank), of = numberIn(size);
-        if (number && of && *of > 1) return Launched{*number, *of};
+        if (number && of && *of > 1) return number;
     }
     return std::nullopt;
 }

@@ -8,12 +8,9 @@
 
 namespace glint::farm {
 
-// Rank and number of processes, from the environment that an MPI launcher sets.
-struct Launched {
-    int rank = 0, size = 1;
-};
-// Empty without a launcher, or if this is its only process.
-std::optional<Launched> launchedByMpi();
+// The rank of this process, from the environment that an MPI launcher sets. Empty without a launcher, or if
+// this is its only process.
+std::optional<int> launchedRank();
 
 // True if openMpi() finds the module glint-mpi.so.
 bool hasMpiModule();

@@ -164,7 +164,7 @@ void FirstRank::judge(int from, const UnitHeader& header) {
 
 void FirstRank::accept(const UnitResult& result) {
     take_(result);
-    there_[static_cast<size_t>(result.unit.part)] = true;
+    there_[static_cast<size_t>(result.part)] = true;
     while (firstMissing_ <= header_->parts && there_[static_cast<size_t>(firstMissing_)]) ++firstMissing_;
     ++done_;
 }

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 // A byte beyond ASCII and line ends of both kinds, as PNG has them: what treats the file as text is found
 // out.
 constexpr std::array<uint8_t, 16> kSignature = {0x89, 'g', 'l', 'i', 'n',  't',  ' ',  'u',
-                                                'n',  'i', 't', 's', '\r', '\n', 0x1a, 1};
+                                                'n',  'i', 't', 's', '\r', '\n', 0x1a, 2};
 
 enum class Kind : uint32_t { Head = 0x44414548, Unit = 0x54494e55, Done = 0x454e4f44 };  // "HEAD" ...
 
@@ -81,16 +81,19 @@ Record nextRecord(ByteReader& in) {
     return {kind, payload};
 }
 
-void putHead(ByteWriter& out, const UnitHeader& header) {
-    out.put(static_cast<uint32_t>(header.identity.facts.size()));
-    for (const auto& [name, value] : header.identity.facts) {
-        out.put(name);
-        out.put(value);
-    }
-    putRegion(out, header.region);
-    out.put(static_cast<uint32_t>(header.aovs.size()));
-    for (const Aov aov : header.aovs) out.put(std::string(nameOf(aov)));
-    out.put(static_cast<int32_t>(header.parts));
+void putHeader(ByteWriter& out, const UnitHeader& header) {
+    out.raw(kSignature.data(), kSignature.size());
+    putRecord(out, Kind::Head, [&] {
+        out.put(static_cast<uint32_t>(header.identity.facts.size()));
+        for (const auto& [name, value] : header.identity.facts) {
+            out.put(name);
+            out.put(value);
+        }
+        putRegion(out, header.region);
+        out.put(static_cast<uint32_t>(header.aovs.size()));
+        for (const Aov aov : header.aovs) out.put(std::string(nameOf(aov)));
+        out.put(static_cast<int32_t>(header.parts));
+    });
 }
 
 UnitHeader headerOf(std::span<const uint8_t> payload) {
@@ -134,7 +137,7 @@ TreeLosses getLosses(ByteReader& in) {
 }
 
 void putUnit(ByteWriter& out, const UnitResult& result) {
-    for (const int32_t value : {result.unit.frame, result.unit.part, result.unit.parts}) out.put(value);
+    out.put(static_cast<int32_t>(result.part));
     out.put(result.producer.device);
     out.put(result.producer.driver);
     out.put(static_cast<uint8_t>(result.producer.sharesBits));
@@ -160,24 +163,11 @@ size_t roomFor(const UnitResult& result) {
     return floats * sizeof(float) + 1024;
 }
 
-void putHeader(ByteWriter& out, const UnitHeader& header) {
-    out.raw(kSignature.data(), kSignature.size());
-    putRecord(out, Kind::Head, [&] { putHead(out, header); });
-}
-
 void putUnits(ByteWriter& out, std::span<const UnitResult> results) {
     size_t room = 0;
     for (const UnitResult& result : results) room += roomFor(result);
     out.reserve(out.size() + room);
     for (const UnitResult& result : results) putRecord(out, Kind::Unit, [&] { putUnit(out, result); });
-}
-
-std::vector<uint8_t> encodeAll(const UnitHeader& header, std::span<const UnitResult> results) {
-    ByteWriter out;
-    putHeader(out, header);
-    putUnits(out, results);
-    putRecord(out, Kind::Done, [&] { out.put(static_cast<uint64_t>(results.size())); });
-    return out.take();
 }
 
 Image getImage(ByteReader& in, const Region& region, int channels) {
@@ -192,9 +182,8 @@ Image getImage(ByteReader& in, const Region& region, int channels) {
 UnitResult unitOf(std::span<const uint8_t> payload, const UnitHeader& header) {
     ByteReader in(payload);
     UnitResult result;
-    for (int* value : {&result.unit.frame, &result.unit.part, &result.unit.parts}) *value = in.get<int32_t>();
-    if (result.unit.parts != header.parts || result.unit.part < 1 || result.unit.part > header.parts)
-        damaged("a unit is no part of the picture");
+    result.part = in.get<int32_t>();
+    if (result.part < 1 || result.part > header.parts) damaged("a unit is no part of the picture");
     result.producer.device = in.text();
     result.producer.driver = in.text();
     result.producer.sharesBits = in.get<uint8_t>() != 0;
@@ -238,12 +227,12 @@ std::vector<uint8_t> encodeUnit(const UnitResult& result) {
     return out.take();
 }
 
-std::vector<uint8_t> encodeUnits(const UnitHeader& header, const std::vector<UnitResult>& results) {
-    return encodeAll(header, results);
-}
-
-std::vector<uint8_t> encodePart(const UnitHeader& header, const UnitResult& result) {
-    return encodeAll(header, {&result, 1});
+std::vector<uint8_t> encodeUnits(const UnitHeader& header, std::span<const UnitResult> results) {
+    ByteWriter out;
+    putHeader(out, header);
+    putUnits(out, results);
+    putRecord(out, Kind::Done, [&] { out.put(static_cast<uint64_t>(results.size())); });
+    return out.take();
 }
 
 namespace {
@@ -373,11 +362,9 @@ UnitOutline outlineOf(const fs::path& path) {
             const auto kind = static_cast<Kind>(in.get<uint32_t>());
             auto size = in.get<uint64_t>();
             if (kind == Kind::Unit) {
-                const std::vector<uint8_t> numbers = file.next(3 * sizeof(int32_t));
-                size -= std::min<uint64_t>(size, numbers.size());
-                ByteReader unit(numbers);
-                const auto frame = unit.get<int32_t>(), part = unit.get<int32_t>();
-                outline.units.push_back({frame, part, unit.get<int32_t>()});
+                const std::vector<uint8_t> part = file.next(sizeof(int32_t));
+                size -= std::min<uint64_t>(size, part.size());
+                outline.parts.push_back(ByteReader(part).get<int32_t>());
             }
             if (size > file.left()) throw std::out_of_range("record");
             file.skip(size + kHash);
@@ -408,14 +395,6 @@ UnitFileEnd forEachUnit(const fs::path& path, bool unfinished,
         if (result) add(std::move(*result));
     }
     return end;
-}
-
-UnitFile readUnits(const fs::path& path, bool unfinished) {
-    UnitFile file;
-    static_cast<UnitFileEnd&>(file) = forEachUnit(
-        path, unfinished, [&](const UnitHeader& header) { file.header = header; },
-        [&](UnitResult result) { file.results.push_back(std::move(result)); });
-    return file;
 }
 
 }  // namespace glint::farm

@@ -27,9 +27,9 @@ inline constexpr const char* kPartExtension = ".part";
 
 struct UnitHeader {
     Identity identity;
-    Region region;          // all units of a frame together
+    Region region;          // all units together
     std::vector<Aov> aovs;  // the picture's layers in the order in which they were asked for
-    int parts = 1;          // that each frame is cut into
+    int parts = 1;          // that it is cut into
 };
 
 struct UnitFileEnd {
@@ -37,24 +37,18 @@ struct UnitFileEnd {
     uint64_t wholeBytes = 0;  // up to the end of the last record that is whole
 };
 
-struct UnitFile : UnitFileEnd {
-    UnitHeader header;
-    std::vector<UnitResult> results;
-};
-
 // The bytes of a finished file, and those of one to which units will be appended.
-std::vector<uint8_t> encodeUnits(const UnitHeader& header, const std::vector<UnitResult>& results);
-std::vector<uint8_t> encodePart(const UnitHeader& header, const UnitResult& result);
+std::vector<uint8_t> encodeUnits(const UnitHeader& header, std::span<const UnitResult> results);
 std::vector<uint8_t> encodeHeader(const UnitHeader& header);
 std::vector<uint8_t> encodeUnit(const UnitResult& result);
 
 // Contents of a file, as found from the starts of its records.
 struct UnitOutline {
     UnitHeader header;
-    std::vector<Unit> units;
+    std::vector<int> parts;
     uint64_t bytes = 0;  // of the file
 };
-// Throws like readUnits for what it sees; whether the samples are whole it does not.
+// Throws as forEachUnit, but does not check that the samples are whole.
 UnitOutline outlineOf(const std::filesystem::path& path);
 
 // Decode the output of encodeHeader and encodeUnit. `name`: the source, for messages. Both throw
@@ -62,14 +56,11 @@ UnitOutline outlineOf(const std::filesystem::path& path);
 UnitHeader decodeHeader(std::span<const uint8_t> bytes, const std::string& name);
 UnitResult decodeUnit(std::span<const uint8_t> bytes, const UnitHeader& header, const std::string& name);
 
-// Reads a file unit by unit, so that one at a time is in memory; `begin` is called first. Throws as
-// readUnits.
+// Reads a file unit by unit, so that one at a time is in memory; `begin` is called first. Throws
+// Error(Failed) "a.part: damaged: ..." for a file that was changed or is no such file, and unless
+// `unfinished` for one that ends early; with it, an incomplete record at the end is left out.
 UnitFileEnd forEachUnit(const std::filesystem::path& path, bool unfinished,
                         const std::function<void(const UnitHeader&)>& begin,
                         const std::function<void(UnitResult)>& add);
-
-// Reads a file. Throws Error(Failed) "a.part: damaged: ..." for one that was changed or is no such file, and
-// unless `unfinished` for one that ends early; with it, what is not whole at the end is left out.
-UnitFile readUnits(const std::filesystem::path& path, bool unfinished = false);
 
 }  // namespace glint::farm

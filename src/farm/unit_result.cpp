@@ -19,11 +19,6 @@ double areaOf(const Region& region) {
 
 }  // namespace
 
-std::string nameOf(const Unit& unit) {
-    const std::string part = "part " + std::to_string(unit.part) + " of " + std::to_string(unit.parts);
-    return unit.frame == 0 ? part : part + " of frame " + std::to_string(unit.frame);
-}
-
 LayerShapes layerShapes(const std::vector<Aov>& aovs) {
     LayerShapes shapes;
     for (const Layer& layer : makeLayers(Picture(), withoutColor(aovs)))

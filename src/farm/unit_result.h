@@ -1,5 +1,5 @@
 // Units of work, and what comes of them. A picture's pixels do not depend on each other, so a unit is a part
-// of a frame: some of its pixels, with all their samples. Samples are not divided: a pixel's sum has one
+// of it: some of its pixels, with all their samples. Samples are not divided: a pixel's sum has one
 // order, and another one would have other bits.
 #pragma once
 
@@ -13,13 +13,6 @@
 #include "trace/request.h"
 
 namespace glint::farm {
-
-struct Unit {
-    int frame = 0;
-    int part = 1, parts = 1;  // 1 <= part <= parts
-    auto operator<=>(const Unit&) const = default;
-};
-std::string nameOf(const Unit& unit);  // "part 3 of 8", "part 1 of 2 of frame 17"
 
 // Device and driver that rendered a unit.
 struct Producer {
@@ -39,7 +32,7 @@ struct Block {
 };
 
 struct UnitResult {
-    Unit unit;
+    int part = 1;  // from 1
     Producer producer;
     std::vector<Block> blocks;
     uint64_t notFinite = 0;  // as in Picture

@@ -14,7 +14,7 @@ using glint::test::writeBytes;
 const std::vector<Aov> kAovs = {Aov::Radiance};
 
 void nothingFound(const UnitResult& result) {
-    ADD_FAILURE() << nameOf(result.unit);
+    ADD_FAILURE() << result.part;
 }
 
 class Checkpoints : public glint::test::WorkingFolderTest {

@@ -29,11 +29,5 @@ TEST(Identity, NamesTheFirstFactThatDiffers) {
     EXPECT_NE(difference(there, kHere), "");
 }
 
-TEST(Identity, HashTellsNamesFromValues) {
-    EXPECT_EQ(kHere.hash(), Identity(kHere).hash());
-    const Identity a = {{{"ab", "c"}}}, b = {{{"a", "bc"}}};
-    EXPECT_NE(a.hash(), b.hash());
-}
-
 }  // namespace
 }  // namespace glint::farm::test::identity_test

@@ -61,9 +61,9 @@ class Ranks : public glint::test::WorkingFolderTest {
     static UnitHeader header(int units, const std::string& scene = "a") {
         return {{{{"scene", scene}}}, {0, 0, 8, 8 * units}, {Aov::Radiance}, units};
     }
-    static UnitResult resultOf(int unit, int units, int rank) {
+    static UnitResult resultOf(int unit, int rank) {
         UnitResult result;
-        result.unit = {0, unit, units};
+        result.part = unit;
         result.producer = {"rank " + std::to_string(rank), "", true};
         result.blocks.push_back(
             {{0, 8 * (unit - 1), 8, 8 * unit}, Image(8, 8, 4, static_cast<float>(unit)), {}});
@@ -80,7 +80,7 @@ class Ranks : public glint::test::WorkingFolderTest {
                 mine.begin(header(units_, scene));
                 while (const auto unit = mine.next()) {
                     work(*unit);
-                    mine.put(resultOf(*unit, units_, rank));
+                    mine.put(resultOf(*unit, rank));
                 }
             } catch (const Error& error) {
                 mine.fail(error);
@@ -95,8 +95,8 @@ class Ranks : public glint::test::WorkingFolderTest {
         try {
             if (wantsScene_) ranks.files()->read("scene");
             ranks.begin(header(units_), window,
-                        [&](const UnitResult& result) { came.push_back(result.unit.part); });
-            while (const auto unit = ranks.next([] {})) ranks.put(resultOf(*unit, units_, 0));
+                        [&](const UnitResult& result) { came.push_back(result.part); });
+            while (const auto unit = ranks.next([] {})) ranks.put(resultOf(*unit, 0));
         } catch (const Error&) {
             ranks.end();
             throw;

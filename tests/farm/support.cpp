@@ -50,10 +50,18 @@ std::vector<UnitResult> partsOf(const Request& request, int parts, const std::ve
     std::vector<UnitResult> results;
     for (const auto& regions : cutPicture(map, parts)) {
         results.push_back(drawUnit(draw, request, regions, aovs).value());
-        results.back().unit = {0, static_cast<int>(results.size()), parts};
+        results.back().part = static_cast<int>(results.size());
         results.back().producer = {"reference", "", false};
     }
     return results;
+}
+
+UnitFile readUnits(const std::filesystem::path& path, bool unfinished) {
+    UnitFile file;
+    static_cast<UnitFileEnd&>(file) = forEachUnit(
+        path, unfinished, [&](const UnitHeader& header) { file.header = header; },
+        [&](UnitResult result) { file.results.push_back(std::move(result)); });
+    return file;
 }
 
 UnitHeader headerOf(const Request& request, int parts, const std::vector<Aov>& aovs) {

@@ -1,6 +1,7 @@
 // Small pictures of the reference, whole and in parts.
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "farm/unit_file.h"
@@ -21,6 +22,12 @@ Picture draw(const Request& request);
 // The parts of that picture, cut by the estimate or evenly.
 std::vector<UnitResult> partsOf(const Request& request, int parts, const std::vector<Aov>& aovs,
                                 bool even = false);
+
+struct UnitFile : UnitFileEnd {
+    UnitHeader header;
+    std::vector<UnitResult> results;
+};
+UnitFile readUnits(const std::filesystem::path& path, bool unfinished = false);
 
 UnitHeader headerOf(const Request& request, int parts, const std::vector<Aov>& aovs);
 

@@ -13,7 +13,7 @@ using glint::test::writeBytes;
 
 UnitResult result() {
     UnitResult made;
-    made.unit = {3, 2, 2};
+    made.part = 2;
     made.producer = {"a device", "a driver", true};
     made.notFinite = 5;
     made.firstNotFinite = {4, 1};
@@ -33,7 +33,7 @@ const UnitHeader kHeader = {
 class UnitFiles : public glint::test::WorkingFolderTest {};
 
 TEST_F(UnitFiles, KeepEveryBit) {
-    writeBytes("a.part", encodeUnits(kHeader, {result(), result()}));
+    writeBytes("a.part", encodeUnits(kHeader, std::vector{result(), result()}));
     const UnitFile file = readUnits("a.part");
     EXPECT_TRUE(file.finished);
     EXPECT_EQ(file.header.identity, kHeader.identity);
@@ -41,7 +41,7 @@ TEST_F(UnitFiles, KeepEveryBit) {
     EXPECT_EQ(file.header.region.x1, 8);
     ASSERT_EQ(file.results.size(), 2u);
     const UnitResult& read = file.results[1];
-    EXPECT_EQ(read.unit, result().unit);
+    EXPECT_EQ(read.part, 2);
     EXPECT_EQ(read.producer, result().producer);
     EXPECT_EQ(read.notFinite, 5u);
     EXPECT_EQ(read.firstNotFinite, glm::ivec2(4, 1));
@@ -55,7 +55,7 @@ TEST_F(UnitFiles, KeepEveryBit) {
 
 // Every byte that is changed and every length that a file may be cut to is found out.
 TEST_F(UnitFiles, NoDamageGoesUnnoticed) {
-    const std::vector<uint8_t> whole = encodeUnits(kHeader, {result()});
+    const std::vector<uint8_t> whole = encodeUnits(kHeader, std::vector{result()});
     for (size_t i = 0; i < whole.size(); ++i) {
         std::vector<uint8_t> bytes = whole;
         bytes[i] ^= static_cast<uint8_t>(1u << i % 8);
@@ -77,7 +77,6 @@ TEST_F(UnitFiles, NoDamageGoesUnnoticed) {
               "a.part: damaged: it is no file that glint render --part or --checkpoint wrote");
 }
 
-// What was appended until the process ended, whenever that was.
 // Numbers that are right in form, and would make merge count to two thousand millions.
 TEST_F(UnitFiles, NobodyHasSoManyParts) {
     for (const int parts : {0, -1, kMostParts + 1, std::numeric_limits<int>::max()}) {
@@ -89,6 +88,7 @@ TEST_F(UnitFiles, NobodyHasSoManyParts) {
     }
 }
 
+// Units that were appended until the process ended, whenever that was.
 TEST_F(UnitFiles, UnfinishedFilesHoldTheirWholeUnits) {
     const std::vector<uint8_t> head = encodeHeader(kHeader), unit = encodeUnit(result());
     std::vector<uint8_t> bytes = head;

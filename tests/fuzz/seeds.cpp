@@ -27,7 +27,7 @@ void writeParts(const std::filesystem::path& folder) {
         std::vector<farm::UnitResult> results;
         for (int part = 1; part <= header.parts; ++part) {
             farm::UnitResult result;
-            result.unit = {0, part, header.parts};
+            result.part = part;
             result.producer = {"llvmpipe", "Mesa", true};
             const Region region = header.parts == 1 ? all : Region{0, 3 * (part - 1), 8, 3 * part};
             farm::Block block{region, gradient(region.width(), region.height(), 4), {}};

@@ -29,7 +29,10 @@ std::vector<uint8_t> withHashes(fuzz::Input input) {
 
 void read(fuzz::Input input) {
     const auto path = fuzz::write("input.part", input);
-    fuzz::expectAnswer(ErrorKind::Failed, [&] { farm::readUnits(path, true); });
+    fuzz::expectAnswer(ErrorKind::Failed, [&] {
+        farm::forEachUnit(
+            path, true, [](const auto&) {}, [](const auto&) {});
+    });
     // What merge asks before it takes memory, with less to give.
     std::optional<farm::Assembly> assembly;
     const auto room = [&](const farm::UnitHeader& header, uint64_t) {
