@@ -3,8 +3,9 @@
 #include <sys/resource.h>
 
 #include <cmath>
-#include <memory>
+#include <deque>
 #include <mutex>
+#include <optional>
 
 #include "bench/timing.h"
 #include "core/error.h"
@@ -136,7 +137,8 @@ void summarize(const std::vector<Timing>& timings, Result& result) {
     result.shadow = quartiles([](const Timing& t) { return t.stages.kernels.shadow; });
     result.secondary = quartiles([](const Timing& t) { return t.stages.kernels.secondary; });
     result.shade = quartiles([](const Timing& t) { return t.stages.kernels.shade; });
-    result.trace = quartiles([](const Timing& t) { return t.stages.trace; });
+    const bool device = result.backend == Backend::Gpu;
+    result.trace = quartiles([=](const Timing& t) { return device ? t.stages.trace : t.wall; });
     result.readback = quartiles([](const Timing& t) { return t.stages.readback; });
     result.processors = quartiles([](const Timing& t) { return t.processors; });
 }
@@ -160,115 +162,92 @@ void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, Req
     result.refracted = quartilesOf(refracted);
 }
 
-// A renderer whose pictures are timed.
+// A renderer, or the reference without a device, whose images are timed.
 class Contestant {
   public:
-    Contestant(const gpu::Device& device, const Task& task, const render::Options& options,
+    Contestant(const Task& task, const gpu::Device* device, const render::Options& options,
                const Result& described)
-        : renderer_(device, task.loaded.packed, options),
-          camera_(task.camera),
-          request_(task.request),
-          result_(described) {
-        result_.device = device.info().name;
-        result_.driver = device.info().driver;
-        result_.traversal = nameOf(renderer_.traversal(request_.methods));
-        result_.access = nameOf(renderer_.access());
+        : task_(task), result_(described) {
+        if (device == nullptr) {
+            result_.device = "CPU reference (double precision)";
+            result_.driver = counted(defaultThreadCount(), "thread");
+            return;
+        }
+        renderer_.emplace(*device, task.loaded.packed, options);
+        result_.device = device->info().name;
+        result_.driver = device->info().driver;
+        result_.traversal = nameOf(renderer_->traversal(task.request.methods));
+        result_.access = nameOf(renderer_->access());
     }
 
     void warmUp() {
         const Stopwatch warming;
-        for (int i = 0; i < kMaxWarmUps && (i < kMinWarmUps || warming.seconds() < kWarmUpSeconds); ++i) {
-            const Picture picture = draw();
-            if (i > 0) continue;
-            result_.compile = renderer_.times().compile;
-            result_.codeBytes = renderer_.codeBytes();
-            result_.picture = pictureHash(picture);
-        }
+        result_.picture = pictureHash(draw());
+        if (!renderer_) return;
+        result_.compile = renderer_->times().compile;
+        result_.codeBytes = renderer_->codeBytes();
+        for (int i = 1; i < kMaxWarmUps && (i < kMinWarmUps || warming.seconds() < kWarmUpSeconds); ++i)
+            draw();
     }
     void timeOne() {
         Picture picture;
         timings_.push_back(timeImage(
-            &renderer_, [&] { return draw(); }, picture));
+            renderer_ ? &*renderer_ : nullptr, [&] { return draw(); }, picture));
         result_.livePaths = timings_.back().stages.pathRays;
         result_.invocations = timings_.back().stages.invocations;
     }
     Result finish() {
         summarize(timings_, result_);
-        countOnDevice(renderer_, camera_, request_, result_);
-        result_.upload = renderer_.times().upload;
-        result_.deviceBytes = renderer_.deviceBytes();
+        if (!renderer_) return result_;
+        countOnDevice(*renderer_, task_.camera, task_.request, result_);
+        result_.upload = renderer_->times().upload;
+        result_.deviceBytes = renderer_->deviceBytes();
         return result_;
     }
 
   private:
     Picture draw() {
-        Picture picture = renderer_.render(camera_, request_);
+        Picture picture = renderer_ ? renderer_->render(task_.camera, task_.request)
+                                    : reference::render(task_.loaded.packed, task_.camera, task_.request);
         if (!picture.complete) stop();
         return picture;
     }
 
-    render::Renderer renderer_;
-    shared::Camera camera_;
-    Request request_;
+    const Task& task_;
+    std::optional<render::Renderer> renderer_;  // empty: the reference
     Result result_;
     std::vector<Timing> timings_;
 };
 
-render::Options profiled(render::Options options) {
-    options.profile = options.wholePaths != render::WholePaths::On;
-    return options;
-}
-
-Result measureOnDevice(const Task& task, const gpu::Device& device, const Result& described) {
-    Contestant contestant(device, task, profiled(task.options.renderer), described);
-    contestant.warmUp();
-    for (int i = 0; i < task.options.repeats; ++i) {
-        task.options.progress((i + 1.0) / (task.options.repeats + 2));
-        contestant.timeOne();
-    }
-    return contestant.finish();
-}
-
-// Each way to find hits that the device and the scene have, a picture each in turns, so that what else the
-// machine does meets all alike.
-std::vector<Result> measureWalks(const Task& task, const gpu::Device& device, const Result& described) {
-    using enum render::Traversal;
-    std::vector<std::unique_ptr<Contestant>> contestants;
-    for (const render::Traversal traversal : {Lane, Packet}) {
-        if (traversal == Packet && !render::runsPackets(device.info())) continue;
-        if (nameOf(chooseTraversal(traversal, device.info(), task.loaded.packed, task.request.methods)) !=
-            nameOf(traversal))
-            continue;
-        render::Options options = profiled(task.options.renderer);
+// One image of each way in turns, so that other work of the machine affects all alike.
+std::vector<Result> measureInTurns(const Task& task, const gpu::Device* device,
+                                   const std::vector<render::Traversal>& ways, const Result& described) {
+    std::deque<Contestant> contestants;
+    for (const render::Traversal traversal : ways) {
+        render::Options options = task.options.renderer;
+        options.profile = options.wholePaths != render::WholePaths::On;
         options.traversal = traversal;
-        contestants.push_back(std::make_unique<Contestant>(device, task, options, described));
-        contestants.back()->warmUp();
+        contestants.emplace_back(task, device, options, described).warmUp();
     }
     for (int i = 0; i < task.options.repeats; ++i) {
         task.options.progress((i + 1.0) / (task.options.repeats + 2));
-        for (const auto& contestant : contestants) contestant->timeOne();
+        for (Contestant& contestant : contestants) contestant.timeOne();
     }
-    std::vector<Result> walks;
-    for (const auto& contestant : contestants) walks.push_back(contestant->finish());
-    return walks;
+    std::vector<Result> results;
+    for (Contestant& contestant : contestants) results.push_back(contestant.finish());
+    return results;
 }
 
-void measureOnHost(const Task& task, Result& result) {
-    std::vector<double> seconds;
-    for (int i = 0; i <= task.options.repeats; ++i) {
-        task.options.progress(i / (task.options.repeats + 1.0));
-        Picture picture;
-        const auto draw = [&] { return reference::render(task.loaded.packed, task.camera, task.request); };
-        const Timing timing = timeImage(nullptr, draw, picture);
-        if (!picture.complete) stop();
-        if (i == 0)
-            result.picture = pictureHash(picture);
-        else
-            seconds.push_back(timing.wall);
+// The traversals that the device has for the scene.
+std::vector<render::Traversal> waysOf(const Task& task, const gpu::Device& device) {
+    std::vector<render::Traversal> ways;
+    for (const render::Traversal traversal : {render::Traversal::Lane, render::Traversal::Packet}) {
+        if (traversal == render::Traversal::Packet && !render::runsPackets(device.info())) continue;
+        if (nameOf(chooseTraversal(traversal, device.info(), task.loaded.packed, task.request.methods)) ==
+            nameOf(traversal))
+            ways.push_back(traversal);
     }
-    result.trace = quartilesOf(seconds);
-    result.device = "CPU reference (double precision)";
-    result.driver = counted(defaultThreadCount(), "thread");
+    return ways;
 }
 
 }  // namespace
@@ -282,15 +261,14 @@ Result measure(const std::string& scene, const LoadedScene& loaded, const gpu::D
     result.repeats = options.repeats;
     result.also = namesOf(options.renderer.leaveOut ? options.renderer.also : allFeatures());
     describe(loaded, task.request, result);
+    const Result described = result;
+    result = measureInTurns(task, device, {options.renderer.traversal}, described).front();
     if (device != nullptr) {
-        const Result described = result;
-        result = measureOnDevice(task, *device, described);
-        if (options.everyWalk) result.walks = measureWalks(task, *device, described);
+        if (options.everyWalk) result.walks = measureInTurns(task, device, waysOf(task, *device), described);
         const double pixels = static_cast<double>(result.width) * result.height;
         const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kCountedPixels))));
         countRays(task, stride, 1, result);
     } else {
-        measureOnHost(task, result);
         countRays(task, 1, task.request.samples.count(), result);
         const auto rays = [&](reference::RayClass k) { return result.counted[static_cast<size_t>(k)].rays; };
         result.rays = {rays(reference::RayClass::Primary), rays(reference::RayClass::Shadow),

@@ -152,42 +152,24 @@ std::string csvText(const std::string& text) {
     return quoted + "\"";
 }
 
-// Appends names and values of the fields; lists become their median.
-struct CsvLine {
-    std::string names, values, prefix;
-
-    template <typename T>
-    void operator()(const char* name, const T& value) {
-        if constexpr (requires(CsvLine & line) { visitFields(line, value); }) {
-            const std::string before = prefix;
-            prefix += std::string(name) + ".";
-            visitFields(*this, value);
-            prefix = before;
-        } else if constexpr (std::is_same_v<T, std::optional<ArithmeticError>>) {
-            const CsvLine without = *this;
-            (*this)(name, value.value_or(ArithmeticError()));
-            if (!value)
-                values =
-                    without.values +
-                    std::string(std::count(names.begin() + static_cast<std::ptrdiff_t>(without.names.size()),
-                                           names.end(), ','),
-                                ',');
-        } else {
-            names += "," + prefix + name;
-            values += "," + text(value);
-        }
+// A cell for each number or text of an object, by its path; lists become their median.
+void addCells(const Json& json, const std::string& name,
+              std::vector<std::pair<std::string, std::string>>& cells) {
+    if (json.is_object()) {
+        for (const auto& [key, value] : json.items())
+            addCells(value, name.empty() ? key : name + "." + key, cells);
+    } else if (json.is_array()) {
+        addCells(quartilesOf(json.get<std::vector<double>>()).median, name, cells);
+    } else if (json.is_number()) {
+        char text[32];
+        std::snprintf(text, sizeof(text), "%.9g", json.get<double>());
+        cells.emplace_back(name, text);
+    } else if (json.is_boolean()) {
+        cells.emplace_back(name, json.get<bool>() ? "yes" : "no");
+    } else if (json.is_string()) {
+        cells.emplace_back(name, csvText(json.get<std::string>()));
     }
-    static std::string text(const std::string& value) { return csvText(value); }
-    static std::string text(bool value) { return value ? "yes" : "no"; }
-    static std::string text(const std::vector<double>& list) { return text(quartilesOf(list).median); }
-    static std::string text(const std::optional<double>& value) { return value ? text(*value) : ""; }
-    template <typename T>
-    static std::string text(T value) requires std::is_arithmetic_v<T> {
-        char out[32];
-        std::snprintf(out, sizeof(out), "%.9g", static_cast<double>(value));
-        return out;
-    }
-};
+}
 
 }  // namespace
 
@@ -208,15 +190,26 @@ Report fromJson(const std::string& text, const std::string& name) {
 }
 
 std::string toCsv(const Report& data) {
-    CsvLine header;
-    const Measured blank;
-    visitFields(header, blank);
-    std::string text = "scene" + header.names + "\r\n";
+    Measured whole;  // has every field
+    whole.arithmetic.emplace();
+    whole.ssim.emplace();
+    std::vector<std::pair<std::string, std::string>> columns;
+    addCells(Writer::write(whole), "", columns);
+    std::string text = "scene";
+    for (const auto& [name, value] : columns) text += "," + name;
+    text += "\r\n";
     for (const SceneReport& scene : data.scenes)
         for (const Measured& m : scene.measured) {
-            CsvLine line;
-            visitFields(line, m);
-            text += csvText(scene.name) + line.values + "\r\n";
+            std::vector<std::pair<std::string, std::string>> cells;
+            addCells(Writer::write(m), "", cells);
+            text += csvText(scene.name);
+            auto cell = cells.begin();
+            for (const auto& [name, value] : columns) {
+                const bool there = cell != cells.end() && cell->first == name;
+                text += "," + (there ? cell->second : "");
+                if (there) ++cell;
+            }
+            text += "\r\n";
         }
     return text;
 }

@@ -147,23 +147,6 @@ void checkMemory(const Sweeps& sweeps, const Options& options) {
                                : std::string("fewer scenes")));
 }
 
-SweepLimits limitsOf(const Options& options, size_t scenes) {
-    SweepLimits limits;
-    limits.repeats = options.repeats;
-    limits.truthSamples = options.truthSamples;
-    limits.truthSeconds = options.secondsLeft() / 3 / static_cast<double>(scenes);
-    limits.truth = options.truth;
-    limits.devices = options.devices;
-    limits.secondsLeft = options.secondsLeft;
-    limits.cancelled = options.cancelled;
-    limits.wanted = [&options](const Setting& s) {
-        return options.only.empty() ||
-               std::any_of(options.only.begin(), options.only.end(),
-                           [&](const std::string& start) { return s.family.starts_with(start); });
-    };
-    return limits;
-}
-
 }  // namespace
 
 std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInfo& device,
@@ -185,11 +168,11 @@ std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInf
 Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::optional<Report>& earlier,
            const Options& options) {
     Report report = freshReport(options, device.info());
-    const SweepLimits limits = limitsOf(options, subjects.size());
+    const double truthSeconds = options.secondsLeft() / 3 / static_cast<double>(subjects.size());
     Sweeps sweeps;
     for (Subject& subject : subjects) {
         sweeps.push_back(std::make_unique<SceneSweep>(device, subject.path, std::move(subject.loaded),
-                                                      options.width, limits));
+                                                      options, truthSeconds));
         SceneReport empty = sweeps.back()->emptyReport();
         empty.camera = subject.camera;
         report.scenes.push_back(resumed(empty, earlier));

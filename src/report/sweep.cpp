@@ -83,20 +83,28 @@ bool isPossible(const Setting& s, const SceneReport& report) {
 
 }  // namespace
 
-SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, LoadedScene loaded, int width,
-                       SweepLimits limits)
-    : device_(device), path_(std::move(path)), limits_(std::move(limits)), loaded_(std::move(loaded)) {
+SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, LoadedScene loaded,
+                       const Options& options, double truthSeconds)
+    : device_(device),
+      path_(std::move(path)),
+      options_(options),
+      truthSeconds_(truthSeconds),
+      loaded_(std::move(loaded)) {
     image_ = loaded_.scene.image;
-    image_.height = heightOf(width);
-    image_.width = width;
+    image_.height = heightOf(options.width);
+    image_.width = options.width;
     image_.filter = Filter::Box;  // the same for all settings, and its samples all have the same weight
     image_.filterRadius = defaultRadius(Filter::Box);
     image_.adaptive.reset();
     camera_ = cameraOf(loaded_, requestFor({}, 0));
     arrayBytes_ = rendererOf({})->deviceBytes();
     settings_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
-                          loaded_.scene.maxDepth, limits_.devices);
-    std::erase_if(settings_, [&](const Setting& s) { return !limits_.wanted(s); });
+                          loaded_.scene.maxDepth, options_.devices);
+    std::erase_if(settings_, [&](const Setting& s) {
+        return !options.only.empty() &&
+               std::none_of(options.only.begin(), options.only.end(),
+                            [&](const std::string& start) { return s.family.starts_with(start); });
+    });
 }
 
 SceneSweep::~SceneSweep() = default;
@@ -123,7 +131,7 @@ SceneReport SceneSweep::emptyReport() const {
 // paths of at most 1 GiB, the arrays, and 48 MiB for the code of each renderer.
 uint64_t SceneSweep::memory(int width) const {
     const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(heightOf(width));
-    const uint64_t renderers = 2 + limits_.devices.size();
+    const uint64_t renderers = 2 + options_.devices.size();
     const uint64_t images = (4 + 6 + 4) * sizeof(glm::dvec4) + 2 * sizeof(PixelData) + 8 * sizeof(float) * 4;
     return pixels * images + renderers * (arrayBytes_ + (uint64_t{48} << 20));
 }
@@ -138,7 +146,7 @@ Request SceneSweep::requestFor(const Setting& s, uint32_t seed) const {
     request.methods = s.methods;
     request.minContribution = s.minContribution;
     if (s.depth) request.maxDepth = static_cast<uint32_t>(*s.depth);
-    request.cancelled = [this] { return limits_.cancelled() || limits_.secondsLeft() < -kOverdue; };
+    request.cancelled = [this] { return options_.cancelled() || options_.secondsLeft() < -kOverdue; };
     return request;
 }
 
@@ -147,7 +155,7 @@ render::Renderer* SceneSweep::rendererOf(const Setting& s) {
     std::unique_ptr<render::Renderer>& renderer = renderers_[s.on + (s.leaveOut ? "" : " full")];
     if (renderer) return renderer.get();
     const gpu::Device* device = &device_;
-    for (const DeviceBeside& beside : limits_.devices)
+    for (const DeviceBeside& beside : options_.devices)
         if (beside.device != nullptr && beside.label() == s.on) device = beside.device;
     render::Options options;
     options.leaveOut = s.leaveOut;
@@ -242,14 +250,14 @@ bool SceneSweep::drawTruth(SceneReport& report) {
         report.stiffness = nameOf(verify::classOf(report.kappa));
     }
     kappa_ = report.kappa;
-    const bool exact = limits_.truth == Backend::Cpu;
+    const bool exact = options_.truth == Backend::Cpu;
     Setting half;
     half.onReference = exact;
-    int samples = report.truthSamples > 0 ? report.truthSamples : limits_.truthSamples;
+    int samples = report.truthSamples > 0 ? report.truthSamples : options_.truthSamples;
     if (samples == 0) {
-        const double allowed = limits_.truthSeconds / secondsOf(half);
+        const double allowed = truthSeconds_ / secondsOf(half);
         for (samples = 2; 2 * samples <= allowed && samples < kMostTruthSamples;) samples *= 2;
-        if (samples * secondsOf(half) > limits_.secondsLeft()) return false;
+        if (samples * secondsOf(half) > options_.secondsLeft()) return false;
     }
     half.spp = std::max(1, samples / 2);
     std::vector<glm::dvec3> halves[2];
@@ -335,14 +343,14 @@ bool SceneSweep::drawTimed(const Setting& s, Measured& m, const SceneReport& rep
 }
 
 SceneSweep::Outcome SceneSweep::run(const Setting& s, SceneReport& report) {
-    const auto unfinished = [&] { return limits_.cancelled() ? Outcome::Cancelled : Outcome::Skipped; };
+    const auto unfinished = [&] { return options_.cancelled() ? Outcome::Cancelled : Outcome::Skipped; };
     const double infinite = std::numeric_limits<double>::infinity();
-    if (limits_.cancelled()) return Outcome::Cancelled;
-    if (limits_.secondsLeft() <= 0 || !drawTruth(report)) return unfinished();
+    if (options_.cancelled()) return Outcome::Cancelled;
+    if (options_.secondsLeft() <= 0 || !drawTruth(report)) return unfinished();
     if (!isPossible(s, report)) return Outcome::Skipped;
     const std::string key = keyOf(s);
     const Measured* known = report.find(key);
-    if (limits_.secondsLeft() != infinite && predictedSeconds(s, known, report) > limits_.secondsLeft())
+    if (options_.secondsLeft() != infinite && predictedSeconds(s, known, report) > options_.secondsLeft())
         return unfinished();
     Measured m = known ? *known : Measured();
     if (!known) {

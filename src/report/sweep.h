@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <tuple>
@@ -11,28 +10,17 @@
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "render/renderer.h"
-#include "report/plan.h"
-#include "trace/backend.h"
+#include "report/options.h"
 #include "trace/picture.h"
 
 namespace glint::report {
 
-struct SweepLimits {
-    int repeats = 10;
-    int truthSamples = 0;      // 0: as many as truthSeconds allow
-    double truthSeconds = 20;  // for the converged image
-    Backend truth = Backend::Cpu;
-    std::vector<DeviceBeside> devices;
-    std::function<double()> secondsLeft;  // infinite: no limit
-    std::function<bool()> cancelled;
-    std::function<bool(const Setting&)> wanted;
-};
-
 class SceneSweep {
   public:
-    // `width`: of the images, in pixels; the height follows the scene's proportions.
-    SceneSweep(const gpu::Device& device, std::filesystem::path path, LoadedScene loaded, int width,
-               SweepLimits limits);
+    // The height of the images follows the scene's proportions. `truthSeconds`: for the converged image.
+    // `options` must outlive the object.
+    SceneSweep(const gpu::Device& device, std::filesystem::path path, LoadedScene loaded,
+               const Options& options, double truthSeconds);
     ~SceneSweep();
 
     const std::vector<Setting>& settings() const { return settings_; }
@@ -67,7 +55,8 @@ class SceneSweep {
 
     const gpu::Device& device_;
     std::filesystem::path path_;
-    SweepLimits limits_;
+    const Options& options_;
+    double truthSeconds_;
     LoadedScene loaded_;
     ImageSettings image_;  // of the report's images, but for sampler, samples and seed
     shared::Camera camera_;
