@@ -11,7 +11,7 @@ namespace glint {
 
 namespace {
 
-// Objects have so many numbers at most (a transform); a list of more is no value that a track may have.
+// The longest list of numbers in a scene is a transform.
 constexpr size_t kMostComponents = 16;
 
 bool isNumbers(const JsonValue& value) {
@@ -19,7 +19,7 @@ bool isNumbers(const JsonValue& value) {
     return array && std::all_of(array->begin(), array->end(), [](const JsonValue& v) { return v.number(); });
 }
 
-// All but the last step must lead somewhere; the last may be a key that stands for its default so far.
+// All steps but the last must exist; the last may be a key that has its default value.
 void checkTarget(const JsonCursor& root, const JsonCursor& target, const AnimationTrack& track) {
     static constexpr std::array<std::string_view, 6> kParts = {"camera",  "cameras", "background",
                                                                "ambient", "lights",  "materials"};
@@ -114,7 +114,7 @@ AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
 
 Animation parseAnimation(const JsonCursor& root) {
     Animation animation;
-    root.expectObject();  // a file is asked for its animation before anything else looks at it
+    root.expectObject();  // no other function has checked the file yet
     const auto cursor = root.find("animation");
     if (!cursor) return animation;
     cursor->expectKeys(keys::of("animation"));

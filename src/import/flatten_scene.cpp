@@ -5,8 +5,8 @@ namespace glint {
 
 namespace {
 
-// `corners` of a mesh with `count` triangles, appended so that `into` stays parallel to the triangles; those
-// of meshes without such corners are kNoIndex.
+// Appends `corners` of a mesh with `count` triangles so that `into` stays parallel to the triangles. Meshes
+// without such corners get kNoIndex.
 void appendCorners(const std::vector<glm::uvec3>& corners, size_t count, size_t before, size_t firstElement,
                    std::vector<glm::uvec3>& into) {
     constexpr glm::uvec3 kNone(Mesh::kNoIndex);

@@ -10,10 +10,10 @@ namespace glint {
 
 namespace {
 
-// An accessor without data is all zeros, as many as it likes to say.
+// An accessor without data is all zeros, whatever its count.
 constexpr uint64_t kMostZeros = uint64_t{1} << 24;
 
-// `count` elements as numbers, and again as what becomes of them.
+// For `count` elements as numbers, and for their converted copy.
 void takeMemory(GltfFile& file, const JsonCursor& accessor, uint64_t count, size_t components) {
     file.files().take(2 * count * components * sizeof(double), file.name() + ": " + accessor.pointer());
 }

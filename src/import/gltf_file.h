@@ -41,11 +41,10 @@ struct GltfNumbers {
     std::vector<double> values;
 };
 
-// Cursors that it hands out must not outlive it. Everything throws Error(Scene) "FILE: /POINTER: what".
+// Its cursors must not outlive it. All functions throw Error(Scene) "FILE: /POINTER: what".
 class GltfFile {
   public:
-    // Reads .gltf or .glb, told apart by their first bytes, and checks the version and the extensions that
-    // the file requires.
+    // Reads .gltf or .glb, by the first bytes, and checks the version and the required extensions.
     GltfFile(const std::filesystem::path& path, SceneFiles& files);
     GltfFile(const GltfFile&) = delete;
     GltfFile& operator=(const GltfFile&) = delete;
@@ -55,7 +54,7 @@ class GltfFile {
     size_t count(GltfList list) const { return cursors_[static_cast<size_t>(list)].second; }
     // `index` must be below count; the item is an object.
     JsonCursor item(GltfList list, size_t index) const;
-    // The index that stands at `reference`, which fails if the list has no such item.
+    // The index at `reference`; fails if the list has no such item.
     size_t index(GltfList list, const JsonCursor& reference) const;
 
     // Bytes of item `view` of bufferViews. External files are read, and compressed views decoded, on first
@@ -68,12 +67,12 @@ class GltfFile {
     // be the file of that name beside the model.
     std::string readUri(const JsonCursor& uri, bool picture = false);
 
-    // To be asked for memory before it is taken.
+    // For SceneFiles::take.
     SceneFiles& files() { return files_; }
 
-    // One line each, however often the same is said.
+    // Each line once, however often it is given.
     void warn(const std::string& what);
-    // The same of an error that does not matter that much: "what; `consequence`".
+    // The same for an error that only needs a warning: "what; `consequence`".
     void warnOf(const std::exception& error, const std::string& consequence);
     std::vector<std::string> takeWarnings() { return std::move(warnings_); }
 

@@ -113,8 +113,7 @@ void GltfMaterials::readMetallicRoughness(const JsonCursor& pbr, Surface& surfac
     }
 }
 
-// The reflectance is given, and what it leaves is scattered: c_diff = diffuse (1 - max(specular)), in the
-// extension's words.
+// The reflectance is given; the rest is scattered: c_diff = diffuse (1 - max(specular)) (the extension).
 void GltfMaterials::readSpecularGlossiness(const JsonCursor& pbr, Surface& surface) {
     file_.warn("KHR_materials_pbrSpecularGlossiness is drawn as metallic-roughness is, which took its place");
     surface.metallic = 0;
@@ -152,7 +151,7 @@ void GltfMaterials::readBase(const JsonCursor& material, Surface& surface) {
     surface.roughness = std::clamp(surface.roughness, 0.0, 1.0);
     withExtension(material, "KHR_materials_ior",
                   [&](const JsonCursor& extension) { surface.ior = gltfNumber(extension, "ior", 1.5); });
-    // 0 asks for a mirror of all light (KHR_materials_ior); the highest index there is comes near.
+    // 0 means a mirror of all light (KHR_materials_ior); the highest index comes near.
     if (surface.ior == 0) surface.ior = 1e4;
 }
 
@@ -258,7 +257,7 @@ Material GltfMaterials::whitted(const Surface& s) {
     return material;
 }
 
-// Ambient light reaches everything alike, so what a surface emits can be written as what it reflects of it.
+// Ambient light is the same everywhere, so emission can be written as a reflection of it.
 void GltfMaterials::setAmbient(const Surface& s, Material& material) {
     const double there = 1 - s.seeThrough;
     const bool emits = greatest(s.emission) > 0;

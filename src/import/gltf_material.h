@@ -1,5 +1,5 @@
-// glTF's metallic-roughness materials, and the older specular-glossiness ones, as Whitted's: the formulas are
-// in docs/reference/file-formats.md.
+// Converts glTF's metallic-roughness materials, and the older specular-glossiness ones, to Whitted's model by
+// the formulas of docs/reference/file-formats.md.
 #pragma once
 
 #include <map>
@@ -22,9 +22,9 @@ struct GltfUvTransform {
 
 class GltfMaterials {
   public:
-    // Converted materials and their textures are appended to `scene`, each when it is first asked for. With
-    // `ambientIsEmission` (the file has lights of its own) ambient light 1 stands for what surfaces emit, and
-    // nothing else; otherwise scene.ambient lights all surfaces.
+    // Appends each material and its textures to `scene` at its first use. With `ambientIsEmission` (the file
+    // has lights of its own) the ambient light is 1 and shows only what surfaces emit; otherwise
+    // scene.ambient lights all surfaces.
     GltfMaterials(GltfFile& file, Scene& scene, bool ambientIsEmission)
         : file_(file), scene_(scene), ambientIsEmission_(ambientIsEmission) {}
 
@@ -67,7 +67,7 @@ class GltfMaterials {
     Texture sampled(const JsonCursor& texture, std::shared_ptr<const Image> image);
     std::optional<size_t> imageOf(const JsonCursor& info);
     std::shared_ptr<const Image> image(size_t index);
-    // Nothing for a picture that cannot be read.
+    // Nothing for an image that cannot be read.
     std::optional<Means> means(const JsonCursor& info);
     double mean(const JsonCursor& info, int channel);
 

@@ -118,7 +118,7 @@ class GltfScene::Reader {
         std::string name;
     };
 
-    // Later items first, as they go onto a stack.
+    // Pushes the last item first.
     void push(const JsonCursor& list, const Affine& parent, bool moves, std::vector<Visit>& stack) {
         for (size_t i = list.size(); i-- > 0;)
             stack.push_back({file_.index(GltfList::Nodes, list.item(i)), parent, moves});
@@ -137,7 +137,7 @@ class GltfScene::Reader {
         } else {
             pushRoots(stack);
         }
-        // Every node has one parent at most, so one that comes twice is in a cycle or in two trees.
+        // Every node has at most one parent: a node that is visited twice is in a cycle or in two trees.
         std::vector<bool> seen(file_.count(GltfList::Nodes));
         while (!stack.empty()) {
             const Visit visit = stack.back();
@@ -157,7 +157,7 @@ class GltfScene::Reader {
         }
     }
 
-    // Without scenes: the nodes that are nobody's children.
+    // Without scenes, the roots are the nodes without a parent.
     void pushRoots(std::vector<Visit>& stack) {
         std::vector<bool> child(file_.count(GltfList::Nodes));
         for (size_t i = 0; i < child.size(); i++) {

@@ -33,7 +33,7 @@ bool known(std::string_view bytes) {
 
 }  // namespace
 
-// Nothing, with a warning, for a picture that is not there or cannot be read.
+// Null, with a warning, for an image that is missing or cannot be read.
 std::shared_ptr<const Image> GltfMaterials::image(size_t index) {
     if (const auto known = images_.find(index); known != images_.end()) return known->second;
     const JsonCursor image = file_.item(GltfList::Images, index);

@@ -1,4 +1,4 @@
-// A place in a JSON tree that knows its JSON pointer (RFC 6901): typed reading, errors that say where.
+// A place in a JSON tree with its JSON pointer (RFC 6901): typed reading, errors with the place.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +26,8 @@ struct KeyTable {
     }
 };
 
-// Children hold pointers to their parents: a cursor must not outlive the one it came from. Every reading
-// function throws Error(Scene) "FILE: POINTER: what is wanted (got what)".
+// Children hold pointers to their parents: a cursor must not outlive its parent. Every reading function
+// throws Error(Scene) "FILE: POINTER: what is wanted (got what)".
 class JsonCursor {
   public:
     JsonCursor(const JsonValue& root, const std::string& file) : value_(&root), file_(&file) {}

@@ -16,7 +16,7 @@ namespace glint {
 
 namespace {
 
-// Tells how far the parser has read: nlohmann passes a position with syntax errors, but none with a key.
+// Records how far the parser has read: nlohmann gives positions of syntax errors, but not of keys.
 struct TrackedChar {
     using iterator_category = std::input_iterator_tag;
     using value_type = char;

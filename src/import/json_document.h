@@ -20,7 +20,7 @@ struct JsonObject {
 
 struct JsonValue {
     std::variant<std::monostate, bool, double, std::string, JsonArray, JsonObject> data;
-    uint32_t line = 0, column = 0;  // where it begins in the file, from 1; 0: it is from no file
+    uint32_t line = 0, column = 0;  // of its first character, from 1; 0 for values from no file
     uint32_t begin = 0, end = 0;    // bytes of an object or array, behind a byte order mark
 
     const bool* boolean() const { return std::get_if<bool>(&data); }
@@ -40,7 +40,7 @@ JsonValue parseJson(std::string_view text, const std::string& file);
 // The steps of a JSON pointer (RFC 6901), unescaped: "/a~1b/0" has the steps "a/b" and "0".
 std::vector<std::string> stepsOf(std::string_view pointer);
 
-// A value as it is shown in messages: short ones as JSON on one line, long ones by what they are.
+// A value for messages: short values as JSON on one line, long values by their kind.
 std::string describe(const JsonValue& value);
 
 }  // namespace glint

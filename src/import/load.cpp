@@ -52,7 +52,7 @@ Scene loadModel(const std::filesystem::path& path, SceneFiles& files) {
     return scene;
 }
 
-// Those beside the file's first camera must not make it useless.
+// An invalid camera beside the first one must not make the file useless.
 void dropFaultyCameras(Scene& scene, const std::filesystem::path& path) {
     std::erase_if(scene.cameras, [&](const NamedCamera& named) {
         try {

@@ -13,10 +13,10 @@ namespace glint {
 
 // Loads a glint scene (.json), a scene of another program (.gltf, .glb, .nff) or a model alone (.obj, .ply,
 // .stl), chosen by extension, any case. Relative paths inside a file are relative to that file. A model alone
-// gets a camera that frames it and a light (frameModel), a scene of another program what it lacks of these.
-// Throws Error(Scene) with one line "file: where: what" for anything wrong: docs/reference/scene-format.md.
-// Error(Argument) for a name in options.camera that the file does not have.
-// Files that it names must lie in its folder or below, but by options.allowOutside.
+// gets a camera that frames it and a light (frameModel); a scene of another program gets those that it lacks.
+// Throws Error(Scene) "file: where: what" (docs/reference/scene-format.md), and Error(Argument) if the file
+// has no camera of the name options.camera. Without options.allowOutside, all files must lie in the scene's
+// folder or below.
 Scene loadScene(const std::filesystem::path& path, const LoadOptions& options = {});
 
 // Parses scene text; `name` stands for the file in messages, `folder` is where relative paths start.

@@ -25,7 +25,7 @@ std::string counted(size_t count, const char* singular, const char* plural) {
 
 bool hasThreeDifferent(const std::vector<uint32_t>& corners) {
     if (corners.size() < 3) return false;
-    // Neighbours differ already, so the first two are two; what is wanted is one that is neither.
+    // Neighbours differ already, so the first two count; any third corner differs from both.
     return std::any_of(corners.begin(), corners.end(),
                        [&](uint32_t corner) { return corner != corners[0] && corner != corners[1]; });
 }
@@ -51,7 +51,7 @@ void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t mater
     keepMaterial(mesh_.corners.size() - 1, material);
 }
 
-// The list begins with the first triangle that is not the face of its own number.
+// The list of faces stays empty as long as each triangle is the face of its own number.
 void MeshBuilder::keepFace(size_t triangle) {
     if (mesh_.faces.empty()) {
         if (polygons_ == triangle) return;
@@ -61,7 +61,7 @@ void MeshBuilder::keepFace(size_t triangle) {
     mesh_.faces.push_back(polygons_);
 }
 
-// With the first that has a material.
+// The list of materials starts with the first triangle that has one.
 void MeshBuilder::keepMaterial(size_t triangle, uint32_t material) {
     if (mesh_.materials.empty()) {
         if (material == Mesh::kNoIndex) return;
@@ -74,8 +74,7 @@ void MeshBuilder::addPolygon(const Corners& polygon, uint32_t material) {
     for (auto* scratch : {&corners_, &normalCorners_, &uvCorners_, &colorCorners_}) scratch->clear();
     const auto& corners = polygon.vertices;
     for (size_t i = 0; i < corners.size(); i++) {
-        if (corners[i] == corners[(i + 1) % corners.size()])
-            continue;  // a corner repeated at once is no corner
+        if (corners[i] == corners[(i + 1) % corners.size()]) continue;  // a repeated corner
         corners_.push_back(corners[i]);
         if (!polygon.normals.empty()) normalCorners_.push_back(polygon.normals[i]);
         if (!polygon.uvs.empty()) uvCorners_.push_back(polygon.uvs[i]);

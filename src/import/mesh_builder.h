@@ -1,4 +1,4 @@
-// Collects the polygons of a mesh file as triangles.
+// Splits the polygons of a mesh file into triangles and collects them.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ class MeshBuilder {
     std::vector<glm::dvec3> normals;
     std::vector<glm::dvec2> uvs;
     std::vector<Color> colors;  // as they stand in the file, kNoColor for white
-    // Integers and Srgb are sRGB codes, the former of 255, 65535 or 2^32 - 1, whichever holds the greatest.
-    // Fractions beyond 2 are no fractions, but codes of 255 too.
+    // Integers and Srgb are sRGB codes. White is 1 for Srgb, and for Integers the least of 255, 65535 and
+    // 2^32 - 1 that holds all values. Colours above 2 are taken as Integers.
     enum class ColorCodes { Linear, Srgb, Integers } colorCodes = ColorCodes::Linear;
     static constexpr Color kNoColor{std::numeric_limits<double>::infinity()};
 
@@ -30,8 +30,8 @@ class MeshBuilder {
         std::span<const uint32_t> vertices;
         std::span<const uint32_t> normals = {}, uvs = {}, colors = {};
     };
-    // Fewer than three different corners: dropped and counted. `material` counts only if some polygon's
-    // differs from kNoIndex.
+    // Drops and counts polygons with fewer than three different corners. If all polygons have the material
+    // kNoIndex, the mesh has no materials.
     void addPolygon(const Corners& corners, uint32_t material = Mesh::kNoIndex);
 
     void reserve(size_t triangles);

@@ -10,7 +10,7 @@ namespace glint {
 
 namespace {
 
-// A map that is given counts though its colour is left black, as some exporters write it.
+// Some exporters write a black colour beside a map: then the map counts alone.
 void tint(Color& color, uint32_t texture) {
     if (texture != Material::kNoTexture && color == Color(0)) color = Color(1);
 }

@@ -23,8 +23,8 @@ struct MtlMap {
 };
 using MtlMapTable = std::map<std::string, MtlMap>;  // by key, in lower case: "map_kd"
 
-// Loads the maps of one file's materials. Models often come without their images: one that is missing or
-// broken is warned of once, and its material drawn without.
+// Loads the maps of one file's materials. A missing or damaged image gives one warning, and its material is
+// drawn without it, as models often come without their images.
 class MtlMaps {
   public:
     MtlMaps(const std::filesystem::path& file, SceneFiles& files, std::vector<Texture>& textures,

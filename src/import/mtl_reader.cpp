@@ -56,7 +56,7 @@ class MtlReader {
         return std::move(materials_);
     }
 
-    // Once, of as many materials as it may be said of.
+    // Warns once for each `about`, however many materials cause it.
     void warnOnce(const std::string& about, const std::string& what) {
         if (said_.insert(about).second) warnings_.push_back(printable(file_ + ": " + what));
     }
@@ -150,9 +150,8 @@ Material convert(const MtlMaterial& m) {
     material.name = m.name;
     // A material that gives no colour at all is grey.
     material.diffuse = m.colors.empty() ? Color(0.8) : m.color("kd");
-    // Exporters without an ambient term write Ka 0 0 0 or leave it out; taken at its word the unlit side of
-    // nearly every model would be black, so both mean what a missing "ambient" means in a scene file: the
-    // diffuse colour.
+    // Exporters without an ambient term write Ka 0 0 0 or leave it out. Both mean the diffuse colour, as a
+    // missing "ambient" does in a scene file; otherwise the unlit side of most models would be black.
     const double illum = m.number("illum", 2);
     const Color ambient = m.color("ka");
     material.ambient = illum == 0 || ambient == Color(0) ? material.diffuse : ambient;

@@ -1,6 +1,6 @@
-// NFF, the Neutral File Format (E. Haines, version 3.9, 1996) of the Standard Procedural Databases. What the
-// format leaves open (intensities, ambient light, depth) follows the Readme of those databases (E. Haines,
-// version 3.14, 2005), "SPD" below.
+// NFF, the Neutral File Format (E. Haines, version 3.9, 1996) of the Standard Procedural Databases. The
+// Readme of these databases (E. Haines, version 3.14, 2005), "SPD" below, defines intensities, ambient light
+// and depth, which the format leaves open.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -118,7 +118,7 @@ class NffReader {
         scene_.lights.emplace_back(light);
     }
 
-    // Colours multiply Kd alone: Ks and T are fractions of what the further rays bring.
+    // Colours multiply Kd alone: Ks and T are fractions of the light from further rays.
     void readFill() {
         flushPatches();
         Fill fill;
@@ -135,7 +135,7 @@ class NffReader {
         material.name = "line " + std::to_string(scanner_.line());
         material.diffuse = kd * Color(r, g, b);
         material.ambient = material.diffuse;
-        // Phong's cosine is that of twice the angle that Blinn's is of; near the peak cos(2a)^n = cos(a)^4n.
+        // The angle of Phong's cosine is twice that of Blinn's; near the peak cos(2a)^n = cos(a)^4n.
         material.shininess = std::min(4 * shine, kMaxShininess);
         material.specular = Color(shine > 0 ? ks : 0);
         if (t > 0) {
@@ -157,7 +157,8 @@ class NffReader {
 
     void addObject(Shape shape, size_t line) {
         const std::string name = "line " + std::to_string(line);
-        // At once, so that the message shows the number in the file; meshes are looked at once, at the end.
+        // Checked here, so that the message shows the number in the file; meshes are checked once, at the
+        // end.
         if (!std::holds_alternative<MeshShape>(shape)) validateShape(shape, {file_, name}, 0);
         scene_.objects.push_back({name, std::move(shape), fill()});
     }

@@ -1,6 +1,6 @@
-// OBJ polygons (Wavefront, Advanced Visualizer manual, appendix B1). Not by tinyobjloader: it reads "x" and
-// "0,8" as 0, lets indices run past the end of the arrays, tells no line numbers, and its numbers are off by
-// some last bits.
+// OBJ polygons (Wavefront, Advanced Visualizer manual, appendix B1). tinyobjloader is no substitute: it reads
+// "x" and "0,8" as 0, accepts indices beyond the arrays, reports no line numbers, and its numbers differ from
+// the correctly rounded ones in the last bits.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -20,7 +20,7 @@ namespace glint {
 namespace {
 
 constexpr int64_t kNone = -1;
-constexpr int64_t kMissing = int64_t{1} << 40;  // of a list that has no items so far
+constexpr int64_t kMissing = int64_t{1} << 40;  // index into a list that is still empty
 constexpr Color kWhite = MeshBuilder::kNoColor;
 
 // Indices of a face corner by kind. They count from 0 and may be out of range, as a face may come before its
@@ -55,7 +55,7 @@ class ObjReader {
     }
 
   private:
-    static constexpr double kRead = 0.8;  // of the time, for lines
+    static constexpr double kRead = 0.8;  // part of the time for reading lines
 
     void readLines() {
         const ProgressPart part(0, kRead);
@@ -94,7 +94,7 @@ class ObjReader {
         }
     }
 
-    // Three numbers or more behind a vertex are its colour (ZBrush, MeshLab); a single one is a weight.
+    // Three numbers or more after a vertex are its colour (ZBrush, MeshLab); a single one is a weight.
     void readColor() {
         double rgb[3] = {};
         size_t count = 0;
@@ -119,7 +119,7 @@ class ObjReader {
         faces_.push_back(face);
     }
 
-    // v, v/vt, v//vn or v/vt/vn; slashes with nothing behind them are let pass, some exporters write them.
+    // v, v/vt, v//vn or v/vt/vn. Some exporters write slashes without an index; these are accepted.
     Corner readCorner(std::string_view word) {
         Corner corner = {kNone, kNone, kNone};
         const char* at = word.data();

@@ -57,8 +57,8 @@ PlyProperty readProperty(TextScanner& line) {
     return property;
 }
 
-// The offset behind the line "end_header". Only the header is lines: behind it binary data may hold any byte,
-// so whether lines end with CR alone is told from the header.
+// The offset after the line "end_header". Binary data may follow, so only the header shows whether lines end
+// with CR alone.
 size_t findBody(std::string_view bytes) {
     constexpr std::string_view kMark = "end_header";
     size_t mark = bytes.find(kMark);

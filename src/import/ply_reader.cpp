@@ -1,6 +1,5 @@
-// PLY meshes. Not by assimp, although it reads PLY fast; tried (5.2.5) on files of the kinds in tests/import:
-// it rounds double properties to float (123456.123456789 becomes 123456.125), takes a truncated ascii file
-// for a whole one and fills the rest with whatever was in memory, and lets bad vertex indices pass.
+// PLY meshes. assimp (5.2.5) is no substitute: it rounds double properties to float, accepts truncated ascii
+// files and fills the rest with arbitrary memory, and accepts invalid vertex indices.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -26,10 +25,10 @@ namespace {
 // The source is a template parameter so that its functions are inlined: half a million faces in 20 ms.
 template <typename SourceT>
 class PlyBody {
-    static constexpr double kRead = 0.9;  // of the time; the rest is for faces that had to wait
+    static constexpr double kRead = 0.9;  // part of the time for reading; the rest is for pending faces
 
   public:
-    // `materials` is empty or holds the one that all faces have.
+    // `materials` is empty or holds the material of all faces.
     PlyBody(SourceT& source, const PlyHeader& header, const std::string& file,
             std::vector<Material> materials)
         : source_(source), header_(header), file_(file), materials_(std::move(materials)) {}
@@ -87,7 +86,7 @@ class PlyBody {
         }
     }
 
-    // The place of each property's value among those of an element, kOther for none, and which are there.
+    // For each property its slot among the values that readers use, or kOther; and the complete groups.
     static constexpr size_t kOther = 11;
     struct Slots {
         std::vector<size_t> ofProperty;
@@ -138,7 +137,7 @@ class PlyBody {
         return p.isList && (p.name == "vertex_indices" || p.name == "vertex_index" || p.name == "texcoord");
     }
 
-    // Integers are codes as an image has them, floats linear.
+    // Integers are sRGB codes, floats are linear.
     void setColorCodes(const PlyElement& element) {
         const int red = std::max(element.find("red"), element.find("diffuse_red"));
         if (isInteger(element.properties[static_cast<size_t>(red)].type))
@@ -288,7 +287,7 @@ class PlyBody {
 
     bool haveVertices() const { return builder_.positions.size() == static_cast<size_t>(vertexCount_); }
 
-    // Its corners are the last of corners_. Faces before the vertices wait for them.
+    // Ends the face whose corners are the last of corners_. Faces that precede the vertices are pending.
     void endFace() {
         const size_t begin = faceEnds_.empty() ? 0 : faceEnds_.back();
         if (!faceUvs_.empty() && faceUvs_.size() != corners_.size()) {
@@ -311,7 +310,7 @@ class PlyBody {
         faceColors_.clear();
     }
 
-    // Adds a face. Its own attributes go behind those of the vertices.
+    // Adds a face. Its own attributes follow those of the vertices.
     void addFace(size_t face, size_t begin, size_t count) {
         const auto corners = std::span<const uint32_t>(corners_).subspan(begin, count);
         MeshBuilder::Corners polygon{corners};

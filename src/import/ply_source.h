@@ -1,4 +1,4 @@
-// The numbers behind the header of a PLY file, in its three formats.
+// Reads the numbers after the header of a PLY file, in its three formats.
 #pragma once
 
 #include <algorithm>
@@ -16,9 +16,9 @@ inline std::string endsAfter(const PlyElement& element, uint64_t index) {
            " elements \"" + element.name + "\"";
 }
 
-// AsciiSource and BinarySource give the numbers of the elements, property by property in the header's order.
-// fail() adds the place; atMost() is how many elements can still follow, which keeps a header that lies from
-// reserving all memory. In ascii files an element is a line.
+// AsciiSource and BinarySource return the numbers of the elements, property by property in the header's
+// order. fail() adds the place. atMost() bounds the number of elements that can follow, so that a false
+// header cannot reserve all memory. In ascii files an element is a line.
 class AsciiSource {
   public:
     AsciiSource(std::string_view body, const std::string& file, size_t line)

@@ -11,13 +11,13 @@ namespace glint {
 
 // Splits the polygon with these corners (three or more) into size - 2 triangles of the same winding and
 // appends them to `triangles` as indices into `corners`. A convex polygon becomes a fan about its first
-// corner, any other simple one is cut by ear clipping; a polygon that crosses itself or has no area gives
-// some covering, never an endless loop. A polygon that is not planar is judged by its projection along the
-// Newell normal's greatest axis.
+// corner; other simple polygons are cut by ear clipping. For polygons that cross themselves or have no area
+// the triangles are arbitrary, but the function returns. The projection along the Newell normal's greatest
+// axis decides for polygons that are not planar.
 //
-// False if some of the triangles are turned over, and so lie over others: then the polygon crosses itself, as
-// triangles without other corners than its own that all face one way make a disc. (One that overlaps itself
-// without turning over, like a roll of tape, is not noticed.)
+// False if some triangles are turned over: then the polygon crosses itself, since triangles of its own
+// corners that all face one way form a disc. Does not detect a polygon that overlaps itself without turning
+// over, like a roll of tape.
 bool splitPolygon(std::span<const glm::dvec3> corners, std::vector<std::array<uint32_t, 3>>& triangles);
 
 }  // namespace glint

@@ -10,20 +10,19 @@
 
 namespace glint {
 
-// All of them read through `files`, which knows what may be read and how much.
+// Each reads through `files`, which limits the files and the memory.
 ImportedMesh readObj(const std::filesystem::path& path, SceneFiles& files);
 ImportedMesh readPly(const std::filesystem::path& path, SceneFiles& files);
 ImportedMesh readStl(const std::filesystem::path& path, SceneFiles& files);
 
-// A scene that another program wrote. Without a camera of its own scene.camera means nothing; without lights
-// scene.lights is empty. Not yet validated.
+// A scene that another program wrote, not yet validated. scene.camera is valid only if hasCamera.
 struct ImportedScene {
     Scene scene;
     bool hasCamera = false;
 };
 
-// docs/reference/file-formats.md lists what is read, how it is mapped and what only causes a warning. Both
-// functions throw Error(Scene) "FILE:LINE: ..." (NFF), "FILE: /JSON/POINTER: ..." (glTF).
+// docs/reference/file-formats.md describes the mapping and the warnings. Both functions throw Error(Scene)
+// "FILE:LINE: ..." (NFF), "FILE: /JSON/POINTER: ..." (glTF).
 ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files);
 ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files);
 
@@ -39,9 +38,8 @@ void settleCamera(Scene& scene, const std::filesystem::path& path, const std::st
 // The mesh objects of `scene` as one mesh in world space, with the scene's materials and warnings.
 ImportedMesh flattened(Scene scene);
 
-// Appends the materials of an MTL file with this text, and the textures that they index. What is read and
-// what is only warned about: docs/reference/file-formats.md. Throws Error(Scene) for text that is not a
-// number.
+// Appends the materials of an MTL file with this text, and the textures that they index
+// (docs/reference/file-formats.md). Throws Error(Scene) for text in the place of a number.
 void readMtl(const std::string& text, const std::filesystem::path& path, SceneFiles& files,
              std::vector<Material>& materials, std::vector<Texture>& textures,
              std::vector<std::string>& warnings);

@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Text takes up to some 50 times its size as triangles, and an index of one byte stands for 100 bytes of
-// triangle; what takes more repeats itself. Small files may do so.
+// Triangles take up to 50 times the size of their text, and 100 times that of an index of one byte. Files
+// that take more repeat their data, which only small ones may do.
 constexpr uint64_t kFreeBytes = uint64_t{256} << 20;
 constexpr uint64_t kMostBytesPerByte = 256;
 

@@ -1,4 +1,4 @@
-// The files that one scene reads: which of them it may, each once, and how much memory they may take.
+// Opens the files of one scene, each once, and limits their places and their memory.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,7 @@
 namespace glint {
 
 struct LoadOptions {
-    // Files outside the folder of the scene (or model) may be read: absolute names, "..", links that lead
-    // out.
+    // Allows files outside the folder of the scene (or model): absolute names, "..", links that lead out.
     bool allowOutside = false;
     // Bytes that reading may take.
     uint64_t memory = std::numeric_limits<uint64_t>::max();
@@ -36,14 +35,13 @@ class SceneFiles {
     // `folder` is that of the scene; empty is the current one.
     explicit SceneFiles(const std::filesystem::path& folder, const LoadOptions& options = {});
 
-    // The file that another one in `folder` calls `name`. Throws Error(Scene) for URLs, empty names, names
-    // with a zero byte, links in a circle, names that the system refuses, and what lies outside and may not
-    // be read.
+    // The file that another file in `folder` calls `name`. Throws Error(Scene) for URLs, empty names, names
+    // with a zero byte, links in a circle, names that the system refuses, and files outside that are not
+    // allowed.
     std::filesystem::path resolve(const std::filesystem::path& folder, const std::string& name) const;
 
-    // The same for materials and pictures of a model, whose names often come from another machine: a
-    // backslash is a slash, and where there is no such file that may be read, the one of that name in
-    // `folder` is taken.
+    // The same for materials and images of a model, whose names often come from another machine. A backslash
+    // is a slash. If the file is missing or not allowed, the file of the same name in `folder` replaces it.
     std::filesystem::path findOrBeside(const std::filesystem::path& folder, const std::string& name) const;
 
     bool exists(const std::filesystem::path& path) { return source_->status(path).exists; }
@@ -60,14 +58,14 @@ class SceneFiles {
 
     std::optional<UpAxis> up() const { return options_.up; }
 
-    // Pixels that a picture may still have.
+    // Pixels of the largest image that fits into the memory that is left.
     uint64_t mostPixels() const;
 
-    // Counts a picture that was not read by image().
+    // Counts an image that was not read by image().
     void takePicture(const Image& image) { pictures_ += image.pixels.size() * sizeof(float); }
 
-    // To be called before memory is taken for what a file declares: throws Error(Scene) if all that was asked
-    // for is more than options.memory, or out of all proportion to the files that were read.
+    // Call this before memory is reserved by the declarations of a file. Throws Error(Scene) if the sum is
+    // more than options.memory, or out of proportion to the files that were read.
     void take(uint64_t bytes, const std::string& where);
 
     // Files read so far, by name.

@@ -1,4 +1,4 @@
-// A scene file that is read once and shown at many times.
+// A scene file that is read once and shown at many times of its animation.
 #pragma once
 
 #include <filesystem>
@@ -12,9 +12,9 @@ namespace glint {
 
 class SceneReader {
   public:
-    // Reads the file, as loadScene does, at a moment of its animation in seconds; without one, as it stands
-    // in the file. Meshes and pictures are kept for later moments. The path "-" is a scene in JSON, which
-    // options.source must have.
+    // Reads the file as loadScene does, at `time` in seconds, or without `time` by the numbers in the file.
+    // Keeps meshes and images for later times. The path "-" is a scene in JSON, which options.source must
+    // have.
     SceneReader(const std::filesystem::path& path, const LoadOptions& options,
                 std::optional<double> time = {});
     ~SceneReader();
@@ -24,8 +24,7 @@ class SceneReader {
 
     // Parts of the scene that a later moment changes. Camera: only Scene::camera and cameras.
     enum class Change { Nothing, Camera, Scene };
-    // Throws Error(Scene) where the file's rules forbid what the animation comes to; then the moment before
-    // stays.
+    // Throws Error(Scene) if the scene is invalid at that time, and keeps the scene as it was.
     Change moveTo(double time);
 
   private:

@@ -1,6 +1,6 @@
-// STL (3D Systems, Stereolithography Interface Specification, 1988), ascii and binary. Not by assimp (5.2.5):
-// it makes floats of ascii coordinates, keeps the stored normals, which modelling programs often leave wrong
-// or zero, and tells no line numbers.
+// STL (3D Systems, Stereolithography Interface Specification, 1988), ascii and binary. assimp (5.2.5) is no
+// substitute: it rounds ascii coordinates to float, uses the stored normals, which are often wrong or zero,
+// and reports no line numbers.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -25,8 +25,8 @@ constexpr size_t kHeaderSize = 84;  // 80 bytes of anything and the number of tr
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr size_t kFacetSize = 50;  // normal, three vertices, two attribute bytes
 
-// Begins otherwise in each process, so that nobody can write a file whose points all have the same hash.
-// Mixed as by splitmix64 (Steele et al. 2014).
+// The seed differs between processes, so that no file can be written whose points all have the same hash.
+// Mixes as splitmix64 does (Steele et al. 2014).
 struct PointHash {
     size_t operator()(const glm::dvec3& p) const {
         static const uint64_t start = uint64_t{std::random_device()()} << 32 | std::random_device()();
@@ -41,7 +41,7 @@ struct PointHash {
     }
 };
 
-// Triangles with vertices that know nothing of each other become a mesh: equal vertices are one.
+// Makes a mesh of separate triangles by merging equal vertices.
 class FacetCollector {
   public:
     void reserve(size_t facets) {
@@ -66,9 +66,9 @@ class FacetCollector {
 
   private:
     uint32_t indexOf(const glm::dvec3& vertex) {
-        const glm::dvec3 key = vertex + 0.0;  // -0 becomes 0, which it is equal to
+        const glm::dvec3 key = vertex + 0.0;  // -0 becomes 0
         const auto next = static_cast<uint32_t>(builder_.positions.size());
-        if (key != key) {  // NaN equals nothing, and all of them would be looked at
+        if (key != key) {  // NaN equals nothing: the search would visit all of them
             builder_.positions.push_back(key);
             return next;
         }
@@ -82,7 +82,7 @@ class FacetCollector {
     size_t disagreeing_ = 0;
 };
 
-// In ascii files line ends mean no more than blanks, but after the name of a solid.
+// In ascii files line ends are blanks, except after the name of a solid.
 class AsciiStl {
   public:
     AsciiStl(std::string_view text, const std::string& file) : file_(file), scanner_(text, file) {}
@@ -113,7 +113,7 @@ class AsciiStl {
             scanner_.fail(std::string("expected \"") + keyword + "\" (got \"" + word.substr(0, 40) + "\")");
     }
 
-    // True at `keyword`, false at "facet"; nothing else may stand there.
+    // True at `keyword`, false at "facet"; fails at any other word.
     bool keywordIs(const char* keyword) {
         const std::string word = nextWord(keyword);
         if (word != keyword && word != "facet")
@@ -122,7 +122,7 @@ class AsciiStl {
         return word == keyword;
     }
 
-    // Only compared with the winding, so what is no number (-1.#IND) is let pass.
+    // Normals are only compared with the winding, so invalid numbers (-1.#IND) are accepted.
     glm::dvec3 readNormal() {
         glm::dvec3 normal(0);
         for (int i = 0; i < 3; i++) {
@@ -183,8 +183,8 @@ ImportedMesh readBinary(std::string_view bytes, const std::string& file) {
     return facets.finish(file, std::move(warnings));
 }
 
-// Binary files may start with "solid" too, so their size is asked first: read as a number, four characters
-// of an ascii file stand for half a billion triangles or more. `text` is what may be text of it.
+// Binary files may start with "solid" too, so the size decides first: four characters of an ascii file, read
+// as a number, mean half a billion triangles or more. `text` is the file without trailing zeros.
 bool isAscii(std::string_view bytes, std::string_view text) {
     using namespace std::string_view_literals;
     if (bytes.size() >= kHeaderSize) {
@@ -192,8 +192,8 @@ bool isAscii(std::string_view bytes, std::string_view text) {
         if (bytes.size() == kHeaderSize + count * kFacetSize) return false;
     }
     for (const std::string_view utf16 : {"\xff\xfe"sv, "\xfe\xff"sv, "s\0o\0"sv})
-        if (text.starts_with(utf16)) return true;  // which the reader of text refuses by name
-    // A binary file of another size is a damaged one; its counts and numbers hold zero bytes.
+        if (text.starts_with(utf16)) return true;  // the text reader refuses UTF-16
+    // A binary file of another size is damaged; its counts and numbers hold zero bytes.
     std::string_view head = text.substr(0, 1024);
     if (head.find('\0') != head.npos) return false;
     if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
@@ -211,7 +211,7 @@ bool isAscii(std::string_view bytes, std::string_view text) {
 ImportedMesh readStl(const std::filesystem::path& path, SceneFiles& files) {
     const std::string file = path.string();
     const std::string bytes = files.read(path);
-    // Some programs fill up with zeros behind the last solid.
+    // Some programs write zeros after the last solid.
     const std::string_view text = std::string_view(bytes).substr(0, bytes.find_last_not_of('\0') + 1);
     return isAscii(bytes, text) ? AsciiStl(text, file).read() : readBinary(bytes, file);
 }

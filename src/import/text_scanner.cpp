@@ -114,8 +114,7 @@ double TextScanner::number(const char* owner) {
     double value = 0;
     const auto [stop, error] = std::from_chars(digits, lineEnd_, value);
     if (error == std::errc::invalid_argument || !atWordEnd(stop)) failWord(start, owner, "a number");
-    // from_chars does not say whether the number is too large or too small; strtod gives infinity or the
-    // nearest one.
+    // from_chars reports overflow and underflow alike; strtod gives infinity or the nearest number.
     if (error == std::errc::result_out_of_range)
         value = std::strtod(std::string(digits, stop).c_str(), nullptr);
     at_ = stop;

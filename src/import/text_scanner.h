@@ -1,4 +1,4 @@
-// Words and numbers of a text file, line by line, for the mesh readers: fast, for millions of numbers.
+// Reads the words and numbers of a text file line by line; fast enough for millions of numbers.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ std::string_view withoutByteOrderMark(std::string_view text, const std::string& 
 // `text` with the letters A to Z in lower case.
 std::string lowerCase(std::string_view text);
 
-// Names in a file that no reader here understands, for one warning.
+// Collects unknown names of a file for one warning.
 class IgnoredNames {
   public:
     void add(std::string_view name);
@@ -33,22 +33,22 @@ class IgnoredNames {
 class TextScanner {
   public:
     // `line` is the number of the first line of `text` in `file`. With `continuations` a backslash at the end
-    // of a line that is no comment joins the next one to it. A byte order mark is skipped, UTF-16 refused.
+    // of a line joins the next line to it, except in comments. Skips a byte order mark, refuses UTF-16.
     TextScanner(std::string_view text, std::string file, size_t line = 1, bool continuations = false);
 
-    // Goes to the next line; false at the end of the text. Lines end with LF, CR LF or CR.
+    // Moves to the next line; false at the end of the text. Lines end with LF, CR LF or CR.
     bool nextLine();
-    // For formats in which line ends are no more than blanks: goes to the next word, past line ends and
-    // comments; false at the end of the text. Needs no nextLine() before it.
+    // Moves to the next word, past line ends and comments; false at the end of the text. For formats in which
+    // line ends are blanks; no call of nextLine() is necessary.
     bool skipToWord();
     size_t line() const { return line_; }  // counted from 1
-    bool lineDone();                       // nothing but blanks, or a comment (#), is left on this line
+    bool lineDone();                       // only blanks or a comment (#) are left on this line
     std::string_view word();               // up to the next blank; empty at the end of the line
     std::string_view restOfLine();         // without blanks around it
 
-    // Fail with "FILE:LINE: ..." if the next word is not one, or if there is none. `owner` says what needs
-    // it, e.g. "a vertex".
-    double number(const char* owner);  // also nan and inf, any sign; too large ones become infinite
+    // The next word as a number; fails with "FILE:LINE: ..." for other words and at the end of the line.
+    // `owner` names the reader's purpose in the message, e.g. "a vertex".
+    double number(const char* owner);  // also nan and inf, any sign; overflow gives infinity
     int64_t integer(const char* owner);
 
     // The next word as a number, past line ends; fails if the file ends before.

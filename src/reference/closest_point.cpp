@@ -5,6 +5,7 @@
 
 #include "reference/instance.h"
 #include "reference/intersect.h"
+#include "reference/precision.h"
 #include "reference/primitives.h"
 
 namespace glint::reference {
@@ -12,11 +13,11 @@ namespace glint::reference {
 namespace {
 
 using glm::dvec3;
-using Extended = long double;  // a point far from a small triangle cancels squares of its distance
+// Extended: a point far from a small triangle cancels squares of its distance.
 using Wide = glm::vec<3, Extended>;
 
 // u and v of the closest point by Voronoi regions (Ericson, Real-Time Collision Detection, 2005, sec. 5.1.5).
-std::pair<Extended, Extended> closestOnTriangle(const Wide& p, const Wide& a, const Wide& b, const Wide& c) {
+std::pair<Extended, Extended> weightsOnTriangle(const Wide& p, const Wide& a, const Wide& b, const Wide& c) {
     const auto part = [](Extended of, Extended whole) { return whole > 0 ? of / whole : Extended{0}; };
     const Wide ab = b - a, ac = c - a;
     const Extended d1 = glm::dot(ab, p - a), d2 = glm::dot(ac, p - a);
@@ -101,6 +102,12 @@ class Search {
 
 }  // namespace
 
+dvec3 closestOnTriangle(const dvec3& point, const dvec3& a, const dvec3& b, const dvec3& c) {
+    const Wide from(a);
+    const auto [u, v] = weightsOnTriangle(Wide(point), from, Wide(b), Wide(c));
+    return dvec3(from + u * (Wide(b) - from) + v * (Wide(c) - from));
+}
+
 bool hasClosestPoint(shared::PrimitiveKind kind) {
     return kind == shared::PrimitiveKind::Triangle || kind == shared::PrimitiveKind::Sphere;
 }
@@ -123,7 +130,7 @@ ClosestPoint closestPointOn(const Model& model, uint32_t primitive, uint32_t ins
                 corner = InstanceFrame(model.instances[instance]).pointInWorld(corner);
         }
         const Wide a(corners[0]), b(corners[1]), c(corners[2]);
-        const auto [u, v] = closestOnTriangle(Wide(point), a, b, c);
+        const auto [u, v] = weightsOnTriangle(Wide(point), a, b, c);
         closest.point = dvec3(a + u * (b - a) + v * (c - a));
         closest.hit.u = static_cast<double>(u);
         closest.hit.v = static_cast<double>(v);

@@ -17,6 +17,10 @@ struct ClosestPoint {
 // True of triangles and spheres: the other kinds have no closest points.
 bool hasClosestPoint(shared::PrimitiveKind kind);
 
+// The point of the triangle a b c that is closest to `point`.
+glm::dvec3 closestOnTriangle(const glm::dvec3& point, const glm::dvec3& a, const glm::dvec3& b,
+                             const glm::dvec3& c);
+
 // The point of a primitive, of an instance or none, that is closest to a local point.
 ClosestPoint closestPointOn(const Model& model, uint32_t primitive, uint32_t instance,
                             const glm::dvec3& point);

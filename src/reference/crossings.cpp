@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+
 #include "core/vectors.h"
+#include "reference/closest_point.h"
 
 namespace glint::reference {
 
@@ -12,29 +14,6 @@ namespace {
 using glm::dvec3;
 
 constexpr double kFloatRoundoff = 0x1p-24;
-
-// Ericson, "Real-Time Collision Detection", 2005, sec. 5.1.5: the region of the triangle that p projects into
-// by the signs of barycentric terms.
-double squaredDistance(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
-    const auto square = [](const dvec3& v) { return glm::dot(v, v); };
-    const dvec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-    const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-    if (d1 <= 0 && d2 <= 0) return square(ap);
-    const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-    if (d3 >= 0 && d4 <= d3) return square(bp);
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return square(ap - d1 / (d1 - d3) * ab);
-    const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-    if (d6 >= 0 && d5 <= d6) return square(cp);
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return square(ap - d2 / (d2 - d6) * ac);
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-        return square(bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b));
-    const dvec3 normal = glm::cross(ab, ac);
-    const double height = glm::dot(normal, ap);
-    return height * height / square(normal);
-}
 
 // A point in the coordinates of a tree, and how near is too near: `units` times u of the coordinates, and the
 // error of getting there.
@@ -93,7 +72,7 @@ class Proximity {
         const dvec3 a(t.v0), b(t.v1), c(t.v2);
         const double reach =
             reachOf(probe, std::max({greatestMagnitude(a), greatestMagnitude(b), greatestMagnitude(c)}));
-        return squaredDistance(probe.point, a, b, c) <= reach * reach;
+        return glm::distance(probe.point, closestOnTriangle(probe.point, a, b, c)) <= reach;
     }
 
     bool instance(const rows::Instance& instance, const Probe& probe) const {
