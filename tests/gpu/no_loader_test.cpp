@@ -21,17 +21,10 @@ void expectNoLoader(Call call) {
     }
 }
 
-TEST(NoLoader, ListDevicesNamesThePackages) {
+TEST(NoLoader, IsReportedEveryTimeWithThePackages) {
     expectNoLoader([] { listDevices(); });
-}
-
-TEST(NoLoader, OpeningADeviceNamesThePackages) {
+    expectNoLoader([] { listDevices(); });
     expectNoLoader([] { Device device; });
-}
-
-TEST(NoLoader, IsReportedEveryTime) {
-    expectNoLoader([] { listDevices(); });
-    expectNoLoader([] { listDevices(); });
 }
 
 }  // namespace
