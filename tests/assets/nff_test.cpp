@@ -8,6 +8,20 @@
 namespace glint::test::nff_test {
 namespace {
 
+struct Database {
+    const char* name;
+    size_t objects, spheres, triangles, cylinders, polygons, lights;
+};
+
+// By the formulas of the programs that made them (E. Haines, Standard Procedural Databases, Readme 3.14):
+// sphereflake of size 4: sum of 9^k to k = 4 spheres; mountain of size 6: 2 * 4^6 triangles and 4 spheres;
+// tetrahedra of size 6: 4 * 4^5 triangles; rings of size 7: 140 objects of 6 rings of 5 cylinders and
+// spheres.
+const Database kDatabases[] = {{"balls", 7382, 1u + 9 + 81 + 729 + 6561, 0, 0, 1, 3},
+                               {"mount", 8196, 4, 2u * 4096, 0, 0, 1},
+                               {"tetra", 4096, 0, 4u * 1024, 0, 0, 1},
+                               {"rings", 8401, 140u * 6 * 5, 0, 140u * 6 * 5, 1, 3}};
+
 template <typename ShapeT>
 size_t countOf(const Scene& scene) {
     return static_cast<size_t>(
@@ -15,50 +29,20 @@ size_t countOf(const Scene& scene) {
                       [](const Object& object) { return std::holds_alternative<ShapeT>(object.shape); }));
 }
 
-// By the formulas of the programs that made them (E. Haines, Standard Procedural Databases, Readme 3.14):
-// sphereflake of size 4: sum of 9^k to k = 4 spheres; mountain of size 6: 2 * 4^6 triangles and 4 spheres;
-// tetrahedra of size 6: 4 * 4^5 triangles; rings of size 7: 140 objects of 6 rings of 5 cylinders and
-// spheres.
-TEST(NffAssets, Balls) {
-    const auto path = assetPath("spd/balls.nff");
-    const Scene scene = loadScene(path);
-    EXPECT_EQ(countOf<SphereShape>(scene), 1u + 9 + 81 + 729 + 6561);
-    EXPECT_EQ(countOf<PolygonShape>(scene), 1u);
-    EXPECT_EQ(scene.objects.size(), 7382u);
-    EXPECT_EQ(scene.lights.size(), 3u);
-    EXPECT_EQ(scene.materials.size(), 2u);
-    EXPECT_DOUBLE_EQ(std::get<PointLight>(scene.lights[0]).intensity.x, std::sqrt(3.0) / 6);
-    EXPECT_TRUE(scene.warnings.empty());
-}
-
-TEST(NffAssets, Mount) {
-    const auto path = assetPath("spd/mount.nff");
-    const Scene scene = loadScene(path);
-    EXPECT_EQ(countOf<SphereShape>(scene), 4u);
-    EXPECT_EQ(countOf<TriangleShape>(scene), 2u * 4096);
-    EXPECT_EQ(scene.objects.size(), 8196u);
-    EXPECT_EQ(scene.lights.size(), 1u);
-    EXPECT_TRUE(scene.warnings.empty());
-}
-
-TEST(NffAssets, Tetra) {
-    const auto path = assetPath("spd/tetra.nff");
-    const Scene scene = loadScene(path);
-    EXPECT_EQ(countOf<TriangleShape>(scene), 4u * 1024);
-    EXPECT_EQ(scene.objects.size(), 4096u);
-    EXPECT_EQ(scene.lights.size(), 1u);
-    EXPECT_TRUE(scene.warnings.empty());
-}
-
-TEST(NffAssets, Rings) {
-    const auto path = assetPath("spd/rings.nff");
-    const Scene scene = loadScene(path);
-    EXPECT_EQ(countOf<SphereShape>(scene), 140u * 6 * 5);
-    EXPECT_EQ(countOf<CylinderShape>(scene), 140u * 6 * 5);
-    EXPECT_EQ(countOf<PolygonShape>(scene), 1u);
-    EXPECT_EQ(scene.objects.size(), 8401u);  // SPD, Readme: "total prim."
-    EXPECT_EQ(scene.lights.size(), 3u);
-    EXPECT_TRUE(scene.warnings.empty());
+TEST(NffAssets, HaveTheObjectsOfTheirAuthor) {
+    for (const Database& database : kDatabases) {
+        SCOPED_TRACE(database.name);
+        const Scene scene = loadScene(assetPath("spd/" + std::string(database.name) + ".nff"));
+        EXPECT_EQ(scene.objects.size(), database.objects);
+        EXPECT_EQ(countOf<SphereShape>(scene), database.spheres);
+        EXPECT_EQ(countOf<TriangleShape>(scene), database.triangles);
+        EXPECT_EQ(countOf<CylinderShape>(scene), database.cylinders);
+        EXPECT_EQ(countOf<PolygonShape>(scene), database.polygons);
+        ASSERT_EQ(scene.lights.size(), database.lights);
+        const auto lights = static_cast<double>(database.lights);
+        EXPECT_DOUBLE_EQ(std::get<PointLight>(scene.lights[0]).intensity.x, std::sqrt(lights) / (2 * lights));
+        EXPECT_TRUE(scene.warnings.empty());
+    }
 }
 
 }  // namespace

@@ -104,17 +104,6 @@ TEST(PacketTree, InnerChildrenComeFirstAndFollowEachOther) {
     }
 }
 
-// 4096 boxes in leaves of one are 4095 binary nodes; 8-wide ones, were all full, (4096 - 1) / 7 = 585.
-TEST(PacketTree, NodesAreNearlyFull) {
-    BvhOptions options;
-    options.maxLeafSize = 1;
-    const std::vector<shared::Node> nodes = flattenBvh(buildBvh(randomBoxes(4096, 3), options), {});
-    ASSERT_EQ(nodes.size(), 4095u);
-    const size_t wide = packetTree(nodes).size() / (2 * kPacketWidth);
-    EXPECT_GE(wide, 585u);
-    EXPECT_LE(wide, 2 * 585u);
-}
-
 TEST(PacketTree, OfNothingIsEmptyAndOfOneLeafIsOneNode) {
     EXPECT_TRUE(packetTree({}).empty());
     const std::vector<shared::Node> nodes = flattenBvh(buildBvh(randomBoxes(1, 1)), {});

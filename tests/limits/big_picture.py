@@ -3,8 +3,6 @@
 
 Renders a PFM under a limit of address space, and looks at the file: rows at several heights against crops that are drawn by themselves.
 Then a PNG and an EXR under the same limit: all rows must be in the files.
-
-    big_picture.py --png FILE     only whether all rows of this PNG are there
 """
 import os
 import pathlib
@@ -77,9 +75,6 @@ def exr_size(path):
 
 
 def main():
-    if sys.argv[1:2] == ["--png"]:
-        print("%d x %d" % png_size(sys.argv[2]))
-        return
     glint, scene = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
     size = sys.argv[3] if len(sys.argv) > 3 else "65536x1024"
     width, height = map(int, size.split("x"))

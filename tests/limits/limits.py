@@ -1,13 +1,11 @@
 #!/usr/bin/env python3
 """What large scenes take: time and memory, against the bounds that docs/reference/faults.md states, and growth.
 
-    limits.py GLINT [--only NAME...] [--table] [--double]
+    limits.py GLINT [--only NAME...] [--table]
 
 Each case is a scene of n things and one of n / 10, read, packed and drawn in 64 x 48 pixels (lights: 8 x 8) on the first device and by the
 reference. Fails if one takes longer or more memory than its bound, or if reading and packing of the ten times larger one takes more than
-three times what n log n allows, which only measures for cases of a second and more. --table prints the rows for the docs. --double instead
-draws 8 x 8 pixels of an eighth of n, a quarter, a half and n by the reference, and prints seconds of the processor, MiB, and how many times
-as much as n log n the former grew by.
+three times what n log n allows, which only measures for cases of a second and more. --table prints the rows for the docs.
 """
 import argparse
 import json
@@ -149,30 +147,13 @@ def check(glint, name, table):
     return faults
 
 
-def double(glint, name):
-    make, n, _, _ = CASES[name]
-    before = None
-    for size in (n // 8, n // 4, n // 2, n):
-        with tempfile.TemporaryDirectory() as folder:
-            stats, peak = render(glint, make(pathlib.Path(folder), size), "8x8", "cpu")
-        took = stats["processor"]
-        growth = "" if before is None else f"{took / before[1] / (size * math.log(size) / before[0] / math.log(before[0])):.2f}"
-        print(f"| {name.rstrip('0123456789,')}| {size:,} | {took:.2f} | {peak:.0f} | {growth} |", flush=True)
-        before = (size, took)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("glint")
     parser.add_argument("--only", nargs="+", choices=list(CASES), default=list(CASES))
     parser.add_argument("--table", action="store_true")
-    parser.add_argument("--double", action="store_true")
     given = parser.parse_args()
     faults = []
-    if given.double:
-        for name in given.only:
-            double(os.path.abspath(given.glint), name)
-        return
     for name in given.only:
         faults += check(os.path.abspath(given.glint), name, given.table)
     for fault in faults:

@@ -52,13 +52,6 @@ TEST(PackFeatures, EmptySceneUsesNothing) {
     EXPECT_EQ(featuresOf(Scene{}), SceneFeatures{});
 }
 
-TEST(PackFeatures, AllAreOn) {
-    const SceneFeatures f = allFeatures();
-    EXPECT_TRUE(f.triangles && f.spheres && f.anchoredSpheres && f.planes && f.vertexNormals &&
-                f.pointLights && f.directionalLights && f.specular && f.mirrors && f.spotLights &&
-                f.parallelCamera && f.discs && f.polygons && f.quadrics && f.thinLens);
-}
-
 TEST(PackFeatures, Primitives) {
     Scene scene;
     addObject(scene, MeshShape{gridMesh(1)});

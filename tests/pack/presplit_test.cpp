@@ -130,12 +130,5 @@ TEST(BuildTree, QualityNeverCostsMore) {
     }
 }
 
-TEST(BuildTree, DoesNotDependOnThreads) {
-    const PackedScene one = packScene(beams(), 1, BuildQuality::High),
-                      four = packScene(beams(), 4, BuildQuality::High);
-    ASSERT_EQ(one.triangles.size(), four.triangles.size());
-    for (size_t i = 0; i < one.triangles.size(); ++i) EXPECT_EQ(one.triangles[i].id, four.triangles[i].id);
-}
-
 }  // namespace
 }  // namespace glint::presplit_test
