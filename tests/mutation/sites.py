@@ -2,9 +2,14 @@
 import collections
 import hashlib
 import json
+import re
 
 import breaks
 from kernels import LEFT_OUT, SHADERS
+
+
+# Lines that count rays and tests, which are in no image.
+COUNTS = re.compile(r"MODE_TALLY|MODE_COST|\.cost\b")
 
 
 def describe(site, text):
@@ -30,7 +35,8 @@ def all_sites():
         text = (SHADERS / file).read_text()
         for site in breaks.sites_of(file, text):
             description = describe(site, text)
-            found[key(description)] = (site, description)
+            if not COUNTS.search(description["within"]):
+                found[key(description)] = (site, description)
     return found
 
 

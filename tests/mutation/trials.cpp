@@ -45,16 +45,10 @@ void readOption(const std::string& text, Trial& trial, ImageSettings& image) {
         methods.triangles = valueOf<TriangleMethod>(value);
     else if (name == "spheres")
         methods.spheres = valueOf<SphereMethod>(value);
-    else if (name == "slabs")
-        methods.slabs = valueOf<SlabPad>(value);
-    else if (name == "offsets")
-        methods.offsets = valueOf<OriginOffset>(value);
     else if (name == "cut")
         trial.options.minContribution = std::stod(value);
     else if (name == "sampler")
         image.sampler = valueOf<Sampler>(value);
-    else if (name == "filter")
-        image.filter = valueOf<Filter>(value);
     else if (name == "adaptive")
         image.adaptive = adaptiveOf(value);
     else
@@ -66,7 +60,7 @@ Trial trialOf(std::istringstream& words) {
     Trial trial;
     ImageSettings image;
     if (!(words >> scene >> image.width >> image.height >> image.samplesPerPixel))
-        throw std::runtime_error("what is to be drawn?");
+        throw std::runtime_error("scene, width, height and samples are missing");
     std::vector<std::string> options;
     LoadOptions load{.allowOutside = true};
     for (std::string option; words >> option;) {
@@ -84,7 +78,6 @@ Trial trialOf(std::istringstream& words) {
     trial.device.access = gpu::Access::TexelBuffer;
     trial.device.traversal = render::Traversal::Lane;
     for (const std::string& option : options) readOption(option, trial, image);
-    if (image.filter != read.image.filter) image.filterRadius = defaultRadius(image.filter);
     const Request request = requestOf(image, read.camera.lensRadius > 0);
     trial.options.width = request.width;
     trial.options.height = request.height;

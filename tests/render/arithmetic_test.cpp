@@ -8,7 +8,6 @@
 
 #include "arithmetic_probe.spv.h"
 #include "gpu/compute.h"
-#include "replaced_kernels.h"
 #include "support.h"
 
 namespace glint::render::test::arithmetic_test {
@@ -32,7 +31,7 @@ class ArithmeticTest : public RenderTest {
         for (size_t i = 0; i < cases.size(); ++i) rows[2 * i] = cases[i];
         gpu::KernelOptions options;
         options.name = "arithmetic";
-        options.spirv = probeOr("arithmetic_probe", arithmetic_probe_spv);
+        options.spirv = arithmetic_probe_spv;
         options.bindings = {gpu::Access::StorageBuffer};
         options.constants = {own, own, builtIn};
         gpu::Kernel kernel(device(), options);
