@@ -53,7 +53,7 @@ mutant(turned_sky shading/material.glsl "-direction.z)" "direction.z)" shade)
 mutant(deep_cut shading/material.glsl "surface).w < material.alphaCutoff" "surface).w < 0.9 * material.alphaCutoff" intersect light)
 mutant(packet_bounds packet/packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
        "bounds.inverseHigh = leastOfLanes(inverseHigh);" packet_intersect)
-mutant(packet_pair packet/closest.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
+mutant(packet_pair packet/packet.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
 mutant(shadow_bits shading/lighting.glsl "lit.shadowBits |= 1u << index;" "lit.shadowBits |= 2u << index;" light)
 # Samples that are right, added up wrong.
 mutant(first_sample_lost generate.comp "MODE_ADAPTIVE || dispatch.sampleIndex == 0u" "MODE_ADAPTIVE || dispatch.sampleIndex < 2u" generate)
