@@ -49,10 +49,10 @@ TEST_F(Cameras, BookmarksAreWrittenIntoTheFile) {
     EXPECT_NE(readBytes("one.png"), readBytes("two.png"));
 
     std::string written = glint::test::readText("scene.json");
-    const std::string start = ",\n  \"cameras\": {\n    \"bookmark 1\": {";
-    const size_t at = written.find(start), end = written.find("\n  }", at);
+    const std::string start = "\n  \"cameras\": {\n    \"bookmark 1\": {", last = "\n  },";
+    const size_t at = written.find(start), end = written.find(last, at);
     ASSERT_TRUE(at != std::string::npos && end != std::string::npos) << written;
-    EXPECT_EQ(written.erase(at, end + 4 - at), text);
+    EXPECT_EQ(written.erase(at, end + last.size() - at), text);
     EXPECT_EQ(std::filesystem::status("scene.json").permissions(), std::filesystem::perms(0640));
 }
 
