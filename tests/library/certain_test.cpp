@@ -283,9 +283,7 @@ TEST_F(LibraryCertain, OrdinaryRaysAgreeWithOrdinaryAnswers) {
     }
     rays.ask(scene());
     EXPECT_EQ(std::accumulate(rays.sure.begin(), rays.sure.end(), size_t{0}), rays.sure.size());
-    GLINT_INIT(glint_rays, given);
-    given.origins = viewOf(rays.origins);
-    given.directions = viewOf(rays.directions);
+    glint_rays given = raysFrom(rays.origins, rays.directions);
     std::vector<double> t(rays.t.size());
     GLINT_INIT(glint_hits, hits);
     hits.t = outOf(t);
@@ -435,9 +433,7 @@ TEST_F(LibraryCertain, Outputs) {
     addMesh(std::vector<D3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
     commit();
     const std::vector<D3> origins = {{0.25, 0.25, 1.0 / 3}}, directions = {{0, 0, -1}};
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(origins);
-    rays.directions = viewOf(directions);
+    glint_rays rays = raysFrom(origins, directions);
     std::vector<float> lower(1), upper(1);
     std::vector<uint8_t> sure(1);
     GLINT_INIT(glint_hits, hits);

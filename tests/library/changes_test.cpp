@@ -71,9 +71,7 @@ class LibraryChanges : public LibraryTest {
         std::vector<D3> origins = rays.first;
         for (D3& origin : origins)
             for (size_t k = 0; k < 3; ++k) origin[k] += by[k];
-        GLINT_INIT(glint_rays, asked);
-        asked.origins = viewOf(origins);
-        asked.directions = viewOf(rays.second);
+        glint_rays asked = raysFrom(origins, rays.second);
         Answers a{std::vector<double>(kRays),   std::vector<uint32_t>(kRays), std::vector<uint32_t>(kRays),
                   std::vector<uint32_t>(kRays), std::vector<D3>(kRays),       std::vector<uint8_t>(kRays)};
         GLINT_INIT(glint_hits, hits);
@@ -328,9 +326,7 @@ TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
         ASSERT_EQ(glint_scene_add_spheres(to, &sphere, nullptr), GLINT_OK);
     };
     for (const bool ball : {false, true}) {
-        glint_scene* own = nullptr;
-        ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
-        useScene(own);
+        useScene(nullptr);
         fill(scene(), kFar, ball);
         commit();
         for (uint32_t step = 1; step <= 3; ++step) {
@@ -366,9 +362,7 @@ TEST_F(LibraryChanges, EightThreadsAskWhileOneChanges) {
                 for (int i = 0; i < 200; ++i)
                     origins.push_back({0.01 + 0.019 * i, 0.5 + 0.4 * double(thread), 100});
                 std::vector<double> t(origins.size());
-                GLINT_INIT(glint_rays, rays);
-                rays.origins = viewOf(origins);
-                rays.directions = viewOf(down);
+                glint_rays rays = raysFrom(origins, down);
                 GLINT_INIT(glint_hits, hits);
                 hits.t = outOf(t);
                 double last = 100 / kStep;

@@ -45,9 +45,7 @@ class LibraryCrossings : public LibraryTest {
                 directions[i][k] = to[k] - from[k];
             }
         }
-        GLINT_INIT(glint_rays, rays);
-        rays.origins = viewOf(origins);
-        rays.directions = viewOf(directions);
+        glint_rays rays = raysFrom(origins, directions);
         std::vector<uint32_t> crossings(count, 99);
         const glint_out out = outOf(crossings);
         EXPECT_EQ(glint_query_count(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
@@ -69,9 +67,7 @@ class LibraryCrossings : public LibraryTest {
         for (auto& to : directions)
             for (float& x : to) x = static_cast<float>(random.uniform() - 0.5);
         std::vector<uint32_t> crossings(origins.size());
-        GLINT_INIT(glint_rays, rays);
-        rays.origins = viewOf(origins);
-        rays.directions = viewOf(directions);
+        glint_rays rays = raysFrom(origins, directions);
         std::atomic<bool> begun = false;
         GLINT_INIT(glint_options, options);
         options.user = &begun;
@@ -100,9 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Offsets, LibraryCrossingsFar, testing::Values(0.0, 1e3,
 TEST_P(LibraryCrossingsFar, AimedRaysAreCountedRight) {
     size_t rays = 0;
     for (const Closed& mesh : {bumpy(), gridCube(16)}) {
-        glint_scene* own = nullptr;
-        ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
-        useScene(own);
+        useScene(nullptr);
         addClosed(mesh, GetParam());
         commit();
         for (const Aim aim : {Aim::Corners, Aim::Edges, Aim::Planes}) {
@@ -120,9 +114,7 @@ TEST_P(LibraryCrossingsFar, AimedRaysAreCountedRight) {
 
 TEST_P(LibraryCrossingsFar, AimedRaysOfManyAreCountedRight) {
     for (const Closed& mesh : {bumpy(64), gridCube(36)}) {
-        glint_scene* own = nullptr;
-        ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
-        useScene(own);
+        useScene(nullptr);
         addClosed(mesh, GetParam());
         commit();
         beginLargeBatch();
@@ -244,9 +236,7 @@ TEST_F(LibraryCrossings, ListsGoInAndOut) {
         origins.push_back({8 * out[0], 8 * out[1], 8 * out[2]});
         directions.push_back({to[0] - 8 * out[0], to[1] - 8 * out[1], to[2] - 8 * out[2]});
     }
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(origins);
-    rays.directions = viewOf(directions);
+    glint_rays rays = raysFrom(origins, directions);
     std::vector<uint32_t> counts(origins.size());
     const glint_out countOut = outOf(counts);
     ASSERT_EQ(glint_query_count(scene(), &rays, &countOut, nullptr), GLINT_OK) << glint_last_error();
@@ -296,9 +286,7 @@ TEST_F(LibraryCrossings, ListsEndAtCorners) {
         origins.push_back({3 * from[0], 3 * from[1], 3 * from[2]});
         directions.push_back({to[0] - 3 * from[0], to[1] - 3 * from[1], to[2] - 3 * from[2]});
     }
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(origins);
-    rays.directions = viewOf(directions);
+    glint_rays rays = raysFrom(origins, directions);
     const std::vector<double> ends(origins.size(), 1);
     rays.t_max = viewOf(ends);
     std::vector<uint64_t> offsets(origins.size() + 1);
@@ -330,9 +318,7 @@ TEST_F(LibraryCrossings, ListsEndAtCorners) {
 // closely. More leaves than a ray has room for wait, and with thousands of them it runs out of trips.
 TEST_F(LibraryCrossings, ManySheets) {
     for (const uint32_t sheets : {3u, 40u, 300u, kOnDevice ? 9000u : 1000u}) {
-        glint_scene* own = nullptr;
-        ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
-        useScene(own);
+        useScene(nullptr);
         Random random(sheets);
         std::vector<double> sizes(sheets);
         std::vector<D3> vertices;
@@ -359,9 +345,7 @@ TEST_F(LibraryCrossings, ManySheets) {
             for (uint32_t k = 0; k < sheets; ++k)
                 expected.back() += sizes[k] > std::max(x, y) && k + 1 <= end;
         }
-        GLINT_INIT(glint_rays, rays);
-        rays.origins = viewOf(origins);
-        rays.directions = viewOf(directions);
+        glint_rays rays = raysFrom(origins, directions);
         rays.t_max = viewOf(ends);
         std::vector<uint32_t> counts(origins.size());
         const glint_out out = outOf(counts);
@@ -386,9 +370,7 @@ TEST_F(LibraryCrossings, SplitTrianglesCountOnce) {
         origins.push_back(from);
         directions.push_back(to);
     }
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(origins);
-    rays.directions = viewOf(directions);
+    glint_rays rays = raysFrom(origins, directions);
     uint64_t total = 0;
     std::vector<uint64_t> offsets(origins.size() + 1);
     const glint_out out = outOf(offsets);

@@ -24,9 +24,7 @@ class LibraryLeaving : public LibraryTest {
     }
     Left hitsOf(const std::vector<D3>& from, const std::vector<D3>& along) {
         Left left{std::vector<D3>(from.size()), std::vector<D3>(from.size()), std::vector<D3>(from.size())};
-        GLINT_INIT(glint_rays, rays);
-        rays.origins = viewOf(from);
-        rays.directions = viewOf(along);
+        glint_rays rays = raysFrom(from, along);
         GLINT_INIT(glint_hits, hits);
         std::vector<uint8_t> hit(from.size());
         hits.hit = outOf(hit);
@@ -48,9 +46,7 @@ class LibraryLeaving : public LibraryTest {
                 along.push_back(arrayOf(way * (glm::dot(way, vectorOf(normals[i])) * side < 0 ? -1.0 : 1.0)));
             }
         }
-        GLINT_INIT(glint_rays, rays);
-        rays.origins = viewOf(from);
-        rays.directions = viewOf(along);
+        glint_rays rays = raysFrom(from, along);
         rays.flags = GLINT_RAYS_LEAVE;
         std::vector<uint8_t> hit(from.size());
         const glint_out out = outOf(hit);
@@ -133,9 +129,7 @@ TEST_F(LibraryLeaving, IsNotForCountsAndCertainty) {
     addBall(false, 0, 1);
     commit();
     const std::vector<D3> from = {{0, 0, 5}}, along = {{0, 0, -1}};
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(from);
-    rays.directions = viewOf(along);
+    glint_rays rays = raysFrom(from, along);
     rays.flags = GLINT_RAYS_LEAVE;
     std::vector<uint32_t> count(1);
     const glint_out out = outOf(count);

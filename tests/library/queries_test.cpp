@@ -22,9 +22,7 @@ struct Cast {
     std::vector<D3> normal;
 
     glint_rays rays() const {
-        GLINT_INIT(glint_rays, rays);
-        rays.origins = viewOf(origins);
-        rays.directions = viewOf(directions);
+        glint_rays rays = raysFrom(origins, directions);
         return rays;
     }
     glint_hits hits() {
@@ -275,9 +273,7 @@ TEST_F(LibraryQueries, BothTypesAreReadAlike) {
         }
     }
     std::vector<double> t(origins.size());
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(origins);
-    rays.directions = viewOf(directions);
+    glint_rays rays = raysFrom(origins, directions);
     GLINT_INIT(glint_hits, hits);
     hits.t = outOf(t);
     ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();

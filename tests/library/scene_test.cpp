@@ -12,9 +12,7 @@ class LibraryScene : public LibraryTest {
     // t and geometry of the nearest hit of a ray along -z.
     std::pair<double, uint32_t> below(double x, double y, double z = 100) {
         const std::vector<D3> origins = {{x, y, z}}, directions = {{0, 0, -1}};
-        GLINT_INIT(glint_rays, rays);
-        rays.origins = viewOf(origins);
-        rays.directions = viewOf(directions);
+        glint_rays rays = raysFrom(origins, directions);
         std::vector<double> t(1, -1);
         std::vector<uint32_t> geometry(1);
         GLINT_INIT(glint_hits, hits);
@@ -189,9 +187,7 @@ TEST_F(LibraryScene, DegenerateTrianglesKeepTheirNumbers) {
                     {0, 1, 0}});
     commit();
     const std::vector<D3> origins = {{0.2, 0.2, 1}}, directions = {{0, 0, -1}};
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(origins);
-    rays.directions = viewOf(directions);
+    glint_rays rays = raysFrom(origins, directions);
     std::vector<uint32_t> primitive(1);
     GLINT_INIT(glint_hits, hits);
     hits.primitive = outOf(primitive);

@@ -88,9 +88,7 @@ class LibrarySettings : public testing::Test {
         const std::vector<D3> origin = {{20.3, 20.4, 9}}, down = {{0, 0, -1}};
         std::vector<double> found(1);
         std::vector<D3> point(1);
-        GLINT_INIT(glint_rays, rays);
-        rays.origins = viewOf(origin);
-        rays.directions = viewOf(down);
+        glint_rays rays = raysFrom(origin, down);
         GLINT_INIT(glint_hits, hits);
         hits.t = outOf(found);
         hits.point = outOf(point);

@@ -57,6 +57,21 @@ glint_out outOf(std::vector<std::array<T, N>>& values) {
     return {values.data(), values.size(), 0, typeOf<T>(), 0};
 }
 
+// Rays between arrays, which must outlive them.
+template <class Origins, class Directions>
+glint_rays raysFrom(const Origins& origins, const Directions& directions) {
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    return rays;
+}
+
+// An argument is refused, with a message that holds `part`.
+inline void refused(glint_status status, const std::string& part) {
+    EXPECT_EQ(status, GLINT_ERROR_ARGUMENT);
+    EXPECT_NE(std::string(glint_last_error()).find(part), std::string::npos) << glint_last_error();
+}
+
 inline std::filesystem::path sceneFile(const std::string& name) {
     return std::filesystem::path(GLINT_SOURCE_DIR) / "scenes" / name;
 }
