@@ -120,8 +120,7 @@ TEST_F(LibraryArrays, NothingIsMetBehindTheOrigin) {
         useScene(nullptr);
         const std::string text =
             R"({"materials": {"m": {}}, "objects": [{"material": "m", )" + std::string(object) + "}]}";
-        ASSERT_EQ(glint_scene_add_json(scene(), text.c_str(), nullptr, nullptr, nullptr), GLINT_OK)
-            << object << glint_last_error();
+        addJson(scene(), text);
         commit();
         const std::vector<D3> origins(2, D3{0.125, 0.0625, 0}), directions = {{0, 0, 1}, {0, 0, -1}};
         const std::vector<double> from(2, -9);

@@ -174,13 +174,10 @@ TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
                   GLINT_OK);
         add(to, small, {{0, 1, 2}});
         ASSERT_EQ(glint_scene_set_transform(to, 2, placed(at, 0, 0, at).data()), GLINT_OK);
-        ASSERT_EQ(glint_scene_add_json(to, R"({"materials": {"m": {}}, "camera": {"eye": [0, 0, 20],
+        addJson(to, R"({"materials": {"m": {}}, "camera": {"eye": [0, 0, 20],
             "target": [0, 0, 0]}, "objects": [
             {"type": "plane", "point": [0, 0, -1], "normal": [0, 0, 1], "material": "m"},
-            {"type": "sphere", "center": [4, 4, 1], "radius": 0.5, "material": "m"}]})",
-                                       nullptr, nullptr, nullptr),
-                  GLINT_OK)
-            << glint_last_error();
+            {"type": "sphere", "center": [4, 4, 1], "radius": 0.5, "material": "m"}]})");
     };
     fill(scene(), 0);
     commit();
@@ -203,12 +200,7 @@ TEST_F(LibraryChanges, WhateverElseChangesIsBuiltAnew) {
         add(to, sheet(at), corners);
         uint32_t instance = 0;
         ASSERT_EQ(glint_scene_add_instance(to, 0, placed(1, 0, 1).data(), &instance), GLINT_OK);
-        const std::vector<D3> center = {{2, 2, 2}};
-        const std::vector<double> radius = {0.5};
-        GLINT_INIT(glint_spheres, sphere);
-        sphere.centers = viewOf(center);
-        sphere.radii = viewOf(radius);
-        ASSERT_EQ(glint_scene_add_spheres(to, &sphere, nullptr), GLINT_OK);
+        addSpheres(to, {{2, 2, 2}}, {0.5});
         ASSERT_EQ(glint_scene_set_transform(to, 2, placed(at, at, 0).data()), GLINT_OK);
     };
     fill(scene(), 0);
@@ -315,15 +307,9 @@ TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
         uint32_t instance = 0;
         ASSERT_EQ(glint_scene_add_instance(to, 0, placed(0, 0, 0).data(), &instance), GLINT_OK);
         place(to, at);
-        ASSERT_EQ(glint_scene_add_json(to, beside.c_str(), nullptr, nullptr, nullptr), GLINT_OK)
-            << glint_last_error();
+        addJson(to, beside);
         if (!ball) return;
-        const std::vector<D3> center = {{kFar + 2, 2, 2}};
-        const std::vector<double> radius = {0.5};
-        GLINT_INIT(glint_spheres, sphere);
-        sphere.centers = viewOf(center);
-        sphere.radii = viewOf(radius);
-        ASSERT_EQ(glint_scene_add_spheres(to, &sphere, nullptr), GLINT_OK);
+        addSpheres(to, {{kFar + 2, 2, 2}}, {0.5});
     };
     for (const bool ball : {false, true}) {
         useScene(nullptr);

@@ -78,13 +78,7 @@ TEST_F(LibraryClosestPoint, IsRightOnACube) {
 }
 
 TEST_F(LibraryClosestPoint, IsRightOnSpheres) {
-    const std::vector<D3> centers = {{0, 0, 0}, {5, 0, 0}};
-    const std::vector<double> radii = {1, 2};
-    GLINT_INIT(glint_spheres, spheres);
-    spheres.centers = viewOf(centers);
-    spheres.radii = viewOf(radii);
-    uint32_t first = 0;
-    ASSERT_EQ(glint_scene_add_spheres(scene(), &spheres, &first), GLINT_OK);
+    addSpheres(scene(), {{0, 0, 0}, {5, 0, 0}}, {1, 2});
     commit();
     std::vector<D3> points = pointsAbout(2, 5, 500);
     points.push_back({0, 0, 0});
@@ -165,12 +159,8 @@ TEST_F(LibraryClosestPoint, HasLimitsThatItNames) {
     EXPECT_EQ(found.hit, (std::vector<uint8_t>{0, 0, 1}));
     EXPECT_EQ(found.primitive[0], GLINT_NONE);
     EXPECT_EQ(found.distance[2], 1e17);
-    ASSERT_EQ(glint_scene_add_json(scene(),
-                                   R"({"materials": {"m": {}}, "objects": [{"type": "disc",
-                                       "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "material": "m"}]})",
-                                   nullptr, nullptr, nullptr),
-              GLINT_OK)
-        << glint_last_error();
+    addJson(scene(), R"({"materials": {"m": {}}, "objects": [{"type": "disc",
+                                       "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "material": "m"}]})");
     commit();
     const std::vector<D3> points = {{0, 0, 0}};
     std::vector<double> t(1);

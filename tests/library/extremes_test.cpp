@@ -49,11 +49,7 @@ bool isNumber(const glm::dvec3& v) {
 
 // Directions whose squares double cannot hold: a sphere is not missed for sure.
 TEST_F(LibraryExtremes, SpheresAreMetByDirectionsOfAnyLength) {
-    ASSERT_EQ(glint_scene_add_json(scene(),
-                                   R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})",
-                                   nullptr, nullptr, nullptr),
-              GLINT_OK)
-        << glint_last_error();
+    addJson(scene(), R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
     commit();
     const std::vector<double> lengths = {1, 1e-100, 1e100, 1e-200, 1e155, 1e200, 1e253, 1e-280, 1e307};
     std::vector<D3> origins, directions;
@@ -95,12 +91,7 @@ TEST_F(LibraryExtremes, NeedlesHaveNormals) {
 
 // From where squares of coordinates overflow: no points that are no numbers.
 TEST_F(LibraryExtremes, RaysFromBeyondAllScenesMiss) {
-    GLINT_INIT(glint_spheres, spheres);
-    const std::vector<D3> centers = {{0, 0, -4}};
-    const std::vector<double> radii = {1};
-    spheres.centers = viewOf(centers);
-    spheres.radii = viewOf(radii);
-    ASSERT_EQ(glint_scene_add_spheres(scene(), &spheres, nullptr), GLINT_OK) << glint_last_error();
+    addSpheres(scene(), {{0, 0, -4}}, {1});
     commit();
     std::vector<D3> origins, directions;
     for (const double far : {1e151, 1e160, 1e200, 1e293}) {

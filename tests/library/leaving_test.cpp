@@ -56,13 +56,7 @@ class LibraryLeaving : public LibraryTest {
     // A ball of triangles, and with sphere a primitive.
     void addBall(bool isSphere, double center, double radius) {
         if (isSphere) {
-            const std::vector<D3> centers = {{center, center, center}};
-            const std::vector<double> radii = {radius};
-            GLINT_INIT(glint_spheres, spheres);
-            spheres.centers = viewOf(centers);
-            spheres.radii = viewOf(radii);
-            uint32_t first = 0;
-            ASSERT_EQ(glint_scene_add_spheres(scene(), &spheres, &first), GLINT_OK) << glint_last_error();
+            addSpheres(scene(), {{center, center, center}}, {radius});
             return;
         }
         // An octahedron, each face cut in four: convex.

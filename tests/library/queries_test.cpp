@@ -5,7 +5,6 @@
 #include <fstream>
 #include <random>
 #include <set>
-#include <thread>
 
 #include "support.h"
 
@@ -278,31 +277,6 @@ TEST_F(LibraryQueries, BothTypesAreReadAlike) {
     hits.t = outOf(t);
     ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
     EXPECT_EQ(t, wide.t);
-}
-
-// Eight threads ask while a ninth commits changes.
-TEST_F(LibraryQueries, ThreadsAskOneScene) {
-    load("spheres.json");
-    Cast expected = raysInto(scene(), 2000, 3);
-    closest(expected);
-    std::atomic<int> wrong = 0;
-    std::vector<std::thread> threads;
-    for (int thread = 0; thread < 8; ++thread) {
-        threads.emplace_back([&] {
-            for (int turn = 0; turn < 4; ++turn) {
-                Cast mine = expected;
-                const glint_rays rays = mine.rays();
-                const glint_hits hits = mine.hits();
-                if (glint_query_closest(scene(), &rays, &hits, nullptr) != GLINT_OK) ++wrong;
-                if (mine.t != expected.t || mine.geometry != expected.geometry) ++wrong;
-            }
-        });
-    }
-    for (int turn = 0; turn < 4; ++turn) {
-        if (glint_scene_commit(scene()) != GLINT_OK) ++wrong;
-    }
-    for (std::thread& thread : threads) thread.join();
-    EXPECT_EQ(wrong, 0);
 }
 
 TEST_F(LibraryQueries, CancelledAndReported) {

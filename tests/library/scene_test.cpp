@@ -28,21 +28,11 @@ class LibraryScene : public LibraryTest {
         EXPECT_NEAR(found, t, 1e-4) << at[0];
     }
     uint32_t addTriangleAt(double x) { return addMesh<double>({{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}); }
-    uint32_t addSphere(D3 center, double radius) {
-        const std::vector<D3> centers = {center};
-        const std::vector<double> radii = {radius};
-        GLINT_INIT(glint_spheres, spheres);
-        spheres.centers = viewOf(centers);
-        spheres.radii = viewOf(radii);
-        uint32_t first = GLINT_NONE;
-        EXPECT_EQ(glint_scene_add_spheres(scene(), &spheres, &first), GLINT_OK) << glint_last_error();
-        return first;
-    }
 };
 
 TEST_F(LibraryScene, GeometriesAreNumberedAsTheyCome) {
     EXPECT_EQ(addTriangleAt(0), 0u);
-    EXPECT_EQ(addSphere({10, 0, 0}, 2), 1u);
+    EXPECT_EQ(addSpheres(scene(), {{10, 0, 0}}, {2}), 1u);
     uint32_t first = 9, count = 9;
     ASSERT_EQ(glint_scene_add_json(scene(), R"({"materials": {"red": {"diffuse": [1, 0, 0]}}, "objects": [
         {"type": "disc", "center": [20, 0, 3], "normal": [0, 0, 1], "radius": 1, "material": "red"},
@@ -147,23 +137,22 @@ TEST_F(LibraryScene, SpheresThatAreRefused) {
     double radius = 1;
     spheres.centers = {center.data(), 1, 0, GLINT_F64, 0};
     spheres.radii = {&radius, 1, 0, GLINT_F64, 0};
-    const auto refused = [&](const std::string& part) {
-        EXPECT_EQ(glint_scene_add_spheres(scene(), &spheres, nullptr), GLINT_ERROR_ARGUMENT) << part;
-        EXPECT_NE(std::string(glint_last_error()).find(part), std::string::npos) << glint_last_error();
+    const auto refuse = [&](const std::string& part) {
+        refused(glint_scene_add_spheres(scene(), &spheres, nullptr), part);
     };
     radius = 0;
-    refused("radius 0 is not greater than 0");
+    refuse("radius 0 is not greater than 0");
     for (const double far : {HUGE_VAL, 1e19, 1e-15}) {
         radius = far;
-        refused("radius 0 is not from 1e-14 to 1e18");
+        refuse("radius 0 is not from 1e-14 to 1e18");
     }
     radius = 1;
     for (const double far : {std::nan(""), -HUGE_VAL, 1e19}) {
         center[1] = far;
-        refused("center 0 is not finite, or not within 1e18 of 0");
+        refuse("center 0 is not finite, or not within 1e18 of 0");
     }
     spheres.radii.count = 0;
-    refused("radii has 0 elements, and 1 is needed");
+    refuse("radii has 0 elements, and 1 is needed");
     commit();
     const double nothing[12] = {};
     EXPECT_EQ(glint_scene_load(nullptr, "x", nullptr), GLINT_ERROR_ARGUMENT);

@@ -66,6 +66,21 @@ glint_rays raysFrom(const Origins& origins, const Directions& directions) {
     return rays;
 }
 
+// Returns the number of the first sphere.
+inline uint32_t addSpheres(glint_scene* scene, const std::vector<D3>& centers,
+                           const std::vector<double>& radii) {
+    GLINT_INIT(glint_spheres, spheres);
+    spheres.centers = viewOf(centers);
+    spheres.radii = viewOf(radii);
+    uint32_t first = GLINT_NONE;
+    EXPECT_EQ(glint_scene_add_spheres(scene, &spheres, &first), GLINT_OK) << glint_last_error();
+    return first;
+}
+inline void addJson(glint_scene* scene, const std::string& text) {
+    EXPECT_EQ(glint_scene_add_json(scene, text.c_str(), nullptr, nullptr, nullptr), GLINT_OK)
+        << text << glint_last_error();
+}
+
 // An argument is refused, with a message that holds `part`.
 inline void refused(glint_status status, const std::string& part) {
     EXPECT_EQ(status, GLINT_ERROR_ARGUMENT);
