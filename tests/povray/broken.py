@@ -65,15 +65,8 @@ BROKEN = [
 ]
 
 
-# What shows in the other two layers too.
+# What shows in the layer of objects too.
 OBJECTS = {"a target 0.001 higher", "a film 0.1 % higher", "an upright film"}
-SHADOWS = {"a light 1 % farther away", "a small object missing", "a triangle's corner moved by 0.01"}
-
-# Scenes that POV-Ray cannot be told of, and why.
-REFUSED = {
-    "boxes": "clamp", "environment": "environment", "glass": "attenuation", "inside_glass": "attenuation", "instances": "stretches", "lens": "lensRadius",
-    "panes": "Tf", "textures": "mirror", "textured_quadrics": "kind of object", "turntable": "animation", "vertex_colors": "red",
-}
 
 
 def of(stem, scene):

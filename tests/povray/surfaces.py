@@ -153,8 +153,6 @@ def checkers(material):
 def texture(translation, material, where):
     if translation.kind == "objects":
         return f"texture {{ pigment {{ {rgb([(translation.count + 1) * OBJECT_CODE / 65535, 0, 0])} }} finish {{ ambient 0 diffuse 0 emission 1 }} }}"
-    if translation.kind == "shadows":
-        return "texture { pigment { rgb 1 } finish { ambient 0 diffuse 1 brilliance 0 } }"
     known = {"ambient", "diffuse", "specular", "shininess", "mirror", "transmission", "ior", "attenuation", "attenuationColor",
              "attenuationDistance", "priority"}
     if set(material) - known:

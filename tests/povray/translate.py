@@ -47,17 +47,15 @@ def camera(c, size, shift):
             f"right {vector(unit_of * (right - left) * u)} up {vector(unit_of * (top - bottom) * v)} }}\n")
 
 
-def lamp(light, intensity):
-    """One light. Cones and falloff are left out where `intensity` replaces the light's own (masks of shadows)."""
-    plain, kind = intensity is not None, light["type"]
-    intensity = array(intensity if plain else colour(light.get("intensity", 1)))
+def lamp(light):
+    kind, intensity = light["type"], array(colour(light.get("intensity", 1)))
     if kind == "directional":
         return f"light_source {{ {vector(-FAR * unit(light['direction']))} {rgb(intensity)} parallel point_at 0 }}\n"
     position, more = array(light["position"]), ""
-    if not plain and light.get("falloff", "none") == "inverseSquare":
+    if light.get("falloff", "none") == "inverseSquare":
         # 2 / (1 + (d / f)^2) is 2 f^2 / d^2 but for a relative f^2 / d^2: 1e-12 at a distance of 1.
         intensity, more = intensity / (2 * FADE * FADE), f" fade_distance {number(SCALE * FADE)} fade_power 2"
-    if not plain and kind == "spot":
+    if kind == "spot":
         angle, edge = light["angle"], light["angle"] + light.get("penumbra", 0)
         if edge > 90:
             raise Refused("light: a spot wider than 90 degrees")
@@ -94,29 +92,24 @@ class Translation:
             if o["type"] == "group":
                 yield from self.objects(o["objects"], placed, named)
                 continue
-            material = self.material(named)
-            if not (self.kind == "shadows" and self.is_clear(material)):
-                yield shape(self, o, named is not None, material, placed)
+            yield shape(self, o, named is not None, self.material(named), placed)
             self.count += 1
 
 
-def translate(scene, folder, size, kind="colour", channel=None, shift=(0.0, 0.0), lights=None):
+def translate(scene, folder, size, kind="colour", channel=None, shift=(0.0, 0.0)):
     """The scene as POV-Ray reads it.
 
-    kind: "colour"; "objects", each a flat red of its number; "shadows", white where the light is free, of up to three `lights` (indices), one in
-    each channel, with what is clear left out. channel: the one that the picture is right in, where POV-Ray knows numbers and glint colours.
+    kind: "colour"; "objects", each a flat red of its number. channel: the one that the image is right in, where POV-Ray knows numbers and
+    glint colours.
     """
     if scene.get("animation") or isinstance(scene.get("background"), dict):
         raise Refused("animation" if scene.get("animation") else "background: an environment map")
-    listed = scene.get("lights", [])
     out = ["#version 3.7;\n", f"global_settings {{ assumed_gamma 1 adc_bailout 0 max_trace_level {scene.get('maxDepth', 5) + 1} }}\n"]
     if kind == "colour":
         out.append(f"background {{ {rgb(colour(scene.get('background', 0)))} }}\n")
     out.append(camera(scene.get("camera", {}), size, shift))
-    if kind == "shadows":
-        out += [lamp(listed[index], numpy.eye(3)[place]) for place, index in enumerate(lights)]
-    elif kind == "colour":
-        out += [lamp(light, None) for light in listed]
+    if kind == "colour":
+        out += map(lamp, scene.get("lights", []))
     translation = Translation(scene, folder, kind, channel)
     out += translation.objects(scene.get("objects", []), numpy.eye(4), None)
     return "".join(out)
