@@ -7,7 +7,14 @@
 
 // X(constant id, GLSL name FEATURE_..., C++ field of SceneFeatures)
 #define GLINT_FEATURES(X)                       \
-    GLINT_PRIMITIVE_FEATURES(X)                 \
+    X(0, TRIANGLES, triangles)                  \
+    X(1, SPHERES, spheres)                      \
+    X(3, PLANES, planes)                        \
+    X(11, DISCS, discs)                         \
+    X(12, POLYGONS, polygons)                   \
+    X(13, QUADRICS, quadrics)                   \
+    X(14, INSTANCES, instances)                 \
+    X(33, CUBOIDS, cuboids)                     \
     X(2, ANCHORED_SPHERES, anchoredSpheres)     \
     X(4, VERTEX_NORMALS, vertexNormals)         \
     X(5, POINT_LIGHTS, pointLights)             \

@@ -141,7 +141,14 @@
 // field of PackedScene, where that has one. Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)                                             \
     X(2, nodes, Node, GLINT_NODE_ROWS)                                    \
-    GLINT_PRIMITIVE_ARRAYS(X)                                             \
+    X(3, triangles, Triangle, GLINT_TRIANGLE_ROWS)                        \
+    X(6, spheres, Sphere, GLINT_SPHERE_ROWS)                              \
+    X(7, planes, Plane, GLINT_PLANE_ROWS)                                 \
+    X(12, discs, Disc, GLINT_DISC_ROWS)                                   \
+    X(13, polygons, Polygon, GLINT_POLYGON_ROWS)                          \
+    X(15, quadrics, Quadric, GLINT_QUADRIC_ROWS)                          \
+    X(16, instances, Instance, GLINT_INSTANCE_ROWS)                       \
+    X(24, cuboids, Cuboid, GLINT_CUBOID_ROWS)                             \
     X(4, triangleSurfaces, TriangleSurface, GLINT_TRIANGLE_SURFACE_ROWS)  \
     X(5, vertexNormals, VertexNormals, GLINT_VERTEX_NORMALS_ROWS)         \
     X(8, materials, Material, GLINT_MATERIAL_ROWS)                        \
@@ -218,20 +225,14 @@ GLINT_CONST_UINT(kMaxLeafSize, 8u);             // what kLeafCountMask can say
 // A primitive is kind << kPrimitiveKindShift | index into the kind's array (leaf order); kNone for none.
 GLINT_CONST_UINT(kPrimitiveKindShift, 28u);
 GLINT_CONST_UINT(kPrimitiveIndexMask, 0x0fffffffu);
-#define GLINT_KIND_CONSTANT(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                            loops, uv)                                                                      \
-    GLINT_CONST_UINT(kKind##Kind, number);
-GLINT_PRIMITIVES(GLINT_KIND_CONSTANT, 0)
-#define GLINT_KIND_ONE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                       loops, uv)                                                                      \
-    +1u
-GLINT_CONST_UINT(kKindCount, 0u GLINT_PRIMITIVES(GLINT_KIND_ONE, 0));
+#define GLINT_KIND_CONSTANT(number, Kind, kinds, one, many) GLINT_CONST_UINT(kKind##Kind, number);
+GLINT_PRIMITIVES(GLINT_KIND_CONSTANT, GLINT_KIND_CONSTANT)
+#define GLINT_KIND_ONE(number, Kind, kinds, one, many) +1u
+GLINT_CONST_UINT(kKindCount, 0u GLINT_PRIMITIVES(GLINT_KIND_ONE, GLINT_KIND_ONE));
 #ifdef __cplusplus
 // The same numbers for `switch`, which -Wswitch checks: no `default` over kinds.
-#define GLINT_KIND_NAME(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                        loops, uv)                                                                      \
-    Kind = number,
-enum class PrimitiveKind : uint8_t { GLINT_PRIMITIVES(GLINT_KIND_NAME, 0) };
+#define GLINT_KIND_NAME(number, Kind, kinds, one, many) Kind = number,
+enum class PrimitiveKind : uint8_t { GLINT_PRIMITIVES(GLINT_KIND_NAME, GLINT_KIND_NAME) };
 #undef GLINT_KIND_NAME
 static_assert(kKindCount <= kLeafKindMask + 1, "a leaf has three bits for its kind");
 #endif

@@ -1,5 +1,5 @@
 // The one list of primitives: what the host, the shaders and the reference generate from it, and what they
-// check against it (docs/guide or "how to add a primitive").
+// check against it (docs/design/how-to-add.md).
 #ifndef GLINT_SHARED_PRIMITIVES_H
 #define GLINT_SHARED_PRIMITIVES_H
 
@@ -87,35 +87,25 @@
 
 // ---- The list ----
 
-// V(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, feature id, one, many, crossings, loops,
-// uv), with
-//   A          whatever the caller hands on
-//   ROLE       how a ray comes to it, for lists of some kinds alone (GLINT_KIND_<ROLE> macros of the caller):
-//              TRIANGLES  in leaves, tested by code of their own
-//              PACKETS    in leaves; packets of rays know it
-//              LEAVES     in leaves; a scene that has some is traced ray by ray
-//              UNBOUNDED  beside the tree
-//              INSTANCES  in leaves of one, which lead into a further tree; never what is hit
+// V(number, Kind, kinds, one, many) for each kind that a ray can hit, I(...) for instances, which lead into a
+// further tree:
 //   number     in leaves and primitive numbers (layout.h)
 //   Kind       the struct, and kKind<Kind>
 //   kinds      the array of PackedScene, and the field of SceneFeatures
-//   binding, ROWS, FEATURE, feature id   of the device's array and its specialization constant
 //   one, many  what the user calls it
-//   crossings  how often a line may meet one; of more than two the traversal asks in a loop
-//   loops      that a leaf's test runs through, one within the other, for the bound on loop trips
-//              (path_limits.cpp)
-//   uv         1: a hit brings its texture coordinates along; 0: they come from the object's frame
-#define GLINT_PRIMITIVES(V, A)                                                                               \
-    V(A, TRIANGLES, 0, Triangle, triangles, 3, GLINT_TRIANGLE_ROWS, TRIANGLES, 0, triangle, triangles, 1, 1, \
-      1)                                                                                                     \
-    V(A, PACKETS, 1, Sphere, spheres, 6, GLINT_SPHERE_ROWS, SPHERES, 1, sphere, spheres, 2, 1, 0)            \
-    V(A, UNBOUNDED, 2, Plane, planes, 7, GLINT_PLANE_ROWS, PLANES, 3, plane, planes, 1, 0, 0)                \
-    V(A, LEAVES, 3, Disc, discs, 12, GLINT_DISC_ROWS, DISCS, 11, disc, discs, 1, 1, 0)                       \
-    V(A, LEAVES, 4, Polygon, polygons, 13, GLINT_POLYGON_ROWS, POLYGONS, 12, polygon, polygons, 1, 2, 0)     \
-    V(A, LEAVES, 5, Quadric, quadrics, 15, GLINT_QUADRIC_ROWS, QUADRICS, 13, quadric, quadrics, 4, 2, 0)     \
-    V(A, INSTANCES, 6, Instance, instances, 16, GLINT_INSTANCE_ROWS, INSTANCES, 14, instance, instances, 0,  \
-      1, 0)                                                                                                  \
-    V(A, PACKETS, 7, Cuboid, cuboids, 24, GLINT_CUBOID_ROWS, CUBOIDS, 33, box, boxes, 2, 1, 1)
+// Each kind also has its array in GLINT_SCENE_ARRAYS (layout.h) and its feature in GLINT_FEATURES
+// (dispatch.h).
+#define GLINT_PRIMITIVES(V, I)                     \
+    V(0, Triangle, triangles, triangle, triangles) \
+    V(1, Sphere, spheres, sphere, spheres)         \
+    V(2, Plane, planes, plane, planes)             \
+    V(3, Disc, discs, disc, discs)                 \
+    V(4, Polygon, polygons, polygon, polygons)     \
+    V(5, Quadric, quadrics, quadric, quadrics)     \
+    I(6, Instance, instances, instance, instances) \
+    V(7, Cuboid, cuboids, box, boxes)
+// For lists without instances.
+#define GLINT_NO_KIND(number, Kind, kinds, one, many)
 
 // X(FEATURE, kinds, loops): the loops, one within the other, that a leaf of each kind takes in the shaders.
 #define GLINT_LEAF_LOOPS(X)     \
@@ -126,17 +116,5 @@
     X(QUADRICS, quadrics, 2u)   \
     X(INSTANCES, instances, 1u) \
     X(CUBOIDS, cuboids, 1u)
-
-// X(feature id, FEATURE, kinds), as GLINT_FEATURES (dispatch.h).
-#define GLINT_FEATURE_OF_KIND(X, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, \
-                              crossings, loops, uv)                                                \
-    X(ID, FEATURE, kinds)
-#define GLINT_PRIMITIVE_FEATURES(X) GLINT_PRIMITIVES(GLINT_FEATURE_OF_KIND, X)
-
-// X(binding, kinds, Kind, ROWS), as GLINT_SCENE_ARRAYS (layout.h).
-#define GLINT_ARRAY_OF_KIND(X, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                            loops, uv)                                                                      \
-    X(binding, kinds, Kind, ROWS)
-#define GLINT_PRIMITIVE_ARRAYS(X) GLINT_PRIMITIVES(GLINT_ARRAY_OF_KIND, X)
 
 #endif

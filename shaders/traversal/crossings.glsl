@@ -68,56 +68,38 @@ int sideExactly(vec2 p, vec2 q) {
     return side != 0 ? side : moved;
 }
 
-// Result of rounded arithmetic for a triangle: whether the ray may cross it, and whether this is certain.
-// Three nonzero signs are right (a rounded difference of rounded products has the sign of the exact
-// difference), and t lies between those of the corners.
-struct Look {
-    SeenTriangle seen;
-    vec3 z;  // of the corners, along the ray
-    bool crosses, certain;
-};
-// a, b, c: the corners as seen from the origin, turned.
-Look lookAtTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c) {
-    Look look;
-    look.seen = seenAlong(frame, a, b, c);
-    float ea = look.seen.ea;
-    float eb = look.seen.eb;
-    float ec = look.seen.ec;
-    precise float az = frame.shear.z * a.z;
-    precise float bz = frame.shear.z * b.z;
-    precise float cz = frame.shear.z * c.z;
-    look.z = vec3(az, bz, cz);
-    float nearest = min(az, min(bz, cz));
-    float farthest = max(az, max(bz, cz));
-    look.crosses = ((ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0)) &&
-                   farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
-    look.certain =
-        ea != 0.0 && eb != 0.0 && ec != 0.0 && nearest > 0.0 && nearest > ray.tMin && farthest <= ray.tMax;
-    return look;
-}
-Look lookAt(Ray ray, RayFrame frame, Triangle triangle) {
-    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
-    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
-    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
-    return lookAtTurned(ray, frame, a, b, c);
+// Error bound of the sum of weights times z. Each term of a weight rounds twice, their difference, the
+// product with z and the sums again.
+float boundOfSum(SeenTriangle seen, vec3 z) {
+    precise vec3 terms = vec3(abs(seen.c.x * seen.b.y) + abs(seen.c.y * seen.b.x),
+                              abs(seen.a.x * seen.c.y) + abs(seen.a.y * seen.c.x),
+                              abs(seen.b.x * seen.a.y) + abs(seen.b.y * seen.a.x));
+    precise float bound = 16.0 * kUnit * dot(terms, abs(z));
+    return bound;
 }
 
 // True if the ray crosses the triangle at a t of its interval, 0 excluded. doubtful: rounding decides whether
 // the crossing is behind the origin or before it. t, u and v are valid only if they are needed.
 bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips, out float t, out float u,
                    out float v, out bool doubtful) {
-    Look look = lookAt(ray, frame, triangle);
-    SeenTriangle seen = look.seen;
+    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
+    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
+    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+    SeenTriangle seen = seenAlong(frame, a, b, c);
     float ea = seen.ea;
     float eb = seen.eb;
     float ec = seen.ec;
-    float az = look.z.x;
-    float bz = look.z.y;
-    float cz = look.z.z;
+    precise float az = frame.shear.z * a.z;
+    precise float bz = frame.shear.z * b.z;
+    precise float cz = frame.shear.z * c.z;
     float nearest = min(az, min(bz, cz));
     float farthest = max(az, max(bz, cz));
-    bool crosses = look.crosses;
-    bool certain = look.certain;
+    // What rounded arithmetic tells. Three nonzero signs are right (a rounded difference of rounded products
+    // has the sign of the exact difference), and t lies between those of the corners.
+    bool crosses = ((ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0)) &&
+                   farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
+    bool certain =
+        ea != 0.0 && eb != 0.0 && ec != 0.0 && nearest > 0.0 && nearest > ray.tMin && farthest <= ray.tMax;
     bool closer = crosses && (kPlacesMatter || !certain);
     t = nearest;
     u = 0.0;
@@ -140,11 +122,7 @@ bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips,
             t = collapsed ? farthest : tHit;
             u = collapsed ? 0.0 : uHit;
             v = collapsed ? 0.0 : vHit;
-            // Each term of a weight rounds twice, their difference, the product with z and the sums again.
-            precise vec3 terms = vec3(abs(seen.c.x * seen.b.y) + abs(seen.c.y * seen.b.x),
-                                      abs(seen.a.x * seen.c.y) + abs(seen.a.y * seen.c.x),
-                                      abs(seen.b.x * seen.a.y) + abs(seen.b.y * seen.a.x));
-            precise float bound = 16.0 * kUnit * dot(terms, abs(vec3(az, bz, cz)));
+            float bound = boundOfSum(seen, vec3(az, bz, cz));
             precise float sum = ea * az + eb * bz + ec * cz;
             doubtful = crosses && nearest <= 0.0 && !(abs(sum) > bound);
             // One that is certain lies between its corners, and so between the ray's ends, though t is

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "shared/layout.h"
 
 namespace glint {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "shared/layout.h"
 
 namespace glint {

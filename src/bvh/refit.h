@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "shared/layout.h"
 
 namespace glint {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 
 namespace glint {
 

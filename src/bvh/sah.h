@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "bvh/lanes.h"
 
 namespace glint::sah {

@@ -1,7 +1,7 @@
 // The boxes that nodes hold.
 #pragma once
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "bvh/lanes.h"
 
 namespace glint {

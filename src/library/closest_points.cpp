@@ -12,12 +12,10 @@ namespace {
 constexpr double kFarthestPoint = 1e18;
 
 void requireKinds(const PackedScene& packed) {
-#define GLINT_REQUIRE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                      uv)                                                                                    \
-    if (!packed.kinds.empty() && number != shared::kKindInstance &&                                          \
-        !reference::hasClosestPoint(shared::PrimitiveKind::Kind))                                            \
+#define GLINT_REQUIRE(number, Kind, kinds, one, many)                                      \
+    if (!packed.kinds.empty() && !reference::hasClosestPoint(shared::PrimitiveKind::Kind)) \
         refuse("closest points are of triangles and spheres alone: the scene has a " #one);
-    GLINT_PRIMITIVES(GLINT_REQUIRE, 0)
+    GLINT_PRIMITIVES(GLINT_REQUIRE, GLINT_NO_KIND)
 #undef GLINT_REQUIRE
 }
 

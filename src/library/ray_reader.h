@@ -67,7 +67,7 @@ class HitWriter {
                const reference::Tracer* tracer) const;
     void writeMiss(uint64_t i) const;
     void writeOrigin(uint64_t i, const LocalRay& ray, const reference::Surface& surface) const;
-    using Rows = std::array<const shared::TriangleSurface*, render::RayTask::kBlock>;
+    using Rows = std::array<const shared::TriangleSurface*, render::kRayBlock>;
     void writeTriangles(const render::RayNumbers& numbers, const render::FoundHits& found,
                         const Rows& rows) const;
     void writePlaces(const render::RayNumbers& numbers, const render::FoundHits& found,

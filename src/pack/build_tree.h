@@ -1,27 +1,9 @@
 // From primitives to a tree of the wanted quality.
 #pragma once
 
-#include "bvh/builder.h"
-#include "pack/primitives.h"
+#include "pack/tree_memory.h"
 
 namespace glint {
-
-class TreeMemory;
-
-struct TreeOptions {
-    BvhOptions bvh;
-    BuildQuality quality = BuildQuality::Default;
-    // False where a primitive must stand in the tree once: a shadow ray that multiplies what each surface
-    // lets through would count the parts of a split triangle twice.
-    bool split = true;
-    TreeMemory* memory = nullptr;  // where trees may be found, and are kept; may be null
-};
-
-struct Tree {
-    Bvh bvh;
-    double cost = 0;              // expectedCost
-    uint32_t splitTriangles = 0;  // entries that splitting added
-};
 
 // The expected cost of a random ray that meets the root's box, in tests of a primitive: each node by its
 // chance of being met, the ratio of areas (Goldsmith & Salmon 1987; MacDonald & Booth 1990). 0 for an empty

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "pack/extent.h"
-#include "pack/primitives.h"
+#include "pack/kind_packer.h"
+#include "pack/object_extents.h"
 #include "pack/quadrics.h"
 #include "pack/unit_vector.h"
 

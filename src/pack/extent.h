@@ -1,13 +1,14 @@
+// A box in world coordinates, and the planes near it.
 #pragma once
 
 #include <glm/glm.hpp>
 #include <limits>
-#include <vector>
-
-#include "pack/primitives.h"
-#include "scene/scene.h"
 
 namespace glint {
+
+double largestComponent(const glm::dvec3& v);  // in magnitude
+// The plane's point nearest to `from`. normal: unit.
+glm::dvec3 nearestOnPlane(const glm::dvec3& from, const glm::dvec3& point, const glm::dvec3& normal);
 
 // A box in world coordinates.
 struct Extent {
@@ -21,23 +22,6 @@ struct Extent {
     glm::dvec3 center() const { return 0.5 * lo + 0.5 * hi; }
     double halfSize() const;  // along the longest edge
 };
-
-// Bounds of the finite geometry, and of most of it.
-struct Geometry {
-    Extent extent;
-    glm::dvec3 middle{0};  // the median, axis by axis, of the centres of the nearer half of the objects
-    double reach = 0;      // half of all objects lie no farther from there in any axis, with all their parts
-};
-
-// Bounds of each object, empty for planes; `instances` may be null if there are none.
-std::vector<Extent> objectExtents(const Scene& scene, const PrimitiveNumbers& numbers,
-                                  const Instances* instances, unsigned threads);
-Geometry geometryOf(const Scene& scene, std::vector<Extent> objects);
-// With the camera.
-Extent withCamera(const Extent& geometry, const Scene& scene);
-glm::dvec3 originOf(const Geometry& geometry, const glm::dvec3& eye);
-// looksFrom: how far the eye is from the middle.
-glm::dvec3 originOf(const glm::dvec3& middle, double reach, double looksFrom);
 
 // The point by which fp32 can best hold a plane that is used near `extent`: the given one, or, where that
 // lies 16 times farther from the extent's centre than it need, the plane's point nearest the centre. normal:

@@ -48,10 +48,8 @@ bool haveSlivers(const std::vector<shared::Triangle>& triangles) {
 
 SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used) {
     SceneFeatures f = packed.features;  // those of packTextures
-#define GLINT_USES(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                   uv)                                                                                    \
-    f.kinds = !packed.kinds.empty();
-    GLINT_PRIMITIVES(GLINT_USES, 0)
+#define GLINT_USES(number, Kind, kinds, one, many) f.kinds = !packed.kinds.empty();
+    GLINT_PRIMITIVES(GLINT_USES, GLINT_USES)
 #undef GLINT_USES
     for (const shared::Sphere& s : packed.spheres) f.anchoredSpheres |= s.anchorNormal != glm::vec3(0);
     f.splitTriangles = packed.statistics.splitTriangles > 0;

@@ -10,7 +10,8 @@
 
 #include "core/call_terms.h"
 #include "core/parallel.h"
-#include "pack/extent.h"
+#include "pack/kind_packer.h"
+#include "pack/object_extents.h"
 #include "pack/pack_geometry.h"
 #include "pack/pack_textures.h"
 #include "pack/primitives.h"
@@ -79,7 +80,7 @@ Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxLe
     if (textured != scene.materials.end()) alone.materials.assign(scene.materials.size(), *textured);
     const PrimitiveNumbers numbers(alone);
     checkLimit("primitives of an object that is stored once", numbers.total(), uint64_t{1} << maxLevels);
-    const Extent extent = objectExtents(alone, numbers, nullptr, options.threads).front();
+    const Extent extent = objectExtents(alone, numbers, {}, options.threads).front();
     Prototype prototype;
     PackedScene& packed = prototype.geometry;
     if (extent.empty()) return prototype;
@@ -143,10 +144,8 @@ void appendGeometry(PackedScene& to, PackedScene& part) {
     appendArray(to.vertexNormals, part.vertexNormals);
     appendArray(to.vertexAttributes, part.vertexAttributes);
     appendArray(to.polygonVertices, part.polygonVertices);
-#define GLINT_APPEND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                     uv)                                                                                    \
-    appendArray(to.kinds, part.kinds);
-    GLINT_PRIMITIVES(GLINT_APPEND, 0)
+#define GLINT_APPEND(number, Kind, kinds, one, many) appendArray(to.kinds, part.kinds);
+    GLINT_PRIMITIVES(GLINT_APPEND, GLINT_APPEND)
 #undef GLINT_APPEND
     to.polygonTripsPerLeaf = std::max(to.polygonTripsPerLeaf, part.polygonTripsPerLeaf);
     to.statistics.leaves += part.statistics.leaves;

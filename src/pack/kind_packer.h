@@ -79,11 +79,12 @@ double windingOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
 const KindPacker& packerOf(shared::PrimitiveKind kind);
 
+// Kind of the object's primitives: instances if its shape cannot absorb its transform.
+shared::PrimitiveKind kindOf(const Object& object);
+
 // Defined with the kind: const KindPacker& packerOfTriangle(), ...
-#define GLINT_PACKER(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                     uv)                                                                                    \
-    const KindPacker& packerOf##Kind();
-GLINT_PRIMITIVES(GLINT_PACKER, 0)
+#define GLINT_PACKER(number, Kind, kinds, one, many) const KindPacker& packerOf##Kind();
+GLINT_PRIMITIVES(GLINT_PACKER, GLINT_PACKER)
 #undef GLINT_PACKER
 
 }  // namespace glint

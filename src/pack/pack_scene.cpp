@@ -5,11 +5,12 @@
 #include "core/stopwatch.h"
 #include "pack/build_tree.h"
 #include "pack/camera_change.h"
+#include "pack/collect_primitives.h"
 #include "pack/dielectric_rank.h"
-#include "pack/extent.h"
 #include "pack/features.h"
 #include "pack/instances.h"
 #include "pack/leaf_order.h"
+#include "pack/object_extents.h"
 #include "pack/pack_geometry.h"
 #include "pack/pack_shading.h"
 #include "pack/pack_textures.h"
@@ -40,6 +41,12 @@ void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Exten
 }
 
 namespace {
+
+std::vector<Extent> extentsOf(const Scene& scene, const PrimitiveNumbers& numbers, const Instances& instances,
+                              unsigned threads) {
+    const auto corners = [&](uint32_t object) { return instances.corners(scene, object); };
+    return objectExtents(scene, numbers, corners, threads);
+}
 
 // A leaf of polygons must not take more trips than one polygon may: the device cannot stop within a leaf.
 void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& packed) {
@@ -111,7 +118,7 @@ bool anyTransmits(const Scene& scene) {
 PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
                        const PackOptions& options) {
     const ProgressPart part(instances.any() ? Instances::kPrototypesPart : 0, 1);
-    const Geometry geometry = geometryOf(scene, objectExtents(scene, numbers, &instances, options.threads));
+    const Geometry geometry = geometryOf(scene, extentsOf(scene, numbers, instances, options.threads));
     const Extent extent = withCamera(geometry.extent, scene);
     PackedScene packed;
     packed.geometryLo = geometry.extent.lo;
@@ -145,6 +152,14 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
     packed.features.thinLens = scene.camera.lensRadius > 0;
     return packed;
+}
+
+glm::dvec3 chooseOrigin(const Scene& given, unsigned threads) {
+    Scene copy;
+    const Scene& scene = placedScene(given, copy);
+    const PrimitiveNumbers numbers(scene);
+    const Instances instances(scene, numbers, PackOptions{threads});
+    return originOf(geometryOf(scene, extentsOf(scene, numbers, instances, threads)), scene.camera.eye);
 }
 
 PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality, bool split,

@@ -14,10 +14,8 @@ namespace glint {
 
 // Features of a scene. The device pipeline leaves out those that are false.
 struct SceneFeatures {
-#define GLINT_KIND_FEATURE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                           loops, uv)                                                                      \
-    bool kinds = false;
-    GLINT_PRIMITIVES(GLINT_KIND_FEATURE, 0)
+#define GLINT_KIND_FEATURE(number, Kind, kinds, one, many) bool kinds = false;
+    GLINT_PRIMITIVES(GLINT_KIND_FEATURE, GLINT_KIND_FEATURE)
 #undef GLINT_KIND_FEATURE
     bool anchoredSpheres = false;
     bool vertexNormals = false;
@@ -69,10 +67,8 @@ struct PackedScene {
     glm::dvec3 origin{0};  // world = origin + local; every position below is local
     std::vector<shared::Node> nodes;
 // triangles, spheres, ...: of each kind those that are in leaves in leaf order
-#define GLINT_KIND_ARRAY(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                         loops, uv)                                                                      \
-    std::vector<shared::Kind> kinds;
-    GLINT_PRIMITIVES(GLINT_KIND_ARRAY, 0)
+#define GLINT_KIND_ARRAY(number, Kind, kinds, one, many) std::vector<shared::Kind> kinds;
+    GLINT_PRIMITIVES(GLINT_KIND_ARRAY, GLINT_KIND_ARRAY)
 #undef GLINT_KIND_ARRAY
     std::vector<shared::TriangleSurface> triangleSurfaces;  // parallel to triangles
     std::vector<shared::VertexNormals> vertexNormals;

@@ -138,9 +138,6 @@ Box polygonBox(const std::vector<glm::vec3>& vertices, const glm::vec3& point, c
 // Loop trips that the device takes around the outline.
 uint32_t polygonTrips(size_t vertices);
 
-// Kind of the object's primitives: instances if its shape cannot absorb its transform.
-shared::PrimitiveKind kindOf(const Object& object);
-
 // Entries of the BVH in the order of ids.
 struct Primitives {
     struct Source {
@@ -151,12 +148,6 @@ struct Primitives {
     std::vector<Source> sources;
     std::array<uint32_t, shared::kKindCount> counts{};  // of each kind
 };
-
-// Leaves out planes and the triangles that cannot be hit, which are counted and warned of.
-// Throws Error(Scene) if there are more primitives of a kind than a leaf can name.
-Primitives collectPrimitives(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame,
-                             unsigned threads, PackStatistics& statistics,
-                             std::vector<std::string>& warnings);
 
 // Throws Error(Scene) if count passes limit; `what` is the array's name.
 void checkLimit(const char* what, uint64_t count, uint64_t limit);

@@ -8,9 +8,27 @@
 #include <mutex>
 #include <optional>
 
-#include "pack/build_tree.h"
+#include "bvh/bvh.h"
+#include "pack/primitives.h"
 
 namespace glint {
+
+class TreeMemory;
+
+struct TreeOptions {
+    BvhOptions bvh;
+    BuildQuality quality = BuildQuality::Default;
+    // False where a primitive must stand in the tree once: a shadow ray that multiplies what each surface
+    // lets through would count the parts of a split triangle twice.
+    bool split = true;
+    TreeMemory* memory = nullptr;  // where trees may be found, and are kept; may be null
+};
+
+struct Tree {
+    Bvh bvh;
+    double cost = 0;              // expectedCost
+    uint32_t splitTriangles = 0;  // entries that splitting added
+};
 
 class TreeMemory {
   public:

@@ -55,10 +55,8 @@ Model widened(const PackedScene& scene) {
     Model model;
     model.origin = scene.origin;
     model.nodes = std::make_shared<const std::vector<rows::Node>>(scene.nodes.begin(), scene.nodes.end());
-#define GLINT_WIDEN(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                    uv)                                                                                    \
-    widenArray(scene.kinds, model.kinds);
-    GLINT_PRIMITIVES(GLINT_WIDEN, 0)
+#define GLINT_WIDEN(number, Kind, kinds, one, many) widenArray(scene.kinds, model.kinds);
+    GLINT_PRIMITIVES(GLINT_WIDEN, GLINT_WIDEN)
 #undef GLINT_WIDEN
     for (rows::Quadric& quadric : model.quadrics) asOneEquation(quadric);
     widenArray(scene.triangleSurfaces, model.triangleSurfaces);
@@ -83,10 +81,8 @@ Model widened(const PackedScene& scene) {
 Model disturbed(const Model& model, uint64_t seed, double units) {
     Model moved = model;
     const Disturbance disturb{seed, units * 0x1p-24};
-#define GLINT_DISTURB(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                      uv)                                                                                    \
-    disturb(moved.kinds);
-    GLINT_PRIMITIVES(GLINT_DISTURB, 0)
+#define GLINT_DISTURB(number, Kind, kinds, one, many) disturb(moved.kinds);
+    GLINT_PRIMITIVES(GLINT_DISTURB, GLINT_DISTURB)
 #undef GLINT_DISTURB
     disturb(moved.vertexNormals);
     disturb(moved.polygonVertices);

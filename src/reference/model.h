@@ -71,10 +71,8 @@ struct Model {
     glm::dvec3 origin{0};  // world = origin + local; every position below is local
     std::shared_ptr<const std::vector<rows::Node>> nodes = std::make_shared<const std::vector<rows::Node>>();
 // triangles, spheres, ...: of each kind those that are in leaves in leaf order
-#define GLINT_MODEL_ARRAY(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                          loops, uv)                                                                      \
-    std::vector<rows::Kind> kinds;
-    GLINT_PRIMITIVES(GLINT_MODEL_ARRAY, 0)
+#define GLINT_MODEL_ARRAY(number, Kind, kinds, one, many) std::vector<rows::Kind> kinds;
+    GLINT_PRIMITIVES(GLINT_MODEL_ARRAY, GLINT_MODEL_ARRAY)
 #undef GLINT_MODEL_ARRAY
     std::vector<rows::TriangleSurface> triangleSurfaces;  // parallel to triangles
     std::vector<rows::VertexNormals> vertexNormals;

@@ -33,21 +33,14 @@ struct Place {
 
 // The nearest hit within (ray.tMin, tMax], never one with what the ray starts on again. part: of a solid with
 // several surfaces, the one that is met.
-#define GLINT_MEETS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                    uv)                                                                                    \
-    GLINT_MEETS_##ROLE(Kind)
-#define GLINT_MEETS_ALL(Kind)                                                                    \
+#define GLINT_MEETS(number, Kind, kinds, one, many)                                              \
     bool meets(const rows::Kind& primitive, const Meeting& meeting, Root& root, uint32_t& part); \
     /* Position, moved onto the surface, normals, and uv where they are the primitive's own. */  \
     void surfaceOf(const rows::Kind& primitive, const Place& place, Surface& surface);           \
     /* The greatest magnitude among the coordinates that a hit point on it is computed from. */  \
     double reachOf(const Model& scene, const Methods& methods, const rows::Kind& primitive);
-#define GLINT_MEETS_TRIANGLES(Kind) GLINT_MEETS_ALL(Kind)
-#define GLINT_MEETS_PACKETS(Kind) GLINT_MEETS_ALL(Kind)
-#define GLINT_MEETS_LEAVES(Kind) GLINT_MEETS_ALL(Kind)
-#define GLINT_MEETS_UNBOUNDED(Kind) GLINT_MEETS_ALL(Kind)
-#define GLINT_MEETS_INSTANCES(Kind)
-GLINT_PRIMITIVES(GLINT_MEETS, 0)
+GLINT_PRIMITIVES(GLINT_MEETS, GLINT_NO_KIND)
+#undef GLINT_MEETS
 
 // True if the ray starts on the triangle with this id. A split triangle stands in the BVH more than once.
 inline bool isOwnTriangle(const Meeting& m, uint32_t id) {
@@ -65,11 +58,7 @@ inline bool meets(const rows::Triangle& triangle, const Meeting& m, Root& root, 
 
 // True of the kinds whose hits bring texture coordinates of their own.
 constexpr bool hasOwnUv(shared::PrimitiveKind kind) {
-#define GLINT_OWN_UV(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                     uv)                                                                                    \
-    || (uv == 1 && kind == shared::PrimitiveKind::Kind)
-    return false GLINT_PRIMITIVES(GLINT_OWN_UV, 0);
-#undef GLINT_OWN_UV
+    return kind == shared::PrimitiveKind::Triangle || kind == shared::PrimitiveKind::Cuboid;
 }
 
 // True if both are hits of the same part of two primitives of one kind with equal numbers, in one instance,

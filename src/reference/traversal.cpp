@@ -126,20 +126,13 @@ template <bool kAny>
 bool testPrimitives(const Model& scene, const PreparedRay& ray, shared::PrimitiveKind kind, uint32_t first,
                     uint32_t count, uint32_t source, Search& search) {
     switch (kind) {
-#define GLINT_TEST(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                   uv)                                                                                    \
-    GLINT_TEST_##ROLE(Kind, kinds)
-#define GLINT_TEST_ALL(Kind, kinds)   \
-    case shared::PrimitiveKind::Kind: \
+#define GLINT_TEST(number, Kind, kinds, one, many) \
+    case shared::PrimitiveKind::Kind:              \
         return testArray<kAny>(scene, ray, scene.kinds, shared::kKind##Kind, first, count, source, search);
-#define GLINT_TEST_TRIANGLES(Kind, kinds) GLINT_TEST_ALL(Kind, kinds)
-#define GLINT_TEST_PACKETS(Kind, kinds) GLINT_TEST_ALL(Kind, kinds)
-#define GLINT_TEST_LEAVES(Kind, kinds) GLINT_TEST_ALL(Kind, kinds)
-#define GLINT_TEST_UNBOUNDED(Kind, kinds) GLINT_TEST_ALL(Kind, kinds)
-#define GLINT_TEST_INSTANCES(Kind, kinds) \
-    case shared::PrimitiveKind::Kind:     \
-        return false;
-        GLINT_PRIMITIVES(GLINT_TEST, 0)
+        GLINT_PRIMITIVES(GLINT_TEST, GLINT_NO_KIND)
+#undef GLINT_TEST
+        case shared::PrimitiveKind::Instance:
+            return false;
     }
     return false;
 }

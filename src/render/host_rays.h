@@ -1,11 +1,11 @@
-// Rays that the host brings instead of a camera.
+// Writes rays of the host into the path state, and reads what they hit.
 #pragma once
 
 #include <span>
 
 #include "render/path_state.h"
 #include "render/pipelines.h"
-#include "render/renderer.h"
+#include "render/rays.h"
 
 namespace glint::render {
 

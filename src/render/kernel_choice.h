@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/pipelines.h"
-#include "render/renderer.h"
+#include "trace/request.h"
 
 namespace glint::render {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "render/path_state.h"
-#include "render/whole_paths.h"
 
 namespace glint::render {
 
@@ -67,9 +66,11 @@ uint32_t budgetOf(Kernels kernels, const gpu::DeviceInfo& device, const SceneFea
     return haveMiddleLoop(features) ? std::min(outer, waiting) : outer;
 }
 
+// scenes/glass.json follows up to 82.
+constexpr uint32_t kMostOfTree = 200;
 constexpr uint32_t kTripsElsewhere = 1u << 16;
 // In whole.comp: of the loop over a material's textures and of that over bounces, for a ray at most; and of
-// what makes a sample of a pixel (shading/sample.glsl), for a path.
+// what makes a sample of a pixel (shading/camera.glsl), for a path.
 constexpr uint32_t kTripsOfShading = 5;
 constexpr uint32_t kTripsOfSample = 64;
 
@@ -89,6 +90,17 @@ uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_
         wanted /= 2;
     }
     return wanted;
+}
+
+uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environment& environment) {
+    if (!goesOnAfterHits(features)) return 0;
+    if (!features.transmission) return environment.maxDepth;
+    return environment.maxDepth < 7 ? (2u << environment.maxDepth) - 2 : kMostOfTree;
+}
+
+uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment) {
+    const uint64_t hits = uint64_t{mostRaysAfterFirst(features, environment)} + 1;
+    return hits * (uint64_t{std::max(environment.lightCount, 1u)} + 1);
 }
 
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,

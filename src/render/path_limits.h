@@ -25,6 +25,13 @@ inline uint32_t interleaveOf(const gpu::DeviceInfo& device) {
     return device.llvmpipe ? 16 : 1;
 }
 
+// Rays that whole.comp follows of a path after the camera's: all that there can be, or where they are a tree
+// as many as hardly any path has.
+uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environment& environment);
+
+// All rays of a path, shadow rays too.
+uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment);
+
 // Loop trips that the rays of a path may make in one dispatch of a pipeline with these features.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
                           uint32_t polygonTripsPerLeaf = 0);

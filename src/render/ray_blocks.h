@@ -7,11 +7,11 @@
 #include <span>
 #include <type_traits>
 
-#include "render/ray_queries.h"
+#include "render/rays.h"
 
 namespace glint::render {
 
-constexpr size_t kBlock = RayTask::kBlock;
+constexpr size_t kBlock = kRayBlock;
 // llvmpipe gives each of its threads an equal run of the workgroups: blocks are dealt out among so many runs.
 constexpr size_t kRuns = 16;
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <span>
 
-#include "render/renderer.h"
+#include "render/rays.h"
 
 namespace glint::render {
 

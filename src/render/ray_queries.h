@@ -2,7 +2,6 @@
 // bytes. What libglint's queries are made of; Renderer::trace answers in full.
 #pragma once
 
-#include <algorithm>
 #include <functional>
 #include <memory>
 #include <span>
@@ -50,9 +49,8 @@ class FoundHits {
     bool counted_;
 };
 
-// `fill` and `take` are called for blocks of at most kBlock rays, from several threads at a time.
+// `fill` and `take` are called for blocks of at most kRayBlock rays, from several threads at a time.
 struct RayTask {
-    static constexpr size_t kBlock = 1024;
     size_t count = 0;
     ReadRays fill;  // local rays; also called to look at some of them
     std::function<void(const RayNumbers& numbers, const FoundHits& hits)> take;
@@ -103,16 +101,5 @@ class RayQueries {
     struct State;
     std::unique_ptr<State> state_;
 };
-
-// The ray as the kernels read it. t that fp32 cannot hold becomes kInfinity; NaN stays NaN and misses. tMin
-// is clamped to 0: kernels may otherwise report hits behind the origin.
-inline RayInput roundedRay(const LocalRay& ray) {
-    const auto bound = [](double t) {
-        constexpr double kLimit = static_cast<double>(shared::kInfinity);
-        return static_cast<float>(std::clamp(t, -kLimit, kLimit));
-    };
-    return {glm::vec3(ray.origin), glm::vec3(ray.direction), std::max(bound(ray.tMin), 0.0f),
-            bound(ray.tMax)};
-}
 
 }  // namespace glint::render

@@ -14,6 +14,7 @@
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
 #include "render/kernels.h"
+#include "render/rays.h"
 #include "render/traversal_choice.h"
 #include "render/whole_paths.h"
 #include "trace/picture.h"
@@ -74,21 +75,6 @@ struct StageTimes {
     // the rest of the last workgroup too. Those of whole.comp once a sample.
     uint64_t invocations = 0;
     KernelTimes kernels;
-};
-
-// A ray as the kernels read it: local and fp32. Nothing is done to it on the way.
-struct RayInput {
-    glm::vec3 origin{0};
-    glm::vec3 direction{0, 0, -1};
-    float tMin = 0;
-    float tMax = shared::kInfinity;
-};
-
-struct RayHit {
-    bool hit = false;
-    float t = 0;
-    uint32_t kindAndIndex = shared::kNone;
-    PixelData data;
 };
 
 class Renderer {

@@ -2,32 +2,17 @@
 
 #include <algorithm>
 
-#include "render/path_limits.h"
-
 namespace glint::render {
 
 namespace {
 
 // A ray seldom takes more than a hundred, and paths are short.
 constexpr uint32_t kFewestTrips = 1500;
-// scenes/glass.json follows up to 82.
-constexpr uint32_t kMostOfTree = 200;
 // From where on what packets save pays for their longer start: between 0.7 million rays (scenes/arcade.json)
 // and two.
 constexpr uint64_t kManyRays = 1'000'000;
 
 }  // namespace
-
-uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environment& environment) {
-    if (!goesOnAfterHits(features)) return 0;
-    if (!features.transmission) return environment.maxDepth;
-    return environment.maxDepth < 7 ? (2u << environment.maxDepth) - 2 : kMostOfTree;
-}
-
-uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment) {
-    const uint64_t hits = uint64_t{mostRaysAfterFirst(features, environment)} + 1;
-    return hits * (uint64_t{std::max(environment.lightCount, 1u)} + 1);
-}
 
 uint32_t firstWholeTiles(uint64_t mostRays) {
     constexpr uint64_t kRays = 1 << 14, kLeast = 64, kMost = 256;

@@ -21,13 +21,6 @@ constexpr auto entriesOf(WholePaths) {
         {{WholePaths::Auto, "auto"}, {WholePaths::On, "on"}, {WholePaths::Off, "off"}});
 }
 
-// Rays that the kernel follows of a path after the camera's: all that there can be, or where they are a tree
-// as many as hardly any path has.
-uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environment& environment);
-
-// All rays of a path, shadow rays too.
-uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment);
-
 // Tiles of the first slice, whose one submission traces all rays of its paths.
 uint32_t firstWholeTiles(uint64_t mostRays);
 

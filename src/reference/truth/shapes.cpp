@@ -250,14 +250,13 @@ class LeafWriter {
         const uint32_t kind = part_.items[node.first].kind;
         uint32_t first = 0;
         switch (static_cast<shared::PrimitiveKind>(kind)) {
-#define GLINT_WRITE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
-                    uv)                                                                                    \
-    case shared::PrimitiveKind::Kind:                                                                      \
-        first = static_cast<uint32_t>(model_.kinds.size());                                                \
-        for (uint32_t i = node.first; i < node.first + node.count; ++i)                                    \
-            write(part_.model.kinds[part_.items[i].index], part_.items[i].index);                          \
+#define GLINT_WRITE(number, Kind, kinds, one, many)                               \
+    case shared::PrimitiveKind::Kind:                                             \
+        first = static_cast<uint32_t>(model_.kinds.size());                       \
+        for (uint32_t i = node.first; i < node.first + node.count; ++i)           \
+            write(part_.model.kinds[part_.items[i].index], part_.items[i].index); \
         break;
-            GLINT_PRIMITIVES(GLINT_WRITE, 0)
+            GLINT_PRIMITIVES(GLINT_WRITE, GLINT_WRITE)
 #undef GLINT_WRITE
         }
         return shared::kLeafFlag | kind << shared::kLeafKindShift |
