@@ -36,8 +36,6 @@ struct BenchCommand {
 void declare(OptionTable& table, BenchCommand& c) {
     addScenes(table, c.scenes, c.common.allowOutside);
     addSceneOverrides(table, c.common);
-    addCamera(table, c.common);
-    addTime(table, c.common);
     addMethods(table, c.common);
     addMinContribution(table, c.common);
     addBackend(table, c.backend);

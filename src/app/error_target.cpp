@@ -150,22 +150,19 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
 
 nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& result) {
     const converge::Target defaults;
-    const auto number = [](double value) {
-        return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-    };
     const converge::ErrorBudget& budget = result.budget;
     return {{"asked", *target.error},
             {"confidence", target.confidence.value_or(defaults.confidence)},
             {"reached", result.reached()},
             {"stopped", nameOf(result.stop)},
-            {"bound", number(budget.total())},
-            {"sampling", number(budget.sampling)},
-            {"estimate", number(result.estimate)},
-            {"rounding", number(budget.rounding)},
-            {"cut", number(budget.cut)},
-            {"maxDepth", number(budget.depth)},
+            {"bound", budget.total()},
+            {"sampling", budget.sampling},
+            {"estimate", result.estimate},
+            {"rounding", budget.rounding},
+            {"cut", budget.cut},
+            {"maxDepth", budget.depth},
             {"maxDepthCounts", budget.depthCounts},
-            {"unseen", number(result.unseen)},
+            {"unseen", result.unseen},
             {"samplesPerPixel", result.samplesPerPixel},
             {"rounds", result.rounds}};
 }
@@ -179,7 +176,7 @@ PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& resul
             notes.emplace_back(name, value.get<std::string>());
         else if (value.is_boolean())
             notes.emplace_back(name, value.get<bool>() ? 1.0 : 0.0);
-        else if (value.is_number())
+        else if (std::isfinite(value.get<double>()))
             notes.emplace_back(name, value.get<double>());
     }
     return notes;

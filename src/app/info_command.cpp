@@ -238,8 +238,6 @@ ExitCode printDevices(std::ostream& out) {
 void declareInfo(OptionTable& table, SceneOptions& options) {
     addScene(table, options);
     addSceneOverrides(table, options);
-    addCamera(table, options);
-    addTime(table, options);
     addMethods(table, options);
 }
 

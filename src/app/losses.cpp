@@ -19,14 +19,9 @@ double meanOf(const LostBranches& lost, const Picture& picture) {
     return pixels > 0 ? lost.sum / pixels : 0;
 }
 
-nlohmann::json numberOrNull(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-}
-
+// Numbers that are not finite become null.
 nlohmann::json lostJson(const LostBranches& lost, const Picture& picture) {
-    return {{"branches", lost.count},
-            {"meanBound", numberOrNull(meanOf(lost, picture))},
-            {"greatestBound", numberOrNull(lost.greatest)}};
+    return {{"branches", lost.count}, {"meanBound", meanOf(lost, picture)}, {"greatestBound", lost.greatest}};
 }
 
 std::string boundText(const LostBranches& lost, const Picture& picture) {

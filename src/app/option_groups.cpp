@@ -43,6 +43,10 @@ void addSceneOverrides(OptionTable& table, SceneOptions& options) {
     table.choice<BuildQuality>("--build-quality",
                                "time spent on the BVH: " + explainedChoices<BuildQuality>(),
                                options.buildQuality);
+    addCamera(table, options);
+    table.value("--time", "SECONDS",
+                "the scene at this moment of its animation (default: as its file says it)",
+                [&](const Text& t) { options.time = parseNotNegative(t); });
 }
 
 void addCamera(OptionTable& table, std::string& name) {
@@ -52,12 +56,6 @@ void addCamera(OptionTable& table, std::string& name) {
 void addCamera(OptionTable& table, SceneOptions& options) {
     addCamera(table, options.camera);
     table.choice<UpAxis>("--up", "axis that points up in a model without a camera (default y)", options.up);
-}
-
-void addTime(OptionTable& table, SceneOptions& options) {
-    table.value("--time", "SECONDS",
-                "the scene at this moment of its animation (default: as its file says it)",
-                [&](const Text& t) { options.time = parseNotNegative(t); });
 }
 
 void addMethods(OptionTable& table, SceneOptions& options) {

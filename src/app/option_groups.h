@@ -52,11 +52,10 @@ struct DeviceChoice {
 void addScene(OptionTable& table, SceneOptions& options);                       // one SCENE
 void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes,  // one or more
                bool& allowOutside);
-void addSceneOverrides(OptionTable& table,
-                       SceneOptions& options);              // --size, --spp, --max-depth, --build-quality
+// --size, --spp, --max-depth, --build-quality, --camera, --up, --time
+void addSceneOverrides(OptionTable& table, SceneOptions& options);
 void addCamera(OptionTable& table, SceneOptions& options);  // --camera, --up
 void addCamera(OptionTable& table, std::string& name);
-void addTime(OptionTable& table, SceneOptions& options);     // --time
 void addMethods(OptionTable& table, SceneOptions& options);  // --intersector, --sphere
 void addMinContribution(OptionTable& table, SceneOptions& options);
 void addSampling(OptionTable& table, SceneOptions& options);  // --sampler, --filter, --seed, --adaptive

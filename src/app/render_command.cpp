@@ -34,8 +34,6 @@ void declare(OptionTable& table, RenderCommand& c) {
                c.output);
     addExposure(table, c.exposure);
     addSceneOverrides(table, c.scene);
-    addCamera(table, c.scene);
-    addTime(table, c.scene);
     addMethods(table, c.scene);
     addMinContribution(table, c.scene);
     addSampling(table, c.scene);

@@ -46,8 +46,6 @@ void declare(OptionTable& table, VerifyCommand& c) {
                 std::numeric_limits<int>::max(), c.allow);
     table.flag("--brief", "print one line a scene, and a summary", c.brief);
     addSceneOverrides(table, c.common);
-    addCamera(table, c.common);
-    addTime(table, c.common);
     addMethods(table, c.common);
     addMinContribution(table, c.common);
     addSampling(table, c.common);

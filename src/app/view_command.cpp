@@ -25,8 +25,6 @@ struct ViewCommand {
 
 void declare(OptionTable& table, ViewCommand& c) {
     addScene(table, c.scene);
-    addCamera(table, c.scene);
-    addTime(table, c.scene);
     addSceneOverrides(table, c.scene);
     addError(table, c.target);
     addDevice(table, c.device);

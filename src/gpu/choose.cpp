@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cstdlib>
 #include <functional>
 #include <type_traits>
 
@@ -67,13 +68,19 @@ DeviceRefs matching(const std::vector<DeviceInfo>& devices, const std::string& s
     return matches;
 }
 
+// Users' variables replace the loader's own list of drivers.
+std::string noDevice() {
+    for (const std::string name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
+        if (const char* files = std::getenv(name.c_str()); files != nullptr && *files != '\0')
+            return "no Vulkan device found: " + name + " is \"" + files +
+                   "\"; unset it, or name a driver's .json file";
+    return "no Vulkan device found: install a driver such as mesa-vulkan-drivers";
+}
+
 }  // namespace
 
 const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector) {
-    if (devices.empty()) {
-        throw Error(ErrorKind::Device,
-                    "no Vulkan device found: install a driver such as mesa-vulkan-drivers");
-    }
+    if (devices.empty()) throw Error(ErrorKind::Device, noDevice());
     const DeviceRefs matches = matching(devices, selector);
     if (matches.empty()) {
         const std::string what = isNumber(selector) ? "no Vulkan device has index " + selector

@@ -21,15 +21,12 @@ class Advice : public FolderTest, public ::testing::WithParamInterface<Nothing> 
 
 TEST_P(Advice, NamesTheReason) {
     writeText("a.json", sceneText(16, 12, GetParam().rest));
-    std::vector<std::string> args = {"render", "a.json", "--backend", "cpu"};
-    args.insert(args.end(), GetParam().options.begin(), GetParam().options.end());
-    const Ran ran = runGlint(args);
+    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu"}, GetParam().options);
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err,
               GetParam().advice.empty() ? "" : "glint: warning: a.json: " + GetParam().advice + "\n");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "a.png"}));
-    args.push_back("--quiet");
-    EXPECT_EQ(runGlint(args).err, "");
+    EXPECT_EQ(runGlint({"render", "a.json", "--backend", "cpu", "--quiet"}, GetParam().options).err, "");
 }
 
 // sceneText's camera stands at (0, 0, 5) and looks along -z.
@@ -227,10 +224,8 @@ TEST_F(ClippedAdvice, NotFiniteIsCountedAndShownBlack) {
     const uint64_t count = stats["notFinite"];
     EXPECT_GT(count, 0u);
     const int x = stats["firstNotFinite"][0], y = stats["firstNotFinite"][1];
-    EXPECT_NE(ran.err.find(std::to_string(count) + " pixels not finite (NaN or infinite), the first at " +
-                           std::to_string(x) + "," + std::to_string(y) + "; shown black."),
-              std::string::npos)
-        << ran.err;
+    EXPECT_HAS(ran.err, std::to_string(count) + " pixels not finite (NaN or infinite), the first at " +
+                            std::to_string(x) + "," + std::to_string(y) + "; shown black.");
     const Image image = readImage("a.pfm");
     uint64_t black = 0;
     std::pair<int, int> first = {99, 99};

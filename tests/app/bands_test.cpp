@@ -15,10 +15,8 @@ class Bands : public FolderTest {
     void SetUp() override { writeSmallScene("a.json"); }
 
     static nlohmann::json render(const std::string& output, std::vector<std::string> more) {
-        std::vector<std::string> args = {"render", "a.json", "--backend", "cpu",
-                                         "-o",     output,   "--stats",   "json"};
-        args.insert(args.end(), more.begin(), more.end());
-        const Ran ran = runGlint(args);
+        const Ran ran =
+            runGlint({"render", "a.json", "--backend", "cpu", "-o", output, "--stats", "json"}, more);
         EXPECT_EQ(ran.code, 0) << ran.err;
         EXPECT_EQ(ran.err, "");
         return ran.code == 0 ? nlohmann::json::parse(ran.out) : nlohmann::json();
@@ -79,7 +77,7 @@ TEST_F(Bands, AdviceIsOfTheWholePicture) {
               sceneText(32, 32, R"("objects": [{"type": "sphere", "center": [0, 0, 50], "radius": 1}])"));
     const Ran whole = runGlint({"render", "empty.json", "--backend", "cpu"});
     const Ran bands = runGlint({"render", "empty.json", "--backend", "cpu", "--band-rows", "8"});
-    EXPECT_NE(whole.err.find("shows background only"), std::string::npos) << whole.err;
+    EXPECT_HAS(whole.err, "shows background only");
     EXPECT_EQ(bands.err, whole.err);
     writeText(
         "low.json",
@@ -90,9 +88,7 @@ TEST_F(Bands, AdviceIsOfTheWholePicture) {
 
 TEST_F(Bands, WhereThereCanBeNone) {
     const auto message = [](std::vector<std::string> more) {
-        std::vector<std::string> args = {"render", "a.json", "--backend", "cpu", "--band-rows", "8"};
-        args.insert(args.end(), more.begin(), more.end());
-        const Ran ran = runGlint(args);
+        const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "--band-rows", "8"}, more);
         EXPECT_EQ(ran.code, 2);
         return ran.err;
     };

@@ -43,10 +43,8 @@ TEST_F(CameraOption, TracesItsPixels) {
 TEST_F(CameraOption, InfoListsThem) {
     const Ran ran = runGlint({"info", "two.json", "--camera", "far"});
     EXPECT_EQ(ran.code, 0);
-    EXPECT_NE(ran.out.find("  camera        perspective\n  cameras       \"side\", \"far\"\n"),
-              std::string::npos)
-        << ran.out;
-    EXPECT_EQ(runGlint({"info", "side.json"}).out.find("cameras"), std::string::npos);
+    EXPECT_HAS(ran.out, "  camera        perspective\n  cameras       \"side\", \"far\"\n");
+    EXPECT_LACKS(runGlint({"info", "side.json"}).out, "cameras");
 }
 
 TEST_F(CameraOption, AnUnknownNameIsAnErrorOfTheCommandLine) {
@@ -69,7 +67,7 @@ TEST_F(CameraOption, PartsKnowTheirCamera) {
               0);
     const Ran merged = runGlint({"merge", "1.part", "2.part", "-o", "m.pfm"});
     EXPECT_NE(merged.code, 0);
-    EXPECT_NE(merged.err.find("camera"), std::string::npos) << merged.err;
+    EXPECT_HAS(merged.err, "camera");
 }
 
 }  // namespace

@@ -42,21 +42,20 @@ TEST_F(Diff, NumbersFollowTheirDefinitions) {
               "  pixel 1,0: 0.5\n"
               "  pixel 0,1: 0.25\n");
     EXPECT_EQ(ran.code, 5);
-    EXPECT_NE(runGlint({"diff", "b.pfm", "a.pfm"}).out.find("mean -0.0625"), std::string::npos);
+    EXPECT_HAS(runGlint({"diff", "b.pfm", "a.pfm"}).out, "mean -0.0625");
 }
 
 TEST_F(Diff, ToleranceDecidesTheExitCode) {
     EXPECT_EQ(runGlint({"diff", "a.pfm", "b.pfm", "--tolerance", "0.5"}).code, 0);
     const Ran ran = runGlint({"diff", "a.pfm", "b.pfm", "--tolerance", "0.25"});
     EXPECT_EQ(ran.code, 5);
-    EXPECT_NE(ran.out.find("1 of 4 pixels (25.0000 %) differ by more than 0.25"), std::string::npos)
-        << ran.out;
+    EXPECT_HAS(ran.out, "1 of 4 pixels (25.0000 %) differ by more than 0.25");
 }
 
 TEST_F(Diff, DifferencePictureIsTheAbsoluteDifference) {
     const Ran ran = runGlint({"diff", "b.pfm", "a.pfm", "-o", "d.pfm"});
     EXPECT_EQ(ran.code, 5);
-    EXPECT_NE(ran.out.find("wrote d.pfm\n"), std::string::npos);
+    EXPECT_HAS(ran.out, "wrote d.pfm\n");
     const Image d = readImage("d.pfm");
     EXPECT_EQ(d.at(1, 0, 1), 0.5f);
     EXPECT_EQ(d.at(0, 1, 1), 0.25f);
@@ -89,8 +88,8 @@ TEST_F(Diff, NotFinitePictures) {
     EXPECT_EQ(runGlint({"diff", "n.pfm", "n.pfm"}).code, 0);
     const Ran ran = runGlint({"diff", "a.pfm", "n.pfm", "--tolerance", "1000", "-o", "d.pfm"});
     EXPECT_EQ(ran.code, 5);
-    EXPECT_NE(ran.out.find("1 not finite in one picture only\n"), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("max inf"), std::string::npos) << ran.out;
+    EXPECT_HAS(ran.out, "1 not finite in one picture only\n");
+    EXPECT_HAS(ran.out, "max inf");
 }
 
 // Between formats: the PNG's sRGB samples are decoded. 0.25 linear is 136.96 -> byte 137 -> 0.2502 (IEC

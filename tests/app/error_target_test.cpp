@@ -20,8 +20,7 @@ class ErrorTarget : public FolderTest {
     }
 
     static Ran render(std::vector<std::string> options) {
-        options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "--size", "32x24"});
-        return runGlint(options);
+        return runGlint({"render", "a.json", "--backend", "cpu", "--size", "32x24"}, options);
     }
 };
 
@@ -63,15 +62,15 @@ TEST_F(ErrorTarget, IsInTheHeaderOfAnExr) {
 
 TEST_F(ErrorTarget, SummaryNamesTheParts) {
     const Ran ran = render({"--error", "0.02", "--within-depth"});
-    EXPECT_NE(ran.out.find("error (rmse): at most 0.0"), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("(not counted)"), std::string::npos) << ran.out;
+    EXPECT_HAS(ran.out, "error (rmse): at most 0.0");
+    EXPECT_HAS(ran.out, "(not counted)");
 }
 
 // 1 is no probability that anything is promised with.
 TEST_F(ErrorTarget, SummaryDoesNotRoundTheConfidence) {
     for (const std::string confidence : {"0.95", "0.999999999"}) {
         const Ran ran = render({"--error", "0.5", "--within-depth", "--confidence", confidence});
-        EXPECT_NE(ran.out.find(" with confidence " + confidence + "; "), std::string::npos) << ran.out;
+        EXPECT_HAS(ran.out, " with confidence " + confidence + "; ");
     }
 }
 
@@ -86,16 +85,15 @@ TEST_F(ErrorTarget, FiltersTakeTheSamplesThatTheyNeed) {
 TEST_F(ErrorTarget, OfTooFewPixelsNothingIsPromised) {
     const Ran one = render({"--error", "0.01", "--crop", "16,12,17,13"});
     EXPECT_EQ(one.code, 2);
-    EXPECT_NE(one.err.find("--error cannot bound the error of a single pixel"), std::string::npos) << one.err;
+    EXPECT_HAS(one.err, "--error cannot bound the error of a single pixel");
     writeText("a.json", sceneText(2, 1, R"("background": 0.5, "ambient": 1,
         "objects": [{"type": "sphere", "center": [3, 0, 0], "radius": 2}])"));
     const Ran two =
         runGlint({"render", "a.json", "--backend", "cpu", "--error", "0.0001", "--max-spp", "64"});
     EXPECT_EQ(two.code, 0);
-    EXPECT_NE(two.err.find("target 0.0001 not reached: the error has no bound after 64 samples per pixel "
-                           "(--max-spp); too few pixels"),
-              std::string::npos)
-        << two.err;
+    EXPECT_HAS(two.err,
+               "target 0.0001 not reached: the error has no bound after 64 samples per pixel "
+               "(--max-spp); too few pixels");
 }
 
 // What all samples may have missed is counted up to full scale, and told beyond it.
@@ -104,12 +102,11 @@ TEST_F(ErrorTarget, HighlightsThatNobodySawAreTold) {
     const auto drawn = [&](const std::string& sky, std::vector<std::string> options) {
         writeText("a.json", sceneText(32, 24, R"("background": )" + sky + R"(, "objects": [
                       {"type": "sphere", "center": [0, 1000, 0], "radius": 1}])"));
-        options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "--error", "0.5"});
-        return runGlint(options).out;
+        return runGlint({"render", "a.json", "--backend", "cpu", "--error", "0.5"}, options).out;
     };
     const std::string note = "not counted: a highlight as bright as the scene allows";
-    EXPECT_EQ(drawn("0.5", {}).find(note), std::string::npos);
-    EXPECT_NE(drawn("500", {}).find(note), std::string::npos) << drawn("500", {});
+    EXPECT_LACKS(drawn("0.5", {}), note);
+    EXPECT_HAS(drawn("500", {}), note);
     const auto unseen = [&](const std::string& sky) {
         return nlohmann::json::parse(drawn(sky, {"--stats", "json"}))["error"]["unseen"].get<double>();
     };
@@ -136,7 +133,7 @@ TEST_F(ErrorTarget, WhatIsNotReachedIsSaidAndStrictFails) {
     const std::vector<std::string> few = {"--error", "0.0001", "--max-spp", "8", "--within-depth"};
     const Ran lenient = render(few);
     EXPECT_EQ(lenient.code, 0);
-    EXPECT_NE(lenient.err.find("after 8 samples per pixel (--max-spp)"), std::string::npos) << lenient.err;
+    EXPECT_HAS(lenient.err, "after 8 samples per pixel (--max-spp)");
     std::vector<std::string> strict = few;
     strict.push_back("--strict");
     EXPECT_EQ(render(strict).code, 5);
@@ -185,11 +182,11 @@ TEST_F(ErrorTarget, WhatNoSampleMendsIsRefused) {
                     {"type": "plane", "point": [0, 0, 7], "normal": [0, 0, -1], "material": "m"}])"));
     const Ran ran = render({"--error", "0.001"});
     EXPECT_EQ(ran.code, 2);
-    EXPECT_NE(ran.err.find("beyond maxDepth may add"), std::string::npos) << ran.err;
-    EXPECT_NE(ran.err.find("would do; --within-depth"), std::string::npos) << ran.err;
+    EXPECT_HAS(ran.err, "beyond maxDepth may add");
+    EXPECT_HAS(ran.err, "would do; --within-depth");
     const Ran none = render({"--error", "0.001", "--max-depth", "0"});
     EXPECT_EQ(none.code, 2);
-    EXPECT_NE(none.err.find("--error cannot bound reflections at maxDepth 0"), std::string::npos) << none.err;
+    EXPECT_HAS(none.err, "--error cannot bound reflections at maxDepth 0");
 }
 
 }  // namespace

@@ -10,9 +10,7 @@ namespace glint::app::test::gpu_bench_test {
 namespace {
 
 nlohmann::json bench(std::vector<std::string> more) {
-    std::vector<std::string> args = {"bench", "a.json", "--repeat", "2", "--stats", "json"};
-    args.insert(args.end(), more.begin(), more.end());
-    const Ran ran = runGlint(args);
+    const Ran ran = runGlint({"bench", "a.json", "--repeat", "2", "--stats", "json"}, more);
     EXPECT_EQ(ran.code, 0) << ran.err;
     return nlohmann::json::parse(ran.out)["scenes"][0];
 }

@@ -25,8 +25,7 @@ std::vector<std::vector<double>> rows(const std::string& csv) {
 class Methods : public FolderTest {
   protected:
     static std::vector<std::vector<double>> trace(std::vector<std::string> options) {
-        options.insert(options.begin(), {"trace", "a.json", "--rays", "r.csv"});
-        const Ran ran = runGlint(options);
+        const Ran ran = runGlint({"trace", "a.json", "--rays", "r.csv"}, options);
         EXPECT_EQ(ran.code, 0) << ran.err;
         return rows(ran.out);
     }
@@ -57,8 +56,8 @@ TEST_F(Methods, TextbookSpheresLoseDigitsAtTheLimb) {
         const Ran ran = runGlint({"verify", glint::test::sourcePath("scenes/lens.json"), "--size", "160x120",
                                   "--sphere", sphere, "--progress", "none"});
         EXPECT_EQ(ran.code, 5) << ran.out << ran.err;
-        EXPECT_NE(ran.out.find("the method loses digits here"), std::string::npos) << ran.out;
-        EXPECT_NE(ran.out.find(" 0 unexplained"), std::string::npos) << ran.out;
+        EXPECT_HAS(ran.out, "the method loses digits here");
+        EXPECT_HAS(ran.out, " 0 unexplained");
     }
 }
 
@@ -87,7 +86,7 @@ TEST_F(Methods, VerifyHoldsEachAgainstItsOwnReference) {
                                                    {"planar3d", "robust"}}) {
         const Ran ran = runGlint({"verify", "a.json", "--intersector", choice[0], "--sphere", choice[1]});
         EXPECT_EQ(ran.code, 0) << choice[0] << ran.out << ran.err;
-        EXPECT_NE(ran.out.find(" 0 unexplained"), std::string::npos) << ran.out;
+        EXPECT_HAS(ran.out, " 0 unexplained");
     }
 }
 
@@ -96,8 +95,8 @@ TEST_F(Methods, StatisticsSayWhichWasUsed) {
     const Ran ran = runGlint(
         {"render", "a.json", "--intersector", "projection", "--sphere", "geometric", "--stats", "json"});
     EXPECT_EQ(ran.code, 0) << ran.err;
-    EXPECT_NE(ran.out.find("\"intersector\": \"projection\""), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("\"sphere\": \"geometric\""), std::string::npos) << ran.out;
+    EXPECT_HAS(ran.out, "\"intersector\": \"projection\"");
+    EXPECT_HAS(ran.out, "\"sphere\": \"geometric\"");
     EXPECT_EQ(
         runGlint({"render", "a.json", "--intersector", "best"}).err,
         "glint: --intersector: expected watertight, barycentric, projection or planar3d, got \"best\"\n");

@@ -8,16 +8,15 @@ class GpuPart : public FolderTest {
   protected:
     // The bytes of the picture in parts, merged, against those of one run.
     static void compare(const std::string& scene, const std::vector<std::string>& options, int parts) {
-        std::vector<std::string> whole = {"render", scene, "-q", "-o", "whole.exr"};
-        whole.insert(whole.end(), options.begin(), options.end());
-        ASSERT_EQ(runGlint(whole).code, 0);
+        ASSERT_EQ(runGlint({"render", scene, "-q", "-o", "whole.exr"}, options).code, 0);
         std::vector<std::string> merge = {"merge", "-q", "-o", "all.exr"};
         for (int k = 1; k <= parts; ++k) {
             const std::string name = std::to_string(k) + ".part";
-            std::vector<std::string> args = {
-                "render", scene, "-q", "-o", name, "--part", std::to_string(k) + "/" + std::to_string(parts)};
-            args.insert(args.end(), options.begin(), options.end());
-            ASSERT_EQ(runGlint(args).code, 0);
+            ASSERT_EQ(runGlint({"render", scene, "-q", "-o", name, "--part",
+                                std::to_string(k) + "/" + std::to_string(parts)},
+                               options)
+                          .code,
+                      0);
             merge.push_back(name);
         }
         ASSERT_EQ(runGlint(merge).code, 0);
@@ -43,9 +42,7 @@ TEST_F(GpuPart, GlassAndInstances) {
 TEST_F(GpuPart, FramesHaveTheBitsOfTheirMoments) {
     const std::string scene = glint::test::sourcePath("scenes/turntable.json");
     const std::vector<std::string> size = {"--size", "48x30", "-q"};
-    std::vector<std::string> frames = {"render", scene, "--frames", "0:47", "--fps", "24", "-o", "f.##.pfm"};
-    frames.insert(frames.end(), size.begin(), size.end());
-    ASSERT_EQ(runGlint(frames).code, 0);
+    ASSERT_EQ(runGlint({"render", scene, "--frames", "0:47", "--fps", "24", "-o", "f.##.pfm"}, size).code, 0);
     // At multiples of 1/8 s, which the six digits of to_string hold.
     for (const int frame : {0, 9, 30, 45}) {
         std::vector<std::string> one = {"render", scene, "-o", "one.pfm", "--time"};

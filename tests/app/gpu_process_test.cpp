@@ -27,8 +27,7 @@ TEST_F(GpuProcess, InterruptSavesTheFinishedPart) {
         const Stopwatch watch;
         EXPECT_EQ(child.wait(), 130);
         EXPECT_LT(watch.seconds(), 10) << "0.3 s on an idle machine";
-        EXPECT_NE(child.err().find("glint: interrupted: out.png holds the "), std::string::npos)
-            << child.err();
+        EXPECT_HAS(child.err(), "glint: interrupted: out.png holds the ");
         const Image image = readImage("out.png");
         ASSERT_EQ(std::pair(image.width, image.height), std::pair(2000, 2000));
         EXPECT_GT(image.at(0, 0, 2), 0.5f);
@@ -74,7 +73,7 @@ TEST_F(GpuProcess, InterruptedReportIsAReport) {
         << child.err();
     const auto bytes = readBytes("out/report.json");
     const std::string json(bytes.begin(), bytes.end());
-    EXPECT_NE(json.find("\"complete\": false"), std::string::npos) << json;
+    EXPECT_HAS(json, "\"complete\": false");
     EXPECT_TRUE(std::filesystem::exists("out/report.html"));
 }
 

@@ -28,8 +28,7 @@ class GpuRender : public FolderTest {
     }
 
     static void render(std::vector<std::string> options) {
-        options.insert(options.begin(), {"render", "a.json", "-q"});
-        const Ran ran = runGlint(options);
+        const Ran ran = runGlint({"render", "a.json", "-q"}, options);
         EXPECT_EQ(ran.code, 0);
         EXPECT_EQ(ran.out + ran.err, "");
     }
@@ -63,7 +62,7 @@ TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {
             continue;
         }
         EXPECT_EQ(ran.code, 0) << ran.err;
-        EXPECT_NE(ran.out.find("\"traversal\": \"" + traversal + "\""), std::string::npos) << ran.out;
+        EXPECT_HAS(ran.out, "\"traversal\": \"" + traversal + "\"");
     }
     EXPECT_FALSE(readBytes("lane.exr").empty());
     if (hasPackets()) {
@@ -137,7 +136,7 @@ TEST_F(GpuRender, DeviceThatDoesNotExist) {
         EXPECT_EQ(ran.code, 4);
         EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
         EXPECT_TRUE(ran.err.starts_with("glint: no Vulkan device has ")) << ran.err;
-        EXPECT_NE(ran.err.find("; there is 0 \""), std::string::npos) << ran.err;
+        EXPECT_HAS(ran.err, "; there is 0 \"");
         EXPECT_EQ(ran.out, "");
     }
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
@@ -154,9 +153,9 @@ TEST_F(Lavapipe, ByIndexAndName) {
 // is sampled until an error is reached counts as many.
 TEST_F(Lavapipe, PacketsAreForManyRays) {
     const auto walkOf = [](std::vector<std::string> options) {
-        options.insert(options.begin(), {"render", glint::test::sourcePath("scenes/knot.json"), "-q",
-                                         "--size", "40x30", "--stats", "json", "-o", "a.png"});
-        const Ran ran = runGlint(options);
+        const Ran ran = runGlint({"render", glint::test::sourcePath("scenes/knot.json"), "-q", "--size",
+                                  "40x30", "--stats", "json", "-o", "a.png"},
+                                 options);
         EXPECT_EQ(ran.code, 0) << ran.err;
         const size_t at = ran.out.find("\"traversal\": \"");
         return at == std::string::npos ? ran.out : ran.out.substr(at + 14, 4);
@@ -171,8 +170,8 @@ TEST_F(Lavapipe, IsListedAsTheChosenOne) {
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");
     EXPECT_TRUE(ran.out.starts_with("0  llvmpipe")) << ran.out;
-    EXPECT_NE(ran.out.find("\n   chosen: "), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("\n   arithmetic: correctly rounded: "), std::string::npos) << ran.out;
+    EXPECT_HAS(ran.out, "\n   chosen: ");
+    EXPECT_HAS(ran.out, "\n   arithmetic: correctly rounded: ");
 }
 
 TEST_F(GpuRender, BlackPictureComesWithAdviceToo) {

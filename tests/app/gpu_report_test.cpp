@@ -31,9 +31,7 @@ class GpuReport : public FolderTest {
         return reportOf(std::move(more));
     }
     static Ran reportOf(std::vector<std::string> more) {
-        std::vector<std::string> args = {"report", "a.json", "-o", "out", "--only", "lowDiscrepancy"};
-        args.insert(args.end(), more.begin(), more.end());
-        return runGlint(args);
+        return runGlint({"report", "a.json", "-o", "out", "--only", "lowDiscrepancy"}, more);
     }
     static nlohmann::json readJson() {
         const auto bytes = readBytes("out/report.json");
@@ -152,7 +150,7 @@ TEST_F(GpuReport, DevicesAreCompared) {
         EXPECT_EQ(rows[i + 1]["rays"], 0) << "and the reference";
     }
     EXPECT_TRUE(std::filesystem::exists("out/a.devices.svg"));
-    EXPECT_NE(ran.out.find("| reference | 16 |"), std::string::npos) << ran.out;
+    EXPECT_HAS(ran.out, "| reference | 16 |");
     EXPECT_EQ(with("cpu").out, ran.out) << "nothing was run again";
 
     std::filesystem::remove_all("out");
@@ -198,7 +196,7 @@ TEST_F(GpuReport, KeepsScenesThatAreNotNamed) {
     args[9] = "32";
     const Ran another = runGlint(args);
     ASSERT_EQ(another.code, 0);
-    EXPECT_NE(another.err.find("scenes that are not named are dropped"), std::string::npos) << another.err;
+    EXPECT_HAS(another.err, "scenes that are not named are dropped");
     EXPECT_EQ(readJson()["scenes"].size(), 1u);
 }
 
@@ -216,7 +214,7 @@ TEST_F(GpuReport, AnotherCameraIsAnotherReport) {
     ASSERT_EQ(chosen.code, 0) << chosen.err;
     const Ran ran = report({"--camera", "near"});
     ASSERT_EQ(ran.code, 0) << ran.err;
-    EXPECT_NE(ran.out.find("\ncamera \"near\", 16 x 12 pixels"), std::string::npos) << ran.out;
+    EXPECT_HAS(ran.out, "\ncamera \"near\", 16 x 12 pixels");
     const nlohmann::json json = readJson();
     const auto errors = [&](size_t scene) {
         std::vector<double> list;

@@ -29,8 +29,7 @@ class GpuTrace : public FolderTest {
 
     std::string trace(const std::string& rays, std::vector<std::string> options = {}) {
         writeText("r.csv", rays);
-        options.insert(options.begin(), {"trace", "a.json", "--rays", "r.csv"});
-        const Ran ran = runGlint(options);
+        const Ran ran = runGlint({"trace", "a.json", "--rays", "r.csv"}, options);
         EXPECT_EQ(ran.code, 0) << ran.err;
         EXPECT_TRUE(ran.out.starts_with(kHeader)) << ran.out;
         return ran.out.substr(std::string(kHeader).size());

@@ -18,12 +18,8 @@ TEST_F(GpuVerify, PassesAndWritesNothing) {
     EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
     EXPECT_EQ(ran.err, "");
     EXPECT_TRUE(ran.out.starts_with("device: " + gpu::Device().info().name)) << ran.out;
-    EXPECT_NE(ran.out.find("\na.json: ok\n    3072 pixels; beyond their predicted error: "),
-              std::string::npos)
-        << ran.out;  // 64 x 48
-    EXPECT_NE(ran.out.find("\nempty.json: ok\n    63 pixels; beyond their predicted error: "),
-              std::string::npos)
-        << ran.out;
+    EXPECT_HAS(ran.out, "\na.json: ok\n    3072 pixels; beyond their predicted error: ");  // 64 x 48
+    EXPECT_HAS(ran.out, "\nempty.json: ok\n    63 pixels; beyond their predicted error: ");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "empty.json"}));
 }
 
@@ -31,7 +27,7 @@ TEST_F(GpuVerify, OptionsReplaceTheScenes) {
     writeSmallScene("a.json");
     const Ran ran = runGlint({"verify", "a.json", "--size", "20x10", "--spp", "4", "--max-depth", "1"});
     EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
-    EXPECT_NE(ran.out.find("    800 pixels; "), std::string::npos) << "20 x 10 x 4 samples: " << ran.out;
+    EXPECT_HAS(ran.out, "    800 pixels; ") << "20 x 10 x 4 samples: " << ran.out;
 }
 
 TEST_F(GpuVerify, TakesACameraByItsName) {
@@ -64,15 +60,12 @@ TEST_F(GpuVerify, TiesAreAsTheSceneDemandsAndAMethodThatLosesDigitsFails) {
     const Ran ran = runGlint({"verify", "--sphere", "algebraic", "fight.json", "planet.json", "empty.json"});
     EXPECT_EQ(ran.code, 5);
     EXPECT_EQ(ran.err, "glint: verify: 1 of 3 scenes failed\n");
-    EXPECT_NE(ran.out.find("fight.json: ok; surfaces tie, as the scene demands\n"), std::string::npos)
-        << ran.out;
-    EXPECT_NE(ran.out.find("planet.json: FAILED: too many pixels differ, though rounding explains each: the "
-                           "method loses digits here\n"),
-              std::string::npos)
-        << ran.out;
-    EXPECT_NE(ran.out.find(", 0 unexplained\n"), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("\nempty.json: ok\n"), std::string::npos)
-        << "the scenes after a failed one are verified too";
+    EXPECT_HAS(ran.out, "fight.json: ok; surfaces tie, as the scene demands\n");
+    EXPECT_HAS(ran.out,
+               "planet.json: FAILED: too many pixels differ, though rounding explains each: the "
+               "method loses digits here\n");
+    EXPECT_HAS(ran.out, ", 0 unexplained\n");
+    EXPECT_HAS(ran.out, "\nempty.json: ok\n") << "the scenes after a failed one are verified too";
 }
 
 TEST_F(GpuVerify, AnInvalidSceneDoesNotEndTheRun) {
@@ -81,7 +74,7 @@ TEST_F(GpuVerify, AnInvalidSceneDoesNotEndTheRun) {
     const Ran ran = runGlint({"verify", "a.json", "b.json", "a.json", "--json", "r.json"});
     EXPECT_EQ(ran.code, 3);
     EXPECT_EQ(ran.err, "glint: b.json:1:13: /objekts: unknown key (did you mean \"objects\"?)\n");
-    EXPECT_NE(ran.out.find("\na.json: ok\n"), std::string::npos);
+    EXPECT_HAS(ran.out, "\na.json: ok\n");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "b.json", "r.json"}));
     const nlohmann::json report = nlohmann::json::parse(std::ifstream("r.json"));
     EXPECT_EQ(report["summary"],
@@ -95,13 +88,10 @@ TEST_F(GpuVerify, SchemasBesideScenesAreSkipped) {
     writeText("scene.schema.json", "{}");
     const Ran ran = runGlint({"verify", "a.json", "scene.schema.json", "--brief"});
     EXPECT_EQ(ran.code, 0) << ran.err;
-    EXPECT_NE(ran.out.find("\na.json: ok, 63 pixels, 0 explained, 0 unexplained, RMSE 0, "),
-              std::string::npos)
-        << ran.out;
-    EXPECT_NE(ran.out.find("\nscene.schema.json: skipped: a JSON schema, not a scene\n"
-                           "2 scenes: 1 passed, 0 failed, 0 unreadable, 1 skipped, "),
-              std::string::npos)
-        << ran.out;
+    EXPECT_HAS(ran.out, "\na.json: ok, 63 pixels, 0 explained, 0 unexplained, RMSE 0, ");
+    EXPECT_HAS(ran.out,
+               "\nscene.schema.json: skipped: a JSON schema, not a scene\n"
+               "2 scenes: 1 passed, 0 failed, 0 unreadable, 1 skipped, ");
 }
 
 // A textbook's sphere test on a planet fails, an empty image passes: only the first leaves images, and the
@@ -143,8 +133,8 @@ TEST_F(GpuVerify, FilesAndImagesForOtherPrograms) {
         EXPECT_TRUE(planet["differingPixels"][0].contains(key)) << key;
     std::ifstream junit("r.xml");
     const std::string xml{std::istreambuf_iterator<char>(junit), {}};
-    EXPECT_NE(xml.find("tests=\"3\" failures=\"2\" errors=\"0\" skipped=\"0\""), std::string::npos) << xml;
-    EXPECT_NE(xml.find("<failure message=\"FAILED: "), std::string::npos) << xml;
+    EXPECT_HAS(xml, "tests=\"3\" failures=\"2\" errors=\"0\" skipped=\"0\"");
+    EXPECT_HAS(xml, "<failure message=\"FAILED: ");
 }
 
 TEST_F(GpuVerify, JsonOnStandardOutput) {

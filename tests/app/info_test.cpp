@@ -21,47 +21,37 @@ TEST_F(Info, EmptyScene) {
         "  bounds        no geometry\n"
         "  BVH           none\n"))
         << ran.out;
-    EXPECT_NE(ran.out.find("  features used nothing\n"), std::string::npos) << ran.out;
+    EXPECT_HAS(ran.out, "  features used nothing\n");
 }
 
 TEST_F(Info, PlaneOnly) {
     writeText("a.json", R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0]}]})");
     const std::string out = runGlint({"info", "a.json"}).out;
-    EXPECT_NE(out.find("  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons, 0 quadrics, "
-                       "0 boxes)\n"),
-              std::string::npos)
-        << out;
-    EXPECT_NE(out.find("  bounds        infinite (planes only)\n  BVH           none\n"), std::string::npos)
-        << out;
-    EXPECT_NE(out.find("  features used planes\n"), std::string::npos) << out;
+    EXPECT_HAS(out,
+               "  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons, 0 quadrics, "
+               "0 boxes)\n");
+    EXPECT_HAS(out, "  bounds        infinite (planes only)\n  BVH           none\n");
+    EXPECT_HAS(out, "  features used planes\n");
 }
 
 TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
     writeSmallScene("a.json");
     const std::string out =
         runGlint({"info", "a.json", "--size", "10x20", "--spp", "4", "--max-depth", "1"}).out;
-    EXPECT_NE(out.find("  picture       10 x 20, 4 samples per pixel (grid, auto), at most 1 reflection\n"),
-              std::string::npos)
-        << out;
-    EXPECT_NE(runGlint({"info", "a.json", "--spp", "16"})
-                  .out.find(", 16 samples per pixel (lowDiscrepancy, auto), "),
-              std::string::npos)
+    EXPECT_HAS(out, "  picture       10 x 20, 4 samples per pixel (grid, auto), at most 1 reflection\n");
+    EXPECT_HAS(runGlint({"info", "a.json", "--spp", "16"}).out,
+               ", 16 samples per pixel (lowDiscrepancy, auto), ")
         << "the rule goes by --spp, not by the file's number";
-    EXPECT_NE(out.find("  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics, "
-                       "0 boxes)\n"),
-              std::string::npos)
-        << out;
-    EXPECT_NE(out.find("  materials     3: \"red\", \"mirror\", \"blue\"\n  lights        1: 1 point\n"),
-              std::string::npos)
-        << out;
-    EXPECT_NE(out.find("  bounds        (-3.9 -1.7 -1) .. (3.6 2.2 1.4)\n"), std::string::npos) << out;
-    EXPECT_NE(out.find("  features used triangles, spheres, pointLights, specular, mirrors\n"),
-              std::string::npos)
-        << out;
-    EXPECT_NE(out.find("  left out      "), std::string::npos);
+    EXPECT_HAS(out,
+               "  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics, "
+               "0 boxes)\n");
+    EXPECT_HAS(out, "  materials     3: \"red\", \"mirror\", \"blue\"\n  lights        1: 1 point\n");
+    EXPECT_HAS(out, "  bounds        (-3.9 -1.7 -1) .. (3.6 2.2 1.4)\n");
+    EXPECT_HAS(out, "  features used triangles, spheres, pointLights, specular, mirrors\n");
+    EXPECT_HAS(out, "  left out      ");
     writeText("b.json", sceneText(8, 6, R"("maxDepth": 0, "materials": {"m": {"mirror": 0.9}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}])"));
-    EXPECT_EQ(runGlint({"info", "b.json"}).out.find("mirrors\n"), std::string::npos)
+    EXPECT_LACKS(runGlint({"info", "b.json"}).out, "mirrors\n")
         << "without reflections the mirror code is left out";
 }
 
@@ -76,7 +66,7 @@ TEST_F(Info, KindOfCamera) {
                                                          {parallel + ", " + tilted, "oblique parallel"}};
     for (const auto& [camera, kind] : kinds) {
         const std::string out = infoOf(camera);
-        EXPECT_NE(out.find("\n  camera        " + kind + "\n"), std::string::npos) << out;
+        EXPECT_HAS(out, "\n  camera        " + kind + "\n");
         const bool used = out.find("features used parallelCamera\n") != std::string::npos;
         EXPECT_EQ(used, camera.starts_with(parallel)) << out;
     }
@@ -85,7 +75,7 @@ TEST_F(Info, KindOfCamera) {
 TEST_F(Info, DroppedTrianglesAreCounted) {
     writeText("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
     const std::string out = runGlint({"info", "a.obj"}).out;
-    EXPECT_NE(out.find("  dropped       1 primitive without area, 1 not finite\n"), std::string::npos) << out;
+    EXPECT_HAS(out, "  dropped       1 primitive without area, 1 not finite\n");
 }
 
 TEST_F(Info, IsTheSameEveryTimeButForTheBuildTime) {

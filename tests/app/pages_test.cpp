@@ -50,20 +50,20 @@ TEST_F(Pages, NameEveryCommandAndOption) {
     declareProgram(program, verbose);
     ASSERT_EQ(commandsOf(program).size(), commands().size());
     for (const CLI::App* command : commandsOf(program)) {
-        EXPECT_NE(page.find("\n\\fB" + command->get_name() + "\\fR\n"), std::string::npos);
+        EXPECT_HAS(page, "\n\\fB" + command->get_name() + "\\fR\n");
         const std::string man = textOf("man/man1/glint-" + command->get_name() + ".1");
         const std::string help = runGlint({command->get_name(), "--help"}).out;
         for (const Argument& argument : argumentsOf(*command)) {
             std::string name = argument.names.back();
             SCOPED_TRACE(command->get_name() + ' ' + name);
             EXPECT_EQ(argument.help.find('\n'), std::string::npos);
-            EXPECT_NE(help.find(name), std::string::npos);
+            EXPECT_HAS(help, name);
             // CLI11 wraps long texts, so only the first words are looked for.
-            EXPECT_NE(help.find(argument.help.substr(0, argument.help.find(' '))), std::string::npos);
+            EXPECT_HAS(help, argument.help.substr(0, argument.help.find(' ')));
             for (const std::string& shell : shells)
                 EXPECT_TRUE(argument.positional || shell.find(name.substr(2)) != std::string::npos);
             for (size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.insert(i, "\\");
-            EXPECT_NE(man.find(name), std::string::npos);
+            EXPECT_HAS(man, name);
         }
     }
 }
@@ -95,7 +95,7 @@ TEST(Version, SaysWhatWasBuiltIn) {
     EXPECT_TRUE(text.starts_with(runGlint({"--version"}).out)) << text;
     for (const char* line : {"\ncommit: ", "\ncompiler: ", "\nbuild type: ", "\nwindow: ", "\nMPI: ",
                              "\nEXR: OpenEXR 3.", "\ndevice: "})
-        EXPECT_NE(text.find(line), std::string::npos) << line << text;
+        EXPECT_HAS(text, line) << line << text;
     const Ran alone = runGlint({"--verbose"});
     EXPECT_EQ(alone.code, 2);
     EXPECT_EQ(alone.err, "glint: --verbose requires --version\n");

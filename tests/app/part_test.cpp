@@ -16,9 +16,7 @@ class Part : public FolderTest {
     }
 
     static Ran part(const std::string& which, std::vector<std::string> more = {}) {
-        std::vector<std::string> args = {"render", "a.json", "--backend", "cpu", "--part", which};
-        args.insert(args.end(), more.begin(), more.end());
-        return runGlint(args);
+        return runGlint({"render", "a.json", "--backend", "cpu", "--part", which}, more);
     }
     static std::string errorOfRun(const Ran& ran, int code) {
         EXPECT_EQ(ran.code, code);
@@ -32,9 +30,7 @@ TEST_F(Part, MergedPicturesAreTheBytesOfOneRun) {
         "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost,samples";
     const std::vector<std::string> options = {"--aov",    layers,       "--spp",   "6",      "--sampler",
                                               "jittered", "--adaptive", "24,0.05", "--crop", "3,1,60,44"};
-    std::vector<std::string> whole = {"render", "a.json", "--backend", "cpu", "-q", "-o", "whole.exr"};
-    whole.insert(whole.end(), options.begin(), options.end());
-    ASSERT_EQ(runGlint(whole).code, 0);
+    ASSERT_EQ(runGlint({"render", "a.json", "--backend", "cpu", "-q", "-o", "whole.exr"}, options).code, 0);
     for (const int parts : {1, 3, 7}) {
         std::vector<std::string> merge = {"merge", "-q", "-o", "all.exr"};
         for (int k = parts; k >= 1; --k) {

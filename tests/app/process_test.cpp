@@ -82,7 +82,7 @@ TEST_F(Process, StandardStreams) {
     const std::string render = "'" GLINT_PROGRAM "' render ";
     ASSERT_EQ(shell(render + "a.json --backend cpu -q -o a.png"), 0);
     EXPECT_EQ(shell(render + "- --backend cpu --threads 3 < a.json > out.txt"), 0);
-    EXPECT_NE(readText("out.txt").find("(double precision), 3 threads\n"), std::string::npos);
+    EXPECT_HAS(readText("out.txt"), "(double precision), 3 threads\n");
     EXPECT_EQ(readBytes("stdin.png"), readBytes("a.png"));
     EXPECT_EQ(shell(render + "- --backend cpu -o - < a.json > b.png 2> err.txt"), 0);
     EXPECT_EQ(readText("err.txt"), "");
@@ -127,7 +127,7 @@ TEST_F(Process, PicturesBeyondTheLimitOfAddressSpaceAreDrawnInBands) {
         status = shell("ulimit -v " + std::to_string(kilobytes) + "; " + render +
                        "-o bands.pfm > bands.txt 2> err.txt");
     ASSERT_EQ(status, 0) << readText("err.txt");
-    EXPECT_NE(readText("bands.txt").find("\"bands\": "), std::string::npos) << readText("bands.txt");
+    EXPECT_HAS(readText("bands.txt"), "\"bands\": ");
     EXPECT_EQ(readBytes("whole.pfm"), readBytes("bands.pfm"));
 }
 #endif
@@ -137,7 +137,7 @@ TEST_F(Process, AnInterruptedPictureInBandsHoldsWhatWasFinished) {
     ASSERT_TRUE(child.waitForPercent(1)) << child.err();
     child.send(SIGINT);
     EXPECT_EQ(child.wait(), 130);
-    EXPECT_NE(child.err().find("glint: interrupted: out.png holds the "), std::string::npos) << child.err();
+    EXPECT_HAS(child.err(), "glint: interrupted: out.png holds the ");
     const Image image = readImage("out.png");
     ASSERT_EQ(std::pair(image.width, image.height), std::pair(1000, 4000));
     EXPECT_GT(image.at(0, 0, 2), 0.5f);
@@ -155,7 +155,7 @@ TEST_F(Process, AnInterruptedPictureOfAnySizeEndsSoon) {
         const Stopwatch watch;
         EXPECT_EQ(child.wait(), 130);
         EXPECT_LT(watch.seconds(), 60) << "9 s on an idle machine";
-        EXPECT_NE(child.err().find("holds the "), std::string::npos) << child.err();
+        EXPECT_HAS(child.err(), "holds the ");
     }
 }
 
@@ -167,8 +167,7 @@ TEST_F(Process, InterruptSavesTheFinishedPart) {
         const Stopwatch watch;
         EXPECT_EQ(child.wait(), 130);
         EXPECT_LT(watch.seconds(), 10) << "0.1 s on an idle machine";
-        EXPECT_NE(child.err().find("glint: interrupted: out.png holds the "), std::string::npos)
-            << child.err();
+        EXPECT_HAS(child.err(), "glint: interrupted: out.png holds the ");
         const Image image = readImage("out.png");
         ASSERT_EQ(std::pair(image.width, image.height), std::pair(1000, 4000));
         // The sky above and below the objects is bright: a row is black if and only if it was not reached.
@@ -233,14 +232,14 @@ TEST_F(Process, InterruptEndsACommandThatHasNothingToSave) {
     ASSERT_TRUE(child.waitForHandler(SIGINT));
     child.type("\x03");  // Ctrl-C
     EXPECT_EQ(child.wait(), 130);
-    EXPECT_NE(child.err().find("glint: interrupted"), std::string::npos) << child.err();
+    EXPECT_HAS(child.err(), "glint: interrupted");
 }
 
 TEST_F(Process, RaysFromStandardInput) {
     Child child({"trace", "a.json", "--rays", "-", "--backend", "cpu"}, {}, true);
     child.type("0,0,5,0,0,-1\n\x04");  // end of the file
     EXPECT_EQ(child.wait(), 0);
-    EXPECT_NE(child.err().find("1,4,0,0,0,0,0,0,1,0,0,1"), std::string::npos) << child.err();
+    EXPECT_HAS(child.err(), "1,4,0,0,0,0,0,0,1,0,0,1");
 }
 
 TEST_F(Process, PlainProgressGoesToStandardError) {
@@ -281,7 +280,7 @@ TEST_F(Process, BarOnATerminalIsClearedAtTheEnd) {
     const size_t blank = text.rfind('\r', words - 2);
     EXPECT_GT(words - blank, 40u);
     EXPECT_EQ(text.substr(blank + 1, words - blank - 2), std::string(words - blank - 2, ' '));
-    EXPECT_NE(text.find("glint: interrupted: out.png holds the "), std::string::npos) << text;
+    EXPECT_HAS(text, "glint: interrupted: out.png holds the ");
 }
 
 TEST_F(Process, FullDiskOnStandardOutputIsAnError) {
@@ -316,7 +315,9 @@ void expectNoVulkan(const Child::Environment& environment, const std::string& li
 }
 
 TEST_F(Process, WithoutVulkanDriver) {
-    expectNoVulkan(kNoDriver, "no Vulkan device found: install a driver such as mesa-vulkan-drivers");
+    expectNoVulkan(kNoDriver,
+                   "no Vulkan device found: VK_DRIVER_FILES is \"/nonexistent\"; unset it, or name a "
+                   "driver's .json file");
 }
 
 // The first libvulkan.so.1 on the search path is no library.

@@ -15,8 +15,7 @@ class RenderEither : public FolderTest, public ::testing::WithParamInterface<std
     }
 
     static void render(std::vector<std::string> options) {
-        options.insert(options.begin(), {"render", "a.json", "--backend", GetParam(), "-q"});
-        const Ran ran = runGlint(options);
+        const Ran ran = runGlint({"render", "a.json", "--backend", GetParam(), "-q"}, options);
         EXPECT_EQ(ran.code, 0);
         EXPECT_EQ(ran.out + ran.err, "");
     }

@@ -24,8 +24,7 @@ class Render : public FolderTest {
     }
 
     static void render(std::vector<std::string> options) {
-        options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "-q"});
-        const Ran ran = runGlint(options);
+        const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-q"}, options);
         EXPECT_EQ(ran.code, 0);
         EXPECT_EQ(ran.out + ran.err, "");
     }
@@ -58,7 +57,7 @@ TEST_F(Render, NamesDoNotReachTheTerminalUnchanged) {
     EXPECT_EQ(ran.out.substr(0, ran.out.find('\n')), "steer?]0;title?.json");
     ran = runGlint({"diff", name + ".png", name + ".png", "-o", name + ".exr"});
     EXPECT_EQ(ran.out.find('\x1b'), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("wrote steer?]0;title?.exr"), std::string::npos) << ran.out;
+    EXPECT_HAS(ran.out, "wrote steer?]0;title?.exr");
 }
 
 TEST_F(Render, SizeIsThePictures) {
@@ -133,8 +132,7 @@ TEST_F(Render, LayersAreSeparateFilesButForExr) {
     const std::string text(exr.begin(), exr.end());
     for (const char* channel : {"R", "G", "B", "A", "depth.Y", "position.X", "normal.Z", "uv.U", "uv.V",
                                 "object.Y", "primitive.Y", "material.Y", "bounces.Y", "cost.Y"}) {
-        EXPECT_NE(text.find(std::string(channel) + '\0' + std::string("\2\0\0\0", 4)), std::string::npos)
-            << channel;  // 2: FLOAT
+        EXPECT_HAS(text, std::string(channel) + '\0' + std::string("\2\0\0\0", 4)) << channel;  // 2: FLOAT
     }
 }
 

@@ -83,8 +83,8 @@ TEST_F(Stats, SummaryNamesFileSizeAndTimes) {
     const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-o", "b.exr"});
     EXPECT_TRUE(ran.out.starts_with("wrote b.exr (64x48)\ndevice: CPU reference (double precision), "))
         << ran.out;
-    EXPECT_NE(ran.out.find("\nhash: "), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("\ntimes: load "), std::string::npos) << ran.out;
+    EXPECT_HAS(ran.out, "\nhash: ");
+    EXPECT_HAS(ran.out, "\ntimes: load ");
     EXPECT_EQ(ran.err, "");
 }
 

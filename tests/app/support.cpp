@@ -17,6 +17,11 @@ Ran runGlint(const std::vector<std::string>& args) {
     return ran;
 }
 
+Ran runGlint(std::vector<std::string> args, const std::vector<std::string>& more) {
+    args.insert(args.end(), more.begin(), more.end());
+    return runGlint(args);
+}
+
 bool hasPackets() {
     return render::runsPackets(gpu::Device().info());
 }

@@ -12,6 +12,10 @@
 
 namespace glint::app::test {
 
+// The text contains the part, or does not; a failure prints both.
+#define EXPECT_HAS(text, part) EXPECT_PRED_FORMAT2(::testing::IsSubstring, part, text)
+#define EXPECT_LACKS(text, part) EXPECT_PRED_FORMAT2(::testing::IsNotSubstring, part, text)
+
 struct Ran {
     int code = -1;
     std::string out, err;
@@ -19,6 +23,7 @@ struct Ran {
 
 // Runs a command line inside this process.
 Ran runGlint(const std::vector<std::string>& args);
+Ran runGlint(std::vector<std::string> args, const std::vector<std::string>& more);
 
 // Whether the device that commands take has packets of rays.
 bool hasPackets();

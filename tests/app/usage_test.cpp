@@ -197,7 +197,7 @@ TEST(Help, WithoutArgumentsGoesToStandardErrorWithExitCode2) {
     const Ran ran = runGlint({});
     EXPECT_EQ(ran.code, 2);
     EXPECT_EQ(ran.out, "");
-    EXPECT_NE(ran.err.find("Usage: glint COMMAND [OPTIONS]"), std::string::npos);
+    EXPECT_HAS(ran.err, "Usage: glint COMMAND [OPTIONS]");
 }
 
 TEST(Help, IsTheSameWhereverItIsAskedFor) {
@@ -216,7 +216,7 @@ TEST(Help, NamesEveryCommandAndExitCode) {
          {"render", "view", "verify", "report", "bench", "trace", "diff", "info", "devices", "0 done",
           "1 could not render or write", "2 usage", "3 the scene is at fault", "4 no usable device",
           "5 difference found", "130 interrupted"}) {
-        EXPECT_NE(help.find(word), std::string::npos) << word;
+        EXPECT_HAS(help, word) << word;
     }
 }
 
@@ -236,8 +236,7 @@ TEST(Help, NamesEveryOptionOfTheContract) {
     for (const auto& [command, options] : commands) {
         const Ran ran = runGlint({command, "--help"});
         EXPECT_EQ(ran.code, 0);
-        for (const std::string& option : options)
-            EXPECT_NE(ran.out.find("  " + option), std::string::npos) << command << option;
+        for (const std::string& option : options) EXPECT_HAS(ran.out, "  " + option) << command << option;
     }
 }
 

@@ -50,7 +50,7 @@ TEST(VerifyFiles, BytesThatAreNotUtf8AreReplaced) {
     std::vector<SceneResult> results = someResults();
     results[0].scene = "\xff.json";
     EXPECT_TRUE(nlohmann::json::accept(jsonText(results, "", "")));
-    EXPECT_NE(junitText(results).find("name=\"?.json\""), std::string::npos);
+    EXPECT_HAS(junitText(results), "name=\"?.json\"");
 }
 
 }  // namespace

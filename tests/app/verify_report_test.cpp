@@ -62,9 +62,7 @@ TEST(VerifyReport, SamplesThatAreAddedUpWrong) {
     report.filmDiffers = 7;
     const std::string text = reportText(report);
     EXPECT_TRUE(text.starts_with("a.json: FAILED: the picture of all samples is not what they add up to\n"));
-    EXPECT_NE(text.find("\n    7 pixels take other samples than they need, or are not their mean\n"),
-              std::string::npos)
-        << text;
+    EXPECT_HAS(text, "\n    7 pixels take other samples than they need, or are not their mean\n");
 }
 
 TEST(VerifyReport, BranchesThatAreNotTheOnesLeftOut) {
@@ -73,9 +71,7 @@ TEST(VerifyReport, BranchesThatAreNotTheOnesLeftOut) {
     const std::string text = reportText(report);
     EXPECT_TRUE(
         text.starts_with("a.json: FAILED: other branches are left out than the reference leaves out\n"));
-    EXPECT_NE(text.find("\n    in 2 samples other reflections and refractions are not followed"),
-              std::string::npos)
-        << text;
+    EXPECT_HAS(text, "\n    in 2 samples other reflections and refractions are not followed");
 }
 
 TEST(VerifyReport, TiesUpToWhatTheSceneDemands) {
@@ -140,12 +136,10 @@ TEST(VerifyReport, ExplainedPixelNamesJitterAndSample) {
     verify::Options options;
     options.samples = PackedSamples::fixed(std::vector<glm::dvec2>(4));
     const std::string text = reportText(report, options);
-    EXPECT_NE(text.find("    pixel 0,0 sample 3: difference 1, edge (3 open decisions, rays moved by at most "
-                        "2 x 2^-24)\n"),
-              std::string::npos)
-        << text;
-    EXPECT_NE(text.find("reference  color (0 0 0)  object 0 primitive 0 t 4 at (101 2 3)"), std::string::npos)
-        << text;
+    EXPECT_HAS(text,
+               "    pixel 0,0 sample 3: difference 1, edge (3 open decisions, rays moved by at most "
+               "2 x 2^-24)\n");
+    EXPECT_HAS(text, "reference  color (0 0 0)  object 0 primitive 0 t 4 at (101 2 3)");
 }
 
 TEST(VerifyReport, RoundingOfTheSceneHasFiguresOfItsOwn) {
@@ -168,9 +162,8 @@ TEST(VerifyReport, RoundingOfTheSceneHasFiguresOfItsOwn) {
     pixel.truth.color = {0.5, 0, 0};
     report.representation->worst.push_back(pixel);
     EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: the packed scene shows what the scene does"));
-    EXPECT_NE(reportText(report).find("pixel 4,0 sample 0: difference 0 by packing, unexplained"),
-              std::string::npos);
-    EXPECT_NE(reportText(report).find("read       color (0.5 0 0)  miss"), std::string::npos);
+    EXPECT_HAS(reportText(report), "pixel 4,0 sample 0: difference 0 by packing, unexplained");
+    EXPECT_HAS(reportText(report), "read       color (0.5 0 0)  miss");
     EXPECT_EQ(reportJson("a.json", report)["passed"], false);
 }
 
@@ -184,7 +177,7 @@ TEST(VerifyReport, UnexplainedPixelsThatAreAllowedPass) {
 }
 
 TEST(VerifyReport, WithoutPixels) {
-    EXPECT_NE(reportText({}).find("0 pixels; beyond their predicted error"), std::string::npos);
+    EXPECT_HAS(reportText({}), "0 pixels; beyond their predicted error");
 }
 
 }  // namespace

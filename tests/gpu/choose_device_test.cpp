@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "gpu/device_state.h"
+#include "support/environment.h"
 
 namespace glint::gpu::choose_device_test {
 namespace {
@@ -68,7 +69,15 @@ TEST(ChooseDevice, OfAMatchingRefusedAndAMatchingUsableOneTheUsable) {
         1u);
 }
 
-TEST(ChooseDevice, AnEmptyListNamesThePackage) {
+TEST(ChooseDevice, AnEmptyListNamesThePackageOrTheVariable) {
+    const glint::test::ScopedEnvironment files("VK_DRIVER_FILES", nullptr);
+    {
+        const glint::test::ScopedEnvironment names("VK_ICD_FILENAMES", "x.json");
+        EXPECT_EQ(errorOf({}, ""),
+                  "no Vulkan device found: VK_ICD_FILENAMES is \"x.json\"; unset it, or name a driver's "
+                  ".json file");
+    }
+    const glint::test::ScopedEnvironment names("VK_ICD_FILENAMES", nullptr);
     EXPECT_EQ(errorOf({}, ""), "no Vulkan device found: install a driver such as mesa-vulkan-drivers");
     EXPECT_EQ(errorOf({}, "nvidia"), errorOf({}, ""));
 }

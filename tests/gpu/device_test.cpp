@@ -68,7 +68,9 @@ TEST(ListDevices, IsEmptyWithoutADriver) {
     const ScopedEnvironment names("VK_ICD_FILENAMES", "/nonexistent.json");
     EXPECT_TRUE(listDevices().empty());
     EXPECT_EQ(errorOf([] { Device device; }),
-              "no Vulkan device found: install a driver such as mesa-vulkan-drivers");
+              "no Vulkan device found: VK_DRIVER_FILES is \"/nonexistent.json\"; unset it, or name a "
+              "driver's .json "
+              "file");
 }
 
 TEST_F(GpuTest, OpensTheSelectedDevice) {
