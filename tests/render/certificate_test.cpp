@@ -246,13 +246,6 @@ TEST(Report, ThePercentileIsJudgedByKappa) {
     EXPECT_FALSE(report.passed());
 }
 
-TEST(Report, ReasonsHaveNames) {
-    EXPECT_EQ(nameOf(Reason::Tie), "tie");
-    EXPECT_EQ(nameOf(Reason::Edge), "edge");
-    EXPECT_EQ(nameOf(Reason::Rounding), "rounding");
-    EXPECT_EQ(nameOf(Reason::Unexplained), "unexplained");
-}
-
 class VerifyTest : public render::test::RenderTest {};
 
 TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {

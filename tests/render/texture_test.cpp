@@ -104,19 +104,6 @@ TEST_F(TextureTest, NearestAndCheckers) {
     expectNear(wall(solid, {{0.25, 0.25}, {0.75, 0.25}}), {5, 1}, 0);
 }
 
-// Far out a solid checker's cells are as sharp as near the origin, and lie where the packed numbers say: of
-// the 9,600 edges of a floor's cells that a picture shows, rounding decides about hardly any.
-TEST_F(TextureTest, SolidCheckersAreExactFarOut) {
-    const Case c = textCase(
-        R"({"camera": {"type": "orthographic", "eye": [17464, 5, -203], "target": [17466, 0, -202], "height": 6},
-        "ambient": 1, "objects": [{"type": "plane", "point": [17466.5, -2.8, -202.5], "normal": [-0.5, 0.5, 0.7], "material": "m"}],
-        "materials": {"m": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true, "corner": [17464.97, -0.66, -203.5]}}}})",
-        160, 120);
-    const verify::Report report = verified(c);
-    EXPECT_EQ(report.unexplained, 0u);
-    EXPECT_LE(report.edges, 2u);
-}
-
 // Of a corner that is 25,000 from the object in its own coordinates fp32 tells no more than 2 x 10^-3; and
 // one out there with its object is as coarse in the world's. Against the scene as it is read, of which
 // nothing is rounded.
