@@ -7,7 +7,7 @@ import pytest
 
 from glint.open3d import RaycastingScene
 from glint.trimesh import RayMeshIntersector
-from test_glint import CUBE, FACES
+from conftest import CUBE, FACES
 
 
 @pytest.fixture(params=["cpu", ""], scope="module")

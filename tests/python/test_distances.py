@@ -4,12 +4,7 @@ import pytest
 
 import glint
 from glint.open3d import RaycastingScene
-from test_glint import CUBE, FACES
-
-
-@pytest.fixture(params=["cpu", ""], scope="module")
-def device(request):
-    return glint.Device(request.param)
+from conftest import CUBE, FACES
 
 
 def test_a_convex_surface_hides_nothing_from_itself(device):

@@ -3,43 +3,21 @@
 GLINT_LIBRARY says where libglint.so.0 is, GLINT_SOURCE where scenes/ is.
 """
 import base64
-import copy
-import inspect
 import json
-import multiprocessing
 import os
 import pathlib
-import pickle
 import signal
-import subprocess
-import sys
 import threading
 import time
 import tracemalloc
-import typing
-import zipfile
 
 import numpy
 import pytest
 
 import glint
-import glint.open3d
-import glint.trimesh
+from conftest import CUBE, FACES
 
 SCENES = pathlib.Path(os.environ["GLINT_SOURCE"]) / "scenes"
-CUBE = numpy.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
-FACES = numpy.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
-                     [1, 5, 7], [1, 7, 3]])
-
-
-@pytest.fixture(params=["cpu", ""], scope="module")
-def device(request):
-    return glint.Device(request.param)
-
-
-@pytest.fixture
-def cube(device):
-    return glint.Scene(CUBE, FACES, device)
 
 
 def test_a_known_hit_and_a_miss(cube):
@@ -319,22 +297,6 @@ def test_pictures_to_an_error(device):
     assert parts and parts == sorted(parts)
 
 
-def test_everything_public_has_types_and_a_docstring():
-    assert (pathlib.Path(glint.__file__).parent / "py.typed").exists()
-    things = [getattr(glint, name) for name in glint.__all__] + [glint.open3d.RaycastingScene, glint.trimesh.RayMeshIntersector]
-    for thing in things:
-        if not callable(thing):
-            continue
-        assert inspect.getdoc(thing), thing
-        members = [m for n, m in vars(thing).items() if not n.startswith("_")] if inspect.isclass(thing) else [thing]
-        for member in members:
-            function = member.fget if isinstance(member, property) else getattr(member, "__func__", member)
-            if inspect.isfunction(function):
-                assert inspect.getdoc(function), function
-                hints = typing.get_type_hints(function)
-                assert set(inspect.signature(function).parameters) - {"self", "cls"} <= set(hints) and "return" in hints, function
-
-
 def test_errors(device, cube):
     with pytest.raises(glint.Error) as error:
         glint.Scene.load(__file__, device)
@@ -413,35 +375,6 @@ def test_what_is_printed(device, cube):
     assert repr(device) == f"<glint.Device {name}>"
     assert repr(cube) == f"<glint.Scene of 1 geometries, 12 triangles, on {name}>"
     assert repr(glint.Scene(device=device)) == "<glint.Scene, not committed>"
-
-
-def test_what_can_be_pickled(cube):
-    hits = pickle.loads(pickle.dumps(cube.cast([[0.2, 0.3, 5, 0, 0, -1]])))
-    assert hits.t == 4 and hits._fields == ("t", "geometry", "primitive", "uv", "normal")
-    error = pickle.loads(pickle.dumps(glint.Error("scene", "why")))
-    assert error.status == "scene" and str(error) == "why"
-    for held in (cube, cube._device):  # two owners of one handle would let go of it twice
-        for way in (pickle.dumps, copy.copy, copy.deepcopy):
-            with pytest.raises(TypeError, match="neither copied nor pickled"):
-                way(held)
-
-
-def _in_child(queue, scene, device):
-    try:
-        scene.cast([[0.2, 0.3, 5, 0, 0, -1]])
-        queue.put("answered")
-    except glint.Error as error:
-        queue.put(error.status)
-    queue.put(glint.Scene(CUBE, FACES, device).cast([[0.2, 0.3, 5, 0, 0, -1]]))
-
-
-def test_a_forked_process_makes_its_own(device, cube):
-    queue = multiprocessing.get_context("fork").SimpleQueue()
-    child = multiprocessing.get_context("fork").Process(target=_in_child, args=(queue, cube, "cpu" if device.info["reference"] else ""))
-    child.start()
-    assert queue.get() == "state" and queue.get().t == 4
-    child.join()
-    assert child.exitcode == 0
 
 
 def test_ctrl_c_ends_a_call(device):
@@ -526,65 +459,3 @@ def test_others_run_meanwhile(device):
         time.sleep(0.001)
         beats += 1
     assert beats > 10  # a call that held the interpreter's lock leaves a handful
-
-
-def test_devices_and_version():
-    assert glint.version() == (0, 1, 0)
-    found = glint.devices()
-    assert found[-1]["name"] == "cpu" and found[-1]["reference"]
-    assert glint.Device("cpu").info["reference"]
-    with pytest.raises(glint.Error):
-        glint.Device("no such device")
-
-
-class Mesh:
-    """What trimesh's and Open3D's meshes have."""
-
-    def __init__(self, **arrays):
-        self.__dict__.update(arrays)
-
-
-def test_meshes_are_accepted(device):
-    ray = [[0.2, 0.3, 5, 0, 0, -1]]
-    for mesh in (Mesh(vertices=CUBE, faces=FACES), Mesh(vertices=CUBE.tolist(), triangles=FACES.tolist())):
-        assert glint.Scene(mesh, device=device).cast(ray).t == 4
-
-
-def test_a_missing_file_is_a_file_not_found_error(device):
-    with pytest.raises(FileNotFoundError) as caught:
-        glint.Scene.load("nowhere.json", device)
-    assert caught.value.filename == "nowhere.json"
-
-
-def test_none_is_no_number(cube):
-    with pytest.raises(ValueError, match="None"):
-        cube.cast([[0.2, 0.3, 5, 0, 0, None]])
-
-
-def test_dir_shows_the_public_names():
-    assert dir(glint) == sorted(glint.__all__)
-
-
-def test_the_module_prints_version_and_devices():
-    done = subprocess.run([sys.executable, "-m", "glint"], capture_output=True, text=True, check=True)
-    lines = done.stdout.splitlines()
-    assert lines[0] == "glint " + ".".join(map(str, glint.version()))
-    assert len(lines) == 1 + len(glint.devices()) and "double precision" in lines[-1]
-
-
-def test_a_wheel_holds_module_and_library(tmp_path):
-    backend = pathlib.Path(os.environ["GLINT_SOURCE"]) / "python"
-    library = os.environ["GLINT_LIBRARY"]
-    make = f"import sys; sys.path.insert(0, {str(backend)!r}); import build_backend; print(build_backend.build_wheel({str(tmp_path)!r}))"
-    done = subprocess.run([sys.executable, "-c", make], capture_output=True, text=True, check=True,
-                          env={**os.environ, "GLINT_WHEEL_LIBRARY": library})
-    with zipfile.ZipFile(tmp_path / done.stdout.strip()) as wheel:
-        names = wheel.namelist()
-        recorded = [line.split(",")[0] for line in wheel.read(next(n for n in names if n.endswith("RECORD"))).decode().splitlines()]
-        assert sorted(names) == sorted(recorded)
-        wheel.extractall(tmp_path / "site")
-    where = "import glint; print(glint._native.loaded._name)"
-    environment = {name: value for name, value in os.environ.items() if name != "GLINT_LIBRARY"}
-    done = subprocess.run([sys.executable, "-c", where], capture_output=True, text=True, check=True,
-                          env={**environment, "PYTHONPATH": str(tmp_path / "site")})
-    assert done.stdout.strip() == str(tmp_path / "site/glint/libglint.so.0")
