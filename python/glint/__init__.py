@@ -1,12 +1,12 @@
-"""Rays against scenes, and pictures of them: numpy in, numpy out, on any Vulkan device or the processor alone.
+"""Casts rays against scenes and renders images, with numpy arrays in and out, on any Vulkan device or the processor alone.
 
     import glint
     scene = glint.Scene(vertices, faces)
     hits = scene.cast(rays)                 # (n, 6), or origins and directions
     scene.contains(points)
 
-Arrays are float32 or float64, and are passed on as they stand. A device is chosen by its number or a part of its name; "cpu" is
-the reference in double precision; none is the best there is.
+Arrays of float32 and float64 are passed on without a copy. A device is chosen by its number or a part of its name; without one, the
+best is used. "cpu" is the reference: double precision arithmetic on vertices that are rounded to fp32 about the scene's origin.
 """
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def __dir__() -> list[str]:
 
 
 class Hits(Protocol):
-    """What Scene.cast and Scene.all_hits return: a named tuple of those of these arrays that were wanted."""
+    """Result of Scene.cast, Scene.all_hits and Scene.closest_point: a named tuple of the wanted arrays."""
     hit: NDArray[numpy.bool_]
     t: NDArray[Any]
     geometry: NDArray[numpy.uint32]
@@ -57,7 +57,7 @@ class Hits(Protocol):
 
 
 class Picture(Protocol):
-    """What Scene.render returns for other layers than color alone: a named tuple of those that were wanted."""
+    """Result of Scene.render for other layers than color alone: a named tuple of the wanted arrays."""
     color: NDArray[Any]
     depth: NDArray[Any]
     position: NDArray[Any]
@@ -73,7 +73,7 @@ _INDICES = ("geometry", "primitive", "material")
 
 
 def version() -> tuple[int, int, int]:
-    """Of the library, as (major, minor, patch)."""
+    """Version of the library, (major, minor, patch)."""
     number = _native.loaded.glint_version()
     return number // 1000000, number // 1000 % 1000, number % 1000
 
@@ -87,7 +87,7 @@ def _described(info: Any) -> dict[str, Any]:
 
 
 def devices() -> list[dict[str, Any]]:
-    """What there is, as dictionaries; "cpu" is the last."""
+    """All devices, a dictionary each; "cpu" is the last."""
     count = ctypes.c_uint32()
     _native.call("glint_device_count", ctypes.byref(count))
     found = []
@@ -101,10 +101,10 @@ def devices() -> list[dict[str, Any]]:
 class Device(_native.Owner):
     """An open device; scenes keep theirs alive.
 
-    threads: that a call uses at most, 0 for one a processor. max_bytes: what the device and its scenes may hold, 0 for no limit;
-    a call that needs more raises Error. memory: called with the bytes that are to be taken, and refuses them if it returns false
-    or raises, which is printed: the call ends with Error; called with less than 0 for bytes that were given back. From any
-    thread. log: called with lines about what was opened, committed, ignored and mended.
+    threads: most threads of one call, 0 for one for each processor. max_bytes: most bytes that the device and its scenes may hold,
+    0 for no limit; a call that needs more raises Error. memory: called from any thread before an allocation with its bytes, and
+    refuses it by returning false or raising (the exception is printed), so that the call raises Error; called with negative numbers
+    after memory was freed. log: called with lines on what was opened, committed, ignored and fixed.
     """
 
     _release = "glint_device_release"
@@ -133,7 +133,7 @@ class Device(_native.Owner):
 
     @property
     def info(self) -> dict[str, Any]:
-        """Its number and name, whether it is software or the reference, and if it cannot be used, why."""
+        """Index and name, whether it is software or the reference, whether it is usable, and the reason if not."""
         info = _native.make(_native.DeviceInfo)
         _native.call("glint_device_info_of", self._handle, ctypes.byref(info))
         return _described(info)
@@ -147,7 +147,7 @@ def _device(device: Selector) -> Device:
 
 
 def _transform(matrix: ArrayLike) -> tuple[NDArray[numpy.float64], Any]:
-    """Twelve doubles of a (3, 4) or (4, 4) matrix."""
+    """Twelve doubles from a (3, 4) or (4, 4) matrix, and a pointer to them."""
     given = numpy.asarray(matrix, dtype=numpy.float64)
     if given.shape not in ((3, 4), (4, 4)):
         raise ValueError(f"a transform is a (3, 4) or (4, 4) matrix, not one of the shape {given.shape}")
@@ -156,8 +156,8 @@ def _transform(matrix: ArrayLike) -> tuple[NDArray[numpy.float64], Any]:
 
 
 class _Options:
-    """Callbacks of a long call. What they raise ends it and is raised again there. `interruptible`: Ctrl-C ends it too, which asks
-    for the interpreter's lock each time that the library asks whether to go on."""
+    """Callbacks of a long call. An exception in one ends the call, which raises it again. `interruptible`: Ctrl-C ends the call too;
+    this takes the interpreter's lock each time that the library calls `cancelled`."""
 
     def __init__(self, cancelled: Cancelled, progress: Progress, interruptible: bool = False) -> None:
         self.raised: BaseException | None = None
@@ -187,7 +187,7 @@ class _Options:
 
 
 class _RayArrays:
-    """Keeps the arrays of a batch alive while it is under way."""
+    """Keeps the arrays of a batch alive during a call."""
 
     def __init__(self, rays: ArrayLike, directions: ArrayLike | None, t_min: ArrayLike | None, t_max: ArrayLike | None,
                  coherent: bool = False, leave: bool = False) -> None:
@@ -220,7 +220,7 @@ class _RayArrays:
         self.struct.flags = (_native.COHERENT if coherent else 0) | (_native.LEAVE if leave else 0)
 
     def _spread(self, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-        """As many as the rays, by numpy's rules; or one, which stands for all to the library too."""
+        """One element for each ray, by numpy's rules; or one for all, which the library broadcasts."""
         if array.shape[0] in (1, math.prod(self.shape)):
             return array
         return numpy.broadcast_to(array.reshape(shape + (3,)), self.shape + (3,)).reshape(-1, 3)
@@ -269,7 +269,7 @@ def _record(name: str, arrays: dict[str, NDArray[Any]], shape: tuple[int, ...] |
 
 
 def _mesh_arrays(vertices: Any, faces: Any) -> tuple[Any, Any]:
-    """Vertices and faces; of a mesh of trimesh (vertices, faces) or Open3D (vertices, triangles; vertex, triangle) its own."""
+    """Vertices and faces, from arrays or from a mesh of trimesh (vertices, faces) or Open3D (vertices, triangles; vertex, triangle)."""
     if faces is not None:
         return vertices, faces
     if hasattr(vertices, "vertices"):
@@ -332,7 +332,7 @@ class Scene(_native.Owner):
         return self._added("glint_scene_add_triangles", ctypes.byref(given))
 
     def add_spheres(self, centers: ArrayLike, radii: ArrayLike, material: int = 0) -> int:
-        """Each is a geometry of its own; returns the number of the first."""
+        """Adds spheres, one geometry each: centers (n, 3), radii (n,) or one for all. Returns the number of the first."""
         places = _native.numbers(centers, 3, "centers")
         sizes = _native.numbers(radii, None, "radii")
         given = _native.make(_native.Spheres)
@@ -342,45 +342,44 @@ class Scene(_native.Owner):
         return self._added("glint_scene_add_spheres", ctypes.byref(given))
 
     def add_json(self, text: str, folder: Path | None = None) -> range:
-        """What the text of a scene file describes; returns the numbers of its geometries, as a range."""
+        """Adds the objects, materials and lights of a scene file's text. Returns the numbers of its geometries, as a range."""
         first, count = ctypes.c_uint32(), ctypes.c_uint32()
         _native.call("glint_scene_add_json", self._handle, _native.text(text), None if folder is None else _native.text(os.fsencode(folder)),
                      ctypes.byref(first), ctypes.byref(count))
         return range(first.value, first.value + count.value)
 
     def add_instance(self, geometry: int, transform: ArrayLike) -> int:
-        """The geometry once more, elsewhere; returns the number of the new one."""
+        """Adds an instance of a geometry, by a (3, 4) or (4, 4) matrix applied to it as it was added. Returns the instance's number."""
         rows, pointer = _transform(transform)
         number = self._added("glint_scene_add_instance", geometry, pointer)
         del rows
         return number
 
     def set_transform(self, geometry: int, transform: ArrayLike) -> None:
-        """Puts a geometry or an instance elsewhere, by a (3, 4) or (4, 4) matrix that is applied to it as it was added."""
+        """Replaces the transform of a geometry or an instance: a (3, 4) or (4, 4) matrix applied to it as it was added."""
         rows, pointer = _transform(transform)
         _native.call("glint_scene_set_transform", self._handle, geometry, pointer)
         del rows
 
     def set_vertices(self, geometry: int, vertices: ArrayLike) -> None:
-        """Other vertices for a mesh, as many as it has and all finite; its instances follow."""
+        """Replaces the vertices of a mesh and its instances; as many as before, all finite."""
         points = _native.numbers(vertices, 3, "vertices")
         _native.call("glint_scene_set_vertices", self._handle, geometry, ctypes.byref(_native.view(points)))
 
     def material(self, name: str) -> int:
-        """The number of the material of that name."""
+        """Number of the material with this name."""
         found = ctypes.c_uint32()
         _native.call("glint_scene_find_material", self._handle, _native.text(name), ctypes.byref(found))
         return found.value
 
     def commit(self, *, cancelled: Cancelled = None, progress: Progress = None) -> Scene:
-        """Makes what was added and changed what queries see. Where vertices and transforms alone changed, the trees stay and their
-        boxes follow, see `refits`; the answers are those of a scene made anew. Cancelled, the scene stays as it was committed
-        before."""
+        """Makes all additions and changes visible to queries. If only vertices and transforms changed, the BVH is refitted (see
+        `refits`); answers about rays are those of a new scene. If cancelled, queries see the state as before."""
         _Options(cancelled, progress, True).call("glint_scene_commit_with", self._handle)
         return self
 
     def prepare(self) -> Scene:
-        """Compiles what `cast` and `occluded` of the committed scene need, so that their first call takes no longer than others."""
+        """Compiles the kernels of `cast` and `occluded` for the committed scene; otherwise their first call does. Returns the scene."""
         _native.call("glint_scene_prepare", self._handle)
         return self
 
@@ -403,28 +402,28 @@ class Scene(_native.Owner):
 
     @property
     def device(self) -> Device:
-        """What it asks."""
+        """The device of the scene."""
         return self._device
 
     @property
     def bounds(self) -> NDArray[numpy.float64]:
-        """The box around everything committed but planes: (2, 3)."""
+        """Bounds of everything committed but planes, (2, 3): lower and upper corner."""
         info = self._info()
         return numpy.array([info.lower, info.upper])
 
     @property
     def triangles(self) -> int:
-        """How many there are; instanced ones count as often as they are shown."""
+        """Number of triangles; those of instances count for each instance."""
         return int(self._info().triangles)
 
     @property
     def refits(self) -> int:
-        """Commits since the trees were last built, all of which kept them."""
+        """Commits since the BVH was last built, each of which refitted it."""
         return int(self._info().refits)
 
     @property
     def warnings(self) -> list[str]:
-        """What was ignored or mended, one line each."""
+        """One line for each thing that was ignored or fixed."""
         texts = []
         for index in range(self._info().warnings):
             text = ctypes.c_char_p()
@@ -438,17 +437,20 @@ class Scene(_native.Owner):
              t_max: ArrayLike | None = None, want: Iterable[HitField] = ("t", "geometry", "primitive", "uv", "normal"),
              dtype: DTypeLike = numpy.float64, coherent: bool = False, leave: bool = False, cancelled: Cancelled = None,
              progress: Progress = None) -> Hits:
-        """The nearest hit of each ray, as a named tuple of arrays: those in `want`, nothing else is computed.
+        """The closest hit of each ray, as a named tuple of the arrays in `want`; nothing else is computed.
 
-        rays: (..., 6), or origins (..., 3) with directions (..., 3), either may be one for all. want: of hit, t, geometry, primitive,
-        material, uv, point, normal, origin. On a miss t is inf, indices are NONE, all else is 0. uv: the point is (1 - u - v) a + u b + v c.
-        Where `want` has sure, t_lower or t_upper, hits are certified: those of exact arithmetic on the numbers given. sure: it is
-        proven; the exact t is between t_lower and t_upper. Every ray is sure that meets triangles and planes alone.
-        origin: where a ray starts that leaves the hit on the side that the ray came from; 2 * point - origin is on the other side.
-        leave: these rays start there, and do not hit the surface that they start on, nor another one in its place; it cannot be
-        combined with sure, t_lower and t_upper.
-        coherent: neighbours in the array go about the same way, which may be faster. cancelled: asked now and then, ends the call if
-        true; progress: told the part that is done.
+        rays: (..., 6), or origins (..., 3) with directions (..., 3) of any length; t is in units of the direction. t_min, t_max: only
+        hits with t_min < t <= t_max count. want: names among hit, t, geometry, primitive, material, uv, point, normal, origin, sure,
+        t_lower, t_upper. On a miss, t is inf, indices are NONE, all others are 0. uv: the point of a triangle a, b, c is
+        (1 - u - v) a + u b + v c, with b and c exchanged if a transform mirrors it. normal: geometric, outward, unit.
+        origin: start of rays that leave the hit on the side that the ray came from; 2 * point - origin is on the other side.
+        leave: the rays start at such origins, and do not hit the surface that they start on or another one in its place; not with
+        sure, t_lower and t_upper.
+        sure, t_lower, t_upper: with one of these, hits are certified: those of exact arithmetic on the given numbers. sure: the hit is
+        proven; the exact t is between t_lower and t_upper. All rays are sure in scenes of triangles and planes.
+        coherent: neighbours in the array have similar directions; may be faster. cancelled: called repeatedly, ends the call if it
+        returns true. progress: called with the finished part, 0 to 1. Raises ValueError for arrays of another shape, Error if the
+        scene is not committed.
         """
         batch = _RayArrays(rays, directions, t_min, t_max, coherent, leave)
         arrays = _hit_arrays(want, batch.count, dtype)
@@ -473,7 +475,7 @@ class Scene(_native.Owner):
 
     def count(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
               t_max: ArrayLike | None = None, cancelled: Cancelled = None, progress: Progress = None) -> NDArray[numpy.uint32]:
-        """How many surfaces each ray crosses: a closed one is crossed an even number of times from outside, an odd one from inside."""
+        """Number of surfaces that each ray crosses, uint32: even for rays that start outside a closed surface, odd inside."""
         batch = _RayArrays(rays, directions, t_min, t_max)
         return self._flags("glint_query_count", batch, numpy.uint32, cancelled, progress)
 
@@ -481,7 +483,8 @@ class Scene(_native.Owner):
                  t_max: ArrayLike | None = None, want: Iterable[HitField] = ("t", "geometry", "primitive", "uv"),
                  dtype: DTypeLike = numpy.float64, cancelled: Cancelled = None,
                  progress: Progress = None) -> tuple[NDArray[numpy.uint64], Hits]:
-        """Everything each ray crosses, nearest first: (offsets, hits), those of ray i at offsets[i]:offsets[i + 1]."""
+        """All crossings of each ray by t: (offsets (n + 1,), hits); those of ray i are elements offsets[i]:offsets[i + 1] of each array.
+        want: as in `cast`, except sure, t_lower and t_upper."""
         batch = _RayArrays(rays, directions, t_min, t_max)
         offsets = numpy.zeros(batch.count + 1, numpy.uint64)
         out, total = _native.view(offsets), ctypes.c_uint64()
@@ -503,7 +506,7 @@ class Scene(_native.Owner):
         return where.reshape(_native.shape_before(points))
 
     def contains(self, points: ArrayLike) -> NDArray[numpy.bool_]:
-        """Whether each point is inside of the closed surfaces; one on a surface is not."""
+        """True for each point (..., 3) inside closed surfaces; points on a surface are not inside."""
         return numpy.equal(self.locate(points), INSIDE)
 
     # ---- distances ----
@@ -512,7 +515,7 @@ class Scene(_native.Owner):
                       dtype: DTypeLike = numpy.float64, cancelled: Cancelled = None, progress: Progress = None) -> Hits:
         """The closest point of all surfaces to each of `points` (..., 3), as a hit: `t` is its distance, `point` the closest point.
 
-        want: as in `cast`, but sure, t_lower and t_upper. Raises Error if the scene holds other shapes than meshes, spheres and
+        want: as in `cast`, except sure, t_lower and t_upper. Raises Error if the scene holds other shapes than meshes, spheres and
         their instances. On a device the distance may exceed the least by 2^-20 of the coordinates' size; device "cpu" is exact.
         """
         places = _native.numbers(points, 3, "points")
@@ -537,12 +540,13 @@ class Scene(_native.Owner):
                camera: Sequence[Any] | str | None = None, max_depth: int | None = None, dtype: DTypeLike = numpy.float32,
                error: float | None = None, confidence: float = 0.95, max_samples: int = 65536, cancelled: Cancelled = None,
                progress: Progress = None) -> Any:
-        """A picture: (height, width, 4) of linear RGB and alpha; for other `layers` than that one a named tuple.
+        """Renders an image: (height, width, 4) of linear RGB and alpha; a named tuple if other `layers` are wanted.
 
-        Sizes and samples of 0 are the scene's. camera: (eye, target), (eye, target, up) or (eye, target, up, fov_y), or
-        the name of one of the scene's `cameras`.
-        error: instead of a number of samples, as many as it takes until color is off by at most so much (root mean square over all
-        pixels and channels, full scale 1) with probability `confidence`; if `max_samples` do not do, a warning says what they did.
+        Sizes in pixels and samples for each pixel; 0: those of the scene. layers: names among color, depth (distance along the ray;
+        for depth along the axis cast `pinhole_rays`), position, normal (shading normal, unit), geometry, primitive, material. camera:
+        (eye, target), (eye, target, up) or (eye, target, up, fov_y in degrees), or the name of one of the scene's `cameras`.
+        error: instead of `samples`, the target for the error of color: root mean square over all pixels and channels, full scale 1,
+        with probability `confidence`. If `max_samples` do not reach it, a RuntimeWarning states the bound.
         """
         layers, dtype = _names(layers), _real(dtype)
         info = self._info()
@@ -605,7 +609,7 @@ def pinhole_rays(intrinsics: ArrayLike, extrinsics: ArrayLike, width: int, heigh
 
 
 def render(scene: Scene | Path, *arguments: int, device: Selector = None, **options: Any) -> Any:
-    """Scene.render of a Scene, or of the file of that name: glint.render("scene.json", error=1e-3)."""
+    """Scene.render for a Scene or for the name of a file: glint.render("scene.json", error=1e-3)."""
     if not isinstance(scene, Scene):
         scene = Scene.load(scene, device)
     return scene.render(*arguments, **options)
