@@ -194,9 +194,9 @@ def hashes(bench):
 
 def verify(bench):
     part = bench.part
-    part.header = ["traversal", "scenes", "verified", "unexplained pixels", "explained: edge", "rounding", "tie", "left out"]
+    part.header = ["traversal", "scenes", "verified", "unexplained pixels", "explained: edge", "rounding", "left out"]
     for traversal in ["auto", *TRAVERSALS]:
-        sums = {key: 0 for key in ("scenes", "passed", "unexplained", "edge", "rounding", "tie")}
+        sums = {key: 0 for key in ("scenes", "passed", "unexplained", "edge", "rounding")}
         before = len(part.left_out)
 
         def check(name, path, how=traversal, total=sums):
@@ -206,7 +206,7 @@ def verify(bench):
             result = said["scenes"][0]
             total["scenes"] += 1
             total["passed"] += result["passed"]
-            for key in ("unexplained", "edge", "rounding", "tie"):
+            for key in ("unexplained", "edge", "rounding"):
                 total[key] += result["arithmetic"][key]
             if code != 0 or not result["passed"]:
                 part.fail(f"{name}, --traversal {how}", result["verdict"])

@@ -11,7 +11,7 @@
 namespace glint::app {
 
 // Version of the JSON file's layout (docs/guide/verify.md). A change that breaks readers increments it.
-inline constexpr int kVerifyJsonVersion = 1;
+inline constexpr int kVerifyJsonVersion = 2;
 // The JSON file lists at most this many differing pixels of a scene, the worst first.
 inline constexpr size_t kListedPixels = 1000;
 

@@ -141,7 +141,7 @@ struct SphereEquation {
 // Squares of coordinates stay finite. Of a scene in the range of fp32 a ray from so far tells nothing apart.
 constexpr double kFarthestOrigin = 1e150;
 
-PreparedRay::PreparedRay(const Ray& ray) : ties(ray.ties), noise(ray.noise) {
+PreparedRay::PreparedRay(const Ray& ray) : ties(ray.ties), slips(ray.slips), noise(ray.noise) {
     double greatest = 0;
     bool finite = true;
     kz = 0;
@@ -170,10 +170,10 @@ PreparedRay::PreparedRay(const Ray& ray) : ties(ray.ties), noise(ray.noise) {
 
 double slipOfFlat(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t) {
     if (!ray.leaves && !ray.ties) return 0;
-    double height = ray.slip, speed = 0;
+    double height = ray.slips * ray.slip, speed = 0;
     for (int i = 0; i < 3; ++i) {
         const double reach = std::abs(anchor[i] - ray.origin[i]) + std::abs(t * ray.direction[i]);
-        height += 0x1p-24 * std::abs(n[i]) * (2 * std::abs(anchor[i]) + 6 * reach);
+        height += 0x1p-24 * std::abs(n[i]) * (2 * std::abs(anchor[i]) + ray.slips * 6 * reach);
         speed += n[i] * ray.direction[i];
     }
     return height / std::abs(speed);
@@ -230,7 +230,7 @@ bool intersectSphere(const rows::Sphere& sphere, const PreparedRay& ray, bool fr
     if (fromSurface) {
         const SphereEquation<Extended> onSurface(sphere, w, d, kExtendedRoundoff);
         const Extended t = 2 * onSurface.b / onSurface.a;
-        return accept(t, slipOfRound(static_cast<double>(t)), ray, tMax, root);
+        return accept(t, slipOfRound(ray, static_cast<double>(t)), ray, tMax, root);
     }
     const SphereEquation<double> rough(sphere, toVec<double>(sphere.point) - toVec<double>(ray.origin),
                                        toVec<double>(ray.direction), kUnitRoundoff);
@@ -259,8 +259,8 @@ bool intersectSphere(const rows::Sphere& sphere, const PreparedRay& ray, bool fr
     Extended t0 = shift + (q == 0 ? 0 : e.c / q), t1 = shift + q / e.a;
     if (t0 > t1) std::swap(t0, t1);
     root.twice = static_cast<double>(t0) == static_cast<double>(t1);
-    return accept(t0, slipOfRound(static_cast<double>(t0)), ray, tMax, root) ||
-           accept(t1, slipOfRound(static_cast<double>(t1)), ray, tMax, root);
+    return accept(t0, slipOfRound(ray, static_cast<double>(t0)), ray, tMax, root) ||
+           accept(t1, slipOfRound(ray, static_cast<double>(t1)), ray, tMax, root);
 }
 
 // With w = centre - o, the point of the line in the plane is (n.w / n.d) d - w away from the centre. Squared

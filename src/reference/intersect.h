@@ -31,6 +31,7 @@ struct PreparedRay {
     bool valid;           // false: the ray misses everything
     bool leaves = false;  // it starts on a surface
     bool ties;            // Ray::ties
+    double slips;         // Ray::slips
     double slip = 0;      // how far the origin is off along any unit normal, as the rule counts it
     FormulaNoise noise;
 
@@ -46,10 +47,12 @@ struct Root {
 // The rule for rays that meet and leave surfaces (docs/design/numerics.md): t stands for t +- slip, and slip
 // is how far the heights of surfaces in one place may differ in fp32, over the speed n.d at which the ray
 // changes its height. anchor: the point of the plane that heights are measured from; w = anchor - o; n: unit.
+// A part of it is the rounding of coordinates, which makes the planes differ. The rest is the arithmetic of
+// the test; PreparedRay::slips scales it.
 double slipOfFlat(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t);
 // The slip of a round surface.
-inline double slipOfRound(double t) {
-    return 8 * 0x1p-24 * std::abs(t);
+inline double slipOfRound(const PreparedRay& ray, double t) {
+    return ray.slips * 8 * 0x1p-24 * std::abs(t);
 }
 // True if a surface at t +- slip counts for the ray, whose interval ends at tMax.
 inline bool countsAt(const PreparedRay& ray, double t, double slip, double tMax) {

@@ -178,7 +178,7 @@ class Search {
     }
 
     void side(Extended t, bool twice = false) {
-        if (!counts(static_cast<double>(t), slipOfRound(static_cast<double>(t)))) return;
+        if (!counts(static_cast<double>(t), slipOfRound(ray_, static_cast<double>(t)))) return;
         const Vec4<Extended> y = local_.at(t);
         for (int i = 0; i < 3; ++i) {
             const Extended slack = slackAt(y, i);
@@ -215,14 +215,16 @@ class Search {
         const dvec3 axis(quadric_.toLocal2), point(quadric_.point);
         double height = 2 * std::max(std::abs(quadric_.lo.z), std::abs(quadric_.hi.z));
         for (int i = 0; i < 3; ++i)
-            height += std::abs(axis[i]) * (2 * std::abs(point[i]) + 6 * std::abs(ray_.origin[i] - point[i]));
-        height = 0x1p-24 * height + glm::length(axis) * ray_.slip;
-        return height / std::abs(static_cast<double>(local_.d[2])) + slipOfRound(static_cast<double>(t));
+            height += std::abs(axis[i]) *
+                      (2 * std::abs(point[i]) + ray_.slips * 6 * std::abs(ray_.origin[i] - point[i]));
+        height = 0x1p-24 * height + glm::length(axis) * ray_.slips * ray_.slip;
+        return height / std::abs(static_cast<double>(local_.d[2])) +
+               slipOfRound(ray_, static_cast<double>(t));
     }
 
     void take(Extended t, uint32_t part) {
         best_ = static_cast<double>(t);
-        slip_ = part == shared::kPartSide ? slipOfRound(best_) : slipOfCap(t);
+        slip_ = part == shared::kPartSide ? slipOfRound(ray_, best_) : slipOfCap(t);
         part_ = part;
         found_ = true;
         twice_ = false;

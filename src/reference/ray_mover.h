@@ -25,7 +25,8 @@ class RayMover {
         : state_(jitter.seed),
           step_(jitter.ulps * 0x1p-24),
           formulas_(jitter.formulas),
-          units_(jitter.clears ? jitter.ulps : 0) {}
+          slips_(jitter.slips),
+          units_(jitter.clears ? jitter.ulps : (slips_ > 1 ? slips_ : 0)) {}
 
     void move(Ray& ray, double scale) {
         if (step_ == 0) return;
@@ -43,8 +44,9 @@ class RayMover {
     // How far from its surface a ray begins, where the device's begin as far as `clearance`.
     double cleared(double clearance) const { return units_ * clearance; }
 
-    // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in
-    // verify/explain.cpp).
+    double slips() const { return slips_; }
+
+    // Relative uncertainty of a round surface's t: gamma_16 on each side for a jitter of one unit.
     double tieWidth() const { return 16 * step_; }
     double shift(double scale) { return step_ == 0 ? 0 : step_ * scale * next(); }
     bool coin() { return uniform(state_) < 0; }
@@ -64,6 +66,7 @@ class RayMover {
     uint64_t state_;
     double step_;
     bool formulas_;
+    double slips_;  // Jitter::slips
     double units_;  // of clearances
 };
 

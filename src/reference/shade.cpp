@@ -28,7 +28,7 @@ using glm::dvec3;
 class PathTracer {
   public:
     PathTracer(const Tracer& tracer, const Model& scene, const Jitter& jitter, bool keepPath)
-        : tracer_(tracer), scene_(scene), mover_(jitter), keepPath_(keepPath) {}
+        : tracer_(tracer), scene_(scene), mover_(jitter), hit_(jitter.hit), keepPath_(keepPath) {}
 
     PixelRecord run(const Ray& cameraRay);
     Step step(Branch branch);
@@ -73,6 +73,7 @@ class PathTracer {
     const Tracer& tracer_;
     const Model& scene_;
     RayMover mover_;
+    uint32_t hit_;  // Jitter::hit, until the first ray is followed
     bool keepPath_;
     PixelRecord record_;
     uint32_t contributions_ = 0;
@@ -95,21 +96,34 @@ void PathTracer::decideCells(const Surface& textured) {
     if (!scene_.textures.empty()) decide(cellsAt(scene_, textured));
 }
 
-// Under jitter, which of two primitives at one t comes first is open too: coincident surfaces tie for every
-// moved ray, and double always breaks the tie in the same way. But not where both have the same numbers: fp32
-// then gives the same t as well, and the rule for equal t says which is first.
+bool isRound(const Hit& hit) {
+    const shared::PrimitiveKind kind = kindOfPrimitive(hit.primitive);
+    const uint32_t part = hit.primitive >> shared::kPartShift & shared::kPartMask;
+    return kind == shared::PrimitiveKind::Sphere ||
+           (kind == shared::PrimitiveKind::Quadric && part == shared::kPartSide);
+}
+
+// Under jitter, which of two primitives at one t comes first is open too if one is round, as the rule for
+// surfaces in one place has no bound for them: coincident surfaces tie for every moved ray, and double always
+// breaks the tie in the same way. But not if both have the same numbers: fp32 then gives the same t as well.
 std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, RayClass kind) {
     const uint64_t before = record_.cost;
     Ray seen = ray;
     seen.ties = true;
-    const std::optional<Hit> hit = tracer_.closest(seen, source, &record_.cost);
+    seen.slips = mover_.slips();
+    std::optional<Hit> hit = tracer_.closest(seen, source, &record_.cost);
     count(kind, before);
+    if (hit && hit_ != shared::kNone && hit_ != hit->id)
+        if (const std::optional<Hit> other = tracer_.possibleHit(ray, source, hit_)) hit = other;
+    hit_ = shared::kNone;
     if (!hit || mover_.tieWidth() == 0 || !mover_.coin()) return hit;
     Ray narrow = ray;
     narrow.tMin = std::max(ray.tMin, hit->t * (1 - mover_.tieWidth()));
     narrow.tMax = std::min(ray.tMax, hit->t * (1 + mover_.tieWidth()));
     std::vector<Hit> others = tracer_.allHits(narrow, sourceOf(*hit));
-    std::erase_if(others, [&](const Hit& other) { return isSameSurface(scene_, *hit, other); });
+    std::erase_if(others, [&](const Hit& other) {
+        return (!isRound(*hit) && !isRound(other)) || isSameSurface(scene_, *hit, other);
+    });
     return others.empty() ? hit : others[mover_.pick(others.size())];
 }
 
@@ -150,6 +164,7 @@ Ray PathTracer::rayFrom(const Interaction& at, const dvec3& direction, double tM
     ray.origin = offsetOrigin(at, direction);
     ray.direction = direction;
     ray.tMax = tMax;
+    ray.slips = mover_.slips();
     mover_.move(ray, std::max(at.originScale, at.scale));
     // Rounding never takes the origin through the surface: that is what offsets are for.
     const dvec3 out = glm::dot(direction, at.n) < 0 ? -at.n : at.n;

@@ -39,6 +39,8 @@ struct Ray {
     FormulaNoise noise = {};
     // True for rays of an image: among surfaces that coincide within fp32's error the lowest id is hit.
     bool ties = false;
+    // Scale of the arithmetic part of that error, see slipOfFlat: 1 is the rule.
+    double slips = 1;
 };
 
 struct Hit {
@@ -47,6 +49,7 @@ struct Hit {
     uint32_t primitive = shared::kNone;  // kind and index in leaf order, as in shared/layout.h
     uint32_t id = 0;                     // global primitive number
     uint32_t instance = shared::kNone;   // that the primitive is one of, index in PackedScene::instances
+    double slip = 0;                     // of t, for rays with Ray::ties
     bool operator==(const Hit&) const = default;
 };
 
@@ -85,18 +88,25 @@ struct Surface {
 // ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
 // cone, and each contribution before it is compared with the least that is followed. Texture coordinates
 // move by up to `ulps` * 2^-24 * max(1, Surface::uvScale), points looked up in a solid checker as origins do.
-// seed 0 and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t
-// within 16 * `ulps` * 2^-24 * t, either may be taken.
+// seed 0 and ulps 0: no jitter. Deterministic for a seed. Where two primitives, one of them round, lie at the
+// same t within 16 * `ulps` * 2^-24 * t, either may be taken.
 // `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more
 // than fp32 does (FormulaNoise).
 // `clears`: besides, rays begin `ulps` times as far from the surface that they leave as the device's do
 // (error_box.h). Of the errors that their point may have that is the sum, which rounding hardly ever makes.
+// `slips`: no movement. fp32's own errors in the rule for surfaces in one place, as parts of their bound:
+// with 0 as few surfaces as possible coincide with the closest one, or with the one that a ray leaves; with
+// kMostSlips as many as possible. kMostSlips also starts rays as far from their surface as the device may.
+// `hit`: id that the first ray hits if the rule lets fp32 hit it (Tracer::possibleHit), else kNone.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
     bool formulas = false;
     bool clears = false;
+    double slips = 1;
+    uint32_t hit = shared::kNone;
 };
+inline constexpr double kMostSlips = 2;
 
 // From the eye, to a light, or reflected and refracted by a surface.
 enum class RayClass { Primary, Shadow, Mirrored, Refracted };
@@ -185,6 +195,9 @@ class Tracer {
     bool occluded(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
     // Every hit, nearest first; of triangles that share the edge or corner that is hit, all.
     std::vector<Hit> allHits(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
+    // The hit of primitive `id` if fp32 may take it for the closest of an image's ray
+    // (docs/design/numerics.md).
+    std::optional<Hit> possibleHit(const Ray& ray, const Source& source, uint32_t id) const;
     // The same as `closest` by testing every primitive in the leaves, whatever boxes the ray hits: the
     // oracle's oracle.
     std::optional<Hit> closestBruteForce(const Ray& ray, const Source& source = {}) const;

@@ -32,8 +32,7 @@ constexpr double kCullPad = 1 + 0x1p-30;
 // instance and what its ids count from, kNone and 0 in the world.
 struct Search {
     Hit best;
-    double end = 0;      // of the ray's interval: at most the least t + slip so far
-    double nearest = 0;  // t of the best hit less its slip
+    double end = 0;  // of the ray's interval: at most the least t + slip so far
     uint64_t cost = 0;
     bool found = false;
     uint32_t instance = kNone;
@@ -78,7 +77,7 @@ bool isHole(const Model& scene, const Search& search, const Hit& hit) {
 // them. True if there is one.
 template <class Primitive>
 bool testPrimitive(const Model& scene, const PreparedRay& ray, const Primitive& one, uint32_t primitive,
-                   uint32_t source, Search& search, Hit& hit, double& slip) {
+                   uint32_t source, Search& search, Hit& hit) {
     Root root;
     uint32_t part = 0;
     const Methods& methods = search.tracer->methods();
@@ -89,7 +88,7 @@ bool testPrimitive(const Model& scene, const PreparedRay& ray, const Primitive& 
             std::swap(root.u, root.v);
         const uint32_t id = idInInstance(search.idBase, one.id);
         hit = {root.t, root.u, root.v, primitive | part << shared::kPartShift, id, search.instance};
-        slip = ray.ties ? root.slip : 0;
+        hit.slip = ray.ties ? root.slip : 0;
         const bool hole = isHole(scene, search, hit);
         if (!hole && !search.all) return true;
         if (!hole) search.all->insert(search.all->end(), root.twice ? 2 : 1, hit);
@@ -107,14 +106,12 @@ bool testArray(const Model& scene, const PreparedRay& ray, const std::vector<Pri
         Hit hit;
         ++search.cost;
         const uint32_t primitive = kind << shared::kPrimitiveKindShift | i;
-        double slip = 0;
-        if (!testPrimitive(scene, ray, array[i], primitive, source, search, hit, slip)) continue;
+        if (!testPrimitive(scene, ray, array[i], primitive, source, search, hit)) continue;
         if constexpr (!kAny) {
-            const bool closer = !search.found || hit.t + slip < search.nearest;
-            search.end = std::min(search.end, hit.t + slip);
+            const bool closer = !search.found || hit.t + hit.slip < search.best.t - search.best.slip;
+            search.end = std::min(search.end, hit.t + hit.slip);
             if (!closer && hit.id > search.best.id) continue;
             search.best = hit;
-            search.nearest = hit.t - slip;
         }
         search.found = true;
         if constexpr (kAny) return true;
@@ -283,6 +280,33 @@ std::vector<Hit> Tracer::allHits(const Ray& ray, const Source& source, uint64_t*
         return std::pair(a.t, a.id & ofFile) < std::pair(b.t, b.id & ofFile);
     });
     return hits;
+}
+
+// The device errs in each t by at most the arithmetic part of its slip. Without that part, the closest hit is
+// one that fp32 certainly finds in the place, so that no higher id is hit; with twice the part, no hit is
+// left out that fp32 may find there. A higher id is hit only if the traversal found a third surface between,
+// in whose place both are, with a lower id than both, before a closer one put that behind.
+std::optional<Hit> Tracer::possibleHit(const Ray& ray, const Source& source, uint32_t id) const {
+    Ray seen = ray;
+    seen.ties = true;
+    seen.slips = 0;
+    const std::optional<Hit> certain = closest(seen, source);
+    seen.slips = kMostSlips;
+    const std::vector<Hit> hits = allHits(seen, source);
+    double end = ray.tMax;
+    for (const Hit& hit : hits) end = std::min(end, hit.t + hit.slip);
+    const auto find = [&](uint32_t wanted) {
+        return std::find_if(hits.begin(), hits.end(), [=](const Hit& hit) { return hit.id == wanted; });
+    };
+    const auto claimed = find(id);
+    if (claimed == hits.end() || claimed->t - claimed->slip > end) return std::nullopt;
+    const auto least = certain ? find(certain->id) : hits.end();
+    if (least == hits.end() || id <= least->id) return *claimed;
+    const bool isOrderOpen = std::any_of(hits.begin(), hits.end(), [&](const Hit& hit) {
+        const double near = hit.t - hit.slip;
+        return hit.id < least->id && near > end && near <= least->t + least->slip;
+    });
+    return isOrderOpen ? std::optional<Hit>(*claimed) : std::nullopt;
 }
 
 bool Tracer::crosses(const Ray& ray, const Hit& hit) const {

@@ -358,11 +358,6 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
 std::vector<Trail> Renderer::trails(const shared::Camera& camera, Request request,
                                     const std::vector<glm::ivec2>& pixels) {
     if (pixels.empty()) return {};
-    Region& region = request.region;
-    region = {pixels[0].x, pixels[0].y, pixels[0].x + 1, pixels[0].y + 1};
-    for (const glm::ivec2& p : pixels)
-        region = {std::min(region.x0, p.x), std::min(region.y0, p.y), std::max(region.x1, p.x + 1),
-                  std::max(region.y1, p.y + 1)};
     request.data = true;
     TrailRecorder recorder(pixels);
     state_->recorder = &recorder;

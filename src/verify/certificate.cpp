@@ -63,6 +63,7 @@ struct Outcome {
     size_t members = 1;
     double stretch = 0;
     double units = 0;
+    Jitter rule = {};  // surfaces in one place: as the reference orders them, or as fp32 may
 };
 
 uint64_t keyOf(const Step& step) {
@@ -111,6 +112,10 @@ class Certifier {
     bool startsAs(Pending& pending, const TrailRay& ray);
     bool startsWithin(const Pending& pending, const TrailRay& ray) const;
     bool explore(Branch branch, const TrailRay& ray);
+    std::shared_ptr<Outcome> outcomeOf(const Branch& branch, const Jitter& jitter);
+    // The step as it is, by one way to order surfaces in one place. given: it has the device's hit and light.
+    bool exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
+                      bool& given);
     // given: the still step has the device's hit and light.
     bool exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still, bool given);
     bool takesHit(const Step& step, const TrailRay& ray) const {
@@ -191,8 +196,11 @@ bool Certifier::startsAs(Pending& pending, const TrailRay& ray) {
 bool Certifier::widen(const Branch& branch, Outcome& still, const TrailRay* untilMatched) {
     const bool instance = still.step.record.meetsInstance;
     still.stretch = kResponseGain * (instance ? 1 + scene_.instanceGain : 1);
+    Jitter move = still.rule;
+    move.ulps = 1;
     for (uint64_t seed = 1; seed <= 2 * kResponseMoves; ++seed) {
-        const Step step = stepOf(branch, {.seed = seed, .ulps = 1});
+        move.seed = seed;
+        const Step step = stepOf(branch, move);
         if (keyOf(step) != still.key) continue;
         still.box.include(boxOf(branch, step));
         ++still.members;
@@ -244,14 +252,34 @@ bool Certifier::follow() {
     return false;
 }
 
+std::shared_ptr<Outcome> Certifier::outcomeOf(const Branch& branch, const Jitter& jitter) {
+    auto outcome = std::make_shared<Outcome>();
+    outcome->step = stepOf(branch, jitter);
+    outcome->key = keyOf(outcome->step);
+    outcome->box = boxOf(branch, outcome->step);
+    outcome->rule = jitter;
+    return outcome;
+}
+
+bool Certifier::exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
+                             bool& given) {
+    if (!takesHit(still->step, ray)) return false;
+    if (!matches(*still, ray) && !widen(branch, *still, &ray)) return false;
+    given = true;
+    return advance(branch, still);
+}
+
 bool Certifier::explore(Branch branch, const TrailRay& ray) {
-    Step step = stepOf(branch, {});
-    auto still = std::make_shared<Outcome>();
-    still->key = keyOf(step);
-    still->box = boxOf(branch, step);
-    still->step = std::move(step);
-    const bool given = takesHit(still->step, ray) && (matches(*still, ray) || widen(branch, *still, &ray));
-    if (given && advance(branch, still)) return true;
+    bool given = false;
+    const auto still = outcomeOf(branch, {});
+    if (exploreStill(branch, ray, still, given)) return true;
+    ++result_.openDecisions;
+    for (const double slips : {1.0, 0.0, reference::kMostSlips}) {
+        if (exhausted()) return false;
+        const auto open = outcomeOf(branch, {.slips = slips, .hit = ray.hit ? ray.id : shared::kNone});
+        if (open->key != still->key && exploreStill(branch, ray, open, given)) return true;
+    }
+    --result_.openDecisions;
     return !exhausted() && exploreMoved(std::move(branch), ray, *still, given);
 }
 
@@ -269,7 +297,8 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
         const bool wide = gain > 1 && turn % 2 == 1;
         for (int i = 0; i < kMovesAtOnce; ++i) {
             const double units = kStepUnits * kSizes[i % 3] * (wide ? gain : 1);
-            Step step = stepOf(branch, {.seed = ++seed, .ulps = units, .formulas = true});
+            const uint32_t hit = ray.hit ? ray.id : shared::kNone;
+            Step step = stepOf(branch, {.seed = ++seed, .ulps = units, .formulas = true, .hit = hit});
             if (!takesHit(step, ray)) continue;
             if (wide && !step.record.meetsInstance && !still.step.record.meetsInstance) continue;
             if (step.record.surface) branch.scale = std::max(branch.scale, step.record.surface->scale);

@@ -78,8 +78,8 @@ bool Film::isMean(const Pixel& pixel, const float* color, uint32_t taken) const 
     return true;
 }
 
-uint64_t Film::differing(const Picture& whole) const {
-    uint64_t count = 0;
+std::vector<size_t> Film::differing(const Picture& whole) const {
+    std::vector<size_t> pixels;
     for (size_t i = 0; i < first_.size(); ++i) {
         const uint32_t taken = whole.samples.empty() ? whole.samplesPerPixel : whole.samples[i];
         const bool further = taken > samples_.round;
@@ -89,9 +89,9 @@ uint64_t Film::differing(const Picture& whole) const {
             sound = sound && (wanted == Further::Either || further == (wanted == Further::Yes));
         }
         sound = sound && isMean(further ? all_[i] : first_[i], &whole.color.pixels[4 * i], taken);
-        count += !sound;
+        if (!sound) pixels.push_back(i);
     }
-    return count;
+    return pixels;
 }
 
 }  // namespace glint::verify

@@ -25,7 +25,7 @@ class Film {
 
     // Pixels of `whole`, drawn with the samples of the constructor, that took others than they had to, or
     // show another mean than of those.
-    uint64_t differing(const Picture& whole) const;
+    std::vector<size_t> differing(const Picture& whole) const;
 
   private:
     struct Pixel {

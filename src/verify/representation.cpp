@@ -179,7 +179,7 @@ double RepresentationCheck::changedShare() const {
         }
         (widely ? sensitivity.changedWidely : sensitivity.changed) = changed;
     }
-    return sensitivity.changedShare();
+    return sensitivity.explainedShare();
 }
 
 RepresentedPixel RepresentationCheck::pixelOf(const Doubt& doubt) const {
@@ -232,12 +232,11 @@ Representation RepresentationCheck::judge(const Sensitivity& sensitivity, size_t
     for (const float d : differences) result.greatest = std::max(result.greatest, static_cast<double>(d));
     result.rmse = std::sqrt(squares / (3 * static_cast<double>(std::max<uint64_t>(result.asked, 1))));
     result.p99 = percentile99(std::move(differences));
-    const double share = sensitivity.tieShare() + kShareOfPrediction * sensitivity.changedShare();
-    result.allowed = greatestCount(share * static_cast<double>(result.asked));
+    result.allowed = greatestCount(sensitivity.explainedShare() * static_cast<double>(result.asked));
     bool probed = false;
     const auto areTooMany = [&](size_t count) {
         if (count <= result.allowed || std::exchange(probed, true)) return count > result.allowed;
-        const double changed = kShareOfPrediction * changedShare() * static_cast<double>(result.asked);
+        const double changed = changedShare() * static_cast<double>(result.asked);
         result.allowed = std::max(result.allowed, greatestCount(changed));
         return count > result.allowed;
     };

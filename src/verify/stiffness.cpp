@@ -18,13 +18,6 @@ double greatestChange(const glm::dvec3& a, const glm::dvec3& b) {
     return std::isfinite(change) ? change : std::numeric_limits<double>::max();
 }
 
-// Other first hits at one t, to within gamma_16 on either side as in explain.cpp. Under jitter the reference
-// tosses a coin there; the device has a rule, and must follow it.
-bool isTie(const reference::PixelRecord& a, const reference::PixelRecord& b) {
-    if (!a.hit || !b.hit || a.hit->id == b.hit->id) return false;
-    return std::abs(a.hit->t - b.hit->t) <= 2 * 16 * kFloatUnit * std::max(a.hit->t, b.hit->t);
-}
-
 }  // namespace
 
 bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved) {
@@ -32,6 +25,19 @@ bool isOtherwise(const reference::PixelRecord& still, const reference::PixelReco
     if (still.decisions == moved.decisions) return false;
     const glm::dvec3 d = glm::abs(still.color - moved.color);
     return glm::any(glm::greaterThan(d, still.rounding));
+}
+
+bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
+            reference::Jitter move, double* change) {
+    bool open = false;
+    for (const double slips : {0.0, reference::kMostSlips}) {
+        move.slips = slips;
+        const reference::PixelRecord other = tracer.trace(ray, move);
+        if (!isOtherwise(still, other)) continue;
+        open = true;
+        if (change) *change = std::max(*change, greatestChange(still.color, other.color));
+    }
+    return open;
 }
 
 double percentile(std::vector<float> values, double share) {
@@ -55,7 +61,7 @@ namespace {
 
 // Counts of a row of pixels.
 struct RowCounts {
-    uint64_t changed = 0, changedWidely = 0, ties = 0, tiesWidely = 0;
+    uint64_t changed = 0, changedWidely = 0, open = 0;
 };
 
 // True if any ray leaves a surface.
@@ -77,14 +83,10 @@ double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint6
         reference::PixelRecord moved = tracer.trace(ray, one);
         change = std::max(change, greatestChange(still.color, moved.color));
         if (leaves(moved)) moved = tracer.trace(ray, {.seed = one.seed, .ulps = 1, .clears = true});
-        const bool tie = isTie(still, moved);
-        counts.ties += i == 1 && tie;
-        counts.changed += !tie && isOtherwise(still, moved);
+        counts.changed += isOtherwise(still, moved);
     }
-    const reference::PixelRecord moved = tracer.trace(ray, {seed, kWideUnits});
-    const bool tie = isTie(still, moved);
-    counts.tiesWidely += tie;
-    counts.changedWidely += !tie && isOtherwise(still, moved);
+    counts.changedWidely += isOtherwise(still, tracer.trace(ray, {seed, kWideUnits}));
+    counts.open += isOpen(tracer, ray, still, {}, &change);
     return change;
 }
 
@@ -102,21 +104,14 @@ glm::ivec2 placeInCell(size_t cell, int step) {
     return {static_cast<int>(z % side), static_cast<int>((z >> 32) % side)};
 }
 
-double Sensitivity::changedShare() const {
+double Sensitivity::explainedShare() const {
     if (tried == 0) return 0;
-    const double all = static_cast<double>(tried);
     const double byWidth = greatestMean(changedWidely) / kWideUnits;
     const double atOne = greatestMean(changed) / static_cast<double>(moves);
     const bool chaotic = changedByOne() > byWidth;
-    return std::min((chaotic ? atOne : byWidth) / all, 1.0);
-}
-
-double Sensitivity::tieShare() const {
-    // Under jitter a coin decides, so half of the pixels that tie are counted.
-    if (ties + tiesWidely == 0) return 0;
-    const double atOne = ties == 0 ? 0 : 2 * greatestMean(ties);
-    const double edges = kShareOfPrediction * greatestMean(tiesWidely) / kWideUnits;
-    return std::min((atOne + edges) / static_cast<double>(tried), 1.0);
+    const double inOnePlace = open == 0 ? 0 : greatestMean(open);
+    const double moved = kShareOfPrediction * (chaotic ? atOne : byWidth);
+    return std::min((moved + inOnePlace) / static_cast<double>(tried), 1.0);
 }
 
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
@@ -148,8 +143,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
     for (const RowCounts& row : counts) {
         result.changed += row.changed;
         result.changedWidely += row.changedWidely;
-        result.ties += row.ties;
-        result.tiesWidely += row.tiesWidely;
+        result.open += row.open;
     }
     // The count of pixels beyond the percentile scatters by sqrt(n 0.99 0.01): 3.1 times that up.
     const double n = static_cast<double>(changes.size());

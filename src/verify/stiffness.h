@@ -27,18 +27,16 @@ struct Sensitivity {
     uint64_t moves = 1;
     // Moves for which the reference itself changes a pixel: `changed` of all moves of one unit,
     // `changedWidely` of the moves of kWideUnits. A change is a hit of other primitives, or other decisions
-    // with a colour difference above the error of arithmetic. If first hits tie, a move of one unit counts in
-    // `ties` only. Identical surfaces do not tie (Jitter): the device must follow the rule for equal t.
-    uint64_t changed = 0, changedWidely = 0, ties = 0;
-    // Ties for the move of kWideUnits: mostly at edges of neighbouring faces.
-    uint64_t tiesWidely = 0;
+    // with a colour difference above the error of arithmetic.
+    uint64_t changed = 0, changedWidely = 0;
+    uint64_t open = 0;  // pixels for which isOpen
 
     double changedByOne() const { return static_cast<double>(changed) / static_cast<double>(moves); }
-    // The share of pixels that a move of one unit changes: an upper limit with kConfidence. Edges are as wide
-    // as the move, so that a wide one counts for as many; where more than that change at one unit, paths are
-    // chaotic, and they are counted at one unit alone.
-    double changedShare() const;
-    double tieShare() const;
+    // Greatest share of pixels that the device may see otherwise, with kConfidence: all that are open, and
+    // kShareOfPrediction times those that a move of one unit changes. Edges are as wide as the move, so that
+    // a wide one counts for as many; where more than that change at one unit, paths are chaotic, and they are
+    // counted at one unit alone.
+    double explainedShare() const;
 };
 inline constexpr double kWideUnits = 32;
 // How many times as many pixels the device may see otherwise as the reference does when each of its rays is
@@ -49,6 +47,10 @@ glm::ivec2 placeInCell(size_t cell, int step);
 
 // True if a pixel changes: by another path, or by other decisions and another colour.
 bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved);
+// True if fp32's errors decide on the way which surfaces are in one place (Jitter::slips). still: of `ray`,
+// moved by `move`. change: becomes at least as great as the change of colour.
+bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
+            reference::Jitter move = {}, double* change = nullptr);
 
 // Sensitivity through the pixels' samples in turn.
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,

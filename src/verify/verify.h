@@ -24,15 +24,13 @@ namespace glint::verify {
 
 // Why a differing pixel differs.
 enum class Reason {
-    Tie,         // explained, and the two first hits are other primitives at the same t within the bound
     Edge,        // explained: another path, each ray of which is what roundings of that step give
     Rounding,    // explained: the same of the reference's own path, by more than its response to one unit
     Undecided,   // not examined, or given up: beyond the steps that a pixel or an image may take
     Unexplained  // a defect, in the shader, the reference or the scene's packing
 };
 constexpr auto entriesOf(Reason) {
-    return std::to_array<EnumEntry<Reason>>({{Reason::Tie, "tie"},
-                                             {Reason::Edge, "edge"},
+    return std::to_array<EnumEntry<Reason>>({{Reason::Edge, "edge"},
                                              {Reason::Rounding, "rounding"},
                                              {Reason::Undecided, "undecided"},
                                              {Reason::Unexplained, "unexplained"}});
@@ -69,7 +67,7 @@ struct DifferingPixel {
 
 struct Report {
     uint64_t pixels = 0;
-    uint64_t ties = 0, edges = 0, roundings = 0, undecided = 0, unexplained = 0;
+    uint64_t edges = 0, roundings = 0, undecided = 0, unexplained = 0;
     uint64_t plainDiffers = 0;  // pixels that the picture without data has with other bits
     uint64_t filmDiffers = 0;   // pixels whose samples, drawn together, are not what they are one by one
     uint64_t lossesDiffer = 0;  // samples of which other branches were not followed
@@ -83,23 +81,21 @@ struct Report {
     Sensitivity sensitivity;
     std::vector<DifferingPixel> worst;  // unexplained first, then by difference
     Image device, reference;            // 3 channels, linear; of the first sample
-    Image difference;  // 3 channels: grey |difference| * 64; red unexplained, yellow edge, blue tie, green
-                       // rounding, magenta undecided; of the first sample
+    Image difference;  // 3 channels: grey |difference| * 64; red unexplained, yellow edge, green rounding,
+                       // magenta undecided; of the first sample
     bool interrupted = false;
     uint64_t allowedUnexplained = 0;  // Options'
     // Effect of the scene's rounding; absent if the source of the packed scene is not given.
     std::optional<Representation> representation;
 
-    uint64_t explained() const { return ties + edges + roundings; }
-    // The greatest numbers of pixels that may be explained, with kConfidence (ceiling.h).
-    uint64_t allowedTies() const;
-    uint64_t allowedOthers() const;
+    uint64_t explained() const { return edges + roundings; }
+    // The greatest number of pixels that may be explained, with kConfidence (ceiling.h).
+    uint64_t allowedExplained() const;
     // Largest allowed 99th percentile.
     double allowedP99() const;
     bool passed() const {
         return !interrupted && unexplained <= allowedUnexplained && plainDiffers == 0 && filmDiffers == 0 &&
-               lossesDiffer == 0 && ties <= allowedTies() &&
-               edges + roundings + undecided <= allowedOthers() && p99 <= allowedP99() &&
+               lossesDiffer == 0 && explained() + undecided <= allowedExplained() && p99 <= allowedP99() &&
                (!representation || representation->passed());
     }
 };

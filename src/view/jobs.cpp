@@ -161,15 +161,14 @@ VerifyResult verifyView(const gpu::Device& device, const ViewRequest& request, J
     VerifyResult result;
     result.passed = report.passed();
     char text[256];
-    std::snprintf(text, sizeof(text),
-                  "%s: %llu pixels, %llu explained (%llu ties, %llu edges), %llu unexplained, RMSE %.3g",
-                  report.interrupted ? "stopped"
-                  : result.passed    ? "passed"
-                                     : "FAILED",
-                  static_cast<unsigned long long>(report.pixels),
-                  static_cast<unsigned long long>(report.explained()),
-                  static_cast<unsigned long long>(report.ties), static_cast<unsigned long long>(report.edges),
-                  static_cast<unsigned long long>(report.unexplained), report.rmse);
+    std::snprintf(
+        text, sizeof(text), "%s: %llu pixels, %llu explained (%llu edges), %llu unexplained, RMSE %.3g",
+        report.interrupted ? "stopped"
+        : result.passed    ? "passed"
+                           : "FAILED",
+        static_cast<unsigned long long>(report.pixels), static_cast<unsigned long long>(report.explained()),
+        static_cast<unsigned long long>(report.edges), static_cast<unsigned long long>(report.unexplained),
+        report.rmse);
     result.text = text;
     result.difference = std::move(report.difference);
     return result;

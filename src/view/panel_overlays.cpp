@@ -218,7 +218,8 @@ void drawMessages(Gui& gui, const Model& m) {
         if (!m.warnings.empty()) wrapped("Esc closes.", kDim);
         if (!m.verdict.empty()) wrapped("verify " + m.verdict, m.verdictPassed ? kGreen : kRed);
         if (m.difference)
-            wrapped("Shown: |difference| x 64; red unexplained, yellow edge, blue tie. Esc closes.", kDim);
+            wrapped("Shown: |difference| x 64; red unexplained, yellow edge, green rounding. Esc closes.",
+                    kDim);
         if (!waiting.empty()) wrapped(waiting, kYellow);
         for (const Toast& toast : m.toasts.shown())
             wrapped(toast.text, toast.kind == ToastKind::Error ? kRed : kGreen);

@@ -128,8 +128,8 @@ class Judge {
         if (report.plainDiffers > 0) return "other without layers";
         if (report.filmDiffers > 0) return "wrong sum";
         if (report.lossesDiffer > 0) return "wrong account";
-        if (report.edges + report.roundings > report.allowedOthers()) return "too many";
-        return report.ties > report.allowedTies() ? "too many ties" : "percentile";
+        if (report.explained() > report.allowedExplained()) return "too many";
+        return "percentile";
     }
 
     gpu::Device device_;

@@ -43,8 +43,8 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     std::cout << "[ measured ] " << GetParam() << ": kappa " << report.sensitivity.kappa << " ("
               << glint::nameOf(verify::classOf(report.sensitivity.kappa)) << "), expected "
               << report.sensitivity.kappa * verify::kFloatUnit << ", p99 " << report.p99 << "; edges "
-              << report.edges << ", ties " << report.ties << ", unexplained " << report.unexplained
-              << "; RMSE on the same paths " << report.rmseSamePath << '\n';
+              << report.edges << ", unexplained " << report.unexplained << "; RMSE on the same paths "
+              << report.rmseSamePath << '\n';
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_TRUE(report.passed()) << report.explained() << " of " << report.pixels;
     // Device and reference order coincident surfaces by the same rule.

@@ -25,8 +25,8 @@ cat >"$folder/program" <<'END'
 #!/usr/bin/env bash
 case $2 in
     *good*) exit 0 ;;
-    *many*) echo "$2: FAILED: too many pixels differ"; echo "100 pixels; beyond their predicted error: 9 edge, 0 rounding (at most 5), 0 tie (at most 5), 0 unexplained"; exit 5 ;;
-    *unexplained*) echo "100 pixels; beyond their predicted error: 0 edge, 0 rounding (at most 5), 0 tie (at most 5), 3 unexplained"; exit 5 ;;
+    *many*) echo "$2: FAILED: too many pixels differ"; echo "100 pixels; beyond their predicted error: 9 edge, 0 rounding, 0 undecided (at most 5), 0 unexplained"; exit 5 ;;
+    *unexplained*) echo "100 pixels; beyond their predicted error: 0 edge, 0 rounding, 0 undecided (at most 5), 3 unexplained"; exit 5 ;;
     *) echo "glint: $2: no such file"; exit 3 ;;
 esac
 END
@@ -35,11 +35,11 @@ expect "a good scene" 0 "default: 1 of 1 verified, 0 failed" "$folder/program" g
 expect "too many differ" 1 "default: 1 of 2 verified, 1 failed" "$folder/program" good many
 expect "all ways to fail" 1 "verify-all: 3 verifications failed" "$folder/program" many good unexplained missing
 configuration=algebraic
-expect "a textbook loses digits" 0 "algebraic: many: loses digits: 9 edge, 0 rounding (at most 5), 0 tie (at most 5)" "$folder/program" good many
+expect "a textbook loses digits" 0 "algebraic: many: loses digits: 9 edge, 0 rounding, 0 undecided (at most 5)" "$folder/program" good many
 expect "a textbook is broken" 1 "algebraic: 1 of 2 verified, 1 failed" "$folder/program" good unexplained
 
-# The program itself, on a scene that demands ties, wherever it lies.
+# The program itself, on a scene with coincident surfaces, wherever it lies.
 configuration=default
-cp "$source/scenes/stiff/coplanar_decals.json" "$folder/ties.json"
-expect "ties" 0 "default: 2 of 2 verified, 0 failed" "$glint" "$folder/ties.json" "$source/scenes/spheres.json"
+cp "$source/scenes/stiff/coplanar_decals.json" "$folder/decals.json"
+expect "decals" 0 "default: 2 of 2 verified, 0 failed" "$glint" "$folder/decals.json" "$source/scenes/spheres.json"
 exit $wrong

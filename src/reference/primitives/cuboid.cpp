@@ -61,8 +61,10 @@ double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t,
     const double plane = std::max(std::abs(c.lo[axis]), std::abs(c.hi[axis]));
     const double place = glm::dot(glm::abs(normals[axis]), glm::abs(c.point));
     const double height =
-        0x1p-24 * (2 * plane + 2 * place + 6 * static_cast<double>(seen.o[axis].terms)) + ray.slip;
-    return height / std::abs(static_cast<double>(seen.d[axis].value)) + slipOfRound(static_cast<double>(t));
+        0x1p-24 * (2 * plane + 2 * place + ray.slips * 6 * static_cast<double>(seen.o[axis].terms)) +
+        ray.slips * ray.slip;
+    return height / std::abs(static_cast<double>(seen.d[axis].value)) +
+           slipOfRound(ray, static_cast<double>(t));
 }
 
 bool meetsFromItself(const rows::Cuboid& c, const Seen& seen, uint32_t own, const Meeting& m, Root& root,
