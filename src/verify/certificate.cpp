@@ -26,39 +26,10 @@ constexpr int kMovesAtOnce = 48, kTurns = 32;
 // 4 times their size.
 constexpr size_t kEnoughMembers = 8;
 
-// Bounds of numbers, and the rounding that may be added to each.
-struct Box {
-    std::vector<double> lo, hi, floors;
-
-    void include(const Box& other) {
-        for (size_t i = 0; i < lo.size(); ++i) {
-            lo[i] = std::min(lo[i], other.lo[i]);
-            hi[i] = std::max(hi[i], other.hi[i]);
-            floors[i] = std::max(floors[i], other.floors[i]);
-        }
-    }
-    void add(double value, double floor) {
-        lo.push_back(value);
-        hi.push_back(value);
-        floors.push_back(floor);
-    }
-    void add(const dvec3& value, const dvec3& floor) {
-        for (int i = 0; i < 3; ++i) add(value[i], floor[i]);
-    }
-    bool contains(size_t at, double value, double stretch) const {
-        const double room = floors[at] + stretch * (hi[at] - lo[at]);
-        return value >= lo[at] - room && value <= hi[at] + room;
-    }
-    bool contains(size_t at, const dvec3& value, double stretch) const {
-        return contains(at, value.x, stretch) && contains(at + 1, value.y, stretch) &&
-               contains(at + 2, value.z, stretch);
-    }
-};
-
 // Outcomes of one step that decide alike.
 struct Outcome {
     Step step;  // of the first member
-    uint64_t key = 0;
+    uint64_t key;
     Box box;  // Quantities, then origin, direction and throughput of each further ray
     size_t members = 1;
     double stretch = 0;
@@ -149,15 +120,13 @@ dvec3 Certifier::lightOf(size_t ray) const {
 
 Box Certifier::boxOf(const Branch& branch, const Step& step) const {
     const auto& record = step.record;
-    const Quantities q = quantitiesOf(record, scene_.origin);
     Quantities floors = floorsOf(scene_, record, branch.ray);
     // Differences of sums: each addition rounds the sum so far.
     const double sums = 8.0 * static_cast<double>(tracer_.lights().size() + 2) * kFloatUnit;
     const dvec3 before = trail_[cursor_].sum / seen_.weight;
     for (size_t i = 0; i < 3; ++i)
         floors[i] += sums * (std::abs(before[static_cast<int>(i)]) + std::abs(seen_.first[i]));
-    Box box;
-    for (size_t i = 0; i < kQuantities; ++i) box.add(q[i], floors[i]);
+    Box box(quantitiesOf(record, scene_.origin), floors);
     if (step.next.empty()) return box;
     const double turn = 4 * normalTurn(scene_, record, branch.ray) * kFloatUnit;
     for (const Branch& next : step.next) {
@@ -216,9 +185,7 @@ bool Certifier::matches(const Outcome& outcome, const TrailRay& ray) const {
     for (int i = 0; i < 3; ++i) device[static_cast<size_t>(i)] = light[i];
     if (!first && ray.hit) device[kColorQuantities] = ray.t;
     const size_t count = first ? kQuantities : kColorQuantities + (ray.hit ? 1 : 0);
-    for (size_t i = 0; i < count; ++i)
-        if (!outcome.box.contains(i, device[i], outcome.stretch)) return false;
-    return true;
+    return outcome.box.contains(0, std::span(device).first(count), outcome.stretch);
 }
 
 bool Certifier::advance(const Branch& branch, const std::shared_ptr<Outcome>& outcome) {
@@ -253,12 +220,10 @@ bool Certifier::follow() {
 }
 
 std::shared_ptr<Outcome> Certifier::outcomeOf(const Branch& branch, const Jitter& jitter) {
-    auto outcome = std::make_shared<Outcome>();
-    outcome->step = stepOf(branch, jitter);
-    outcome->key = keyOf(outcome->step);
-    outcome->box = boxOf(branch, outcome->step);
-    outcome->rule = jitter;
-    return outcome;
+    Step step = stepOf(branch, jitter);
+    const uint64_t key = keyOf(step);
+    Box box = boxOf(branch, step);
+    return std::make_shared<Outcome>(Outcome{std::move(step), key, std::move(box), 1, 0, 0, jitter});
 }
 
 bool Certifier::exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
@@ -311,12 +276,9 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
                 (*at)->units = std::min((*at)->units, units);
                 continue;
             }
-            auto outcome = std::make_shared<Outcome>();
-            outcome->key = key;
-            outcome->box = boxOf(branch, step);
-            outcome->step = std::move(step);
-            outcome->units = units;
-            outcomes.push_back(outcome);
+            Box box = boxOf(branch, step);
+            outcomes.push_back(
+                std::make_shared<Outcome>(Outcome{std::move(step), key, std::move(box), 1, 0, units}));
             tried.push_back(0);
         }
         for (size_t i = 0; i < outcomes.size() && !exhausted(); ++i) {
@@ -345,14 +307,14 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
 bool isPredicted(const reference::Tracer& tracer, const reference::Ray& cameraRay,
                  const reference::PixelRecord& still, const PackedScene& scene, const Quantities& device) {
     const Quantities floors = floorsOf(scene, still, cameraRay);
-    Hull hull(quantitiesOf(still, scene.origin));
-    if (hull.contains(device, floors, 0)) return true;
+    Box box(quantitiesOf(still, scene.origin), floors);
+    if (box.contains(0, device, 0)) return true;
     const double gain = kResponseGain * (still.meetsInstance ? 1 + scene.instanceGain : 1);
     for (uint64_t seed = 1; seed <= kResponseMoves; ++seed) {
         const reference::PixelRecord moved = tracer.trace(cameraRay, {.seed = seed, .ulps = 1});
         if (moved.decisions != still.decisions) continue;
-        hull.include(quantitiesOf(moved, scene.origin));
-        if (hull.contains(device, floors, gain)) return true;
+        box.include({quantitiesOf(moved, scene.origin), floors});
+        if (box.contains(0, device, gain)) return true;
     }
     return false;
 }

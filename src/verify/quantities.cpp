@@ -132,17 +132,27 @@ bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record,
     return std::abs(device.clearance - reference::clearanceOf(error, surface.geometricNormal)) <= room;
 }
 
-void Hull::include(const Quantities& q) {
-    for (size_t i = 0; i < kQuantities; ++i) {
-        lo[i] = std::min(lo[i], q[i]);
-        hi[i] = std::max(hi[i], q[i]);
+void Box::add(const glm::dvec3& value, const glm::dvec3& error) {
+    for (int i = 0; i < 3; ++i) {
+        lo.push_back(value[i]);
+        hi.push_back(value[i]);
+        floors.push_back(error[i]);
     }
 }
 
-bool Hull::contains(const Quantities& q, const Quantities& floors, double stretch) const {
-    for (size_t i = 0; i < kQuantities; ++i) {
-        const double room = floors[i] + stretch * (hi[i] - lo[i]);
-        if (!(q[i] >= lo[i] - room && q[i] <= hi[i] + room)) return false;
+void Box::include(const Box& other) {
+    for (size_t i = 0; i < lo.size(); ++i) {
+        lo[i] = std::min(lo[i], other.lo[i]);
+        hi[i] = std::max(hi[i], other.hi[i]);
+        floors[i] = std::max(floors[i], other.floors[i]);
+    }
+}
+
+bool Box::contains(size_t at, std::span<const double> values, double stretch) const {
+    for (const double value : values) {
+        const double room = floors[at] + stretch * (hi[at] - lo[at]);
+        if (!(value >= lo[at] - room && value <= hi[at] + room)) return false;
+        ++at;
     }
     return true;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <vector>
 
 #include "reference/tracer.h"
 #include "trace/picture.h"
@@ -28,13 +30,19 @@ double normalTurn(const PackedScene& scene, const reference::PixelRecord& record
 bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
                  const PixelData& device);
 
-// The smallest box of quantities seen.
-struct Hull {
-    Quantities lo, hi;
-    explicit Hull(const Quantities& q) : lo(q), hi(q) {}
-    void include(const Quantities& q);
-    // Each quantity within floors + `stretch` times the box's size of the box; NaN never is.
-    bool contains(const Quantities& q, const Quantities& floors, double stretch) const;
+// The least bounds of numbers seen, and the rounding error that may be added to each.
+struct Box {
+    std::vector<double> lo, hi, floors;
+
+    Box(const Quantities& q, const Quantities& errors)
+        : lo(q.begin(), q.end()), hi(lo), floors(errors.begin(), errors.end()) {}
+    void add(const glm::dvec3& value, const glm::dvec3& error);
+    void include(const Box& other);
+    // Each number from `at` on within its floor, and `stretch` times the box's size, of the box. NaN is not.
+    bool contains(size_t at, std::span<const double> values, double stretch) const;
+    bool contains(size_t at, const glm::dvec3& value, double stretch) const {
+        return contains(at, std::span(&value.x, 3), stretch);
+    }
 };
 
 }  // namespace glint::verify

@@ -3,7 +3,6 @@
 // truth itself shows with its numbers moved as far (docs/design/verification.md).
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -15,7 +14,6 @@
 namespace glint::verify {
 
 struct Options;
-struct Sensitivity;
 
 // A pixel where rounding the scene shows more than its response, and why.
 struct RepresentedPixel {
@@ -31,12 +29,9 @@ struct Representation {
     // Beyond what the truth's own response predicts: given by some rounding of the scene, or a defect in
     // packing.
     uint64_t explained = 0, unexplained = 0;
-    // How many may be explained: as of the device's, or, where these are more, as many as the truth sees
-    // otherwise for its numbers moved.
-    uint64_t allowed = 0;
     double rmse = 0, p99 = 0, greatest = 0;  // of colour, between both scenes
     std::vector<RepresentedPixel> worst;     // unexplained first, then by difference
-    bool passed() const { return unexplained == 0 && explained <= allowed; }
+    bool passed() const { return unexplained == 0; }
 };
 
 // One of each 2 x 2 pixels is asked, at random; of a picture of no more than so many all.
@@ -52,13 +47,13 @@ class RepresentationCheck {
     void compare(int x, int y, uint32_t sample, const reference::FilmSample& s,
                  const reference::PixelRecord& rounded);
     // Once all are compared.
-    Representation judge(const Sensitivity& sensitivity, size_t worstCount);
+    Representation judge(size_t worstCount);
 
   private:
     // Answers of moved scenes that all decisions have led to alike.
     struct Class {
         uint32_t decisions;
-        Hull hull;
+        Box box;
         size_t members;
     };
     struct Doubt {
@@ -73,15 +68,10 @@ class RepresentationCheck {
         std::vector<Class> classes;
         enum class State { Open, Predicted, Explained, Unexplained } state = State::Open;
     };
-    struct Place {
-        int x, y;
-        reference::FilmSample film;
-    };
     struct Row {
         std::vector<float> differences;
         double squares = 0;
         std::vector<Doubt> doubts;
-        std::vector<Place> probed;  // a few of those asked, at random
     };
     bool asks(int x, int y, uint32_t sample) const;
     reference::Ray rayOf(const reference::Tracer& tracer, const reference::rows::Camera& camera, int x, int y,
@@ -90,11 +80,9 @@ class RepresentationCheck {
                          const Doubt& doubt) const {
         return rayOf(tracer, camera, doubt.x, doubt.y, doubt.film);
     }
-    double changedShare() const;
-    void draw(uint64_t seed, double units, std::vector<Doubt*>& open) const;
+    void draw(uint64_t seed, std::vector<Doubt*>& open) const;
     void searchOn(Doubt& doubt) const;
-    // areTooMany: of a count of pixels in doubt, whether rounding has not changed so many.
-    void search(std::vector<Doubt*>& open, const std::function<bool(size_t)>& areTooMany) const;
+    void search(std::vector<Doubt*>& open, size_t asked) const;
     RepresentedPixel pixelOf(const Doubt& doubt) const;
 
     const PackedScene& packed_;
@@ -106,7 +94,6 @@ class RepresentationCheck {
     const reference::Tracer& rounded_;
     const shared::Camera& roundedCamera_;
     std::vector<Row> rows_;
-    int probeStep_;  // one of so many squared is probed
 };
 
 }  // namespace glint::verify

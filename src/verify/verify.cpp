@@ -477,7 +477,7 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
     if (tooMany && report.unexplained == 0)
         report.sensitivity =
             sensitivityOf(tracer, camera, options.width, options.height, samples, 3, 16 * kMaxKappaPixels);
-    if (representation) report.representation = representation->judge(report.sensitivity, options.worstCount);
+    if (representation) report.representation = representation->judge(options.worstCount);
     report.p99 = percentile99(std::move(all.differences));
     report.floorP99 = percentile99(std::move(all.floors));
     report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));
