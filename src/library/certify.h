@@ -1,4 +1,4 @@
-// Nearest hits with what is certain about them: glint_hits::sure, t_lower and t_upper.
+// Certified closest hits: glint_hits::sure, t_lower and t_upper.
 #pragma once
 
 #include "library/ray_reader.h"
@@ -22,7 +22,7 @@ class CertaintyWriter {
     Output sure_, lower_, upper_;
 };
 
-// Answers all rays. Throws Failure(GLINT_ERROR_CANCELLED).
+// Answers all rays; if a hit cannot be certified, the ordinary query does. Throws Cancelled.
 void certify(const Snapshot& snapshot, const RayReader& rays, const HitWriter& hits,
              const CertaintyWriter& certainty, const Callbacks& callbacks);
 

@@ -19,63 +19,50 @@ void requireKinds(const PackedScene& packed) {
 #undef GLINT_REQUIRE
 }
 
-class PointRun {
-  public:
-    PointRun(const Snapshot& snapshot, const NumberView& points, const HitWriter& hits,
-             const Callbacks& callbacks)
-        : part_(snapshot.part()), points_(points), hits_(hits), callbacks_(callbacks) {}
-
-    void run() const {
-        if (part_.queries) return onDevice();
-        forBlocks(points_.count(), callbacks_, [&](uint64_t first, uint64_t end) {
-            for (uint64_t i = first; i < end; ++i)
-                write(i, isFar(local(i)) ? std::nullopt
-                                         : reference::closestPoint(part_.tracer().model(), local(i)));
-        });
-    }
-
-  private:
-    glm::dvec3 local(uint64_t i) const { return points_.three(i) - part_.packed.origin; }
-    static bool isFar(const glm::dvec3& point) {
+// Writes the closest points as hits of rays from `points`, whose directions are unit.
+void answerPoints(const Snapshot::Part& part, const NumberView& points, const HitWriter& hits,
+                  const Callbacks& callbacks) {
+    const reference::Model& model = part.tracer().model();
+    const auto local = [&](uint64_t i) { return points.three(i) - part.packed.origin; };
+    const auto isFar = [](const glm::dvec3& point) {
         return !glm::all(glm::lessThan(glm::abs(point), glm::dvec3(kFarthestPoint)));
-    }
-    void onDevice() const {
-        render::RayTask task;
-        task.count = points_.count();
-        task.ask = render::RayTask::Ask::Point;
-        task.cancelled = callbacks_.cancelled;
-        task.progress = callbacks_.progress;
-        task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
-            for (size_t i = 0; i < inputs.size(); ++i) {
-                const glm::dvec3 point = local(numbers[i]);
-                inputs[i] = {glm::vec3(point), glm::vec3(0, 0, 1), isFar(point) ? shared::kInfinity : 0,
-                             shared::kInfinity};
-            }
-        };
-        task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
-            for (size_t i = 0; i < found.size(); ++i) {
-                const bool none = found.primitive(i) == shared::kNone;
-                write(numbers[i], none ? std::nullopt
-                                       : std::optional(reference::closestPointOn(
-                                             part_.tracer().model(), found.primitive(i), found.instance(i),
-                                             local(numbers[i]))));
-            }
-        };
-        if (!part_.queries->run(task)) throw Cancelled();
-    }
-    // As the hit of a ray from the point, whose direction is unit.
-    void write(uint64_t i, const std::optional<reference::ClosestPoint>& closest) const {
-        if (!closest) return hits_.write(i, {}, {});
+    };
+    const auto write = [&](uint64_t i, const std::optional<reference::ClosestPoint>& closest) {
+        if (!closest) return hits.write(i, {}, {});
         LocalRay ray{local(i), glm::dvec3(0, 0, 1)};
         if (closest->hit.t > 0) ray.direction = (closest->point - ray.origin) / closest->hit.t;
-        hits_.write(i, ray, closest->hit);
+        hits.write(i, ray, closest->hit);
+    };
+    if (!part.queries) {
+        forBlocks(points.count(), callbacks, [&](uint64_t first, uint64_t end) {
+            for (uint64_t i = first; i < end; ++i)
+                write(i, isFar(local(i)) ? std::nullopt : reference::closestPoint(model, local(i)));
+        });
+        return;
     }
-
-    const Snapshot::Part& part_;
-    const NumberView& points_;
-    const HitWriter& hits_;
-    const Callbacks& callbacks_;
-};
+    render::RayTask task;
+    task.count = points.count();
+    task.ask = render::RayTask::Ask::Point;
+    task.cancelled = callbacks.cancelled;
+    task.progress = callbacks.progress;
+    task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
+        for (size_t i = 0; i < inputs.size(); ++i) {
+            const glm::dvec3 point = local(numbers[i]);
+            inputs[i] = {glm::vec3(point), glm::vec3(0, 0, 1), isFar(point) ? shared::kInfinity : 0,
+                         shared::kInfinity};
+        }
+    };
+    task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
+        for (size_t i = 0; i < found.size(); ++i) {
+            if (found.primitive(i) == shared::kNone)
+                write(numbers[i], std::nullopt);
+            else
+                write(numbers[i], reference::closestPointOn(model, found.primitive(i), found.instance(i),
+                                                            local(numbers[i])));
+        }
+    };
+    if (!part.queries->run(task)) throw Cancelled();
+}
 
 }  // namespace
 
@@ -92,6 +79,6 @@ glint_status glint_query_closest_point(const glint_scene* scene, const glint_vie
         const HitWriter writer(uncertified(hits, "glint_query_closest_point"), given.count(),
                                snapshot->part());
         requireKinds(snapshot->part().packed);
-        PointRun(*snapshot, given, writer, Callbacks(options)).run();
+        answerPoints(snapshot->part(), given, writer, Callbacks(options));
     });
 }

@@ -1,4 +1,4 @@
-// Queries that count: crossings, all hits, insides.
+// Queries of crossings: their number, all of them, and positions of points.
 #include <algorithm>
 
 #include "core/call_terms.h"
@@ -32,7 +32,7 @@ struct CountRun {
     ReadRay ray;
     render::ReadRays read;  // the same rays, as the device reads them
     const Callbacks& callbacks;
-    // From several threads. doubtful: the number is the host's, and the device knows another.
+    // Called from several threads. doubtful: the host has counted again.
     std::function<void(uint64_t i, uint32_t crossings, bool doubtful)> take;
 
     void onDevice() const {
@@ -62,7 +62,7 @@ struct CountRun {
     void run() const { part.queries ? onDevice() : onHost(); }
 };
 
-// Rays first ... first + counts.size() - 1, whose numbers are known: where each crosses, nearest first.
+// Lists the crossings of rays first ... first + counts.size() - 1 by t.
 struct ListRun {
     const Snapshot::Part& part;
     const RayReader& rays;
@@ -98,7 +98,7 @@ struct ListRun {
                 }
             });
     }
-    // Nearest first; those at the same t as geometries and primitives are numbered, whatever the tree.
+    // By t, then by geometry and primitive, so that the order does not depend on the BVH.
     void putInOrder(std::span<Hit> own) const {
         const auto names = [&](const Hit& hit) {
             const reference::Surface surface = part.tracer().namesAt(hit);
@@ -124,7 +124,7 @@ uint64_t roomOf(const glint_hits& hits) {
     return room;
 }
 
-// Numbers first, so that a caller without room hears of it before anything is listed.
+// Counts before it lists, so that a caller without room learns the number.
 void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offsets, const glint_hits* hits,
              uint64_t* total, const Callbacks& callbacks) {
     const Snapshot::Part& part = snapshot.counting();
@@ -154,7 +154,7 @@ void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offs
     const HitWriter writer(*hits, sum, part);
     uint64_t written = 0;
     for (uint64_t first = 0; first < counts.size();) {
-        // A piece has so many rays, and hits, at the most; a ray with more is a piece by itself.
+        // Most rays and hits of a piece; a ray with more hits is a piece of its own.
         constexpr uint64_t kRays = 1u << 16, kHits = 1u << 18;
         std::vector<uint64_t> places;
         uint64_t end = first, found = 0;
@@ -216,8 +216,8 @@ glint_status glint_query_all(const glint_scene* scene, const glint_rays* rays, c
     });
 }
 
-// The parity of what a ray along z crosses, which shears nothing: a corner's place errs by its distance's
-// rounding alone. Points that this, or rounding to fp32, might take through a surface are on it.
+// Parity of the crossings of a ray along z, for which Woop's shear is zero: corners err only by the rounding
+// of their distance. Points that this, or rounding to fp32, may move through a surface are on it.
 glint_status glint_query_inside(const glint_scene* scene, const glint_view* points, const glint_out* where,
                                 const glint_options* options) {
     return guarded(termsOf(scene), [&] {

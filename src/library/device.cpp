@@ -1,4 +1,4 @@
-// Devices: Vulkan's, and the reference as one more.
+// Devices: Vulkan's, and the reference.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -37,7 +37,7 @@ glint_device_info describeReference(uint32_t index) {
     return info;
 }
 
-// None without a Vulkan loader: the reference needs none.
+// Empty without a Vulkan loader, which the reference does not need.
 std::vector<gpu::DeviceInfo> vulkanDevices() {
     try {
         return gpu::listDevices();

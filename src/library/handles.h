@@ -19,7 +19,7 @@ class Retired;
 }  // namespace glint::library
 
 struct glint_device {
-    // Given back to last, after the buffers.
+    // Released last, after the buffers.
     glint_settings settings{};
     glint::CallTerms terms;
 
@@ -51,16 +51,16 @@ struct glint_scene {
 
 namespace glint::library {
 
-// The committed state; refuses a scene without one.
+// The committed state; throws Failure if there is none.
 std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene);
 
-// Makes the draft what queries see.
+// Makes the draft visible to queries.
 void commit(glint_scene& scene);
 
-// Vertices, indices and what else meshes have.
+// Bytes of the arrays of all meshes.
 uint64_t meshBytes(const Scene& scene);
 
-// By the device's settings, if they ask for it.
+// Calls the log of the device's settings, if there is one.
 void logLine(const glint_device& device, int32_t level, const std::string& text);
 
 // Terms of the scene's device; null without a scene.
@@ -68,7 +68,7 @@ inline const CallTerms* termsOf(const glint_scene* scene) {
     return scene == nullptr ? nullptr : &scene->device->terms;
 }
 
-// An owner of a device as long as it lives.
+// Owns a device.
 class DeviceOwner {
   public:
     explicit DeviceOwner(glint_device* device) : device_(device) { glint_device_retain(device); }

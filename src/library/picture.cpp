@@ -1,4 +1,4 @@
-// Pictures to a caller's buffers.
+// Renders into the caller's buffers.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -124,7 +124,7 @@ converge::Target targetOf(const glint_picture& wanted) {
     return target;
 }
 
-// A picture without any reflection has no code for them either, and so no account of what is missing.
+// An image at depth 0 has no code for reflections, and hence no account of missing ones.
 void checkDepthIsKnown(const Scene& scene, uint32_t maxDepth) {
     const auto reflects = [](const Material& m) {
         return m.mirror != Color(0) || m.transmission != Color(0);

@@ -14,13 +14,13 @@ namespace glint::library {
 
 namespace {
 
-// So many rays before it is needed the processor is told to load what is in no order.
+// Prefetch distance for unordered rays.
 constexpr size_t kAhead = 32;
 
-// Words that are stored at once.
+// Words of one store.
 using Four = float __attribute__((vector_size(16)));
 
-// The surface of a ray that misses, or hits what is no triangle.
+// The surface of a miss, or of a hit on another kind.
 const shared::TriangleSurface kNothing = {.normal = glm::vec3(0),
                                           .object = GLINT_NONE,
                                           .primitive = GLINT_NONE,
@@ -68,8 +68,8 @@ WorldRay RayReader::world(uint64_t i) const {
     return ray;
 }
 
-// fp32 rays that no rounding but that of the origin changes, which most are: straight on, without a branch.
-// False if there are others among them, and nothing is right then.
+// For fp32 rays that change only by the rounding of the origin, as most do, without branches. False if there
+// are others; `inputs` is then invalid.
 bool RayReader::roundedNarrow(const render::RayNumbers& given, std::span<render::RayInput> inputs) const {
     const render::RayNumbers numbers = given;  // what is stored is none of it
     const NumberView origins = origins_, directions = directions_;
@@ -80,8 +80,7 @@ bool RayReader::roundedNarrow(const render::RayNumbers& given, std::span<render:
         const glm::dvec3 start = glm::dvec3(origins.narrowThree(number)) - from;
         const float greatest = std::max(std::max(std::abs(along.x), std::abs(along.y)), std::abs(along.z));
         harmless &= isHarmless(static_cast<double>(greatest));
-        // In two whole registers: as a copy of members it passes through memory in words, which the processor
-        // waits for where it then reads two of them at a time.
+        // Stored from two registers: stores of single words stall the wider loads that follow.
         static_assert(offsetof(render::RayInput, direction) == 12 && offsetof(render::RayInput, tMax) == 28);
         const Four first = {static_cast<float>(start.x), static_cast<float>(start.y),
                             static_cast<float>(start.z), along.x};
@@ -100,8 +99,8 @@ bool RayReader::roundedNarrow(const render::RayNumbers& given, std::span<render:
     }
     for (size_t i = 0; i < count; ++i) {
         if (numbers.order != nullptr && i + kAhead < count) {
-            origins.foresee(numbers[i + kAhead]);
-            directions.foresee(numbers[i + kAhead]);
+            origins.prefetch(numbers[i + kAhead]);
+            directions.prefetch(numbers[i + kAhead]);
         }
         put(i, numbers[i]);
     }
@@ -113,7 +112,7 @@ bool RayReader::rounded(const render::RayNumbers& numbers, std::span<render::Ray
     if (narrow && roundedNarrow(numbers, inputs)) return false;
     bool rescaled = false;
     for (size_t i = 0; i < inputs.size(); ++i) {
-        if (numbers.order != nullptr && i + kAhead < inputs.size()) foresee(numbers[i + kAhead]);
+        if (numbers.order != nullptr && i + kAhead < inputs.size()) prefetch(numbers[i + kAhead]);
         const LocalRay ray = local(numbers[i]);
         rescaled = rescaled || ray.exponent != 0;
         inputs[i] = render::roundedRay(ray);
@@ -183,8 +182,8 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
     if (origin_.wanted()) writeOrigin(i, ray, surface);
 }
 
-// On the side that the ray came from, outside the box of the point's error (docs/design/numerics.md, 1),
-// which here also holds the rounding of what is stored and of a ray that starts there in fp32.
+// The point, moved to the side that the ray came from, out of its error box (docs/design/numerics.md, rule
+// 1). The box also covers the rounding of the stored numbers and of a ray's origin in fp32.
 void HitWriter::writeOrigin(uint64_t i, const LocalRay& ray, const reference::Surface& surface) const {
     const glm::dvec3& n = surface.geometricNormal;
     const glm::dvec3 world = part_.packed.origin + surface.position;
@@ -194,7 +193,7 @@ void HitWriter::writeOrigin(uint64_t i, const LocalRay& ray, const reference::Su
     origin_.put(i, world + side * (1 + 0x1p-20) * glm::dot(glm::abs(n), error) * n);
 }
 
-// Tracer::surfaceAt for triangles, array by array, which is the fastest order.
+// Tracer::surfaceAt for triangles, array by array for speed.
 void HitWriter::writeTriangles(const render::RayNumbers& numbers, const render::FoundHits& found,
                                const Rows& rows) const {
     const auto hits = found;
@@ -295,7 +294,7 @@ void HitWriter::write(const render::RayNumbers& numbers, const render::FoundHits
     const bool needsRay = surfaces_ || rescaled;
     for (size_t k = 0; k < hits.size(); ++k) {
         if (needsRay && numbers.order != nullptr && k + kAhead < hits.size())
-            rays.foresee(numbers[k + kAhead]);
+            rays.prefetch(numbers[k + kAhead]);
         const render::FoundHit hit = hits[k];
         if (hit.primitive == shared::kNone || own[k] != &kNothing) continue;
         write(numbers[k], needsRay ? rays.local(numbers[k]) : LocalRay{},

@@ -1,4 +1,4 @@
-// The caller's rays and hits: read, followed in local coordinates, written.
+// Reads the caller's rays into local coordinates and writes hits.
 #pragma once
 
 #include <array>
@@ -20,13 +20,13 @@ class RayReader {
     // True if the rays start on surfaces.
     bool leave() const { return (given_.flags & GLINT_RAYS_LEAVE) != 0; }
     WorldRay world(uint64_t i) const;
-    // Ray i will be asked for.
-    void foresee(uint64_t i) const {
-        origins_.foresee(i);
-        directions_.foresee(i);
+    // Prefetches ray i.
+    void prefetch(uint64_t i) const {
+        origins_.prefetch(i);
+        directions_.prefetch(i);
     }
     LocalRay local(uint64_t i) const { return localRay(world(i), origin_); }
-    // Rays rounded for the device. True if some of them are rescaled (LocalRay::exponent).
+    // Rounds rays for the device. True if some of them are rescaled (LocalRay::exponent).
     bool rounded(const render::RayNumbers& numbers, std::span<render::RayInput> inputs) const;
 
   private:
@@ -44,25 +44,20 @@ glint_hits uncertified(const glint_hits* hits, const std::string& call);
 
 class HitWriter {
   public:
-    // part: of the snapshot, which the hits are in.
+    // part: the part of the snapshot that the hits refer to.
     HitWriter(const glint_hits& hits, uint64_t count, const Snapshot::Part& part);
 
-    // hit: what the tracer found for a local ray, with hit.primitive kNone on a miss.
+    // hit: of a local ray, with hit.primitive kNone on a miss.
     void write(uint64_t i, const LocalRay& ray, const reference::Hit& hit) const;
-    // Writes hits that a device found. `rescaled`: some of the rays are.
+    // Writes hits of a device. `rescaled`: some of the rays are rescaled.
     void write(const render::RayNumbers& numbers, const render::FoundHits& found, const RayReader& rays,
                bool rescaled) const;
     bool wantsAny() const;
     // True if a hit goes to three or more arrays.
     bool spreads() const;
-    // t, u and v once more, t in units of the caller's direction.
-    void writePlace(uint64_t i, const reference::Hit& hit) const {
-        t_.put(i, hit.t);
-        uv_.put(i, hit.u, hit.v);
-    }
 
   private:
-    // tracer: null where neither places nor surfaces are wanted.
+    // tracer: null if neither names nor surfaces are wanted.
     void write(uint64_t i, const LocalRay& ray, const reference::Hit& hit,
                const reference::Tracer* tracer) const;
     void writeMiss(uint64_t i) const;
@@ -88,14 +83,14 @@ inline reference::Ray referenceRay(const LocalRay& ray, bool leaves = false) {
     return known;
 }
 
-// Both as a call is given them; absent ones are empty.
+// Callbacks of a call's options; absent ones are empty.
 struct Callbacks {
     explicit Callbacks(const glint_options* options);
     std::function<bool()> cancelled;
     std::function<void(double)> progress;
 };
 
-// Blocks of what there is `count` of, on all processors. Throws Cancelled.
+// Calls `body` for blocks of 0 ... count - 1 on all processors. Throws Cancelled.
 void forBlocks(uint64_t count, const Callbacks& callbacks,
                const std::function<void(uint64_t first, uint64_t end)>& body);
 

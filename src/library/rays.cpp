@@ -1,4 +1,4 @@
-// Queries that a ray has one answer to.
+// Closest and any hits.
 #include <atomic>
 
 #include "core/call_terms.h"
@@ -14,7 +14,7 @@ using Write = std::function<void(uint64_t i, const LocalRay& ray, const referenc
 using Take =
     std::function<void(const render::RayNumbers& numbers, const render::FoundHits& found, bool rescaled)>;
 
-// spreads: as RayTask has it.
+// spreads: see RayTask.
 void askDevice(const RayReader& rays, bool any, bool spreads, const Callbacks& callbacks,
                render::RayQueries& queries, const Take& take) {
     render::RayTask task;
@@ -35,7 +35,7 @@ void askDevice(const RayReader& rays, bool any, bool spreads, const Callbacks& c
     if (!queries.run(task)) throw Cancelled();
 }
 
-// leaves: the ray starts on a surface, which is not known.
+// leaves: the ray starts on an unknown surface.
 reference::Hit answer(const reference::Tracer& tracer, const LocalRay& ray, bool any, bool leaves) {
     const reference::Ray given = referenceRay(ray, leaves);
     const reference::Source source(leaves ? reference::kElsewhere : shared::kNone);

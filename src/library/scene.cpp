@@ -1,4 +1,4 @@
-// Scenes as handles: made, loaded, committed, asked about.
+// Creates, loads, commits and describes scenes.
 #include "import/load.h"
 #include "library/handles.h"
 #include "library/ray_reader.h"
@@ -24,7 +24,7 @@ namespace {
 // Parts of the load time: reading, then packing and building the BVH.
 constexpr double kRead = 0.5, kCommitted = 0.99;
 
-// One call at a time, and never less than before.
+// Calls `progress` from one thread at a time, with rising fractions.
 std::function<void(double)> rising(const std::function<void(double)>& progress) {
     if (!progress) return {};
     struct Told {
@@ -39,7 +39,7 @@ std::function<void(double)> rising(const std::function<void(double)>& progress) 
     };
 }
 
-// The terms of a device, and what a call's options say besides.
+// A device's terms with a call's callbacks.
 glint::CallTerms termsFor(const glint_device& device, const glint_options* options) {
     glint::CallTerms terms = device.terms;
     const Callbacks callbacks(options);

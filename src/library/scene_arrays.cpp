@@ -41,7 +41,7 @@ void checkGeometry(const glint_scene* scene, uint32_t geometry, const char* call
                std::to_string(scene->draft.objects.size()));
 }
 
-// Counts are numbered by U32, whose last value is GLINT_NONE.
+// Elements are numbered by U32; the last value is GLINT_NONE.
 void checkCount(uint64_t count, const char* what, const char* call) {
     if (count >= GLINT_NONE)
         refuse(std::string(call) + ": " + std::to_string(count) + " " + what + ", the limit is " +
@@ -55,7 +55,7 @@ uint64_t bytesOf(const Mesh& mesh) {
            bytes(mesh.faces) + bytes(mesh.materials);
 }
 
-// An empty mesh that counts as so many bytes.
+// An empty mesh, charged with `bytes`.
 std::shared_ptr<Mesh> chargedMesh(uint64_t bytes) {
     struct Charged {
         MemoryCharge charge;
@@ -116,7 +116,7 @@ bool isFinite(const dvec3& p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-// At once, as nothing takes a sphere out of the scene again.
+// Checked here, because spheres cannot be removed from the scene.
 void checkSphere(uint64_t i, const dvec3& center, double radius) {
     const std::string call = "glint_scene_add_spheres: ", number = std::to_string(i);
     if (!(radius > 0)) refuse(call + "radius " + number + " is not greater than 0");
@@ -126,7 +126,7 @@ void checkSphere(uint64_t i, const dvec3& center, double radius) {
         refuse(call + "center " + number + " is not finite, or not within 1e18 of 0");
 }
 
-// Objects and what they need join the scene; everything else of `text` replaces it.
+// Adds objects, materials, textures and lights; everything else of `text` replaces the scene's.
 void merge(glint_scene& scene, Scene text) {
     Scene& draft = scene.draft;
     const auto materials = static_cast<uint32_t>(draft.materials.size());

@@ -12,13 +12,13 @@
 
 namespace glint::library {
 
-std::vector<Whereabouts> whereaboutsOf(const Scene& draft) {
-    std::vector<Whereabouts> whereabouts;
+std::vector<ObjectPlacement> placementsOf(const Scene& draft) {
+    std::vector<ObjectPlacement> placements;
     for (const Object& object : draft.objects) {
         const auto* shape = std::get_if<MeshShape>(&object.shape);
-        whereabouts.push_back({shape != nullptr ? shape->mesh : nullptr, object.transform});
+        placements.push_back({shape != nullptr ? shape->mesh : nullptr, object.transform});
     }
-    return whereabouts;
+    return placements;
 }
 
 namespace {
@@ -29,8 +29,8 @@ uint64_t bytesOf(const PackedScene& packed) {
     return bytes;
 }
 
-// While it is packed: a primitive's rows and its part of the nodes, and its box, source and two entries of
-// the builder.
+// Memory of packing: for each primitive its rows, its share of the nodes, its box, its source and two entries
+// of the builder.
 uint64_t packingBytes(const Scene& scene) {
     constexpr uint64_t kRows = 112, kBuilding = 176;
     std::set<const Mesh*> seen;
@@ -78,10 +78,10 @@ bool Snapshot::Part::update(const glint_device& device, const Scene& scene, cons
     return true;
 }
 
-Snapshot::Snapshot(glint_device* device, Scene placed, std::vector<Whereabouts> whereabouts, uint64_t tree)
+Snapshot::Snapshot(glint_device* device, Scene placed, std::vector<ObjectPlacement> placements, uint64_t tree)
     : device_(device),
       scene_(std::move(placed)),
-      whereabouts_(std::move(whereabouts)),
+      placements_(std::move(placements)),
       tree_(tree),
       part_(*device, scene_, true) {
     warnings_ = scene_.warnings;
@@ -91,20 +91,20 @@ Snapshot::Snapshot(glint_device* device, Scene placed, std::vector<Whereabouts> 
 Snapshot::Snapshot(const Snapshot& other, glint_device* device)
     : device_(device),
       scene_(other.scene_),
-      whereabouts_(other.whereabouts_),
+      placements_(other.placements_),
       tree_(other.tree_),
       refits_(other.refits_),
       part_(*device, other.part_),
       warnings_(other.warnings_) {}
 
-bool Snapshot::update(Scene placed, std::vector<Whereabouts> whereabouts, uint32_t refits) {
+bool Snapshot::update(Scene placed, std::vector<ObjectPlacement> placements, uint32_t refits) {
     counting_ = nullptr;
     certain_ = nullptr;
     renderer_ = nullptr;
-    std::vector<bool> moved(whereabouts.size());
-    for (size_t i = 0; i < moved.size(); ++i) moved[i] = whereabouts[i] != whereabouts_[i];
+    std::vector<bool> moved(placements.size());
+    for (size_t i = 0; i < moved.size(); ++i) moved[i] = placements[i] != placements_[i];
     scene_ = std::move(placed);
-    whereabouts_ = std::move(whereabouts);
+    placements_ = std::move(placements);
     refits_ = refits;
     return part_.update(*device_, scene_, moved);
 }
@@ -144,7 +144,7 @@ Picture Snapshot::render(const shared::Camera& camera, const Request& request) c
 
 std::shared_ptr<const Snapshot> Retired::owned(const std::shared_ptr<Retired>& retired,
                                                std::unique_ptr<Snapshot> snapshot) {
-    // Whatever throws, the deleter is called.
+    // The constructor of shared_ptr calls the deleter if it throws.
     return std::shared_ptr<Snapshot>(
         snapshot.release(), [retired](Snapshot* last) { retired->put(std::unique_ptr<Snapshot>(last)); });
 }
@@ -176,12 +176,12 @@ std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene) {
 
 namespace {
 
-// The version after `current`, with its trees; null if they are no use.
+// `current` refitted to the placed scene; null if the BVH must be rebuilt.
 std::unique_ptr<Snapshot> nextVersion(glint_scene& scene, const Snapshot& current, const Scene& placed,
-                                      const std::vector<Whereabouts>& whereabouts) {
+                                      const std::vector<ObjectPlacement>& placements) {
     std::unique_ptr<Snapshot> next = scene.retired->take(current.tree());
     if (!next) next = std::make_unique<Snapshot>(current, scene.device);
-    return next->update(placed, whereabouts, current.refits() + 1) ? std::move(next) : nullptr;
+    return next->update(placed, placements, current.refits() + 1) ? std::move(next) : nullptr;
 }
 
 }  // namespace
@@ -205,13 +205,13 @@ void commit(glint_scene& scene) {
     if (scene.framed) frameModel(made);
     placeObjects(made);
     scene.framed ? validateFramedScene(made, "scene") : validateScene(made, "scene");
-    const std::vector<Whereabouts> whereabouts = whereaboutsOf(scene.draft);
+    const std::vector<ObjectPlacement> placements = placementsOf(scene.draft);
     std::unique_ptr<Snapshot> next;
-    // Nobody but the thread that changes the scene exchanges the pointer.
-    if (scene.committed && !scene.grown) next = nextVersion(scene, *scene.committed, made, whereabouts);
+    // Only the thread that changes the scene exchanges the pointer.
+    if (scene.committed && !scene.grown) next = nextVersion(scene, *scene.committed, made, placements);
     if (!next) {
         scene.retired->close();
-        next = std::make_unique<Snapshot>(scene.device, std::move(made), whereabouts, ++scene.trees);
+        next = std::make_unique<Snapshot>(scene.device, std::move(made), placements, ++scene.trees);
     }
     scene.grown = false;
     auto snapshot = Retired::owned(scene.retired, std::move(next));

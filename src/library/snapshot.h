@@ -1,4 +1,4 @@
-// A scene as it was committed: nothing changes it, and any number of threads ask it.
+// A committed scene: immutable, queried by any number of threads.
 #pragma once
 
 #include <memory>
@@ -19,25 +19,25 @@
 namespace glint::library {
 
 // Parts of an object that may change between commits without a new BVH.
-struct Whereabouts {
+struct ObjectPlacement {
     std::shared_ptr<const Mesh> mesh;  // null for other shapes
     std::optional<Affine> transform;
-    bool operator==(const Whereabouts&) const = default;
+    bool operator==(const ObjectPlacement&) const = default;
 };
-std::vector<Whereabouts> whereaboutsOf(const Scene& draft);
+std::vector<ObjectPlacement> placementsOf(const Scene& draft);
 
 class Snapshot {
   public:
-    // A packed scene, and who traces it. `queries` is null for the reference.
+    // A packed scene and its tracers. `queries` is null for the reference.
     class Part {
       public:
         Part(const glint_device& device, const Scene& scene, bool split);
-        // With arrays of its own. Of `other`, what never changes is read alone.
+        // A copy with its own arrays, to be updated.
         Part(const glint_device& device, const Part& other);
 
-        // See MovingScene. Nobody may be asking.
+        // See MovingScene. No query may be running.
         bool update(const glint_device& device, const Scene& scene, const std::vector<bool>& moved);
-        // Made when first asked for; on the reference before that.
+        // Made with the first call.
         const reference::Tracer& tracer() const;
 
       private:
@@ -53,22 +53,22 @@ class Snapshot {
         std::unique_ptr<render::RayQueries> queries;
     };
 
-    // Packs the scene, which is placed, and on a device uploads it. Throws Error for a scene that cannot be
-    // traced. `tree`: a number for the trees built here.
-    Snapshot(glint_device* device, Scene placed, std::vector<Whereabouts> whereabouts, uint64_t tree);
-    // The same with arrays of its own, to be updated.
+    // Packs the placed scene and uploads it to a device. Throws Error for a scene that cannot be traced.
+    // `tree`: number of the BVH built here.
+    Snapshot(glint_device* device, Scene placed, std::vector<ObjectPlacement> placements, uint64_t tree);
+    // A copy with its own arrays, to be updated.
     Snapshot(const Snapshot& other, glint_device* device);
 
-    // Makes it the scene placed, which differs from its own in whereabouts and in the camera alone. False if
-    // only a new one is as good: then this one is of no use any more. Nobody may be asking. `refits`: in a
-    // row, this one included.
-    bool update(Scene placed, std::vector<Whereabouts> whereabouts, uint32_t refits);
+    // Refits the BVH to `placed`, which differs only in placements and the camera. False if the BVH must be
+    // rebuilt; this snapshot is then invalid. No query may be running. `refits`: consecutive refits with this
+    // one.
+    bool update(Scene placed, std::vector<ObjectPlacement> placements, uint32_t refits);
 
     const Scene& scene() const { return scene_; }
     const Part& part() const { return part_; }
-    // For counts: each triangle stands in the tree once. Made with the first count if it is another.
+    // For counts: a part whose BVH holds each triangle once. Made with the first call if part() is not such.
     const Part& counting() const;
-    // For what is certain of nearest hits. Made when first asked for.
+    // For certified hits. Made with the first call.
     const reference::certain::Tracer& certain() const;
     const std::vector<std::string>& warnings() const { return warnings_; }
     uint64_t triangles() const;
@@ -76,13 +76,13 @@ class Snapshot {
     uint64_t tree() const { return tree_; }
     uint32_t refits() const { return refits_; }
 
-    // One picture at a time.
+    // Renders one image at a time.
     Picture render(const shared::Camera& camera, const Request& request) const;
 
   private:
     DeviceOwner device_;
     Scene scene_;
-    std::vector<Whereabouts> whereabouts_;
+    std::vector<ObjectPlacement> placements_;
     uint64_t tree_;
     uint32_t refits_ = 0;
     Part part_;
@@ -93,16 +93,15 @@ class Snapshot {
     mutable std::unique_ptr<render::Renderer> renderer_;  // made with the first picture
 };
 
-// The version that queries saw before the one that they see now, once the last of them is done: the next
-// update fills its arrays again, whose memory and pipelines are there.
+// Recycles the previous snapshot once its last query ends: the next update reuses its memory and pipelines.
 class Retired {
   public:
-    // An owner of the snapshot that hands it over here when the last of them lets go.
+    // A shared snapshot that returns here when its last owner releases it.
     static std::shared_ptr<const Snapshot> owned(const std::shared_ptr<Retired>& retired,
                                                  std::unique_ptr<Snapshot> snapshot);
-    // Null if there is none with these trees. From now on no others are kept.
+    // The kept snapshot, null if none has this tree. From now on only snapshots of this tree are kept.
     std::unique_ptr<Snapshot> take(uint64_t tree);
-    // Keeps none any more.
+    // Keeps no further snapshots.
     void close();
 
   private:

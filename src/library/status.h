@@ -1,4 +1,4 @@
-// From exceptions to what the C API returns.
+// Converts exceptions to statuses of the C API.
 #pragma once
 
 #include <cstring>
@@ -28,11 +28,10 @@ inline void require(bool holds, const char* message) {
     if (!holds) refuse(message);
 }
 
-// Keeps the message of the exception at hand for this thread, and says which status it is. To be called in a
-// handler.
+// Stores the current exception's message for this thread and returns its status. Call it in a handler.
 glint_status statusOfException() noexcept;
 
-// Runs the body of a call of the API.
+// Runs the body of an API call.
 template <class Body>
 glint_status guarded(Body&& body) noexcept {
     try {
@@ -43,7 +42,7 @@ glint_status guarded(Body&& body) noexcept {
     }
 }
 
-// The same on the terms of a device's settings; null: of none.
+// The same under a device's terms; null: without terms.
 template <class Body>
 glint_status guarded(const CallTerms* terms, Body&& body) noexcept {
     const CallScope scope(terms);
@@ -53,7 +52,7 @@ glint_status guarded(const CallTerms* terms, Body&& body) noexcept {
     });
 }
 
-// A caller's struct as this version knows it: what an older caller did not have is zero. `what` names it.
+// A caller's struct in this version's layout; members that an older caller lacks are zero. `what` names it.
 template <class Struct>
 Struct readStruct(const Struct* given, const char* what) {
     if (given == nullptr) refuse(std::string(what) + " is NULL");
@@ -66,7 +65,7 @@ Struct readStruct(const Struct* given, const char* what) {
     return known;
 }
 
-// The other way round: as much as the caller's struct has.
+// Writes as much as the caller's struct holds.
 template <class Struct>
 void writeStruct(Struct* wanted, Struct known, const char* what) {
     readStruct(wanted, what);

@@ -11,14 +11,14 @@ std::string countText(uint64_t has, uint64_t expected) {
            std::to_string(expected) + (expected == 1 ? " is needed" : " are needed");
 }
 
-// Strides that someone counted in elements, mostly: numbers would lie in each other, or what is written.
+// Refuses strides with which elements overlap, such as strides counted in elements.
 void checkStride(const std::string& name, uint64_t count, int64_t stride, int64_t least, const char* what) {
     if (count > 1 && stride > -least && stride < least)
         refuse(name + " has a stride of " + std::to_string(stride) + " bytes, and " + what + " takes " +
                std::to_string(least));
 }
 
-// Farther than any address space goes: a count or a stride that was computed wrongly, before it is followed.
+// Refuses counts and strides beyond any address space before they are used.
 constexpr uint64_t kFarthest = uint64_t{1} << 56;
 
 void checkReach(const std::string& name, uint64_t count, int64_t stride) {

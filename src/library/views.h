@@ -1,4 +1,4 @@
-// The caller's arrays, element by element.
+// Access to the elements of the caller's arrays.
 #pragma once
 
 #include <cmath>
@@ -13,19 +13,19 @@
 
 namespace glint::library {
 
-// Elements of some numbers each, fp32 or fp64, of any alignment.
+// Elements of fp32 or fp64 numbers, of any alignment.
 class NumberView {
   public:
-    // Refuses a view without data, of another type, whose stride is shorter than a number, or whose count is
-    // neither `expected` nor 1 (which stands for all); 0: any count is right.
+    // Refuses a view without data, of another type, with a stride shorter than a number, or with a count
+    // other than `expected` and 1 (one for all). expected 0: any count.
     NumberView(const glint_view& view, int numbers, uint64_t expected, const char* what);
 
     uint64_t count() const { return count_; }
     bool wide() const { return wide_; }
-    // Element i will be asked for.
-    void foresee(uint64_t i) const { __builtin_prefetch(at(i)); }
+    // Prefetches element i.
+    void prefetch(uint64_t i) const { __builtin_prefetch(at(i)); }
     double one(uint64_t i) const { return number(at(i)); }
-    // Elements that are stored as fp32.
+    // For fp32 elements.
     glm::vec3 narrowThree(uint64_t i) const { return threeOf<float>(at(i)); }
     glm::dvec3 three(uint64_t i) const {
         return wide_ ? threeOf<double>(at(i)) : glm::dvec3(threeOf<float>(at(i)));
@@ -39,7 +39,7 @@ class NumberView {
         std::memcpy(&v, p, sizeof(v));
         return v;
     }
-    // One by one: what is copied together passes through memory.
+    // Number by number, to stay in registers.
     template <class Number>
     static glm::vec<3, Number> threeOf(const std::byte* p) {
         return {numberAt<Number>(p), numberAt<Number>(p + sizeof(Number)),
@@ -55,7 +55,7 @@ class NumberView {
     bool wide_;
 };
 
-// Three U32 an element.
+// Elements of three U32.
 class CornerView {
   public:
     CornerView(const glint_view& view, const char* what);
@@ -76,12 +76,11 @@ class CornerView {
 class Output {
   public:
     enum class Kind { Real, Index, Flag, Long };  // F32 or F64; U32; U8; U64
-    // Refuses another type, fewer elements than `expected`, and such as overlap.
+    // Refuses another type, fewer elements than `expected`, and overlapping elements.
     Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, const char* what);
 
     bool wanted() const { return data_ != nullptr; }
-    // Elements numbers[0] and so on are valueOf(0) and so on, each a number or a vector of them; nothing
-    // where they are not wanted.
+    // Sets element numbers[k] to valueOf(k), a number or a vector, for k < count, if the output is wanted.
     template <class Numbers, class ValueOf>
     void putAll(const Numbers& numbers, size_t count, const ValueOf& valueOf) const {
         if (size_ == sizeof(double)) {
@@ -99,7 +98,7 @@ class Output {
     void put(uint64_t i, double value) const {
         if (data_ != nullptr) store(at(i), value);
     }
-    // The nearest number of its type that is not above, or below, the value.
+    // Rounded down or up to the output's type.
     void putBelow(uint64_t i, double value) const { putTowards(i, value, -1); }
     void putAbove(uint64_t i, double value) const { putTowards(i, value, 1); }
     void put(uint64_t i, const glm::dvec3& value) const {
@@ -157,7 +156,7 @@ class Output {
             for (size_t k = 0; k < count; ++k) put(data + static_cast<int64_t>(k) * stride, k);
             return;
         }
-        // Eight that follow each other go side by side, and the processor sees by itself where they go on.
+        // Runs of eight consecutive elements need no prefetch.
         constexpr size_t kRun = 8;
         if (numbers.run == kRun && count % kRun == 0) {
             for (size_t k = 0; k < count; k += kRun) {
@@ -166,7 +165,7 @@ class Output {
             }
             return;
         }
-        // Numbers in no order: the processor is told early to load where they go.
+        // Prefetch the targets of unordered elements.
         constexpr size_t kAhead = 64;
         for (size_t k = 0; k < count; ++k) {
             if (k + kAhead < count) __builtin_prefetch(data + int64_t{order[k + kAhead]} * stride, 1);
