@@ -59,17 +59,11 @@ Case floorCase(Made made, double height) {
 
 class FlatMeshTest : public RenderTest {
   protected:
-    static verify::Report verified(const Case& c, const KernelCode* code) {
-        Options options;
-        if (code != nullptr) options.access = gpu::Access::TexelBuffer;
-        options.kernels = code;
-        options.traversal = Traversal::Lane;
-        Renderer renderer(device(), c.packed, options);
-        verify::Options verifyOptions;
-        verifyOptions.width = c.width;
-        verifyOptions.height = c.height;
-        verifyOptions.plainToo = false;
-        return verify::verify(renderer, c.packed, c.camera, verifyOptions);
+    static verify::Report verifiedBy(const Case& c, const KernelCode& code = embeddedKernels()) {
+        Renderer renderer(device(), c.packed, optionsWith(code));
+        verify::Options options;
+        options.plainToo = false;
+        return verified(renderer, c, options);
     }
 };
 
@@ -118,17 +112,17 @@ TEST_F(FlatMeshTest, NeedlesDoNotShadeTheirNeighbours) {
     for (int y = 0; y < c.height; ++y)
         for (int x = 0; x < c.width; ++x) dark += picture.color.at(x, y, 0) <= 0;
     EXPECT_EQ(dark, 0u);
-    EXPECT_EQ(verified(c, nullptr).unexplained, 0u);
+    EXPECT_EQ(verifiedBy(c).unexplained, 0u);
 }
 
 // And verify knows that rounding is no excuse for it: the mutant counts hits whose interval reaches behind
 // the origin, so that rays meet the faces around their start.
 TEST_F(FlatMeshTest, NeighboursThatAreMetAreUnexplained) {
     const Case c = floorCase(Made::OneMesh, 0);
-    const verify::Report sound = verified(c, nullptr);
+    const verify::Report sound = verifiedBy(c);
     EXPECT_TRUE(sound.passed()) << sound.unexplained << " unexplained";
     const KernelCode code = mutantKernels("near_faces");
-    const verify::Report broken = verified(c, &code);
+    const verify::Report broken = verifiedBy(c, code);
     EXPECT_GT(broken.unexplained, 5u);
     EXPECT_FALSE(broken.passed());
 }

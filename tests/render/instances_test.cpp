@@ -308,10 +308,7 @@ TEST_F(InstanceTest, ShadowsOfMirroredGlassHaveItsPicture) {
     ASSERT_EQ(c.packed.instances.size(), 2u);
     ASSERT_TRUE(c.packed.features.coloredShadows && c.packed.features.uvs);
     Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    EXPECT_EQ(verify::verify(renderer, c.packed, c.camera, options).unexplained, 0u);
+    EXPECT_EQ(verified(renderer, c).unexplained, 0u);
 }
 
 // The device agrees with the search of every primitive of every instance, which reads no box.

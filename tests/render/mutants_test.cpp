@@ -70,20 +70,14 @@ Case caseOf(const Defect& defect) {
 class MutantTest : public RenderTest, public testing::WithParamInterface<Defect> {
   protected:
     verify::Report run(const KernelCode& code) {
-        Options options;
-        options.access = gpu::Access::TexelBuffer;
-        options.kernels = &code;
-        options.traversal = Traversal::Lane;
-        const std::string mutant = GetParam().mutant;
-        if (mutant.starts_with("packet_")) options.traversal = Traversal::Packet;
-        Renderer renderer(device(), case_.packed, options);
-        verifyOptions_.width = case_.width;
-        verifyOptions_.height = case_.height;
-        verifyOptions_.plainToo = false;  // the defect is not in its kernels
-        return verify::verify(renderer, case_.packed, case_.camera, verifyOptions_);
+        const bool packets = std::string(GetParam().mutant).starts_with("packet_");
+        Renderer renderer(device(), case_.packed,
+                          optionsWith(code, packets ? Traversal::Packet : Traversal::Lane));
+        verify::Options options;
+        options.plainToo = false;  // the defect is not in its kernels
+        return verified(renderer, case_, options);
     }
     const Case case_ = caseOf(GetParam());
-    verify::Options verifyOptions_;
 };
 
 TEST_P(MutantTest, IsFound) {
@@ -119,13 +113,6 @@ INSTANTIATE_TEST_SUITE_P(
 
 class VerdictTest : public RenderTest {
   protected:
-    static verify::Report verified(Renderer& renderer, const Case& c, bool verdictAlone = false) {
-        verify::Options options;
-        options.verdictAlone = verdictAlone;
-        options.width = c.width;
-        options.height = c.height;
-        return verify::verify(renderer, c.packed, c.camera, options);
-    }
     // `scene` has %s for the fovY: narrow views, in which single places show.
     static void expectExplained(const char* scene) {
         for (const char* fov : {"0.2", "0.00002"}) {
@@ -142,11 +129,7 @@ class VerdictTest : public RenderTest {
 TEST_F(VerdictTest, NoneOfTheWrongNearHitsIsExplained) {
     const Case c = fileCase("spheres", 320, 240);
     const KernelCode code = mutantKernels("rare_near_hit");
-    Options options;
-    options.access = gpu::Access::TexelBuffer;
-    options.kernels = &code;
-    options.traversal = Traversal::Lane;
-    Renderer broken(device(), c.packed, options);
+    Renderer broken(device(), c.packed, optionsWith(code));
     const verify::Report report = verified(broken, c);
     EXPECT_GT(report.unexplained, 100u);
     EXPECT_EQ(report.explained(), 0u);
@@ -157,10 +140,7 @@ TEST_F(VerdictTest, NoneOfTheWrongNearHitsIsExplained) {
 TEST_F(VerdictTest, WhatRenderDrawsIsVerified) {
     const Case c = fileCase("corridor", 64, 48);
     const KernelCode broken = mutantKernels("diffuse_whole");
-    Options options;
-    options.access = gpu::Access::TexelBuffer;
-    options.kernels = &broken;
-    options.traversal = Traversal::Lane;
+    Options options = optionsWith(broken);
     options.wholePaths = WholePaths::On;
     Renderer renderer(device(), c.packed, options);
     const verify::Report report = verified(renderer, c);
@@ -183,16 +163,10 @@ TEST_F(VerdictTest, TheSumOfSamplesIsVerified) {
         const Case c = makeCase(scene, 64, 48);
         const KernelCode code = mutantKernels(mutant);
         for (const bool broken : {false, true}) {
-            Options options;
-            options.access = gpu::Access::TexelBuffer;
-            options.traversal = Traversal::Lane;
-            if (broken) options.kernels = &code;
-            Renderer renderer(device(), c.packed, options);
-            verify::Options verifyOptions;
-            verifyOptions.width = c.width;
-            verifyOptions.height = c.height;
-            verifyOptions.samples = samples.samples;
-            const verify::Report report = verify::verify(renderer, c.packed, c.camera, verifyOptions);
+            Renderer renderer(device(), c.packed, optionsWith(broken ? code : embeddedKernels()));
+            verify::Options options;
+            options.samples = samples.samples;
+            const verify::Report report = verified(renderer, c, options);
             EXPECT_EQ(report.unexplained, 0u) << mutant;
             EXPECT_EQ(report.plainDiffers, 0u) << mutant;
             EXPECT_EQ(report.filmDiffers > 0, broken) << mutant << ' ' << report.filmDiffers;
@@ -206,11 +180,7 @@ TEST_F(VerdictTest, TheAccountOfLostBranchesIsVerified) {
     const Case c = fileCase("glass", 48, 36);
     const KernelCode code = mutantKernels("lost_reason");
     for (const bool broken : {false, true}) {
-        Options options;
-        options.access = gpu::Access::TexelBuffer;
-        options.traversal = Traversal::Lane;
-        if (broken) options.kernels = &code;
-        Renderer renderer(device(), c.packed, options);
+        Renderer renderer(device(), c.packed, optionsWith(broken ? code : embeddedKernels()));
         const verify::Report report = verified(renderer, c);
         EXPECT_EQ(report.unexplained, 0u);
         EXPECT_EQ(report.lossesDiffer, broken ? 1u : 0u);
@@ -236,12 +206,10 @@ TEST_F(VerdictTest, TheVerdictAloneIsTheSame) {
     const Case c = fileCase("spheres", 64, 48);
     const KernelCode broken = mutantKernels("sphere_normal");
     for (const bool sound : {true, false}) {
-        Options options;
-        options.access = gpu::Access::TexelBuffer;
-        options.kernels = sound ? &embeddedKernels() : &broken;
-        options.traversal = Traversal::Lane;
-        Renderer renderer(device(), c.packed, options);
-        const verify::Report whole = verified(renderer, c), alone = verified(renderer, c, true);
+        Renderer renderer(device(), c.packed, optionsWith(sound ? embeddedKernels() : broken));
+        verify::Options options;
+        options.verdictAlone = true;
+        const verify::Report whole = verified(renderer, c), alone = verified(renderer, c, options);
         EXPECT_EQ(whole.passed(), sound);
         EXPECT_EQ(alone.passed(), sound);
         if (sound)
@@ -276,9 +244,7 @@ TEST_F(VerdictTest, ATextbooksSphereFailsWhereItLosesDigits) {
     Renderer renderer(device(), c.packed);
     verify::Options options;
     options.methods.spheres = SphereMethod::Algebraic;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    const verify::Report report = verified(renderer, c, options);
     EXPECT_FALSE(report.passed());
     EXPECT_GT(report.edges + report.roundings, report.allowedExplained());
 }

@@ -187,10 +187,7 @@ TEST_F(PolygonTest, MoreEdgesThanLavapipeAllows) {
     EXPECT_EQ(found(renderer.trace(rays, false)), 64);
     EXPECT_GT(renderer.times().resumes, 0u);
     const KernelCode naive = mutantKernels("naive");
-    Options options;
-    options.access = gpu::Access::TexelBuffer;
-    options.kernels = &naive;
-    options.traversal = Traversal::Lane;
+    Options options = optionsWith(naive);
     options.tripBudget = 1u << 30;
     Renderer ignorant(device(), packed, options);
     EXPECT_EQ(found(ignorant.trace(rays, false)) < 64, endsLoops(device()));

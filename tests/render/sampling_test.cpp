@@ -41,10 +41,8 @@ TEST_F(Sampling, VerifyExplainsEverySamplerAndFilter) {
         Renderer renderer(device(), c.packed);
         for (const auto& [sampler, filter] : choices) {
             verify::Options options;
-            options.width = c.width;
-            options.height = c.height;
             options.samples = packSamples(imageOf(sampler, filter, 1.25, 4), std::string(name) == "lens");
-            const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+            const verify::Report report = verified(renderer, c, options);
             EXPECT_EQ(report.unexplained, 0u) << name;
             EXPECT_EQ(report.pixels, 4u * 48 * 36);
         }

@@ -48,10 +48,7 @@ SceneTest::Counts SceneTest::compare(const Case& c, const Picture& device) {
 TEST_P(SceneTest, AgreesWithTheReference) {
     const Case c = fileCase(GetParam(), 160, 120);
     Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    const verify::Report report = verified(renderer, c);
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_TRUE(report.passed()) << report.explained() << " explained pixels of " << report.pixels;
     EXPECT_EQ(report.pixels, 160u * 120u);

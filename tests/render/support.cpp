@@ -72,7 +72,11 @@ PackedScene withOpenBoxes(PackedScene scene) {
 
 verify::Report RenderTest::verified(const Case& c, bool besideRead) {
     Renderer renderer(device(), c.packed);
-    verify::Options options;
+    return verified(renderer, c, {}, besideRead);
+}
+
+verify::Report RenderTest::verified(Renderer& renderer, const Case& c, verify::Options options,
+                                    bool besideRead) {
     options.width = c.width;
     options.height = c.height;
     return verify::verify(renderer, c.packed, c.camera, options, besideRead ? &c.scene : nullptr);
@@ -111,6 +115,14 @@ PackedScene packedBy(const SceneMaker& maker) {
     PackedScene scene = maker.finish();
     scene.features = allFeatures();
     return scene;
+}
+
+Options optionsWith(const KernelCode& code, Traversal traversal) {
+    Options options;
+    options.access = gpu::Access::TexelBuffer;
+    options.kernels = &code;
+    options.traversal = traversal;
+    return options;
 }
 
 Request wholeWithData(const Case& c) {

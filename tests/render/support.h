@@ -13,6 +13,7 @@
 
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
+#include "render/kernels.h"
 #include "render/renderer.h"
 #include "scene/scene.h"
 #include "support/packed_scene_maker.h"
@@ -48,8 +49,10 @@ class RenderTest : public testing::Test {
     static void SetUpTestSuite();
     static void TearDownTestSuite();
     static const gpu::Device& device() { return *device_; }
-    // What verify says of the picture; besideRead: of the scene as it was read, too.
+    // The report of verify about the whole image; besideRead: about the scene as it was read, too.
     static verify::Report verified(const Case& c, bool besideRead = false);
+    static verify::Report verified(Renderer& renderer, const Case& c, verify::Options options = {},
+                                   bool besideRead = false);
 
   private:
     static std::unique_ptr<gpu::Device> device_;
@@ -75,6 +78,9 @@ PackedScene packedBy(const SceneMaker& maker);
 // Everything but the data is the default.
 Picture draw(Renderer& renderer, const Case& c);
 Picture draw(const gpu::Device& device, const Case& c, const Options& options = {});
+
+// Renders with the given kernels, which must outlive the renderer.
+Options optionsWith(const KernelCode& code, Traversal traversal = Traversal::Lane);
 
 // The whole picture of a case with its data, and the reference's colours in double.
 Request wholeWithData(const Case& c);

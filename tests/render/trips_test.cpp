@@ -23,10 +23,7 @@ class TripTest : public RenderTest {
   protected:
     // Never gives up, and would not say so.
     static Options naive(const KernelCode& code) {
-        Options options;
-        options.access = gpu::Access::TexelBuffer;
-        options.kernels = &code;
-        options.traversal = Traversal::Lane;
+        Options options = optionsWith(code);
         options.tripBudget = 1u << 30;
         return options;
     }
@@ -214,10 +211,7 @@ TEST_F(TripTest, TwoHundredReflectionsAgreeWithTheReference) {
     })",
                             80, 60);
     Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    const verify::Report report = verified(renderer, c);
     EXPECT_TRUE(report.passed()) << report.unexplained << " unexplained, " << report.explained()
                                  << " explained";
     uint32_t deepest = 0;
