@@ -115,6 +115,45 @@ float squareTo(Space space, vec3 point, uint kind, uint index, out uint id) {
     return kInfinity;
 }
 
+// Where a point is in the tree.
+struct Walk {
+    Space space;
+    uint slot;       // next to be tested, kNone at the end of the tree
+    uint worldSlot;  // after the instance
+    uint kind;       // of the leaf at hand
+    uint next, end;  // primitives of the leaf that are left
+};
+
+void enterLeaf(inout Walk walk, uint leaf) {
+    walk.kind = kindOf(leaf);
+    walk.next = leaf & kLeafFirstMask;
+    walk.end = walk.next + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
+}
+
+// Tests the box of a slot and moves on: past the box, or into its node, instance or leaf.
+void visitSlot(inout Walk walk, vec3 point, float best) {
+    Node node = loadNode(walk.slot >> 1);
+    bool second = (walk.slot & 1u) != 0u;
+    uint child = second ? node.child1 : node.child0;
+    float square = squareToBox(walk.space, second ? node.lo1 : node.lo0, second ? node.hi1 : node.hi0);
+    bool enters = child != kNone && square <= best;
+    walk.slot = second ? node.escape : walk.slot + 1u;
+    if (enters && isNode(child)) {
+        walk.slot = child << 1;
+    } else if (enters && FEATURE_INSTANCES && kindOf(child) == kKindInstance) {
+        walk.worldSlot = walk.slot;
+        walk.space = enterSpace(child & kLeafFirstMask, point);
+        walk.slot = loadInstance(child & kLeafFirstMask).root << 1;
+    } else if (enters) {
+        enterLeaf(walk, child);
+    }
+}
+
+void returnToWorld(inout Walk walk, vec3 point) {
+    walk.space = enterSpace(kNone, point);
+    walk.slot = walk.worldSlot;
+}
+
 void main() {
     uint path = pathIndex();
     Ray ray = loadRay(path);
@@ -125,57 +164,37 @@ void main() {
     bool live = isAlive(ray) && loadEnvironment(0u).root != kNone && (!MODE_RESUME || slot != kNone);
 
     Space space = enterSpace(MODE_RESUME && live ? instanceRow.z : kNone, point);
-    uint worldSlot = instanceRow.w, leaf = kNone;
+    Walk walk = Walk(space, slot, instanceRow.w, kKindTriangle, 0u, 0u);
     if (live && !MODE_RESUME) {
-        leaf = nearestLeaf(space, point);
-        slot = space.instance == kNone ? 0u : kNone;
-        worldSlot = 0u;
+        enterLeaf(walk, nearestLeaf(walk.space, point));
+        walk.slot = walk.space.instance == kNone ? 0u : kNone;
+        walk.worldSlot = 0u;
     }
-    uint next = leaf & kLeafFirstMask;  // primitive of the leaf
-    uint end = leaf == kNone ? next : next + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
-    uint trips = kMaxBvhDepth;
     float best = uintBitsToFloat(hitRow.x);
-    while (live &&
-           (next < end || ((slot != kNone || space.instance != kNone) && trips < dispatch.tripBudget))) {
+    uint trips = kMaxBvhDepth;  // of the way to the first leaf
+    while (live && (walk.next < walk.end ||
+                    ((walk.slot != kNone || walk.space.instance != kNone) && trips < dispatch.tripBudget))) {
         ++trips;
-        if (next < end) {
+        if (walk.next < walk.end) {
             uint id;
-            float square = squareTo(space, point, kindOf(leaf), next, id);
+            float square = squareTo(walk.space, point, walk.kind, walk.next, id);
             if (square < best || (square == best && id < hitRow.y) || hitRow.w == kNone) {
                 best = square;
-                hitRow.yw = uvec2(id, kindOf(leaf) << kPrimitiveKindShift | next);
-                instanceRow.x = space.instance;
+                hitRow.yw = uvec2(id, walk.kind << kPrimitiveKindShift | walk.next);
+                instanceRow.x = walk.space.instance;
             }
-            ++next;
-        } else if (slot == kNone) {
-            space = enterSpace(kNone, point);
-            slot = worldSlot;
+            ++walk.next;
+        } else if (walk.slot == kNone) {
+            returnToWorld(walk, point);
         } else {
-            Node node = loadNode(slot >> 1);
-            bool second = (slot & 1u) != 0u;
-            leaf = second ? node.child1 : node.child0;
-            float square = squareToBox(space, second ? node.lo1 : node.lo0, second ? node.hi1 : node.hi0);
-            bool enters = leaf != kNone && square <= best;
-            slot = second ? node.escape : slot + 1u;
-            if (enters && isNode(leaf)) {
-                slot = leaf << 1;
-            } else if (enters && FEATURE_INSTANCES && kindOf(leaf) == kKindInstance) {
-                worldSlot = slot;
-                space = enterSpace(leaf & kLeafFirstMask, point);
-                slot = loadInstance(leaf & kLeafFirstMask).root << 1;
-            } else if (enters) {
-                next = leaf & kLeafFirstMask;
-                end = next + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
-            }
+            visitSlot(walk, point, best);
         }
     }
     if (!live) return;
-    if (slot == kNone && space.instance != kNone) {  // out of trips at the end of an instance
-        space.instance = kNone;
-        slot = worldSlot;
-    }
+    if (walk.slot == kNone && walk.space.instance != kNone) returnToWorld(walk, point);
+    bool unfinished = walk.slot != kNone;
     storeRow(kRowHit, path, uvec4(floatBitsToUint(best), hitRow.yzw));
-    storeInstanceRow(path, uvec4(instanceRow.xy, space.instance, worldSlot));
-    if (MODE_RESUME || slot != kNone) storeRow(kRowWalk, path, uvec4(slot, 0u, 0u, 0u));
-    if (slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
+    storeInstanceRow(path, uvec4(instanceRow.xy, walk.space.instance, walk.worldSlot));
+    if (MODE_RESUME || unfinished) storeRow(kRowWalk, path, uvec4(walk.slot, 0u, 0u, 0u));
+    if (unfinished) atomicAdd(counters[kCounterUnfinished], 1u);
 }
