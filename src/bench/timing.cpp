@@ -19,26 +19,18 @@ double processorSeconds() {
 }
 
 render::StageTimes difference(render::StageTimes after, const render::StageTimes& before) {
-    after.compile -= before.compile;
-    after.trace -= before.trace;
-    after.device -= before.device;
-    after.readback -= before.readback;
-    after.submissions -= before.submissions;
-    after.slices -= before.slices;
-    after.resumes -= before.resumes;
-    after.pathRays -= before.pathRays;
-    after.invocations -= before.invocations;
-    render::KernelTimes& a = after.kernels;
-    const render::KernelTimes& b = before.kernels;
-    a.generate -= b.generate;
-    a.primary -= b.primary;
-    a.shadow -= b.shadow;
-    a.secondary -= b.secondary;
-    a.shade -= b.shade;
-    a.adapt -= b.adapt;
-    a.whole -= b.whole;
-    a.mirrored -= b.mirrored;
-    a.refracted -= b.refracted;
+    using render::KernelTimes;
+    using render::StageTimes;
+    for (double StageTimes::*time :
+         {&StageTimes::compile, &StageTimes::trace, &StageTimes::device, &StageTimes::readback})
+        after.*time -= before.*time;
+    for (uint64_t StageTimes::*count : {&StageTimes::submissions, &StageTimes::slices, &StageTimes::resumes,
+                                        &StageTimes::pathRays, &StageTimes::invocations})
+        after.*count -= before.*count;
+    for (double KernelTimes::*time : {&KernelTimes::generate, &KernelTimes::primary, &KernelTimes::shadow,
+                                      &KernelTimes::secondary, &KernelTimes::shade, &KernelTimes::adapt,
+                                      &KernelTimes::whole, &KernelTimes::mirrored, &KernelTimes::refracted})
+        after.kernels.*time -= before.kernels.*time;
     return after;
 }
 

@@ -36,7 +36,7 @@ class Claim {
     std::filesystem::path file_;
 };
 
-// Every layer that a image of the window can have: the number of samples is the same for all pixels, and
+// Every layer that an image of the window can have: the number of samples is the same for all pixels, and
 // nobody has judged their error.
 std::vector<Aov> allLayers() {
     std::vector<Aov> layers;

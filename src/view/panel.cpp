@@ -135,8 +135,8 @@ bool resetButton(Gui& gui, const char* name, bool differs) {
     return pressed;
 }
 
-bool beginCorner(int left, const char* title, const ImVec2& pivot, float width, ImGuiWindowFlags more,
-                 float part) {
+void corner(Gui& gui, int left, const char* title, const ImVec2& pivot, float width,
+            const std::function<void()>& content, ImGuiWindowFlags more, float part) {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const auto x = static_cast<float>(left);
     const ImVec2 size(screen.x - x, screen.y);
@@ -144,8 +144,11 @@ bool beginCorner(int left, const char* title, const ImVec2& pivot, float width, 
     ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(width, size.x), 0),
                                         ImVec2(std::min(width, size.x), part * size.y));
     ImGui::SetNextWindowBgAlpha(0.85f);
-    return ImGui::Begin(title, nullptr,
-                        kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | more);
+    if (ImGui::Begin(title, nullptr,
+                     kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | more))
+        content();
+    gui.noteWindow((more & ImGuiWindowFlags_NoInputs) == 0);
+    ImGui::End();
 }
 
 namespace {

@@ -12,9 +12,6 @@ namespace {
 constexpr ImU32 kEyeRay = IM_COL32(255, 255, 255, 220), kReflectedRay = IM_COL32(255, 170, 60, 220),
                 kTransmittedRay = IM_COL32(90, 200, 255, 220), kOutline = IM_COL32(0, 0, 0, 160);
 
-// For boxes without controls: the mouse works on the image beneath.
-constexpr ImGuiWindowFlags kUnderMouse = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs;
-
 struct HelpLine {
     const char* name;
     const char* help;
@@ -141,40 +138,40 @@ void drawHelp(Gui& gui, Model& m) {
     }
     const float width = 62 * ImGui::GetFontSize();
     const bool wide = ImGui::GetIO().DisplaySize.x >= width;
-    if (beginCorner(0, "keys and mouse (F1 or Esc closes; the wheel scrolls)", ImVec2(0.5f, 0.5f), width)) {
+    corner(gui, 0, "keys and mouse (F1 or Esc closes; the wheel scrolls)", ImVec2(0.5f, 0.5f), width, [&] {
         for (const Group& group : groups) {
             ImGui::Separator();
             text(group.heading);
             drawHelpTable(group.heading, group.lines, wide);
         }
         m.helpScroll = static_cast<double>(ImGui::GetScrollY());
-    }
-    gui.noteWindow();
-    ImGui::End();
+    });
 }
 
 void drawPickWindow(Gui& gui, Model& m) {
     const Pick& pick = *m.pick;
-    if (beginCorner(m.left, "picked (F frames it, Esc closes)", ImVec2(1, picksAbove(m) ? 0.0f : 1.0f),
-                    25 * ImGui::GetFontSize(), 0, 0.6f)) {
-        if (m.pickIsOld) wrapped("from an earlier view", kDim);
-        drawPickFacts(pick);
-        checkbox(gui, "keep while moving", m.pinsPick, "the pick and its rays stay when the camera moves");
-        ImGui::SameLine();
-        checkbox(gui, "draw rays", m.drawsRays, "white from the eye, orange reflected, blue transmitted");
-        if (m.control.camera().projection == Projection::Perspective && pick.hit() && !m.pickIsOld &&
-            button(gui, "focus here", "of the lens"))
-            m.wish = Action::FocusPicked;
-        ImGui::Separator();
-        drawRayTree(pick);
-    }
-    gui.noteWindow();
-    ImGui::End();
+    corner(
+        gui, m.left, "picked (F frames it, Esc closes)", ImVec2(1, picksAbove(m) ? 0.0f : 1.0f),
+        25 * ImGui::GetFontSize(),
+        [&] {
+            if (m.pickIsOld) wrapped("from an earlier view", kDim);
+            drawPickFacts(pick);
+            checkbox(gui, "keep while moving", m.pinsPick,
+                     "the pick and its rays stay when the camera moves");
+            ImGui::SameLine();
+            checkbox(gui, "draw rays", m.drawsRays, "white from the eye, orange reflected, blue transmitted");
+            if (m.control.camera().projection == Projection::Perspective && pick.hit() && !m.pickIsOld &&
+                button(gui, "focus here", "of the lens"))
+                m.wish = Action::FocusPicked;
+            ImGui::Separator();
+            drawRayTree(pick);
+        },
+        0, 0.6f);
 }
 
 void drawInspector(Gui& gui, Model& m) {
     const float line = ImGui::GetFontSize();
-    if (beginCorner(m.left, "inspector (I closes)", ImVec2(1, 1), 18 * line)) {
+    corner(gui, m.left, "inspector (I closes)", ImVec2(1, 1), 18 * line, [&] {
         if (!m.pixel) {
             wrapped("Move the mouse over the image.", kDim);
         } else {
@@ -191,9 +188,7 @@ void drawInspector(Gui& gui, Model& m) {
         ImGui::PushItemWidth(8 * line);
         slider(gui, "zoom", m.zoom, 5, 31, "pixels across");
         ImGui::PopItemWidth();
-    }
-    gui.noteWindow();
-    ImGui::End();
+    });
 }
 
 void drawMessages(Gui& gui, const Model& m) {
@@ -203,29 +198,30 @@ void drawMessages(Gui& gui, const Model& m) {
         return;
     const float width = 26 * ImGui::GetFontSize();
     const bool both = m.inspects && m.pick.has_value();
-    const ImVec2 corner(both ? 0.5f : 1.0f, picksAbove(m) ? 1.0f : 0.0f);
-    if (beginCorner(m.left, "##toasts", corner, width, kUnderMouse)) {
-        if (!m.sceneError.empty()) {
-            wrapped(m.sceneError, kRed);
-            wrapped("The image shows the scene as it was before.", kDim);
-        }
-        constexpr size_t kWarnings = 5;
-        for (size_t i = 0; i < std::min(kWarnings, m.warnings.size()); ++i)
-            wrapped("warning: " + m.warnings[i], kYellow);
-        if (m.warnings.size() > kWarnings)
-            wrapped(std::to_string(m.warnings.size() - kWarnings) + " more warnings on standard error",
-                    kYellow);
-        if (!m.warnings.empty()) wrapped("Esc closes.", kDim);
-        if (!m.verdict.empty()) wrapped("verify " + m.verdict, m.verdictPassed ? kGreen : kRed);
-        if (m.difference)
-            wrapped("Shown: |difference| x 64; red unexplained, yellow edge, green rounding. Esc closes.",
-                    kDim);
-        if (!waiting.empty()) wrapped(waiting, kYellow);
-        for (const Toast& toast : m.toasts.shown())
-            wrapped(toast.text, toast.kind == ToastKind::Error ? kRed : kGreen);
-    }
-    gui.noteWindow(false);
-    ImGui::End();
+    const ImVec2 place(both ? 0.5f : 1.0f, picksAbove(m) ? 1.0f : 0.0f);
+    corner(
+        gui, m.left, "##toasts", place, width,
+        [&] {
+            if (!m.sceneError.empty()) {
+                wrapped(m.sceneError, kRed);
+                wrapped("The image shows the scene as it was before.", kDim);
+            }
+            constexpr size_t kWarnings = 5;
+            for (size_t i = 0; i < std::min(kWarnings, m.warnings.size()); ++i)
+                wrapped("warning: " + m.warnings[i], kYellow);
+            if (m.warnings.size() > kWarnings)
+                wrapped(std::to_string(m.warnings.size() - kWarnings) + " more warnings on standard error",
+                        kYellow);
+            if (!m.warnings.empty()) wrapped("Esc closes.", kDim);
+            if (!m.verdict.empty()) wrapped("verify " + m.verdict, m.verdictPassed ? kGreen : kRed);
+            if (m.difference)
+                wrapped("Shown: |difference| x 64; red unexplained, yellow edge, green rounding. Esc closes.",
+                        kDim);
+            if (!waiting.empty()) wrapped(waiting, kYellow);
+            for (const Toast& toast : m.toasts.shown())
+                wrapped(toast.text, toast.kind == ToastKind::Error ? kRed : kGreen);
+        },
+        kUnderMouse);
 }
 
 // In the corner that neither the panel nor a pick uses.
@@ -261,16 +257,17 @@ void drawProgress(Gui& gui, const Model& m) {
                           {"tracing the reference", m.referenceProgress},
                           {"loading the scene", m.isLoading ? 0.0 : -1.0}};
     if (std::all_of(std::begin(tasks), std::end(tasks), [](const Task& t) { return t.progress < 0; })) return;
-    if (beginCorner(m.left, "##progress", ImVec2(0.5f, 1), 16 * ImGui::GetFontSize(), kUnderMouse)) {
-        for (const Task& task : tasks) {
-            if (task.progress < 0) continue;
-            char label[64];
-            std::snprintf(label, sizeof(label), "%s: %.0f %%", task.name, 100 * task.progress);
-            ImGui::ProgressBar(static_cast<float>(task.progress), ImVec2(-1, 0), label);
-        }
-    }
-    gui.noteWindow(false);
-    ImGui::End();
+    corner(
+        gui, m.left, "##progress", ImVec2(0.5f, 1), 16 * ImGui::GetFontSize(),
+        [&] {
+            for (const Task& task : tasks) {
+                if (task.progress < 0) continue;
+                char label[64];
+                std::snprintf(label, sizeof(label), "%s: %.0f %%", task.name, 100 * task.progress);
+                ImGui::ProgressBar(static_cast<float>(task.progress), ImVec2(-1, 0), label);
+            }
+        },
+        kUnderMouse);
 }
 
 void drawLegend(Gui& gui, const Model& m) {
@@ -280,31 +277,32 @@ void drawLegend(Gui& gui, const Model& m) {
     const bool grey = layer == ViewLayer::Depth && m.display.toneMap != ToneMap::False;
     const float line = ImGui::GetFontSize();
     const LayerRange range = m.session->range();
-    if (beginCorner(m.left, "##legend", ImVec2(0.5f, 0), 14 * line, kUnderMouse)) {
-        const ImVec2 at = ImGui::GetCursorScreenPos();
-        const float width = ImGui::GetContentRegionAvail().x;
-        constexpr int kSteps = 64;
-        for (int i = 0; i < kSteps; ++i) {
-            const double x = (i + 0.5) / kSteps;
-            const glm::dvec3 c = grey ? glm::dvec3(1 - 0.85 * x) : heatOf(x);
-            const ImU32 color = ImGui::ColorConvertFloat4ToU32(
-                ImVec4(static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z), 1));
-            const float left = std::floor(width * static_cast<float>(i) / kSteps);
-            const float right = std::floor(width * static_cast<float>(i + 1) / kSteps);
-            ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x + left, at.y),
-                                                      ImVec2(at.x + right, at.y + line), color);
-        }
-        ImGui::Dummy(ImVec2(width, line));
-        const std::string lo = colors ? numberOf(-kFalseStops) + " stops" : numberOf(range.lo);
-        const std::string hi = colors ? "+" + numberOf(kFalseStops) : numberOf(range.hi);
-        text(lo);
-        ImGui::SameLine(0.5f * (width - ImGui::CalcTextSize(nameOf(layer).data()).x));
-        text(colors ? "luminance" : std::string(nameOf(layer)));
-        ImGui::SameLine(width - ImGui::CalcTextSize(hi.c_str()).x);
-        text(hi);
-    }
-    gui.noteWindow(false);
-    ImGui::End();
+    corner(
+        gui, m.left, "##legend", ImVec2(0.5f, 0), 14 * line,
+        [&] {
+            const ImVec2 at = ImGui::GetCursorScreenPos();
+            const float width = ImGui::GetContentRegionAvail().x;
+            constexpr int kSteps = 64;
+            for (int i = 0; i < kSteps; ++i) {
+                const double x = (i + 0.5) / kSteps;
+                const glm::dvec3 c = grey ? glm::dvec3(1 - 0.85 * x) : heatOf(x);
+                const ImU32 color = ImGui::ColorConvertFloat4ToU32(
+                    ImVec4(static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z), 1));
+                const float left = std::floor(width * static_cast<float>(i) / kSteps);
+                const float right = std::floor(width * static_cast<float>(i + 1) / kSteps);
+                ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x + left, at.y),
+                                                          ImVec2(at.x + right, at.y + line), color);
+            }
+            ImGui::Dummy(ImVec2(width, line));
+            const std::string lo = colors ? numberOf(-kFalseStops) + " stops" : numberOf(range.lo);
+            const std::string hi = colors ? "+" + numberOf(kFalseStops) : numberOf(range.hi);
+            text(lo);
+            ImGui::SameLine(0.5f * (width - ImGui::CalcTextSize(nameOf(layer).data()).x));
+            text(colors ? "luminance" : std::string(nameOf(layer)));
+            ImGui::SameLine(width - ImGui::CalcTextSize(hi.c_str()).x);
+            text(hi);
+        },
+        kUnderMouse);
 }
 
 // The picked pixel and its tree of rays, in the image itself.

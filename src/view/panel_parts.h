@@ -3,6 +3,7 @@
 
 #include <imgui.h>
 
+#include <functional>
 #include <string>
 
 #include "view/gui.h"
@@ -61,10 +62,12 @@ bool group(Gui& gui, const char* name, bool open, const char* help);
 // "reset" at the right of a line; true if it was pressed. Nothing is drawn unless something `differs`.
 bool resetButton(Gui& gui, const char* group, bool differs);
 
-// A window at a corner of the picture, which begins at `left`, as large as what is in it, at most `part` of
-// the picture's height; then it scrolls. `pivot`: the corner, 0..1. Every Begin needs its End.
-bool beginCorner(int left, const char* title, const ImVec2& pivot, float width, ImGuiWindowFlags more = 0,
-                 float part = 1);
+// A window at a corner of the image, which begins at `left`, as large as its content, at most `part` of the
+// image's height; then it scrolls. `pivot`: the corner, 0..1. `content` draws it.
+void corner(Gui& gui, int left, const char* title, const ImVec2& pivot, float width,
+            const std::function<void()>& content, ImGuiWindowFlags more = 0, float part = 1);
+// For corners without controls: the mouse works on the image beneath.
+inline constexpr ImGuiWindowFlags kUnderMouse = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs;
 
 // panel_settings.cpp
 void drawView(Gui& gui, Model& m);

@@ -48,7 +48,7 @@ void drawFiles(Gui& gui, Model& m) {
          Action::RenderPng);
     ImGui::SameLine();
     wish(m, button(gui, "render EXR", "the same, with every layer (Alt+Shift+S)"), Action::RenderExr);
-    if (button(gui, "open", "another scene, or a image to compare with (Ctrl+O); or drop it here"))
+    if (button(gui, "open", "another scene, or an image to compare with (Ctrl+O); or drop it here"))
         m.openVisible = true;
     drawRecent(gui, m);
 }
@@ -65,7 +65,7 @@ void drawOpen(Gui& gui, Model& m) {
         ImGui::SetNextItemWidth(-4 * line);
         const bool entered = ImGui::InputTextWithHint("##open", "path", m.openName.data(), m.openName.size(),
                                                       ImGuiInputTextFlags_EnterReturnsTrue);
-        tip(gui, "open path", "a scene to look at, or a image to compare with");
+        tip(gui, "open path", "a scene to look at, or an image to compare with");
         ImGui::SameLine();
         if ((ImGui::Button("open##path") || entered) && m.openName[0] != 0) openFile(m, m.openName.data());
         std::filesystem::path next;
@@ -99,13 +99,28 @@ void drawOpen(Gui& gui, Model& m) {
     ImGui::End();
 }
 
-void drawSaveAs(Gui& gui, Model& m) {
+namespace {
+
+// In the middle of the window. `content` begins with a text field.
+void dialog(Gui& gui, const char* title, bool& visible, const std::function<void()>& content) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetFontSize();
     ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.4f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
-    if (ImGui::Begin("save as", &m.saveAsVisible, kDialog | ImGuiWindowFlags_AlwaysAutoResize)) {
+    if (ImGui::Begin(title, &visible,
+                     kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse)) {
         ImGui::PushItemWidth(std::min(22 * line, size.x - 2 * line));
         if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+        content();
+        ImGui::PopItemWidth();
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+}  // namespace
+
+void drawSaveAs(Gui& gui, Model& m) {
+    dialog(gui, "save as", m.saveAsVisible, [&] {
         const bool entered =
             ImGui::InputTextWithHint("##file", "name.png, .exr, .pfm or .hdr", m.saveName.data(),
                                      m.saveName.size(), ImGuiInputTextFlags_EnterReturnsTrue);
@@ -117,33 +132,21 @@ void drawSaveAs(Gui& gui, Model& m) {
         tip(gui, "the scene's own sampling", "as `glint render` would draw this view");
         m.savesSeen = which == 0;
         wish(m, button(gui, "save", "") || entered, Action::SaveNamed);
-        ImGui::PopItemWidth();
-    }
-    gui.noteWindow();
-    ImGui::End();
+    });
 }
 
 void drawSaveScene(Gui& gui, Model& m) {
-    const ImVec2 size = ImGui::GetIO().DisplaySize;
-    const float line = ImGui::GetFontSize();
-    ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.4f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
-    if (ImGui::Begin("save scene", &m.saveSceneVisible, kDialog | ImGuiWindowFlags_AlwaysAutoResize)) {
-        ImGui::PushItemWidth(std::min(22 * line, size.x - 2 * line));
-        if (ImGui::IsWindowAppearing()) {
+    dialog(gui, "save scene", m.saveSceneVisible, [&] {
+        if (ImGui::IsWindowAppearing())
             std::snprintf(m.sceneName.data(), m.sceneName.size(), "%s-edited.json",
                           m.scene->path.stem().c_str());
-            ImGui::SetKeyboardFocusHere();
-        }
         const bool entered = ImGui::InputText("##scene", m.sceneName.data(), m.sceneName.size(),
                                               ImGuiInputTextFlags_EnterReturnsTrue);
         tip(gui, "scene file", "beside the scene's file, so that meshes and images are found");
         checkbox(gui, "replace the file", m.replacesFile, "if it exists; comments in it are lost");
         wish(m, button(gui, "write", "the scene with the changed lights and materials") || entered,
              Action::WriteScene);
-        ImGui::PopItemWidth();
-    }
-    gui.noteWindow();
-    ImGui::End();
+    });
 }
 
 namespace {
@@ -207,7 +210,7 @@ void drawCompare(Gui& gui, Model& m) {
     ImGui::SameLine();
     wish(m, button(gui, "verify", "is every pixel what the reference says? (V)"), Action::Verify);
     if (!c.any()) {
-        wrapped("Keep a image, trace the reference, or drop a image file here.", kDim);
+        wrapped("Keep an image, trace the reference, or drop an image file here.", kDim);
         return;
     }
     text("with: " + c.name);

@@ -125,8 +125,6 @@ void Driver::start(const ScriptCommand& command) {
             if (!m_.verdictPassed) fail(command, m_.verdict);
             return true;
         };
-    } else if (name == "pace") {
-        startPace(wholeOf(command, 0));
     } else if (name == "idle") {
         startIdling(numberOf(command, 0));
     } else if (name == "lose-device") {
@@ -303,47 +301,6 @@ void Driver::startIdling(double seconds) {
                       processor() - before);
         out_ << line << std::endl;
         idles_ = false;
-        return true;
-    };
-}
-
-void Driver::startPace(int frames) {
-    struct Run {
-        std::vector<double> seconds;
-        Stopwatch frame;
-        uint64_t last = 0;
-        int leastWidth = 1 << 30, leastHeight = 0;
-    };
-    auto run = std::make_shared<Run>();
-    run->last = viewer_.frames();
-    wait_ = [this, run, frames] {
-        if (viewer_.frames() != run->last) {
-            run->last = viewer_.frames();
-            run->seconds.push_back(run->frame.seconds());
-            run->frame.restart();
-            if (m_.session->facts().width < run->leastWidth) {
-                run->leastWidth = m_.session->facts().width;
-                run->leastHeight = m_.session->facts().height;
-            }
-        }
-        if (static_cast<int>(run->seconds.size()) < frames) {
-            m_.control.orbit(0.01745, 0);
-            m_.touch();
-            return false;
-        }
-        // The first frames find the pace, and compile.
-        std::vector<double> s(run->seconds.begin() + frames / 4, run->seconds.end());
-        std::sort(s.begin(), s.end());
-        double sum = 0;
-        for (double t : s) sum += t;
-        char line[200];
-        std::snprintf(line, sizeof(line),
-                      "pace: %zu frames, %.1f frames/s, median %.1f ms, 95th percentile %.1f ms, now %d x %d "
-                      "(least %d x %d)",
-                      s.size(), static_cast<double>(s.size()) / sum, s[s.size() / 2] * 1e3,
-                      s[s.size() * 95 / 100] * 1e3, m_.session->facts().width, m_.session->facts().height,
-                      run->leastWidth, run->leastHeight);
-        out_ << line << std::endl;
         return true;
     };
 }

@@ -28,7 +28,6 @@ class Driver {
     void startFile(const ScriptCommand& command);
     void startHand(const ScriptCommand& command);
     void set(const ScriptCommand& command);
-    void startPace(int frames);
     void startIdling(double seconds);
     void waitFrames(int frames);
     std::string stateOf(const ScriptCommand& command) const;

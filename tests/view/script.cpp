@@ -51,7 +51,6 @@ constexpr ScriptWord kWords[] = {
     {"copy", "FROM TO", 2, 2, "copy a file, to change a scene on disk"},
     {"reload", "", 0, 0, "until a changed file has been noticed and loaded, or found to be at fault"},
     {"verify", "", 0, 0, "check the view as V does, and wait; fails if it does not pass"},
-    {"pace", "N", 1, 1, "turn the camera by one degree a frame for N frames, and print how fast that went"},
     {"idle", "SECONDS", 1, 1,
      "do nothing for a while, and print how many frames and how much processor time that took"},
     {"lose-device", "", 0, 0, "behave as if the device had been lost"},

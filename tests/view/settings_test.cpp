@@ -39,12 +39,6 @@ TEST_F(Settings, NoLightAndNoReflections) {
     expectLike("set light 0 0\nset light 1 0\nset reflections off\n", scene_);
 }
 
-// A material is changed where the scene is: the pictures are those of a file with the new one.
-TEST_F(Settings, AMaterialIsEdited) {
-    scene_["materials"]["two"]["diffuse"] = {0.75, 0.25, 0.5};
-    expectLike("set diffuse two 0.75 0.25 0.5\nsettle\n", scene_);
-}
-
 TEST_F(Settings, ShadowsOfGlass) {
     scene_["materials"]["one"] = {{"transmission", {0.9, 0.3, 0.3}}, {"ior", 1.5}};
     writeText("scene.json", scene_.dump());
