@@ -66,8 +66,8 @@ void report(const std::string& file) {
     for (const BuildQuality quality : {BuildQuality::Fast, BuildQuality::Default, BuildQuality::High}) {
         double seconds = 1e9;
         for (int i = 0; i < 3; ++i)
-            seconds = std::min(seconds, packScene(scene, 0, quality).statistics.buildSeconds);
-        const PackedScene packed = packScene(scene, 0, quality);
+            seconds = std::min(seconds, packScene(scene, {quality}).statistics.buildSeconds);
+        const PackedScene packed = packScene(scene, {quality});
         const Counts counts = count(scene, packed);
         std::printf(
             "  %-8s camera %7.2f  shadow %7.2f  bounce %7.2f  SAH %7.2f  build %8.2f ms  triangles %zu\n",

@@ -240,7 +240,7 @@ void measureAsk(const char* path, const glint_scene* scene, render::RayQueries& 
 void measure(const char* path, glint_device* device, const gpu::Device& vulkan, bool countAlone) {
     glint_scene* scene = nullptr;
     check(glint_scene_load(device, path, &scene));
-    const PackedScene packed = packScene(loadScene(path), 0, BuildQuality::Default, false);
+    const PackedScene packed = packScene(loadScene(path), {.split = false});
     render::RayQueries queries(vulkan, packed);
     const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
                      hi = packed.origin + glm::dvec3(packed.boundsHi);

@@ -30,7 +30,7 @@ double cast(const std::vector<glm::vec3>& origins, const std::vector<glm::vec3>&
     constexpr size_t kBlock = 1024;
     hit.resize(origins.size());
     const Timer timer;
-    parallelFor((origins.size() + kBlock - 1) / kBlock, [&](size_t block) {
+    parallelFor(Context{}, (origins.size() + kBlock - 1) / kBlock, [&](size_t block) {
         for (size_t i = block * kBlock; i < std::min(origins.size(), (block + 1) * kBlock); ++i) {
             const glm::vec3 o = origins[i], d = directions[i];
             tinybvh::Ray ray(tinybvh::bvhvec3(o.x, o.y, o.z), tinybvh::bvhvec3(d.x, d.y, d.z));

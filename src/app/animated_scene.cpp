@@ -17,8 +17,8 @@ namespace {
 // The file "-" beside all others.
 class StandardInput : public FileSource {
   public:
-    std::string read(const std::filesystem::path& path) override {
-        if (path != "-") return files_->read(path);
+    std::string read(const std::filesystem::path& path, const Context& context) override {
+        if (path != "-") return files_->read(path, context);
         return {std::istreambuf_iterator<char>(std::cin), {}};
     }
     FileStatus status(const std::filesystem::path& path) override { return files_->status(path); }
@@ -52,7 +52,7 @@ void AnimatedScene::pack() {
     const Stopwatch watch;
     // To find a tree again costs as much memory as it has, and a picture that stands still has no use for it.
     TreeMemory* const memory = loaded_.scene.animation ? &memory_ : nullptr;
-    loaded_.packed = packScene(loaded_.scene, 0, options_.buildQuality, true, memory);
+    loaded_.packed = packScene(loaded_.scene, {options_.buildQuality, true, memory});
     loaded_.packSeconds = watch.seconds();
 }
 

@@ -101,7 +101,7 @@ void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
     const auto cancelled = [&] { return task.options.cancelled(); };
     const int columns = (result.width + stride - 1) / stride, rows = (result.height + stride - 1) / stride;
     std::mutex mutex;
-    parallelFor(static_cast<size_t>(rows), [&](size_t row) {
+    parallelFor(Context{}, static_cast<size_t>(rows), [&](size_t row) {
         std::array<reference::RayTally, reference::kRayClasses> sums;
         const int y = static_cast<int>(row) * stride;
         for (int x = 0; x < result.width && !cancelled(); x += stride) {

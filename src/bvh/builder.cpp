@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "bvh/sah.h"
-#include "core/call_terms.h"
 #include "core/parallel.h"
 #include "shared/layout.h"
 
@@ -48,7 +47,7 @@ struct Plan {
 
 class Builder {
   public:
-    Builder(const std::vector<Box>& boxes, const BvhOptions& options);
+    Builder(const std::vector<Box>& boxes, const BvhOptions& options, const Context& context);
     Bvh build();
 
   private:
@@ -81,6 +80,7 @@ class Builder {
     Bounds boundsOf(uint32_t begin, uint32_t end) const;
 
     BvhOptions options_;
+    const Context& context_;
     uint32_t leafCapacity_ = 1;  // boxes that any leaf may hold
     uint32_t groupLevels_ = 0;   // levels that splitting a small range by group may take
     std::vector<Item> items_;
@@ -88,7 +88,8 @@ class Builder {
     Bvh bvh_;
 };
 
-Builder::Builder(const std::vector<Box>& boxes, const BvhOptions& options) : options_(options) {
+Builder::Builder(const std::vector<Box>& boxes, const BvhOptions& options, const Context& context)
+    : options_(options), context_(context) {
     checkOptions(boxes);
     readBoxes(boxes);
     bvh_.order.resize(boxes.size());
@@ -120,20 +121,17 @@ void Builder::readBoxes(const std::vector<Box>& boxes) {
     items_.resize(boxes.size());
     const size_t chunks = (boxes.size() + kChunk - 1) / kChunk;
     std::vector<Bounds> bounds(chunks);
-    parallelFor(
-        chunks,
-        [&](size_t chunk) {
-            const size_t end = std::min(boxes.size(), (chunk + 1) * kChunk);
-            for (size_t i = chunk * kChunk; i < end; ++i) {
-                const Box& b = boxes[i];
-                items_[i] = {{b.lo.x, b.lo.y, b.lo.z},
-                             static_cast<uint32_t>(i),
-                             {b.hi.x, b.hi.y, b.hi.z},
-                             options_.groups != nullptr ? (*options_.groups)[i] : 0u};
-                bounds[chunk].include(items_[i]);
-            }
-        },
-        options_.threads);
+    parallelFor(context_, chunks, [&](size_t chunk) {
+        const size_t end = std::min(boxes.size(), (chunk + 1) * kChunk);
+        for (size_t i = chunk * kChunk; i < end; ++i) {
+            const Box& b = boxes[i];
+            items_[i] = {{b.lo.x, b.lo.y, b.lo.z},
+                         static_cast<uint32_t>(i),
+                         {b.hi.x, b.hi.y, b.hi.z},
+                         options_.groups != nullptr ? (*options_.groups)[i] : 0u};
+            bounds[chunk].include(items_[i]);
+        }
+    });
     root_.end = static_cast<uint32_t>(boxes.size());
     for (const Bounds& b : bounds) root_.bounds.include(b);
 }
@@ -144,10 +142,10 @@ Bvh Builder::build() {
     std::atomic<size_t> done{0};
     const auto build = [&](size_t i) {
         buildSubtree(subtrees[i]);
-        tellProgress(kTopPart +
-                     (1 - kTopPart) * static_cast<double>(++done) / static_cast<double>(subtrees.size()));
+        context_.report(kTopPart +
+                        (1 - kTopPart) * static_cast<double>(++done) / static_cast<double>(subtrees.size()));
     };
-    parallelFor(subtrees.size(), build, options_.threads);
+    parallelFor(context_, subtrees.size(), build);
     join(subtrees);
     return std::move(bvh_);
 }
@@ -189,7 +187,7 @@ std::vector<Range> Builder::splitLevel(const std::vector<Range>& level) {
         sets[i].clear(options_.bins);
         sets[i].add(&items_[chunks[i].begin], &items_[chunks[i].end - 1] + 1, binnings[chunks[i].range]);
     };
-    parallelFor(chunks.size(), fill, options_.threads);
+    parallelFor(context_, chunks.size(), fill);
 
     std::vector<Range> children(2 * level.size());
     const auto splitOne = [&](size_t r) {
@@ -200,7 +198,7 @@ std::vector<Range> Builder::splitLevel(const std::vector<Range>& level) {
             set.add(sets[static_cast<size_t>(c - chunks.begin())], options_.bins);
         split(level[r], plan(level[r], binnings[r], set), binnings[r], children[2 * r], children[2 * r + 1]);
     };
-    parallelFor(level.size(), splitOne, options_.threads);
+    parallelFor(context_, level.size(), splitOne);
     return children;
 }
 
@@ -256,7 +254,7 @@ void Builder::join(std::vector<Subtree>& subtrees) {
         }
         nodes = {};
     };
-    parallelFor(subtrees.size(), copy, options_.threads);
+    parallelFor(context_, subtrees.size(), copy);
 }
 
 // Fewer bins for few boxes: measured like kMaxSorted, 0.1 % dearer trees in 10 % less time.
@@ -399,9 +397,9 @@ Bounds Builder::boundsOf(uint32_t begin, uint32_t end) const {
 
 }  // namespace
 
-Bvh buildBvh(const std::vector<Box>& boxes, const BvhOptions& options) {
+Bvh buildBvh(const std::vector<Box>& boxes, const BvhOptions& options, const Context& context) {
     if (boxes.empty()) return {};
-    return Builder(boxes, options).build();
+    return Builder(boxes, options, context).build();
 }
 
 }  // namespace glint

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bvh/bvh.h"
+#include "core/context.h"
 
 namespace glint {
 
@@ -12,6 +13,6 @@ namespace glint {
 // on the number of threads. Identical centroids are split by index, so that the leaf size always holds.
 // Throws std::invalid_argument for options out of range, and where maxLevels levels cannot hold that many
 // boxes in leaves of maxLeafSize; kMaxBvhDepth levels hold any number up to 2^31.
-Bvh buildBvh(const std::vector<Box>& boxes, const BvhOptions& options = {});
+Bvh buildBvh(const std::vector<Box>& boxes, const BvhOptions& options = {}, const Context& context = {});
 
 }  // namespace glint

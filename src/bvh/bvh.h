@@ -44,7 +44,6 @@ struct BvhOptions {
     // Cost of a node, in primitive tests. Measured on the mountain of 524 k triangles: packets trace a tenth
     // faster with 2 than with 1.5, single rays are equal; 2 to 5 differ by noise (docs/lab/traversal.md).
     double traversalCost = 2;
-    unsigned threads = 0;  // 0: all
     // Optional, one per box: a leaf never mixes groups (shared::kKind...). Empty: one group.
     const std::vector<uint8_t>* groups = nullptr;
     uint32_t soloGroup = 256;  // each box of this group gets a leaf of its own

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "bvh/stored_box.h"
-#include "core/call_terms.h"
 
 namespace glint {
 namespace {
@@ -31,7 +30,8 @@ void setChild(std::vector<shared::Node>& nodes, uint32_t slot, const Box& tight,
 
 }  // namespace
 
-std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>& kinds) {
+std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>& kinds,
+                                     const Context& context) {
     std::vector<shared::Node> nodes;
     if (bvh.nodes.empty()) return nodes;
     nodes.reserve(bvh.nodes.size() / 2 + 1);
@@ -63,7 +63,7 @@ std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>&
     }
     addChildren(root, 0);
     while (!pending.empty()) {
-        paceLoop(nodes.size());
+        context.pace(nodes.size());
         const Pending next = pending.back();
         pending.pop_back();
         const BvhNode& child = bvh.nodes[next.bvhNode];

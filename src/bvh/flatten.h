@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bvh/bvh.h"
+#include "core/context.h"
 #include "shared/layout.h"
 
 namespace glint {
@@ -13,6 +14,7 @@ namespace glint {
 // array of their kind, and each node knows the slot that follows its subtree. A tree that is a single leaf
 // becomes one node whose second child is kNone with an empty box. `kinds`: one per box, as the tree's groups;
 // empty: all are kKindTriangle.
-std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>& kinds);
+std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>& kinds,
+                                     const Context& context = {});
 
 }  // namespace glint

@@ -14,9 +14,9 @@ using Wide = Collapse<kWidth>::Wide;
 
 // Calls body(i) for each i < count, by several threads in runs of many.
 template <typename Body>
-void forEach(size_t count, const Body& body) {
+void forEach(const Context& context, size_t count, const Body& body) {
     constexpr size_t kRun = 16384;
-    parallelFor((count + kRun - 1) / kRun, [&](size_t part) {
+    parallelFor(context, (count + kRun - 1) / kRun, [&](size_t part) {
         const size_t end = std::min(count, (part + 1) * kRun);
         for (size_t i = part * kRun; i < end; ++i) body(i);
     });
@@ -55,7 +55,7 @@ std::vector<Place> placesOf(const Collapse<kWidth>& collapse) {
 }  // namespace
 
 std::vector<shared::PacketCorner> packetTree(const std::vector<shared::Node>& nodes,
-                                             std::vector<uint32_t>* slots) {
+                                             std::vector<uint32_t>* slots, const Context& context) {
     if (slots != nullptr) slots->clear();
     if (nodes.empty()) return {};
     const Collapse<kWidth> collapse(nodes);
@@ -63,7 +63,7 @@ std::vector<shared::PacketCorner> packetTree(const std::vector<shared::Node>& no
     const std::vector<Place> places = placesOf(collapse);
     std::vector<shared::PacketCorner> corners(places.size() * 2 * kWidth);
     if (slots != nullptr) slots->resize(places.size() * kWidth);
-    forEach(places.size(), [&](size_t place) {
+    forEach(context, places.size(), [&](size_t place) {
         const Wide wide = wideNode(collapse, places[place].node);
         shared::PacketCorner* const node = &corners[place * 2 * kWidth];
         for (uint32_t i = 0; i < kWidth; ++i) {
@@ -78,8 +78,8 @@ std::vector<shared::PacketCorner> packetTree(const std::vector<shared::Node>& no
 }
 
 void refitPacketTree(const std::vector<shared::Node>& nodes, const std::vector<uint32_t>& slots,
-                     std::vector<shared::PacketCorner>& corners) {
-    forEach(slots.size(), [&](size_t i) {
+                     std::vector<shared::PacketCorner>& corners, const Context& context) {
+    forEach(context, slots.size(), [&](size_t i) {
         if (slots[i] == shared::kNone) return;
         const shared::Node& node = nodes[slots[i] / 2];
         shared::PacketCorner* const corner = &corners[i / kWidth * 2 * kWidth + i % kWidth];

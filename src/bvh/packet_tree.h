@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/context.h"
 #include "shared/layout.h"
 
 namespace glint {
@@ -16,10 +17,11 @@ namespace glint {
 // slots: receives for each child of each node, 8 a node, the slot of the binary tree that has it, 2 * node +
 // side, kNone for an absent one; may be null.
 std::vector<shared::PacketCorner> packetTree(const std::vector<shared::Node>& nodes,
-                                             std::vector<uint32_t>* slots = nullptr);
+                                             std::vector<uint32_t>* slots = nullptr,
+                                             const Context& context = {});
 
 // Takes over the boxes of the binary tree that packetTree was made of, or of one with the same children.
 void refitPacketTree(const std::vector<shared::Node>& nodes, const std::vector<uint32_t>& slots,
-                     std::vector<shared::PacketCorner>& corners);
+                     std::vector<shared::PacketCorner>& corners, const Context& context = {});
 
 }  // namespace glint

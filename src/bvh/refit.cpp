@@ -109,17 +109,15 @@ class Run {
 }  // namespace
 
 RefitResult refitNodes(std::span<shared::Node> nodes, double traversalCost,
-                       const std::function<std::optional<Box>(uint32_t child)>& leafBox, unsigned threads) {
+                       const std::function<std::optional<Box>(uint32_t child)>& leafBox,
+                       const Context& context) {
     RefitResult result;
     if (nodes.empty()) return result;
     std::vector<Run> runs((nodes.size() + kRefitChunk - 1) / kRefitChunk);
-    parallelFor(
-        runs.size(),
-        [&](size_t i) {
-            const size_t first = i * kRefitChunk;
-            runs[i].work(nodes, first, std::min(nodes.size(), first + kRefitChunk), leafBox);
-        },
-        threads);
+    parallelFor(context, runs.size(), [&](size_t i) {
+        const size_t first = i * kRefitChunk;
+        runs[i].work(nodes, first, std::min(nodes.size(), first + kRefitChunk), leafBox);
+    });
     CostSum sum;
     for (size_t i = runs.size(); i-- > 0;) {
         runs[i].finishWaiting(nodes);

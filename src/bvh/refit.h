@@ -7,6 +7,7 @@
 #include <span>
 
 #include "bvh/bvh.h"
+#include "core/context.h"
 #include "shared/layout.h"
 
 namespace glint {
@@ -21,6 +22,6 @@ struct RefitResult {
 // stored.
 RefitResult refitNodes(std::span<shared::Node> nodes, double traversalCost,
                        const std::function<std::optional<Box>(uint32_t child)>& leafBox,
-                       unsigned threads = 0);
+                       const Context& context = {});
 
 }  // namespace glint

@@ -29,7 +29,10 @@ struct Move {
 
 class Optimizer {
   public:
-    Optimizer(Bvh& bvh, const ReinsertionOptions& options) : bvh_(bvh), options_(options) { findParents(); }
+    Optimizer(Bvh& bvh, const ReinsertionOptions& options, const Context& context)
+        : bvh_(bvh), options_(options), context_(context) {
+        findParents();
+    }
 
     void run();
 
@@ -53,6 +56,7 @@ class Optimizer {
 
     Bvh& bvh_;
     const ReinsertionOptions& options_;
+    const Context& context_;
     std::vector<uint32_t> parents_;
     std::vector<uint8_t> touched_;
 };
@@ -215,7 +219,7 @@ void Optimizer::run() {
             const size_t end = std::min(candidates.size(), (chunk + 1) * kChunk);
             for (size_t i = chunk * kChunk; i < end; ++i) moves[i] = bestMove(candidates[i]);
         };
-        parallelFor((candidates.size() + kChunk - 1) / kChunk, find, options_.threads);
+        parallelFor(context_, (candidates.size() + kChunk - 1) / kChunk, find);
         std::erase_if(moves, [](const Move& m) { return m.to == kRoot; });
         std::sort(moves.begin(), moves.end(), [](const Move& a, const Move& b) {
             return a.gain > b.gain || (a.gain == b.gain && a.from < b.from);
@@ -271,9 +275,9 @@ void layOut(Bvh& bvh) {
 
 }  // namespace
 
-void reinsertSubtrees(Bvh& bvh, const ReinsertionOptions& options) {
+void reinsertSubtrees(Bvh& bvh, const ReinsertionOptions& options, const Context& context) {
     if (bvh.nodes.size() < 5) return;  // no node has a grandparent
-    Optimizer(bvh, options).run();
+    Optimizer(bvh, options, context).run();
     layOut(bvh);
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "bvh/bvh.h"
+#include "core/context.h"
 
 namespace glint {
 
@@ -12,7 +13,6 @@ struct ReinsertionOptions {
     // Part of all nodes, those with the greatest areas, that each iteration looks for a better place for.
     double batch = 0.05;
     uint32_t maxLevels = 48;  // levels below the root; an iteration that passes it is undone, and the last
-    unsigned threads = 0;     // 0: all
 };
 
 // Takes each subtree of a batch out of the tree and puts it back where the sum of all nodes' areas, and with
@@ -21,6 +21,6 @@ struct ReinsertionOptions {
 // J. Bittner, M. Hapala, V. Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies",
 // Computer Graphics Forum 32(1), 2013; many at a time: D. Meister, J. Bittner, "Parallel Reinsertion for
 // Bounding Volume Hierarchy Optimization", Computer Graphics Forum 37(2), 2018.
-void reinsertSubtrees(Bvh& bvh, const ReinsertionOptions& options = {});
+void reinsertSubtrees(Bvh& bvh, const ReinsertionOptions& options = {}, const Context& context = {});
 
 }  // namespace glint

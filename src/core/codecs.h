@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/context.h"
 #include "core/image_io.h"
 
 namespace glint {
@@ -117,12 +118,14 @@ void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double
 // Memory that is taken only as rows arrive: a file that ends early costs what it held.
 class RowCollector {
   public:
-    RowCollector(int width, int height, int channels);
+    // The context must outlive it.
+    RowCollector(const Context& context, int width, int height, int channels);
     // Space for the samples of the next `count` rows.
     float* next(int count = 1);
     Image take() { return std::move(image_); }
 
   private:
+    const Context& context_;
     Image image_;
     size_t rowSamples_;
 };
@@ -131,16 +134,16 @@ class RowCollector {
 std::vector<float> linearOfCodes(size_t count);
 
 // By libpng. 1 to 16 bits, grey, RGB or palette, with or without alpha; grey with alpha becomes RGBA.
-Image decodePng(ByteView file, uint64_t mostPixels = kMostPicturePixels);
+Image decodePng(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
 // By libjpeg-turbo. Grey, or RGB of whatever colour space.
-Image decodeJpeg(ByteView file, uint64_t mostPixels = kMostPicturePixels);
-Image decodeHdr(ByteView file, uint64_t mostPixels = kMostPicturePixels);
+Image decodeJpeg(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
+Image decodeHdr(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
 // By libwebp: sRGB, with or without alpha, no animations. Refused in builds without it.
-Image decodeWebp(ByteView file, uint64_t mostPixels = kMostPicturePixels);
-Image decodePfm(ByteView file, uint64_t mostPixels = kMostPicturePixels);
+Image decodeWebp(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
+Image decodePfm(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
 
 // By OpenEXR. Of the first part: the channels R, G, B and A if there is colour, else Y, else the channels of
 // the only layer. Tiles, scanlines and every compression; no deep pixels.
-Image decodeExr(ByteView file, uint64_t mostPixels = kMostPicturePixels);
+Image decodeExr(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
 
 }  // namespace glint

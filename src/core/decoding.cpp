@@ -1,5 +1,4 @@
 // Helpers of the decoders.
-#include "core/call_terms.h"
 #include "core/codecs.h"
 #include "core/quantize.h"
 
@@ -18,8 +17,8 @@ void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double
                          std::to_string(fileBytes) + " bytes)");
 }
 
-RowCollector::RowCollector(int width, int height, int channels)
-    : rowSamples_(static_cast<size_t>(width) * static_cast<size_t>(channels)) {
+RowCollector::RowCollector(const Context& context, int width, int height, int channels)
+    : context_(context), rowSamples_(static_cast<size_t>(width) * static_cast<size_t>(channels)) {
     image_.width = width;
     image_.height = height;
     image_.channels = channels;
@@ -27,7 +26,7 @@ RowCollector::RowCollector(int width, int height, int channels)
 }
 
 float* RowCollector::next(int count) {
-    checkCancelled();
+    context_.checkCancelled();
     const size_t before = image_.pixels.size();
     image_.pixels.resize(before + rowSamples_ * static_cast<size_t>(count));
     return image_.pixels.data() + before;

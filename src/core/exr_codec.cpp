@@ -19,7 +19,6 @@
 #include <exception>
 #include <optional>
 
-#include "core/call_terms.h"
 #include "core/codecs.h"
 #include "core/exr_floats.h"
 #include "core/exr_header.h"
@@ -181,26 +180,27 @@ std::vector<std::string> chooseChannels(const Imf::Header& header) {
 
 // The whole picture where these channels are floats, which the newer library reads faster.
 std::optional<Image> readFloats(const Imf::Header& header, const std::vector<std::string>& names, int width,
-                                int height, ByteView file) {
+                                int height, ByteView file, const Context& context) {
     int inFile = 0;
     for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) ++inFile;
     for (const std::string& name : names) {
         const Imf::Channel* const channel = header.channels().findChannel(name);
         if (!channel || channel->type != Imf::FLOAT) return std::nullopt;
     }
-    return readExrFloats(file, {width, height, inFile, header.compression()}, names);
+    return readExrFloats(file, {width, height, inFile, header.compression()}, names, context);
 }
 
-Image readPart(Imf::InputPart& part, ByteView file) {
+Image readPart(Imf::InputPart& part, ByteView file, const Context& context) {
     const Imf::Header& header = part.header();
     if (header.hasType() && Imf::isDeepData(header.type()))
         throw CodecError("EXR files with deep pixels are not supported");
     const std::vector<std::string> names = chooseChannels(header);
     const auto& window = header.dataWindow();
     const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
-    if (std::optional<Image> image = readFloats(header, names, width, height, file)) return std::move(*image);
+    if (std::optional<Image> image = readFloats(header, names, width, height, file, context))
+        return std::move(*image);
     const size_t channels = names.size();
-    RowCollector rows(width, height, static_cast<int>(channels));
+    RowCollector rows(context, width, height, static_cast<int>(channels));
     const size_t xStride = channels * sizeof(float), yStride = xStride * static_cast<size_t>(width);
     Imf::FrameBuffer target;
     for (size_t c = 0; c < channels; ++c) {
@@ -379,14 +379,14 @@ Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels, const P
     return std::move(sink.bytes);
 }
 
-Image decodeExr(ByteView file, uint64_t mostPixels) {
+Image decodeExr(ByteView file, uint64_t mostPixels, const Context& context) {
     try {
         makePool();
         checkHeaders(file, mostPixels);
         MemoryReader stream(file);
         Imf::MultiPartInputFile parts(stream, 0, false);
         Imf::InputPart part(parts, 0);
-        return readPart(part, file);
+        return readPart(part, file, context);
     } catch (const CodecError&) {
         throw;
     } catch (const Cancelled&) {

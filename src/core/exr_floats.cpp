@@ -111,11 +111,11 @@ std::optional<int> firstRow(exr_const_context_t context, const ExrShape& shape) 
 }  // namespace
 
 std::optional<Image> readExrFloats(ByteView file, const ExrShape& shape,
-                                   const std::vector<std::string>& channels) {
+                                   const std::vector<std::string>& channels, const Context& context) {
     Reader reader(file);
     const std::optional<int> first = reader.isOpen() ? firstRow(reader.context(), shape) : std::nullopt;
     if (!first) return std::nullopt;
-    RowCollector rows(shape.width, shape.height, static_cast<int>(channels.size()));
+    RowCollector rows(context, shape.width, shape.height, static_cast<int>(channels.size()));
     const size_t rowSamples = static_cast<size_t>(shape.width) * channels.size();
     for (int y = 0; y < shape.height;) {
         exr_chunk_info_t chunk{};

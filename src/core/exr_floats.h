@@ -20,6 +20,6 @@ struct ExrShape {
 // that are not compressed, or by runs or deflate. Nothing if this library does not take the file, or takes it
 // for another: what is wrong with it, if anything, the older one says.
 std::optional<Image> readExrFloats(ByteView file, const ExrShape& shape,
-                                   const std::vector<std::string>& channels);
+                                   const std::vector<std::string>& channels, const Context& context = {});
 
 }  // namespace glint

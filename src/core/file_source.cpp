@@ -14,7 +14,9 @@ namespace fs = std::filesystem;
 
 class FileSystem : public FileSource {
   public:
-    std::string read(const fs::path& path) override { return readWholeFile(path); }
+    std::string read(const fs::path& path, const Context& context) override {
+        return readWholeFile(path, context);
+    }
 
     FileStatus status(const fs::path& path) override {
         std::error_code code;

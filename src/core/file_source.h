@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "core/context.h"
+
 namespace glint {
 
 struct FileStatus {
@@ -21,7 +23,7 @@ class FileSource {
 
     // The bytes of a regular file that is not empty; throws Error(Scene), as readWholeFile
     // (core/text_file.h).
-    virtual std::string read(const std::filesystem::path& path) = 0;
+    virtual std::string read(const std::filesystem::path& path, const Context& context) = 0;
     virtual FileStatus status(const std::filesystem::path& path) = 0;
     // Absolute, with links followed as far as there are files. Throws Error(Scene) "PATH: cannot be read:
     // "...

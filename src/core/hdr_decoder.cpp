@@ -17,7 +17,8 @@ constexpr double kMostExposure = 1e30, kMostUnit = 1e36;  // 256 of the latter a
 
 class HdrReader {
   public:
-    HdrReader(ByteView file, uint64_t mostPixels) : file_(file), mostPixels_(mostPixels) {}
+    HdrReader(ByteView file, uint64_t mostPixels, const Context& context)
+        : file_(file), mostPixels_(mostPixels), context_(context) {}
 
     Image read() {
         readHeader();
@@ -27,7 +28,7 @@ class HdrReader {
         // least; beyond 1024, of any other format, no file is believed.
         const double perByte = std::clamp(static_cast<double>(width_) / 8, 127.0 / 8, 1024.0);
         checkDeclaredSize(width_, height_, file_.size(), perByte, mostPixels_);
-        RowCollector rows(static_cast<int>(width_), static_cast<int>(height_), 3);
+        RowCollector rows(context_, static_cast<int>(width_), static_cast<int>(height_), 3);
         std::vector<uint8_t> pixels(4 * width_);
         for (size_t y = 0; y < height_; ++y) {
             if (isRunLengthEncoded())
@@ -183,6 +184,7 @@ class HdrReader {
 
     ByteView file_;
     uint64_t mostPixels_;
+    const Context& context_;
     size_t position_ = 0;
     size_t width_ = 0, height_ = 0;
     double exposure_ = 1;
@@ -192,8 +194,8 @@ class HdrReader {
 
 }  // namespace
 
-Image decodeHdr(ByteView file, uint64_t mostPixels) {
-    return HdrReader(file, mostPixels).read();
+Image decodeHdr(ByteView file, uint64_t mostPixels, const Context& context) {
+    return HdrReader(file, mostPixels, context).read();
 }
 
 }  // namespace glint

@@ -231,15 +231,15 @@ bool startsWith(ByteView file, std::string_view magic) {
                       [](char c, uint8_t byte) { return static_cast<uint8_t>(c) == byte; });
 }
 
-Image decode(ByteView file, uint64_t mostPixels) {
+Image decode(ByteView file, uint64_t mostPixels, const Context& context) {
     if (file.empty()) throw CodecError("the file is empty");
-    if (startsWith(file, "\x89PNG\r\n\x1a\n")) return decodePng(file, mostPixels);
-    if (startsWith(file, "\xff\xd8\xff")) return decodeJpeg(file, mostPixels);
-    if (startsWith(file, "\x76\x2f\x31\x01")) return decodeExr(file, mostPixels);
-    if (startsWith(file, "#?")) return decodeHdr(file, mostPixels);
+    if (startsWith(file, "\x89PNG\r\n\x1a\n")) return decodePng(file, mostPixels, context);
+    if (startsWith(file, "\xff\xd8\xff")) return decodeJpeg(file, mostPixels, context);
+    if (startsWith(file, "\x76\x2f\x31\x01")) return decodeExr(file, mostPixels, context);
+    if (startsWith(file, "#?")) return decodeHdr(file, mostPixels, context);
     if (startsWith(file, "RIFF") && file.size() > 12 && startsWith(file.subspan(8), "WEBP"))
-        return decodeWebp(file, mostPixels);
-    if (startsWith(file, "PF") || startsWith(file, "Pf")) return decodePfm(file, mostPixels);
+        return decodeWebp(file, mostPixels, context);
+    if (startsWith(file, "PF") || startsWith(file, "Pf")) return decodePfm(file, mostPixels, context);
     throw CodecError("not a picture of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)");
 }
 
@@ -285,13 +285,14 @@ std::vector<fs::path> writeLayers(const fs::path& path, const std::vector<Layer>
     return paths;
 }
 
-Image decodeImage(std::span<const uint8_t> bytes, const std::string& name, uint64_t mostPixels) {
-    return withPath(name, [&] { return decode(bytes, std::min(mostPixels, kMostPixels)); });
+Image decodeImage(std::span<const uint8_t> bytes, const std::string& name, uint64_t mostPixels,
+                  const Context& context) {
+    return withPath(name, [&] { return decode(bytes, std::min(mostPixels, kMostPixels), context); });
 }
 
 Image readImage(const fs::path& path, uint64_t mostPixels) {
     const Bytes file = readFile(path);
-    return withPath(path, [&] { return decode(file, std::min(mostPixels, kMostPixels)); });
+    return withPath(path, [&] { return decode(file, std::min(mostPixels, kMostPixels), {}); });
 }
 
 }  // namespace glint

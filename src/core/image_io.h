@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/context.h"
 #include "core/image.h"
 
 namespace glint {
@@ -45,6 +46,7 @@ std::vector<std::filesystem::path> layerPaths(const std::filesystem::path& path,
 Image readImage(const std::filesystem::path& path, uint64_t mostPixels = kMostPixels);
 
 // Decodes the bytes of such a file; `name` stands for it in messages.
-Image decodeImage(std::span<const uint8_t> bytes, const std::string& name, uint64_t mostPixels = kMostPixels);
+Image decodeImage(std::span<const uint8_t> bytes, const std::string& name, uint64_t mostPixels = kMostPixels,
+                  const Context& context = {});
 
 }  // namespace glint

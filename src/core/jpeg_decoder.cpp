@@ -11,7 +11,6 @@
 #include <array>
 #include <optional>
 
-#include "core/call_terms.h"
 #include "core/codecs.h"
 
 namespace glint {
@@ -29,6 +28,7 @@ struct Failure {
     std::array<char, JMSG_LENGTH_MAX> message{};
     bool truncated = false;
     bool cancelled = false;
+    const Context* context = nullptr;
 };
 
 Failure& failureOf(j_common_ptr info) {
@@ -60,14 +60,16 @@ void onMessage(j_common_ptr info, int level) {
 
 // Progressive files are read as a whole before the first row. No exception may pass libjpeg's frames.
 void onProgress(j_common_ptr info) {
-    if ((failureOf(info).cancelled = callCancelled())) std::longjmp(failureOf(info).back, 1);
+    if ((failureOf(info).cancelled = failureOf(info).context->isCancelled()))
+        std::longjmp(failureOf(info).back, 1);
     if (reinterpret_cast<j_decompress_ptr>(info)->input_scan_number <= kMostScans) return;
     info->err->msg_code = JERR_BAD_PROGRESSION;
     fail(info);
 }
 
 struct Decoder {
-    Decoder() {
+    explicit Decoder(const Context& context) {
+        failure.context = &context;
         info.err = jpeg_std_error(&errors);
         errors.error_exit = fail;
         errors.emit_message = onMessage;
@@ -142,15 +144,15 @@ void run(Decoder& decoder, Step step) {
 
 }  // namespace
 
-Image decodeJpeg(ByteView file, uint64_t mostPixels) {
-    Decoder decoder;
+Image decodeJpeg(ByteView file, uint64_t mostPixels, const Context& context) {
+    Decoder decoder(context);
     jpeg_decompress_struct& info = decoder.info;
     run(decoder, [&] { start(decoder, file); });
     checkDeclaredSize(info.image_width, info.image_height, file.size(), kMostPixelsPerByte, mostPixels);
     run(decoder, [&] { startRows(decoder); });
     const auto stored = static_cast<size_t>(info.output_components);
     decoder.row.resize(stored * info.output_width);
-    decoder.rows.emplace(static_cast<int>(info.output_width), static_cast<int>(info.output_height),
+    decoder.rows.emplace(context, static_cast<int>(info.output_width), static_cast<int>(info.output_height),
                          stored == 1 ? 1 : 3);
     while (info.output_scanline < info.output_height) {
         uint8_t* row = decoder.row.data();

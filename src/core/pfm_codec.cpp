@@ -125,7 +125,7 @@ Bytes encodePfm(const Image& image) {
     return file;
 }
 
-Image decodePfm(ByteView file, uint64_t mostPixels) {
+Image decodePfm(ByteView file, uint64_t mostPixels, const Context&) {
     HeaderReader header(file);
     const int channels = header.word() == "PF" ? 3 : 1;
     const int width = header.number<int>("width");

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <optional>
 
-#include "core/call_terms.h"
 #include "core/codecs.h"
 
 namespace glint {
@@ -23,12 +22,13 @@ constexpr png_byte kIgnored[] =
     "zTXt";
 
 struct Decoder {
-    explicit Decoder(ByteView source) : file(source) {}
+    Decoder(ByteView source, const Context& terms) : file(source), context(terms) {}
     ~Decoder() { png_destroy_read_struct(&png, &info, nullptr); }
     Decoder(const Decoder&) = delete;
     Decoder& operator=(const Decoder&) = delete;
 
     ByteView file;
+    const Context& context;
     size_t position = 0;
     png_structp png = nullptr;
     png_infop info = nullptr;
@@ -57,7 +57,8 @@ void readBytes(png_structp png, png_bytep data, size_t size) {
         png_error(png, "truncated");
     }
     // Rows of an interlaced picture come all at once. No exception may pass libpng's frames.
-    if (decoder.interlaced && (decoder.cancelled = callCancelled())) png_error(png, "cancelled");
+    if (decoder.interlaced && (decoder.cancelled = decoder.context.isCancelled()))
+        png_error(png, "cancelled");
     std::memcpy(data, decoder.file.data() + decoder.position, size);
     decoder.position += size;
 }
@@ -121,8 +122,8 @@ void readInterlaced(Decoder& decoder) {
 
 }  // namespace
 
-Image decodePng(ByteView file, uint64_t mostPixels) {
-    Decoder decoder(file);
+Image decodePng(ByteView file, uint64_t mostPixels, const Context& context) {
+    Decoder decoder(file, context);
     decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, onError, onWarning);
     decoder.info = decoder.png == nullptr ? nullptr : png_create_info_struct(decoder.png);
     if (decoder.info == nullptr) throw std::bad_alloc();
@@ -134,7 +135,7 @@ Image decodePng(ByteView file, uint64_t mostPixels) {
     checkDeclaredSize(decoder.width, decoder.height, file.size(), kMostPixelsPerByte / bits, mostPixels);
     run(decoder, [&] { startRows(decoder); });
 
-    RowCollector rows(static_cast<int>(decoder.width), static_cast<int>(decoder.height),
+    RowCollector rows(context, static_cast<int>(decoder.width), static_cast<int>(decoder.height),
                       static_cast<int>(decoder.channels));
     const std::vector<float> linear = linearOfCodes(decoder.wide ? 65536 : 256);
     if (decoder.interlaced)

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <memory>
 
-#include "core/call_terms.h"
 #include "core/error.h"
 
 namespace glint {
@@ -74,7 +73,7 @@ void checkFile(const std::filesystem::path& path) {
     if (!std::filesystem::is_regular_file(status)) fail(path, "is not a regular file");
 }
 
-std::string readWholeFile(const std::filesystem::path& path) {
+std::string readWholeFile(const std::filesystem::path& path, const Context& context) {
     checkFile(path);
     std::error_code code;
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
@@ -85,7 +84,7 @@ std::string readWholeFile(const std::filesystem::path& path) {
     std::string bytes;
     bytes.reserve(size);
     for (size_t got = kPiece, done = 0; got == kPiece && done < size; done += got) {
-        checkCancelled();
+        context.checkCancelled();
         bytes.resize(std::min<size_t>(size, done + kPiece));
         got = std::fread(bytes.data() + done, 1, bytes.size() - done, file.get());
         bytes.resize(done + got);

@@ -5,11 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include "core/context.h"
+
 namespace glint {
 
 // The bytes of a regular file. Throws Error(Scene): "PATH: no such file", "is a folder, not a file", "the
 // file is empty" ...
-std::string readWholeFile(const std::filesystem::path& path);
+std::string readWholeFile(const std::filesystem::path& path, const Context& context = {});
 
 // Throws what readWholeFile throws for a path that is no regular file, without reading it.
 void checkFile(const std::filesystem::path& path);

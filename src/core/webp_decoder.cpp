@@ -9,7 +9,7 @@ namespace glint {
 
 #if GLINT_WEBP
 
-Image decodeWebp(ByteView file, uint64_t mostPixels) {
+Image decodeWebp(ByteView file, uint64_t mostPixels, const Context&) {
     WebPBitstreamFeatures features;
     if (WebPGetFeatures(file.data(), file.size(), &features) != VP8_STATUS_OK || features.has_animation)
         throw CodecError("the file is damaged or of a kind that is not supported (WebP)");
@@ -33,7 +33,7 @@ Image decodeWebp(ByteView file, uint64_t mostPixels) {
 
 #else
 
-Image decodeWebp(ByteView, uint64_t) {
+Image decodeWebp(ByteView, uint64_t, const Context&) {
     throw CodecError("WebP is not read by this build (it needs libwebp-dev and GLINT_WEBP)");
 }
 

@@ -67,8 +67,8 @@ auto RecordedFiles::answered(uint8_t question, const fs::path& path, const Ask& 
     }
 }
 
-std::string RecordedFiles::read(const fs::path& path) {
-    std::string bytes = answered(kRead, path, [&] { return files_->read(path); });
+std::string RecordedFiles::read(const fs::path& path, const Context& context) {
+    std::string bytes = answered(kRead, path, [&] { return files_->read(path, context); });
     flush();
     return bytes;
 }
@@ -120,7 +120,7 @@ void ReplayedFiles::expect(uint8_t question, const fs::path& path) {
     throw Error(kind, text());
 }
 
-std::string ReplayedFiles::read(const fs::path& path) {
+std::string ReplayedFiles::read(const fs::path& path, const Context&) {
     expect(kRead, path);
     return text();
 }

@@ -19,7 +19,7 @@ class RecordedFiles : public FileSource {
     RecordedFiles(std::shared_ptr<FileSource> files, std::function<void(const Bytes&)> publish)
         : files_(std::move(files)), publish_(std::move(publish)) {}
 
-    std::string read(const std::filesystem::path& path) override;
+    std::string read(const std::filesystem::path& path, const Context& context) override;
     FileStatus status(const std::filesystem::path& path) override;
     std::filesystem::path real(const std::filesystem::path& path) override;
 
@@ -41,7 +41,7 @@ class ReplayedFiles : public FileSource {
     // `next` waits for the next piece of the stream.
     explicit ReplayedFiles(std::function<Bytes()> next) : next_(std::move(next)) {}
 
-    std::string read(const std::filesystem::path& path) override;
+    std::string read(const std::filesystem::path& path, const Context& context) override;
     FileStatus status(const std::filesystem::path& path) override;
     std::filesystem::path real(const std::filesystem::path& path) override;
 

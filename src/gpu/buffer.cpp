@@ -114,7 +114,7 @@ Buffer::Buffer(const Device& device, const std::string& name, uint64_t bytes, Ac
     state_->bytes = texels(bytes) * kTexelBytes;
     state_->access = access;
     state_->kind = memory;
-    state_->charge = chargeMemory(state_->bytes);
+    state_->charge = device.context().charge(state_->bytes);
     try {
         createBuffer(*state_, owner);
         allocate(*state_, owner);

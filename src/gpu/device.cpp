@@ -87,13 +87,15 @@ void DeviceState::closeDevice() {
 Device::Device(const DeviceOptions& options) : state_(std::make_unique<DeviceState>()) {
     state_->log = std::make_shared<ValidationLog>();
     state_->keepsPrograms = options.keepPrograms;
+    state_->context = options.context;
     state_->instance = std::make_unique<Instance>(options.validation ? state_->log.get() : nullptr,
                                                   options.window.instanceExtensions);
     if (options.window.makeSurface && state_->instance->get() != VK_NULL_HANDLE) {
         // Through a pointer on 64-bit machines, a number on 32-bit ones: a C cast means either.
         state_->surface = (VkSurfaceKHR)options.window.makeSurface(state_->instance->get());
     }
-    const std::vector<PhysicalDevice> devices = queryDevices(*state_->instance, state_->surface);
+    const std::vector<PhysicalDevice> devices =
+        queryDevices(*state_->instance, state_->surface, options.onlyLeastLimits);
     state_->physical = devices[chooseDevice(infos(devices), options.selector).index];
     openDevice(*state_);
 }
@@ -101,6 +103,10 @@ Device::Device(const DeviceOptions& options) : state_(std::make_unique<DeviceSta
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
 Device& Device::operator=(Device&&) noexcept = default;
+
+const Context& Device::context() const {
+    return state_->context;
+}
 
 const DeviceInfo& Device::info() const {
     return state_->physical.info;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/context.h"
 #include "core/error.h"
 #include "gpu/probe.h"
 
@@ -57,6 +58,9 @@ struct DeviceOptions {
     bool validation = false;   // validation layer with synchronization validation; its messages are collected
     WindowSystem window = {};  // for a device that presents, see swapchain.h
     bool keepPrograms = true;  // a kernel like one that was compiled before is not compiled again
+    // The device takes only what Vulkan 1.1 requires of every device, whatever its own limits are.
+    bool onlyLeastLimits = false;
+    Context context = {};  // threads and memory account for all that is done with the device
 };
 
 // The device was reset, or its driver crashed: all that was made from it is void, a new Device may work.
@@ -86,6 +90,7 @@ class Device {
     Device& operator=(Device&&) noexcept;
 
     const DeviceInfo& info() const;
+    const Context& context() const;
     // Computes 2^16 cases the first time that a device of this name and driver is asked: milliseconds.
     // Throws Error(Device) as any kernel may.
     const Arithmetic& arithmetic() const;

@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "core/call_terms.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "gpu/handle.h"
@@ -56,8 +55,9 @@ struct PhysicalDevice {
     VkPhysicalDeviceMemoryProperties memory{};
 };
 
-// With a surface, a device that cannot present to it is refused.
-std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface = VK_NULL_HANDLE);
+// With a surface, a device that cannot present to it is refused. onlyLeastLimits: see DeviceOptions.
+std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface = VK_NULL_HANDLE,
+                                         bool onlyLeastLimits = false);
 
 // ---- states of the public types ----
 
@@ -128,6 +128,7 @@ struct DeviceState : DeviceContext {
     // Shared, so that a test can read what is said while the device is destroyed.
     std::shared_ptr<ValidationLog> log;
     std::unique_ptr<Instance> instance;
+    Context context;
     VkSurfaceKHR surface = VK_NULL_HANDLE;  // null for a device that does not present
     PhysicalDevice physical;
     VkQueue queue = VK_NULL_HANDLE;

@@ -1,7 +1,5 @@
 // DeviceInfo from what Vulkan tells of each physical device.
 #include <algorithm>
-#include <cstdlib>
-#include <string_view>
 
 #include "core/error.h"
 #include "gpu/device_state.h"
@@ -62,15 +60,6 @@ void fillLimits(DeviceLimits& out, const VkPhysicalDeviceLimits& limits) {
     out.timestampPeriod = static_cast<double>(limits.timestampPeriod);
 }
 
-// The environment variable GLINT_LIMITS, with which any machine shows what the humblest device would do.
-bool leastAreWanted() {
-    const char* const wanted = std::getenv("GLINT_LIMITS");
-    if (wanted == nullptr || *wanted == '\0') return false;
-    if (std::string_view(wanted) == "minimum") return true;
-    throw Error(ErrorKind::Argument,
-                std::string("GLINT_LIMITS: expected minimum, or nothing, got \"") + wanted + "\"");
-}
-
 // Queries that need Vulkan 1.1: driver, allocation size, subgroups.
 void queryVulkan11(const InstanceTable& vk, PhysicalDevice& device,
                    const std::vector<VkExtensionProperties>& extensions) {
@@ -125,7 +114,7 @@ std::vector<VkBool32> presentingFamilies(const InstanceTable& vk, VkPhysicalDevi
 }
 
 PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, uint32_t index,
-                           VkSurfaceKHR surface) {
+                           VkSurfaceKHR surface, bool onlyLeastLimits) {
     const InstanceTable& vk = instance.vk();
     PhysicalDevice device;
     device.handle = handle;
@@ -168,7 +157,7 @@ PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, ui
         device.timestampBits = families[*family].timestampValidBits;
     }
     if (device.timestampBits == 0) info.limits.timestampPeriod = 0;
-    if (leastAreWanted()) info.limits = leastLimits(info.limits);
+    if (onlyLeastLimits) info.limits = leastLimits(info.limits);
     info.reason = refusal(properties.apiVersion, computes, info.limits);
     if (info.reason.empty() && !family) info.reason = "cannot show pictures in this window";
     info.usable = info.reason.empty();
@@ -178,10 +167,12 @@ PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, ui
 
 }  // namespace
 
-std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface) {
+std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface,
+                                         bool onlyLeastLimits) {
     std::vector<PhysicalDevice> devices;
     for (VkPhysicalDevice handle : instance.physicalDevices()) {
-        devices.push_back(queryDevice(instance, handle, static_cast<uint32_t>(devices.size()), surface));
+        devices.push_back(
+            queryDevice(instance, handle, static_cast<uint32_t>(devices.size()), surface, onlyLeastLimits));
     }
     return devices;
 }

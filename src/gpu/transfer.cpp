@@ -10,9 +10,9 @@ namespace {
 
 // Pages that nobody has touched are most of the time of a large copy; several threads touch them side by
 // side.
-void copy(std::byte* to, const std::byte* from, size_t bytes) {
+void copy(const Context& context, std::byte* to, const std::byte* from, size_t bytes) {
     constexpr size_t kPiece = size_t{4} << 20;
-    parallelFor((bytes + kPiece - 1) / kPiece, [&](size_t piece) {
+    parallelFor(context, (bytes + kPiece - 1) / kPiece, [&](size_t piece) {
         const size_t first = piece * kPiece;
         std::memcpy(to + first, from + first, std::min(kPiece, bytes - first));
     });
@@ -35,7 +35,7 @@ void upload(const Device& device, const Buffer& destination, std::span<const std
     checkRange("an upload", destination, offset, data.size());
     if (data.empty()) return;
     if (std::byte* host = destination.state().host) {
-        copy(host + offset, data.data(), data.size());
+        copy(device.context(), host + offset, data.data(), data.size());
         return;
     }
     const std::lock_guard lock(device.state().stagingMutex);
@@ -53,7 +53,7 @@ void download(const Device& device, const Buffer& source, std::span<std::byte> d
     checkRange("a download", source, offset, data.size());
     if (data.empty()) return;
     if (const std::byte* host = source.state().host) {
-        copy(data.data(), host + offset, data.size());
+        copy(device.context(), data.data(), host + offset, data.size());
         return;
     }
     const std::lock_guard lock(device.state().stagingMutex);

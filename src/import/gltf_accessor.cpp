@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/call_terms.h"
 #include "import/binary_numbers.h"
 
 namespace glint {
@@ -134,7 +133,7 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
         takeMemory(file, accessor, count, numbers.components);
         numbers.values.resize(count * numbers.components);
         for (size_t i = 0; i < count; i++) {
-            paceLoop(i);
+            file.files().context().pace(i);
             for (size_t k = 0; k < numbers.components; k++)
                 numbers.values[i * numbers.components + k] = source.at(i, k);
         }

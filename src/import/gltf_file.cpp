@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/binary_numbers.h"
@@ -47,14 +46,14 @@ int base64Digit(char c) {
     return -1;
 }
 
-std::optional<std::string> decodeBase64(std::string_view text) {
+std::optional<std::string> decodeBase64(const Context& context, std::string_view text) {
     while (!text.empty() && text.back() == '=') text.remove_suffix(1);
     std::string bytes;
     bytes.reserve(text.size() / 4 * 3 + 2);
     uint32_t bits = 0;
     int held = 0;
     for (size_t i = 0; i < text.size(); i++) {
-        paceLoop(i);
+        context.pace(i);
         const int digit = base64Digit(text[i]);
         if (digit < 0) return std::nullopt;
         bits = (bits << 6) | static_cast<uint32_t>(digit);
@@ -94,8 +93,8 @@ GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
     if (!binary && lowerExtension(path) == ".glb" && !std::string_view(text_).starts_with('{'))
         failFile(name_, "neither GLB, which starts with \"glTF\", nor glTF's JSON");
     {
-        const ProgressPart part(0, 0.2);
-        document_ = parseJson(text_, name_);
+        const ProgressPart part(files_, 0, 0.2);
+        document_ = parseJson(text_, name_, files_.context());
     }
     root_.emplace(document_, name_);
     root_->expectObject();
@@ -194,7 +193,7 @@ std::string GltfFile::readUri(const JsonCursor& uri, bool picture) {
         const size_t comma = text.find(',');
         if (comma == std::string::npos || !text.substr(0, comma).ends_with(";base64"))
             uri.fail("a data: URI must be data:TYPE;base64,...");
-        auto bytes = decodeBase64(std::string_view(text).substr(comma + 1));
+        auto bytes = decodeBase64(files_.context(), std::string_view(text).substr(comma + 1));
         if (!bytes) uri.fail("the base64 data hold a character that is not base64");
         return std::move(*bytes);
     }

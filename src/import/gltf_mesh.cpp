@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "core/call_terms.h"
 #include "core/room.h"
 #include "import/gltf_file.h"
 
@@ -31,7 +30,7 @@ class MeshReader {
         for (size_t i = 0; i < primitives.size(); i++) {
             const JsonCursor primitive = primitives.item(i);
             primitive.expectObject();
-            const ProgressPart part = ProgressPart::step(i, primitives.size());
+            const ProgressPart part(file_.files(), i, primitives.size());
             readPrimitive(primitive);
         }
         if (mesh_.corners.empty()) return nullptr;
@@ -42,6 +41,8 @@ class MeshReader {
     }
 
   private:
+    const Context& context() const { return file_.files().context(); }
+
     void readPrimitive(const JsonCursor& primitive) {
         const auto modeCursor = primitive.find("mode");
         const int mode = modeCursor ? modeCursor->integer(kPoints, kTriangleFan) : kTriangles;
@@ -66,14 +67,14 @@ class MeshReader {
         const auto material = primitive.find("material");
         const GltfMaterials::Use use = materials_.use(material);
         const Range positions = append(mesh_.positions, positions_, *position, {"VEC3"}, vector);
-        tellProgress(0.3);
+        context().report(0.3);
         const auto normal = attributes.find("NORMAL");
         const Range normals = normal ? append(mesh_.normals, normals_, *normal, {"VEC3"}, vector) : Range{};
         const std::string uvName = "TEXCOORD_" + std::to_string(use.texCoord);
         const auto uv = use.needsTexCoord ? attributes.find(uvName) : std::nullopt;
         if (use.needsTexCoord && !uv)
             file_.warn(attributes.pointer() + ": no " + uvName + ", which its material's texture goes by");
-        tellProgress(0.5);
+        context().report(0.5);
         const Range uvs = uv ? readUvs(*uv, use) : Range{};
         const auto color = attributes.find("COLOR_0");
         const Range colors = color ? readColors(*color) : Range{};
@@ -92,9 +93,9 @@ class MeshReader {
             mesh_.colorCorners.push_back(cornersOf(colors));
             mesh_.materials.push_back(use.material);
         };
-        tellProgress(0.6);
+        context().report(0.6);
         const std::vector<uint32_t> order = vertexOrder(primitive, positions.count);
-        tellProgress(0.8);
+        context().report(0.8);
         assemble(compressed && readsDraco() ? kTriangles : mode, order, add);
     }
 
@@ -116,16 +117,16 @@ class MeshReader {
 
     // Section 3.7.2.1. Corners repeated to join strips make no triangle.
     template <typename Add>
-    static void assemble(int mode, const std::vector<uint32_t>& v, const Add& add) {
+    void assemble(int mode, const std::vector<uint32_t>& v, const Add& add) {
         if (mode == kTriangles) {
             for (size_t i = 0; i + 2 < v.size(); i += 3) {
-                paceLoop(i / 3);
+                context().pace(i / 3);
                 add({v[i], v[i + 1], v[i + 2]});
             }
             return;
         }
         for (size_t i = 0; i + 2 < v.size(); i++) {
-            paceLoop(i);
+            context().pace(i);
             const glm::uvec3 corners = mode == kTriangleFan
                                            ? glm::uvec3(v[i + 1], v[i + 2], v[0])
                                            : glm::uvec3(v[i], v[i + 1 + i % 2], v[i + 2 - i % 2]);
@@ -144,7 +145,7 @@ class MeshReader {
         const Range range{static_cast<uint32_t>(array.size()), numbers.count};
         reserveMore(array, numbers.count);
         for (size_t i = 0; i < numbers.count; i++) {
-            paceLoop(i);
+            context().pace(i);
             array.push_back(convert(&numbers.values[i * numbers.components], numbers.components));
         }
         return known[accessor] = range;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/call_terms.h"
 #include "core/error.h"
 #include "import/gltf_animation.h"
 #include "import/gltf_file.h"
@@ -349,9 +348,9 @@ class GltfScene::Reader {
     // Reads the meshes of the instances. An animated file also needs those of vanishing instances, which may
     // grow.
     void readMeshes(GltfMaterials& materials) {
-        const ProgressPart all(0.2, 1);  // the JSON text is done
+        const ProgressPart all(file_.files(), 0.2, 1);  // the JSON text is done
         for (size_t i = 0; i < instances_.size(); i++) {
-            const ProgressPart part = ProgressPart::step(i, instances_.size());
+            const ProgressPart part(file_.files(), i, instances_.size());
             const Instance& instance = instances_[i];
             if (meshes_.count(instance.mesh) == 0 && (!channels_.empty() || !vanishes(instance.place.linear)))
                 meshes_[instance.mesh] = readGltfMesh(file_, materials, instance.mesh);

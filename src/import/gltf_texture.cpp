@@ -48,8 +48,9 @@ std::shared_ptr<const Image> GltfMaterials::image(size_t index) {
             uri ? owned : file_.bufferView(file_.index(GltfList::BufferViews, image.require("bufferView")));
         if (!known(bytes)) image.fail("neither PNG, JPEG nor WebP");
         const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
-        decoded = std::make_shared<const Image>(decodeImage(
-            {data, bytes.size()}, file_.name() + ": " + image.pointer(), file_.files().mostPixels()));
+        decoded = std::make_shared<const Image>(
+            decodeImage({data, bytes.size()}, file_.name() + ": " + image.pointer(),
+                        file_.files().mostPixels(), file_.files().context()));
         file_.files().takePicture(*decoded);
     } catch (const Error& error) {
         file_.warnOf(error, "drawn without this picture");

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/text_scanner.h"
@@ -210,7 +209,7 @@ std::vector<std::string> stepsOf(std::string_view pointer) {
     return steps;
 }
 
-JsonValue parseJson(std::string_view text, const std::string& file) {
+JsonValue parseJson(std::string_view text, const std::string& file, const Context& context) {
     text = withoutByteOrderMark(text, file);
     if (text.size() > kMaxJsonBytes)
         throw Error(ErrorKind::Scene, file + ": larger than " + std::to_string(kMaxJsonBytes >> 20) +
@@ -219,7 +218,7 @@ JsonValue parseJson(std::string_view text, const std::string& file) {
         throw Error(ErrorKind::Scene, file + ": the file is empty");
     const char* furthest = text.data();
     TreeBuilder builder(text, file, furthest);
-    ReadingPace pace(text.data(), text.data() + text.size());
+    ReadingPace pace(context, text.data(), text.data() + text.size());
     nlohmann::json::sax_parse(TrackedChar{text.data(), &furthest, &pace},
                               TrackedChar{text.data() + text.size(), &furthest, &pace}, &builder,
                               nlohmann::json::input_format_t::json, true, true);

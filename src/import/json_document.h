@@ -35,7 +35,7 @@ struct JsonValue {
 // Throws Error(Scene) "FILE:LINE:COLUMN: ..." for anything that is not JSON, for a key that stands twice in
 // one object, and for text nested or sized beyond limits.h. `file` stands for the file in messages; columns
 // count characters.
-JsonValue parseJson(std::string_view text, const std::string& file);
+JsonValue parseJson(std::string_view text, const std::string& file, const Context& context = {});
 
 // The steps of a JSON pointer (RFC 6901), unescaped: "/a~1b/0" has the steps "a/b" and "0".
 std::vector<std::string> stepsOf(std::string_view pointer);

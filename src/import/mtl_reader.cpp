@@ -47,8 +47,9 @@ bool readNumber(std::string_view word, double& value) {
 
 class MtlReader {
   public:
-    MtlReader(const std::string& text, const std::filesystem::path& path, std::vector<std::string>& warnings)
-        : file_(path.string()), scanner_(text, file_, 1, true), warnings_(warnings) {}
+    MtlReader(const Context& context, const std::string& text, const std::filesystem::path& path,
+              std::vector<std::string>& warnings)
+        : file_(path.string()), scanner_(context, text, file_, 1, true), warnings_(warnings) {}
 
     std::vector<MtlMaterial> read() {
         while (scanner_.nextLine()) readLine(std::string(scanner_.word()));
@@ -196,7 +197,7 @@ bool letThrough(const MtlMaterial& m, Material& material) {
 void readMtl(const std::string& text, const std::filesystem::path& path, SceneFiles& files,
              std::vector<Material>& materials, std::vector<Texture>& textures,
              std::vector<std::string>& warnings) {
-    MtlReader reader(text, path, warnings);
+    MtlReader reader(files.context(), text, path, warnings);
     MtlMaps maps(path, files, textures, warnings);
     for (const MtlMaterial& m : reader.read()) {
         Material material = convert(m);

@@ -32,7 +32,7 @@ using Fill = std::array<double, 8>;  // red green blue Kd Ks Shine T index of re
 class NffReader {
   public:
     NffReader(const std::filesystem::path& path, SceneFiles& files)
-        : file_(path.string()), text_(files.read(path)), scanner_(text_, file_) {}
+        : file_(path.string()), text_(files.read(path)), scanner_(files.context(), text_, file_) {}
 
     ImportedScene read() {
         scene_.maxDepth = 4;  // "maximum tree depth is 5 (where the eye ray is of depth 1)": SPD, rule 7

@@ -7,7 +7,6 @@
 #include <map>
 #include <set>
 
-#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/mesh_builder.h"
@@ -39,7 +38,10 @@ struct Face {
 class ObjReader {
   public:
     ObjReader(const std::filesystem::path& path, SceneFiles& files)
-        : path_(path), files_(files), text_(files.read(path)), scanner_(text_, path.string(), 1, true) {}
+        : path_(path),
+          files_(files),
+          text_(files.read(path)),
+          scanner_(files.context(), text_, path.string(), 1, true) {}
 
     ImportedMesh read() {
         readLines();
@@ -58,14 +60,14 @@ class ObjReader {
     static constexpr double kRead = 0.8;  // part of the time for reading lines
 
     void readLines() {
-        const ProgressPart part(0, kRead);
+        const ProgressPart part(files_, 0, kRead);
         while (scanner_.nextLine()) readLine();
     }
     void addFaces() {
-        const ProgressPart part(kRead, 1);
+        const ProgressPart part(files_, kRead, 1);
         builder_.reserve(faces_.size());
         for (size_t i = 0; i < faces_.size(); i++) {
-            paceLoop(i, faces_.size());
+            files_.context().pace(i, faces_.size());
             addFace(faces_[i]);
         }
     }
@@ -189,7 +191,7 @@ class ObjReader {
     // The name may hold blanks; several names may be listed.
     void readLibraries(const std::string& names) {
         if (readLibrary(names, names.find_first_of(" \t") == names.npos)) return;
-        TextScanner words(names, path_.string());
+        TextScanner words(files_.context(), names, path_.string());
         words.nextLine();
         for (std::string_view name = words.word(); !name.empty(); name = words.word())
             readLibrary(std::string(name), true);

@@ -1,7 +1,6 @@
 // The "objects" of a scene file and the meshes and materials that they name.
 #include <algorithm>
 
-#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/near_names.h"
 #include "import/importers.h"
@@ -360,8 +359,8 @@ void parseObjects(const JsonCursor& root, const std::string& name, const std::fi
     ObjectParser parser(scene, name, folder, files, memory, meshes ? &*meshes : nullptr);
     if (const auto objects = root.find("objects"))
         for (size_t i = 0; i < objects->size(); i++) {
-            const ProgressPart part = ProgressPart::step(i, objects->size());
-            checkCancelled();
+            const ProgressPart part(files, i, objects->size());
+            files.context().checkCancelled();
             errors.attempt([&] { parser.parse(objects->item(i)); });
         }
     parser.warnOfUnusedMeshes();

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/animation.h"
@@ -239,11 +238,11 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
 Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files) {
     const auto read = [&] {
-        const ProgressPart part(0, kJsonPart);
-        return parseJson(text, name);
+        const ProgressPart part(files, 0, kJsonPart);
+        return parseJson(text, name, files.context());
     };
     const JsonValue json = read();
-    const ProgressPart part(kJsonPart, 1);
+    const ProgressPart part(files, kJsonPart, 1);
     MeshMemory memory;
     return parseScene(json, name, folder, files, memory);
 }

@@ -78,10 +78,10 @@ int PlyElement::find(std::string_view property) const {
     return at == properties.end() ? -1 : static_cast<int>(at - properties.begin());
 }
 
-PlyHeader readPlyHeader(std::string_view bytes, const std::string& file) {
+PlyHeader readPlyHeader(const Context& context, std::string_view bytes, const std::string& file) {
     PlyHeader header;
     header.bodyOffset = findBody(bytes);
-    TextScanner lines(bytes.substr(0, header.bodyOffset), file);
+    TextScanner lines(context, bytes.substr(0, header.bodyOffset), file);
     if (!lines.nextLine() || lines.word() != "ply") lines.fail("not a PLY file: it must start with \"ply\"");
     bool hasFormat = false;
     std::set<std::string> names;  // of elements

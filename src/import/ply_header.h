@@ -36,6 +36,6 @@ struct PlyHeader {
 };
 
 // Throws Error(Scene) "FILE:LINE: ..." for anything unsupported.
-PlyHeader readPlyHeader(std::string_view bytes, const std::string& file);
+PlyHeader readPlyHeader(const Context& context, std::string_view bytes, const std::string& file);
 
 }  // namespace glint

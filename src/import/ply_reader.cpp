@@ -8,7 +8,6 @@
 #include <limits>
 #include <numeric>
 
-#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/mesh_builder.h"
@@ -29,13 +28,13 @@ class PlyBody {
 
   public:
     // `materials` is empty or holds the material of all faces.
-    PlyBody(SourceT& source, const PlyHeader& header, const std::string& file,
+    PlyBody(SceneFiles& files, SourceT& source, const PlyHeader& header, const std::string& file,
             std::vector<Material> materials)
-        : source_(source), header_(header), file_(file), materials_(std::move(materials)) {}
+        : files_(files), source_(source), header_(header), file_(file), materials_(std::move(materials)) {}
 
     ImportedMesh read() {
         readElements();
-        const ProgressPart part(kRead, 1);
+        const ProgressPart part(files_, kRead, 1);
         addFaces();
         std::vector<std::string> warnings;
         ignored_.warn(file_, warnings);
@@ -44,7 +43,7 @@ class PlyBody {
 
   private:
     void readElements() {
-        const ProgressPart part(0, kRead);
+        const ProgressPart part(files_, 0, kRead);
         uint64_t faces = 0;
         for (const PlyElement& element : header_.elements) {
             if (element.name == "vertex") {
@@ -301,7 +300,7 @@ class PlyBody {
     void addFaces() {
         size_t begin = 0;
         for (size_t i = 0; i < faceEnds_.size(); begin = faceEnds_[i++]) {
-            paceLoop(i, faceEnds_.size());
+            files_.context().pace(i, faceEnds_.size());
             addFace(i, begin, faceEnds_[i] - begin);
         }
         corners_.clear();
@@ -333,6 +332,7 @@ class PlyBody {
         builder_.addPolygon(polygon, materials_.empty() ? Mesh::kNoIndex : 0);
     }
 
+    SceneFiles& files_;
     SourceT& source_;
     const PlyHeader& header_;
     const std::string& file_;
@@ -371,20 +371,22 @@ std::vector<Material> textured(const PlyHeader& header, const std::filesystem::p
 ImportedMesh readPly(const std::filesystem::path& path, SceneFiles& files) {
     const std::string file = path.string();
     const std::string bytes = files.read(path);
-    const PlyHeader header = readPlyHeader(bytes, file);
+    const PlyHeader header = readPlyHeader(files.context(), bytes, file);
     const std::string_view body = std::string_view(bytes).substr(header.bodyOffset);
     std::vector<Texture> textures;
     std::vector<std::string> warnings;
     std::vector<Material> materials = textured(header, path, files, textures, warnings);
     const auto read = [&](auto source) {
-        ImportedMesh imported = PlyBody(source, header, file, std::move(materials)).read();
+        ImportedMesh imported = PlyBody(files, source, header, file, std::move(materials)).read();
         imported.textures = std::move(textures);
         imported.warnings.insert(imported.warnings.end(), warnings.begin(), warnings.end());
         return imported;
     };
-    if (header.format == PlyFormat::Ascii) return read(AsciiSource(body, file, header.bodyLine));
-    return read(BinarySource(
-        body, file, header.format == PlyFormat::LittleEndian ? std::endian::little : std::endian::big));
+    if (header.format == PlyFormat::Ascii)
+        return read(AsciiSource(files.context(), body, file, header.bodyLine));
+    return read(
+        BinarySource(files.context(), body, file,
+                     header.format == PlyFormat::LittleEndian ? std::endian::little : std::endian::big));
 }
 
 }  // namespace glint

@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "core/call_terms.h"
 #include "import/ply_header.h"
 #include "import/text_scanner.h"
 
@@ -21,8 +20,8 @@ inline std::string endsAfter(const PlyElement& element, uint64_t index) {
 // header cannot reserve all memory. In ascii files an element is a line.
 class AsciiSource {
   public:
-    AsciiSource(std::string_view body, const std::string& file, size_t line)
-        : text_(body), lines_(body, file, line) {}
+    AsciiSource(const Context& context, std::string_view body, const std::string& file, size_t line)
+        : text_(body), lines_(context, body, file, line) {}
 
     void beginElement(const PlyElement& element, uint64_t index) {
         owner_ = element.name.c_str();
@@ -46,8 +45,8 @@ class AsciiSource {
 
 class BinarySource {
   public:
-    BinarySource(std::string_view body, const std::string& file, std::endian order)
-        : at_(body.data()), end_(at_ + body.size()), pace_(at_, end_), file_(file), order_(order) {}
+    BinarySource(const Context& context, std::string_view body, const std::string& file, std::endian order)
+        : at_(body.data()), end_(at_ + body.size()), pace_(context, at_, end_), file_(file), order_(order) {}
 
     void beginElement(const PlyElement& element, uint64_t index) {
         element_ = &element;

@@ -69,7 +69,7 @@ std::string SceneFiles::read(const fs::path& path) {
     const uint64_t size = source_->status(path).size;
     if (size > options_.memory - std::min(options_.memory, read_ + pictures_ + taken_))
         fail(path.string() + ": has " + mebibytes(size) + ", more than there is memory for");
-    std::string bytes = source_->read(path);
+    std::string bytes = source_->read(path, context());
     read_ += bytes.size();
     note(path, contentHash(bytes));
     return bytes;
@@ -81,9 +81,9 @@ std::shared_ptr<const Image> SceneFiles::image(const fs::path& path) {
     if (known != images_.end()) return known->second;
     if (!exists(path)) fail(path.string() + ": no such file");
     try {
-        const std::string bytes = source_->read(path);
+        const std::string bytes = source_->read(path, context());
         const std::span<const uint8_t> view(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
-        auto image = std::make_shared<const Image>(decodeImage(view, path.string(), mostPixels()));
+        auto image = std::make_shared<const Image>(decodeImage(view, path.string(), mostPixels(), context()));
         pictures_ += image->pixels.size() * sizeof(float);
         images_.emplace(key, image);
         const auto samples = std::as_bytes(std::span(image->pixels));
@@ -117,6 +117,20 @@ void SceneFiles::take(uint64_t bytes, const std::string& where) {
              " of memory, which is out of all proportion to its files of " + mebibytes(read_));
     if (read_ + pictures_ + taken_ > options_.memory)
         fail(where + ": the scene takes more memory than there is, " + mebibytes(options_.memory));
+}
+
+ProgressPart::ProgressPart(SceneFiles& files, double from, double to)
+    : context_(files.options_.context), before_(context_) {
+    context_ = before_.part(from, to);
+}
+
+ProgressPart::ProgressPart(SceneFiles& files, size_t i, size_t count)
+    : context_(files.options_.context), before_(context_) {
+    context_ = before_.step(i, count);
+}
+
+ProgressPart::~ProgressPart() {
+    context_ = before_;
 }
 
 }  // namespace glint

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/context.h"
 #include "core/file_source.h"
 #include "core/image.h"
 #include "scene/frame_model.h"
@@ -28,6 +29,7 @@ struct LoadOptions {
     std::optional<UpAxis> up = {};
     // Source of the files; empty: the file system.
     std::shared_ptr<FileSource> source = {};
+    Context context = {};
 };
 
 class SceneFiles {
@@ -68,10 +70,14 @@ class SceneFiles {
     // more than options.memory, or out of proportion to the files that were read.
     void take(uint64_t bytes, const std::string& where);
 
+    // The terms of this load; ProgressPart changes its progress.
+    const Context& context() const { return options_.context; }
+
     // Files read so far, by name.
     std::vector<SourceFile> sources() const;
 
   private:
+    friend class ProgressPart;
     void note(const std::filesystem::path& path, uint64_t hash);
 
     LoadOptions options_;
@@ -82,6 +88,21 @@ class SceneFiles {
     uint64_t taken_ = 0;                                          // and all else
     std::map<std::string, std::shared_ptr<const Image>> images_;  // by path, links followed
     std::map<std::string, uint64_t> sources_;                     // hashes by name
+};
+
+// While it lives, the progress that the load reports is the part from `from` to `to` of what it was before.
+class ProgressPart {
+  public:
+    ProgressPart(SceneFiles& files, double from, double to);
+    // Part i of `count` parts that take the same time.
+    ProgressPart(SceneFiles& files, size_t i, size_t count);
+    ~ProgressPart();
+    ProgressPart(const ProgressPart&) = delete;
+    ProgressPart& operator=(const ProgressPart&) = delete;
+
+  private:
+    Context& context_;
+    const Context before_;
 };
 
 }  // namespace glint

@@ -118,7 +118,7 @@ SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& o
         return;
     }
     checkUpIsOpen(s.files, s.name);
-    s.document = parseJson(s.files.read(path), s.name);
+    s.document = parseJson(s.files.read(path), s.name, s.files.context());
     s.animation = parseAnimation(JsonCursor(s.document, s.name));
     s.values.resize(s.animation.tracks.size());
     if (time)

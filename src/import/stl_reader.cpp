@@ -11,7 +11,6 @@
 #include <random>
 #include <unordered_map>
 
-#include "core/call_terms.h"
 #include "import/binary_numbers.h"
 #include "import/mesh_builder.h"
 #include "import/readers.h"
@@ -85,7 +84,8 @@ class FacetCollector {
 // In ascii files line ends are blanks, except after the name of a solid.
 class AsciiStl {
   public:
-    AsciiStl(std::string_view text, const std::string& file) : file_(file), scanner_(text, file) {}
+    AsciiStl(const Context& context, std::string_view text, const std::string& file)
+        : file_(file), scanner_(context, text, file) {}
 
     ImportedMesh read() {
         // Some programs sign their files before the first solid.
@@ -153,7 +153,7 @@ class AsciiStl {
     FacetCollector facets_;
 };
 
-ImportedMesh readBinary(std::string_view bytes, const std::string& file) {
+ImportedMesh readBinary(const Context& context, std::string_view bytes, const std::string& file) {
     if (bytes.size() < kHeaderSize)
         failFile(file, "neither ascii STL (\"solid ...\") nor long enough for binary");
     const uint64_t count = loadNumber<uint32_t>(bytes.data() + kHeaderSize - 4);
@@ -165,7 +165,7 @@ ImportedMesh readBinary(std::string_view bytes, const std::string& file) {
     facets.reserve(count);
     size_t attributes = 0;
     for (uint64_t i = 0; i < count; i++) {
-        paceLoop(i, count);
+        context.pace(i, count);
         const char* facet = bytes.data() + kHeaderSize + i * kFacetSize;
         std::array<glm::dvec3, 4> vectors;
         for (size_t k = 0; k < 12; k++)
@@ -213,7 +213,8 @@ ImportedMesh readStl(const std::filesystem::path& path, SceneFiles& files) {
     const std::string bytes = files.read(path);
     // Some programs write zeros after the last solid.
     const std::string_view text = std::string_view(bytes).substr(0, bytes.find_last_not_of('\0') + 1);
-    return isAscii(bytes, text) ? AsciiStl(text, file).read() : readBinary(bytes, file);
+    return isAscii(bytes, text) ? AsciiStl(files.context(), text, file).read()
+                                : readBinary(files.context(), bytes, file);
 }
 
 }  // namespace glint

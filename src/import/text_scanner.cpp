@@ -41,8 +41,9 @@ void IgnoredNames::warn(const std::string& file, std::vector<std::string>& warni
     if (!list.empty()) warnings.push_back(printable(file + ": ignored: " + list));
 }
 
-TextScanner::TextScanner(std::string_view text, std::string file, size_t line, bool continuations)
-    : pace_(text.data(), text.data() + text.size()),
+TextScanner::TextScanner(const Context& context, std::string_view text, std::string file, size_t line,
+                         bool continuations)
+    : pace_(context, text.data(), text.data() + text.size()),
       nextLine_(line),
       continuations_(continuations),
       file_(std::move(file)) {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/call_terms.h"
+#include "core/context.h"
 
 namespace glint {
 
@@ -32,9 +32,11 @@ class IgnoredNames {
 
 class TextScanner {
   public:
-    // `line` is the number of the first line of `text` in `file`. With `continuations` a backslash at the end
-    // of a line joins the next line to it, except in comments. Skips a byte order mark, refuses UTF-16.
-    TextScanner(std::string_view text, std::string file, size_t line = 1, bool continuations = false);
+    // The context must outlive it. `line` is the number of the first line of `text` in `file`. With
+    // `continuations` a backslash at the end of a line joins the next line to it, except in comments. Skips a
+    // byte order mark, refuses UTF-16.
+    TextScanner(const Context& context, std::string_view text, std::string file, size_t line = 1,
+                bool continuations = false);
 
     // Moves to the next line; false at the end of the text. Lines end with LF, CR LF or CR.
     bool nextLine();

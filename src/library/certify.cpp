@@ -10,9 +10,9 @@ CertaintyWriter::CertaintyWriter(const glint_hits& hits, uint64_t count)
       upper_(hits.t_upper, Output::Kind::Real, 1, count, "hits.t_upper") {}
 
 void certify(const Snapshot& snapshot, const RayReader& rays, const HitWriter& hits,
-             const CertaintyWriter& certainty, const Callbacks& callbacks) {
+             const CertaintyWriter& certainty, const Context& context) {
     const reference::certain::Tracer& tracer = snapshot.certain();
-    forBlocks(rays.count(), callbacks, [&](uint64_t first, uint64_t end) {
+    forBlocks(context, rays.count(), [&](uint64_t first, uint64_t end) {
         for (uint64_t i = first; i < end; ++i) {
             reference::certain::Answer answer = tracer.closest(rays.world(i));
             certainty.write(i, answer);

@@ -24,6 +24,6 @@ class CertaintyWriter {
 
 // Answers all rays; if a hit cannot be certified, the ordinary query does. Throws Cancelled.
 void certify(const Snapshot& snapshot, const RayReader& rays, const HitWriter& hits,
-             const CertaintyWriter& certainty, const Callbacks& callbacks);
+             const CertaintyWriter& certainty, const Context& context);
 
 }  // namespace glint::library

@@ -1,5 +1,4 @@
 // The closest point of all surfaces. A device finds the primitive, the host the point of it in double.
-#include "core/call_terms.h"
 #include "library/ray_reader.h"
 #include "library/status.h"
 #include "reference/closest_point.h"
@@ -21,7 +20,7 @@ void requireKinds(const PackedScene& packed) {
 
 // Writes the closest points as hits of rays from `points`, whose directions are unit.
 void answerPoints(const Snapshot::Part& part, const NumberView& points, const HitWriter& hits,
-                  const Callbacks& callbacks) {
+                  const Context& context) {
     const reference::Model& model = part.tracer().model();
     const auto local = [&](uint64_t i) { return points.three(i) - part.packed.origin; };
     const auto isFar = [](const glm::dvec3& point) {
@@ -34,7 +33,7 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
         hits.write(i, ray, closest->hit);
     };
     if (!part.queries) {
-        forBlocks(points.count(), callbacks, [&](uint64_t first, uint64_t end) {
+        forBlocks(context, points.count(), [&](uint64_t first, uint64_t end) {
             for (uint64_t i = first; i < end; ++i)
                 write(i, isFar(local(i)) ? std::nullopt : reference::closestPoint(model, local(i)));
         });
@@ -43,8 +42,8 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
     render::RayTask task;
     task.count = points.count();
     task.ask = render::RayTask::Ask::Point;
-    task.cancelled = callbacks.cancelled;
-    task.progress = callbacks.progress;
+    task.cancelled = context.cancelled;
+    task.progress = context.progress;
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
         for (size_t i = 0; i < inputs.size(); ++i) {
             const glm::dvec3 point = local(numbers[i]);
@@ -72,13 +71,13 @@ using namespace glint::library;
 
 glint_status glint_query_closest_point(const glint_scene* scene, const glint_view* points,
                                        const glint_hits* hits, const glint_options* options) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         require(points != nullptr, "glint_query_closest_point: points is NULL");
         const NumberView given(*points, 3, 0, "points");
         const HitWriter writer(uncertified(hits, "glint_query_closest_point"), given.count(),
                                snapshot->part());
         requireKinds(snapshot->part().packed);
-        answerPoints(snapshot->part(), given, writer, Callbacks(options));
+        answerPoints(snapshot->part(), given, writer, contextOf(*scene->device, options));
     });
 }

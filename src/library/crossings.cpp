@@ -1,7 +1,6 @@
 // Queries of crossings: their number, all of them, and positions of points.
 #include <algorithm>
 
-#include "core/call_terms.h"
 #include "core/parallel.h"
 #include "library/ray_reader.h"
 #include "library/status.h"
@@ -31,7 +30,7 @@ struct CountRun {
     uint64_t count;
     ReadRay ray;
     render::ReadRays read;  // the same rays, as the device reads them
-    const Callbacks& callbacks;
+    const Context& context;
     // Called from several threads. doubtful: the host has counted again.
     std::function<void(uint64_t i, uint32_t crossings, bool doubtful)> take;
 
@@ -39,8 +38,8 @@ struct CountRun {
         render::RayTask task;
         task.count = count;
         task.ask = render::RayTask::Ask::Count;
-        task.cancelled = callbacks.cancelled;
-        task.progress = callbacks.progress;
+        task.cancelled = context.cancelled;
+        task.progress = context.progress;
         task.fill = read;
         task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
             for (size_t i = 0; i < found.size(); ++i) {
@@ -54,7 +53,7 @@ struct CountRun {
         if (!part.queries->run(task)) throw Cancelled();
     }
     void onHost() const {
-        forBlocks(count, callbacks, [&](uint64_t first, uint64_t end) {
+        forBlocks(context, count, [&](uint64_t first, uint64_t end) {
             for (uint64_t i = first; i < end; ++i)
                 take(i, static_cast<uint32_t>(crossingsOf(part, ray(i)).size()), false);
         });
@@ -64,6 +63,7 @@ struct CountRun {
 
 // Lists the crossings of rays first ... first + counts.size() - 1 by t.
 struct ListRun {
+    const Context& context;
     const Snapshot::Part& part;
     const RayReader& rays;
     uint64_t first;
@@ -109,7 +109,7 @@ struct ListRun {
     }
     void run() const {
         if (part.queries) byDevice();
-        parallelFor(counts.size(), [&](size_t i) {
+        parallelFor(context, counts.size(), [&](size_t i) {
             if (counts[i] > 0 && (!part.queries || doubtful[i])) byHost(i);
             putInOrder(std::span(hits).subspan(places[i], counts[i]));
         });
@@ -126,7 +126,7 @@ uint64_t roomOf(const glint_hits& hits) {
 
 // Counts before it lists, so that a caller without room learns the number.
 void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offsets, const glint_hits* hits,
-             uint64_t* total, const Callbacks& callbacks) {
+             uint64_t* total, const Context& context) {
     const Snapshot::Part& part = snapshot.counting();
     std::vector<uint32_t> counts(rays.count());
     std::vector<uint8_t> doubtful(rays.count());
@@ -134,7 +134,7 @@ void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offs
              rays.count(),
              [&](uint64_t i) { return rays.local(i); },
              readsOf(rays),
-             callbacks,
+             context,
              [&](uint64_t i, uint32_t crossings, bool doubt) {
                  counts[i] = crossings;
                  doubtful[i] = doubt;
@@ -167,15 +167,15 @@ void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offs
         const std::vector<uint8_t> doubts(doubtful.begin() + static_cast<ptrdiff_t>(first),
                                           doubtful.begin() + static_cast<ptrdiff_t>(end));
         std::vector<Hit> listed(found);
-        ListRun{part, rays, first, own, doubts, places, listed}.run();
-        parallelFor(own.size(), [&](size_t i) {
+        ListRun{context, part, rays, first, own, doubts, places, listed}.run();
+        parallelFor(context, own.size(), [&](size_t i) {
             const LocalRay ray = rays.local(first + i);
             for (uint32_t k = 0; k < own[i]; ++k)
                 writer.write(written + places[i] + k, ray, listed[places[i] + k]);
         });
         written += found;
         first = end;
-        if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
+        context.checkCancelled();
     }
 }
 
@@ -187,17 +187,17 @@ using namespace glint::library;
 
 glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays, const glint_out* count,
                                const glint_options* options) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         const RayReader reader(rays, *snapshot, GLINT_RAYS_COHERENT);
         require(count != nullptr && count->data != nullptr, "glint_query_count: count is NULL");
         const Output out(*count, Output::Kind::Index, 1, reader.count(), "count");
-        const Callbacks callbacks(options);
+        const glint::Context context = contextOf(*scene->device, options);
         CountRun{snapshot->counting(),
                  reader.count(),
                  [&](uint64_t i) { return reader.local(i); },
                  readsOf(reader),
-                 callbacks,
+                 context,
                  [&](uint64_t i, uint32_t crossings, bool) { out.putIndex(i, crossings); }}
             .run();
     });
@@ -205,14 +205,15 @@ glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays,
 
 glint_status glint_query_all(const glint_scene* scene, const glint_rays* rays, const glint_out* offsets,
                              const glint_hits* hits, uint64_t* total, const glint_options* options) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         const RayReader reader(rays, *snapshot, GLINT_RAYS_COHERENT);
         const Output places(offsets != nullptr ? *offsets : glint_out{}, Output::Kind::Long, 1,
                             reader.count() + 1, "offsets");
         glint_hits wanted{};
         if (hits != nullptr) wanted = uncertified(hits, "glint_query_all");
-        listAll(*snapshot, reader, places, hits != nullptr ? &wanted : nullptr, total, Callbacks(options));
+        listAll(*snapshot, reader, places, hits != nullptr ? &wanted : nullptr, total,
+                contextOf(*scene->device, options));
     });
 }
 
@@ -220,13 +221,13 @@ glint_status glint_query_all(const glint_scene* scene, const glint_rays* rays, c
 // of their distance. Points that this, or rounding to fp32, may move through a surface are on it.
 glint_status glint_query_inside(const glint_scene* scene, const glint_view* points, const glint_out* where,
                                 const glint_options* options) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         require(points != nullptr, "glint_query_inside: points is NULL");
         require(where != nullptr && where->data != nullptr, "glint_query_inside: where is NULL");
         const NumberView given(*points, 3, 0, "points");
         const Output out(*where, Output::Kind::Flag, 1, given.count(), "where");
-        const Callbacks callbacks(options);
+        const glint::Context context = contextOf(*scene->device, options);
         const Snapshot::Part& part = snapshot->counting();
         const auto ray = [&](uint64_t i) {
             glint::WorldRay up;
@@ -242,7 +243,7 @@ glint_status glint_query_inside(const glint_scene* scene, const glint_view* poin
                  given.count(),
                  ray,
                  read,
-                 callbacks,
+                 context,
                  [&](uint64_t i, uint32_t crossings, bool) {
                      const glm::dvec3 point = ray(i).origin;
                      const bool on = glm::all(glm::lessThan(glm::abs(point), glm::dvec3(1e30))) &&

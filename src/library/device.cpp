@@ -79,10 +79,9 @@ class SettingsAccount final : public MemoryAccount {
 std::unique_ptr<glint_device> open(const std::string& selector, const glint_settings& settings) {
     auto device = std::make_unique<glint_device>();
     device->settings = settings;
-    device->terms.threads = settings.threads;
+    device->context.threads = settings.threads;
     if (settings.memory != nullptr || settings.max_bytes > 0)
-        device->terms.account = std::make_shared<SettingsAccount>(settings);
-    const CallScope scope(&device->terms);
+        device->context.account = std::make_shared<SettingsAccount>(settings);
     const std::vector<gpu::DeviceInfo> found = vulkanDevices();
     const std::string last = std::to_string(found.size());
     if (selector == kReferenceName || selector == last) {
@@ -91,6 +90,7 @@ std::unique_ptr<glint_device> open(const std::string& selector, const glint_sett
     }
     gpu::DeviceOptions options;
     options.selector = selector;
+    options.context = device->context;
     device->vulkan.emplace(options);
     device->info = describe(device->vulkan->info());
     return device;

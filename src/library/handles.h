@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/call_terms.h"
+#include "core/context.h"
 #include "glint/glint.h"
 #include "gpu/device.h"
 #include "scene/scene.h"
@@ -21,7 +21,7 @@ class Retired;
 struct glint_device {
     // Released last, after the buffers.
     glint_settings settings{};
-    glint::CallTerms terms;
+    glint::Context context;  // threads and memory account of the settings
 
     std::atomic<uint32_t> owners{1};
     std::optional<glint::gpu::Device> vulkan;  // empty: the reference
@@ -55,18 +55,13 @@ namespace glint::library {
 std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene);
 
 // Makes the draft visible to queries.
-void commit(glint_scene& scene);
+void commit(glint_scene& scene, const Context& context);
 
 // Bytes of the arrays of all meshes.
 uint64_t meshBytes(const Scene& scene);
 
 // Calls the log of the device's settings, if there is one.
 void logLine(const glint_device& device, int32_t level, const std::string& text);
-
-// Terms of the scene's device; null without a scene.
-inline const CallTerms* termsOf(const glint_scene* scene) {
-    return scene == nullptr ? nullptr : &scene->device->terms;
-}
 
 // Owns a device.
 class DeviceOwner {

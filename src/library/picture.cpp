@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "converge/converge.h"
-#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "library/ray_reader.h"
@@ -175,9 +174,9 @@ void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_opt
     if (wanted.max_depth != 0)
         request.maxDepth = static_cast<uint32_t>(std::clamp(wanted.max_depth, 0, 1000));
     request.data = layers.needData();
-    const Callbacks callbacks(options);
-    request.cancelled = callbacks.cancelled;
-    request.progress = callbacks.progress;
+    const Context context = contextOf(snapshot.device(), options);
+    request.cancelled = context.cancelled;
+    request.progress = context.progress;
     const shared::Camera packed =
         packCamera(camera, image.width, image.height, snapshot.part().packed.origin);
     const Picture picture = wanted.error == 0 ? snapshot.render(packed, request)
@@ -194,7 +193,7 @@ using namespace glint::library;
 
 glint_status glint_render(const glint_scene* scene, const glint_picture* picture,
                           const glint_options* options) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         draw(*snapshot, readStruct(picture, "picture"), options);
     });

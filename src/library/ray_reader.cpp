@@ -6,7 +6,6 @@
 #include <limits>
 #include <mutex>
 
-#include "core/call_terms.h"
 #include "core/parallel.h"
 #include "library/status.h"
 
@@ -304,32 +303,34 @@ void HitWriter::write(const render::RayNumbers& numbers, const render::FoundHits
     }
 }
 
-Callbacks::Callbacks(const glint_options* options) {
-    if (options == nullptr) return;
+Context contextOf(const glint_device& device, const glint_options* options) {
+    Context context = device.context;
+    if (options == nullptr) return context;
     const glint_options given = readStruct(options, "options");
-    if (given.cancelled != nullptr) cancelled = [given] { return given.cancelled(given.user) != 0; };
-    if (given.progress != nullptr)
-        progress = [given](double fraction) { given.progress(given.user, fraction); };
+    if (given.cancelled != nullptr) context.cancelled = [given] { return given.cancelled(given.user) != 0; };
+    if (given.progress == nullptr) return context;
+    struct Told {
+        std::mutex mutex;
+        double most = -1;
+    };
+    context.progress = [given, told = std::make_shared<Told>()](double fraction) {
+        const std::lock_guard lock(told->mutex);
+        if (!(fraction > told->most)) return;
+        told->most = fraction;
+        given.progress(given.user, fraction);
+    };
+    return context;
 }
 
-void forBlocks(uint64_t count, const Callbacks& callbacks,
+void forBlocks(const Context& context, uint64_t count,
                const std::function<void(uint64_t first, uint64_t end)>& body) {
     constexpr uint64_t kTurn = 1024;
     const uint64_t turns = (count + kTurn - 1) / kTurn;
-    std::atomic<bool> stopped = false;
-    std::mutex mutex;
-    uint64_t done = 0;
-    parallelFor(turns, [&](size_t turn) {
-        if (stopped || (callbacks.cancelled && callbacks.cancelled())) {
-            stopped = true;
-            return;
-        }
+    std::atomic<uint64_t> done = 0;
+    parallelFor(context, turns, [&](size_t turn) {
         body(turn * kTurn, std::min((turn + 1) * kTurn, count));
-        if (!callbacks.progress) return;
-        const std::lock_guard lock(mutex);
-        callbacks.progress(static_cast<double>(++done) / static_cast<double>(turns));
+        context.report(static_cast<double>(++done) / static_cast<double>(turns));
     });
-    if (stopped) throw Cancelled();
 }
 
 }  // namespace glint::library

@@ -83,15 +83,12 @@ inline reference::Ray referenceRay(const LocalRay& ray, bool leaves = false) {
     return known;
 }
 
-// Callbacks of a call's options; absent ones are empty.
-struct Callbacks {
-    explicit Callbacks(const glint_options* options);
-    std::function<bool()> cancelled;
-    std::function<void(double)> progress;
-};
+// The context of the device with the callbacks of a call's options, which may be null. Progress is reported
+// by one thread at a time and never falls.
+Context contextOf(const glint_device& device, const glint_options* options);
 
 // Calls `body` for blocks of 0 ... count - 1 on all processors. Throws Cancelled.
-void forBlocks(uint64_t count, const Callbacks& callbacks,
+void forBlocks(const Context& context, uint64_t count,
                const std::function<void(uint64_t first, uint64_t end)>& body);
 
 }  // namespace glint::library

@@ -1,7 +1,6 @@
 // Closest and any hits.
 #include <atomic>
 
-#include "core/call_terms.h"
 #include "library/certify.h"
 #include "library/ray_reader.h"
 #include "library/status.h"
@@ -15,7 +14,7 @@ using Take =
     std::function<void(const render::RayNumbers& numbers, const render::FoundHits& found, bool rescaled)>;
 
 // spreads: see RayTask.
-void askDevice(const RayReader& rays, bool any, bool spreads, const Callbacks& callbacks,
+void askDevice(const RayReader& rays, bool any, bool spreads, const Context& context,
                render::RayQueries& queries, const Take& take) {
     render::RayTask task;
     std::atomic<bool> rescaled = false;
@@ -24,8 +23,8 @@ void askDevice(const RayReader& rays, bool any, bool spreads, const Callbacks& c
     task.coherent = rays.coherent();
     task.leaves = rays.leave();
     task.spreads = spreads;
-    task.cancelled = callbacks.cancelled;
-    task.progress = callbacks.progress;
+    task.cancelled = context.cancelled;
+    task.progress = context.progress;
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
         if (rays.rounded(numbers, inputs)) rescaled.store(true, std::memory_order_relaxed);
     };
@@ -45,9 +44,9 @@ reference::Hit answer(const reference::Tracer& tracer, const LocalRay& ray, bool
     return miss;
 }
 
-void askReference(const RayReader& rays, bool any, const Callbacks& callbacks,
-                  const reference::Tracer& tracer, const Write& write) {
-    forBlocks(rays.count(), callbacks, [&](uint64_t first, uint64_t end) {
+void askReference(const RayReader& rays, bool any, const Context& context, const reference::Tracer& tracer,
+                  const Write& write) {
+    forBlocks(context, rays.count(), [&](uint64_t first, uint64_t end) {
         for (uint64_t i = first; i < end; ++i) {
             const LocalRay ray = rays.local(i);
             write(i, ray, answer(tracer, ray, any, rays.leave()));
@@ -55,12 +54,12 @@ void askReference(const RayReader& rays, bool any, const Callbacks& callbacks,
     });
 }
 
-void ask(const Snapshot& snapshot, const RayReader& rays, bool any, bool spreads, const Callbacks& callbacks,
+void ask(const Snapshot& snapshot, const RayReader& rays, bool any, bool spreads, const Context& context,
          const Take& take, const Write& write) {
     if (snapshot.part().queries) {
-        askDevice(rays, any, spreads, callbacks, *snapshot.part().queries, take);
+        askDevice(rays, any, spreads, context, *snapshot.part().queries, take);
     } else {
-        askReference(rays, any, callbacks, snapshot.part().tracer(), write);
+        askReference(rays, any, context, snapshot.part().tracer(), write);
     }
 }
 
@@ -74,7 +73,7 @@ using glint::render::RayNumbers;
 
 glint_status glint_query_closest(const glint_scene* scene, const glint_rays* rays, const glint_hits* hits,
                                  const glint_options* options) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         const RayReader reader(rays, *snapshot);
         const glint_hits wanted = readStruct(hits, "hits");
@@ -82,11 +81,11 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
         const CertaintyWriter certainty(wanted, reader.count());
         require(!reader.leave() || !certainty.wantsAny(),
                 "glint_query_closest: rays with GLINT_RAYS_LEAVE cannot be certified");
-        const Callbacks callbacks(options);
-        if (certainty.wantsAny()) certify(*snapshot, reader, writer, certainty, callbacks);
+        const glint::Context context = contextOf(*scene->device, options);
+        if (certainty.wantsAny()) certify(*snapshot, reader, writer, certainty, context);
         if (certainty.wantsAny() || !writer.wantsAny()) return;
         ask(
-            *snapshot, reader, false, writer.spreads(), callbacks,
+            *snapshot, reader, false, writer.spreads(), context,
             [&](const RayNumbers& numbers, const FoundHits& found, bool rescaled) {
                 writer.write(numbers, found, reader, rescaled);
             },
@@ -98,13 +97,13 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
 
 glint_status glint_query_any(const glint_scene* scene, const glint_rays* rays, const glint_out* hit,
                              const glint_options* options) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         const RayReader reader(rays, *snapshot);
         require(hit != nullptr && hit->data != nullptr, "glint_query_any: hit is NULL");
         const Output out(*hit, Output::Kind::Flag, 1, reader.count(), "hit");
         ask(
-            *snapshot, reader, true, false, Callbacks(options),
+            *snapshot, reader, true, false, contextOf(*scene->device, options),
             [&](const RayNumbers& numbers, const FoundHits& found, bool) {
                 out.putAllWhole(numbers, found.size(), [hits = found](size_t i) -> uint8_t {
                     return hits.primitive(i) != glint::shared::kNone ? 1 : 0;

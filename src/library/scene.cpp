@@ -24,42 +24,14 @@ namespace {
 // Parts of the load time: reading, then packing and building the BVH.
 constexpr double kRead = 0.5, kCommitted = 0.99;
 
-// Calls `progress` from one thread at a time, with rising fractions.
-std::function<void(double)> rising(const std::function<void(double)>& progress) {
-    if (!progress) return {};
-    struct Told {
-        std::mutex mutex;
-        double most = -1;
-    };
-    return [progress, told = std::make_shared<Told>()](double fraction) {
-        const std::lock_guard lock(told->mutex);
-        if (!(fraction > told->most)) return;
-        told->most = fraction;
-        progress(fraction);
-    };
-}
-
-// A device's terms with a call's callbacks.
-glint::CallTerms termsFor(const glint_device& device, const glint_options* options) {
-    glint::CallTerms terms = device.terms;
-    const Callbacks callbacks(options);
-    terms.cancelled = callbacks.cancelled;
-    terms.progress = rising(callbacks.progress);
-    return terms;
-}
-
-void load(const std::filesystem::path& path, glint_scene& made) {
-    glint::checkCancelled();
-    {
-        const glint::ProgressPart part(0, kRead);
-        made.draft = glint::loadScene(path);
-    }
+void load(const std::filesystem::path& path, const glint::Context& context, glint_scene& made) {
+    context.checkCancelled();
+    made.draft = glint::loadScene(path, {.context = context.part(0, kRead)});
     made.framed = false;
-    made.loaded.push_back(glint::chargeMemory(meshBytes(made.draft)));
+    made.loaded.push_back(context.charge(meshBytes(made.draft)));
     for (const glint::Object& object : made.draft.objects)
         made.added.push_back(object.transform.value_or(glint::Affine{}));
-    const glint::ProgressPart part(kRead, kCommitted);
-    commit(made);
+    commit(made, context.part(kRead, kCommitted));
 }
 
 }  // namespace
@@ -81,10 +53,9 @@ glint_status glint_scene_load_with(glint_device* device, const char* path, const
     const glint_status created = glint_scene_create(device, &made);
     if (created != GLINT_OK) return created;
     const glint_status loaded = guarded([&] {
-        const glint::CallTerms terms = termsFor(*device, options);
-        const glint::CallScope scope(&terms);
-        load(path, *made);
-        glint::tellProgress(1);
+        const glint::Context context = contextOf(*device, options);
+        load(path, context, *made);
+        context.report(1);
     });
     if (loaded != GLINT_OK) {
         glint_scene_release(made);
@@ -106,9 +77,9 @@ void glint_scene_release(glint_scene* scene) {
 }
 
 glint_status glint_scene_commit(glint_scene* scene) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         require(scene != nullptr, "glint_scene_commit: scene is NULL");
-        commit(*scene);
+        commit(*scene, scene->device->context);
     });
 }
 
@@ -116,15 +87,14 @@ glint_status glint_scene_commit_with(glint_scene* scene, const glint_options* op
     if (options == nullptr) return glint_scene_commit(scene);
     return guarded([&] {
         require(scene != nullptr, "glint_scene_commit_with: scene is NULL");
-        const glint::CallTerms terms = termsFor(*scene->device, options);
-        const glint::CallScope scope(&terms);
-        commit(*scene);
-        glint::tellProgress(1);
+        const glint::Context context = contextOf(*scene->device, options);
+        commit(*scene, context);
+        context.report(1);
     });
 }
 
 glint_status glint_scene_prepare(const glint_scene* scene) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         if (snapshot->onDevice()) return snapshot->part().queries->prepare();
         snapshot->part().tracer();
@@ -132,7 +102,7 @@ glint_status glint_scene_prepare(const glint_scene* scene) {
 }
 
 glint_status glint_scene_info_of(const glint_scene* scene, glint_scene_info* info) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         const glint::PackedScene& packed = snapshot->part().packed;
         glint_scene_info known{};
@@ -153,7 +123,7 @@ glint_status glint_scene_info_of(const glint_scene* scene, glint_scene_info* inf
 }
 
 glint_status glint_scene_warning(const glint_scene* scene, uint32_t index, const char** text) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         const auto snapshot = snapshotOf(scene);
         require(text != nullptr, "glint_scene_warning: text is NULL");
         if (index >= snapshot->warnings().size())
@@ -164,7 +134,7 @@ glint_status glint_scene_warning(const glint_scene* scene, uint32_t index, const
 }
 
 glint_status glint_scene_find_material(const glint_scene* scene, const char* name, uint32_t* material) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         require(scene != nullptr, "glint_scene_find_material: scene is NULL");
         require(name != nullptr, "glint_scene_find_material: name is NULL");
         require(material != nullptr, "glint_scene_find_material: material is NULL");

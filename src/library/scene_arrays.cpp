@@ -56,17 +56,17 @@ uint64_t bytesOf(const Mesh& mesh) {
 }
 
 // An empty mesh, charged with `bytes`.
-std::shared_ptr<Mesh> chargedMesh(uint64_t bytes) {
+std::shared_ptr<Mesh> chargedMesh(const Context& context, uint64_t bytes) {
     struct Charged {
         MemoryCharge charge;
         Mesh mesh;
     };
     auto held = std::make_shared<Charged>();
-    held->charge = chargeMemory(bytes);
+    held->charge = context.charge(bytes);
     return {held, &held->mesh};
 }
 
-std::shared_ptr<const Mesh> meshOf(const glint_triangles& given) {
+std::shared_ptr<const Mesh> meshOf(const Context& context, const glint_triangles& given) {
     const NumberView vertices(given.vertices, 3, 0, "glint_scene_add_triangles: vertices");
     const uint64_t triangles =
         given.indices.data == nullptr ? vertices.count() / 3 : uint64_t{given.indices.count};
@@ -74,7 +74,7 @@ std::shared_ptr<const Mesh> meshOf(const glint_triangles& given) {
     checkCount(triangles, "triangles", "glint_scene_add_triangles");
     if (given.indices.data == nullptr && vertices.count() % 3 != 0)
         refuse("glint_scene_add_triangles: without indices the number of vertices must be a multiple of 3");
-    auto mesh = chargedMesh(vertices.count() * sizeof(dvec3) + triangles * sizeof(glm::uvec3));
+    auto mesh = chargedMesh(context, vertices.count() * sizeof(dvec3) + triangles * sizeof(glm::uvec3));
     mesh->positions.resize(vertices.count());
     for (uint64_t i = 0; i < vertices.count(); ++i) mesh->positions[i] = vertices.three(i);
     if (given.indices.data == nullptr) {
@@ -182,12 +182,12 @@ using namespace glint::library;
 
 glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles* triangles,
                                        uint32_t* geometry) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         require(scene != nullptr, "glint_scene_add_triangles: scene is NULL");
         const glint_triangles given = readStruct(triangles, "glint_scene_add_triangles: triangles");
         checkMaterial(*scene, given.material, "glint_scene_add_triangles");
         glint::Object object;
-        object.shape = glint::MeshShape{meshOf(given)};
+        object.shape = glint::MeshShape{meshOf(scene->device->context, given)};
         object.material = given.material;
         const uint32_t number = addObject(*scene, std::move(object));
         if (geometry != nullptr) *geometry = number;
@@ -195,7 +195,7 @@ glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles
 }
 
 glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* spheres, uint32_t* first) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         require(scene != nullptr, "glint_scene_add_spheres: scene is NULL");
         const glint_spheres given = readStruct(spheres, "glint_scene_add_spheres: spheres");
         checkMaterial(*scene, given.material, "glint_scene_add_spheres");
@@ -216,12 +216,12 @@ glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* sp
 
 glint_status glint_scene_add_json(glint_scene* scene, const char* text, const char* folder, uint32_t* first,
                                   uint32_t* count) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         require(scene != nullptr, "glint_scene_add_json: scene is NULL");
         require(text != nullptr, "glint_scene_add_json: text is NULL");
         glint::Scene parsed =
             glint::parseScene(text, "text", folder == nullptr ? std::filesystem::path() : folder);
-        scene->loaded.push_back(glint::chargeMemory(meshBytes(parsed)));
+        scene->loaded.push_back(scene->device->context.charge(meshBytes(parsed)));
         const auto before = static_cast<uint32_t>(scene->draft.objects.size());
         merge(*scene, std::move(parsed));
         if (first != nullptr) *first = before;
@@ -231,7 +231,7 @@ glint_status glint_scene_add_json(glint_scene* scene, const char* text, const ch
 
 glint_status glint_scene_add_instance(glint_scene* scene, uint32_t geometry, const double transform[12],
                                       uint32_t* instance) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         checkGeometry(scene, geometry, "glint_scene_add_instance");
         const glint::Affine moved = readTransform(transform, "glint_scene_add_instance");
         const glint::Affine base = scene->added[geometry];
@@ -244,7 +244,7 @@ glint_status glint_scene_add_instance(glint_scene* scene, uint32_t geometry, con
 }
 
 glint_status glint_scene_set_transform(glint_scene* scene, uint32_t geometry, const double transform[12]) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         checkGeometry(scene, geometry, "glint_scene_set_transform");
         const glint::Affine moved = readTransform(transform, "glint_scene_set_transform");
         scene->draft.objects[geometry].transform = then(scene->added[geometry], moved);
@@ -252,7 +252,7 @@ glint_status glint_scene_set_transform(glint_scene* scene, uint32_t geometry, co
 }
 
 glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry, const glint_view* vertices) {
-    return guarded(termsOf(scene), [&] {
+    return guarded([&] {
         checkGeometry(scene, geometry, "glint_scene_set_vertices");
         require(vertices != nullptr, "glint_scene_set_vertices: vertices is NULL");
         const auto* shape = std::get_if<glint::MeshShape>(&scene->draft.objects[geometry].shape);
@@ -262,7 +262,7 @@ glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry, con
         if (given.count() != before->positions.size())
             refuse("glint_scene_set_vertices: the mesh has " + std::to_string(before->positions.size()) +
                    " vertices, but " + std::to_string(given.count()) + " were given");
-        const std::shared_ptr<glint::Mesh> mesh = chargedMesh(bytesOf(*before));
+        const std::shared_ptr<glint::Mesh> mesh = chargedMesh(scene->device->context, bytesOf(*before));
         *mesh = *before;
         for (uint64_t i = 0; i < given.count(); ++i) {
             const glm::dvec3 position = given.three(i);

@@ -45,15 +45,15 @@ uint64_t packingBytes(const Scene& scene) {
 
 }  // namespace
 
-Snapshot::Part::Part(const glint_device& device, const Scene& scene, bool split)
-    : charge_(chargeMemory(packingBytes(scene))), moving_(scene, split) {
+Snapshot::Part::Part(const glint_device& device, const Context& context, const Scene& scene, bool split)
+    : context_(device.context), charge_(context.charge(packingBytes(scene))), moving_(scene, split, context) {
     charge_ = {};
-    charge_ = chargeMemory(bytesOf(packed));
+    charge_ = context.charge(bytesOf(packed));
     prepare(device);
 }
 
 Snapshot::Part::Part(const glint_device& device, const Part& other)
-    : charge_(chargeMemory(bytesOf(other.packed))), moving_(other.moving_) {
+    : context_(device.context), charge_(context_.charge(bytesOf(other.packed))), moving_(other.moving_) {
     prepare(device);
 }
 
@@ -64,26 +64,28 @@ void Snapshot::Part::prepare(const glint_device& device) {
 const reference::Tracer& Snapshot::Part::tracer() const {
     const std::lock_guard lock(tracerMutex_);
     if (!tracer_) {
-        tracerCharge_ = chargeMemory(2 * bytesOf(packed));  // the same in double
+        tracerCharge_ = context_.charge(2 * bytesOf(packed));  // the same in double
         tracer_ = std::make_unique<reference::Tracer>(packed);
     }
     return *tracer_;
 }
 
-bool Snapshot::Part::update(const glint_device& device, const Scene& scene, const std::vector<bool>& moved) {
+bool Snapshot::Part::update(const glint_device& device, const Context& context, const Scene& scene,
+                            const std::vector<bool>& moved) {
     tracer_ = nullptr;
     tracerCharge_ = {};
-    if (!moving_.update(scene, moved)) return false;
+    if (!moving_.update(scene, moved, context)) return false;
     if (queries && !queries->update()) prepare(device);
     return true;
 }
 
-Snapshot::Snapshot(glint_device* device, Scene placed, std::vector<ObjectPlacement> placements, uint64_t tree)
+Snapshot::Snapshot(glint_device* device, const Context& context, Scene placed,
+                   std::vector<ObjectPlacement> placements, uint64_t tree)
     : device_(device),
       scene_(std::move(placed)),
       placements_(std::move(placements)),
       tree_(tree),
-      part_(*device, scene_, true) {
+      part_(*device, context, scene_, true) {
     warnings_ = scene_.warnings;
     warnings_.insert(warnings_.end(), part_.packed.warnings.begin(), part_.packed.warnings.end());
 }
@@ -97,7 +99,8 @@ Snapshot::Snapshot(const Snapshot& other, glint_device* device)
       part_(*device, other.part_),
       warnings_(other.warnings_) {}
 
-bool Snapshot::update(Scene placed, std::vector<ObjectPlacement> placements, uint32_t refits) {
+bool Snapshot::update(const Context& context, Scene placed, std::vector<ObjectPlacement> placements,
+                      uint32_t refits) {
     counting_ = nullptr;
     certain_ = nullptr;
     renderer_ = nullptr;
@@ -106,13 +109,13 @@ bool Snapshot::update(Scene placed, std::vector<ObjectPlacement> placements, uin
     scene_ = std::move(placed);
     placements_ = std::move(placements);
     refits_ = refits;
-    return part_.update(*device_, scene_, moved);
+    return part_.update(*device_, context, scene_, moved);
 }
 
 const Snapshot::Part& Snapshot::counting() const {
     if (!part_.packed.features.splitTriangles) return part_;
     const std::lock_guard lock(countingMutex_);
-    if (!counting_) counting_ = std::make_unique<Part>(*device_, scene_, false);
+    if (!counting_) counting_ = std::make_unique<Part>(*device_, (*device_).context, scene_, false);
     return *counting_;
 }
 
@@ -128,7 +131,7 @@ uint64_t Snapshot::triangles() const {
 }
 
 Picture Snapshot::render(const shared::Camera& camera, const Request& request) const {
-    if (!(*device_).vulkan) return reference::render(part_.packed, camera, request);
+    if (!(*device_).vulkan) return reference::render(part_.packed, camera, request, (*device_).context);
     const std::lock_guard lock(pictureMutex_);
     if (!renderer_) {
         render::Options options;
@@ -177,11 +180,11 @@ std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene) {
 namespace {
 
 // `current` refitted to the placed scene; null if the BVH must be rebuilt.
-std::unique_ptr<Snapshot> nextVersion(glint_scene& scene, const Snapshot& current, const Scene& placed,
-                                      const std::vector<ObjectPlacement>& placements) {
+std::unique_ptr<Snapshot> nextVersion(const Context& context, glint_scene& scene, const Snapshot& current,
+                                      const Scene& placed, const std::vector<ObjectPlacement>& placements) {
     std::unique_ptr<Snapshot> next = scene.retired->take(current.tree());
     if (!next) next = std::make_unique<Snapshot>(current, scene.device);
-    return next->update(placed, placements, current.refits() + 1) ? std::move(next) : nullptr;
+    return next->update(context, placed, placements, current.refits() + 1) ? std::move(next) : nullptr;
 }
 
 }  // namespace
@@ -199,7 +202,7 @@ void report(const glint_device& device, const Snapshot& committed) {
 
 }  // namespace
 
-void commit(glint_scene& scene) {
+void commit(glint_scene& scene, const Context& context) {
     Scene made = scene.draft;
     if (made.materials.empty()) made.materials.emplace_back().name = "default";
     if (scene.framed) frameModel(made);
@@ -208,10 +211,11 @@ void commit(glint_scene& scene) {
     const std::vector<ObjectPlacement> placements = placementsOf(scene.draft);
     std::unique_ptr<Snapshot> next;
     // Only the thread that changes the scene exchanges the pointer.
-    if (scene.committed && !scene.grown) next = nextVersion(scene, *scene.committed, made, placements);
+    if (scene.committed && !scene.grown)
+        next = nextVersion(context, scene, *scene.committed, made, placements);
     if (!next) {
         scene.retired->close();
-        next = std::make_unique<Snapshot>(scene.device, std::move(made), placements, ++scene.trees);
+        next = std::make_unique<Snapshot>(scene.device, context, std::move(made), placements, ++scene.trees);
     }
     scene.grown = false;
     auto snapshot = Retired::owned(scene.retired, std::move(next));

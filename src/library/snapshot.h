@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "core/call_terms.h"
 #include "library/handles.h"
 #include "pack/moving_scene.h"
 #include "reference/certain/certain.h"
@@ -31,18 +30,20 @@ class Snapshot {
     // A packed scene and its tracers. `queries` is null for the reference.
     class Part {
       public:
-        Part(const glint_device& device, const Scene& scene, bool split);
+        Part(const glint_device& device, const Context& context, const Scene& scene, bool split);
         // A copy with its own arrays, to be updated.
         Part(const glint_device& device, const Part& other);
 
         // See MovingScene. No query may be running.
-        bool update(const glint_device& device, const Scene& scene, const std::vector<bool>& moved);
+        bool update(const glint_device& device, const Context& context, const Scene& scene,
+                    const std::vector<bool>& moved);
         // Made with the first call.
         const reference::Tracer& tracer() const;
 
       private:
         void prepare(const glint_device& device);
-        MemoryCharge charge_;  // while the scene is packed, of that too
+        const Context context_;  // of the device
+        MemoryCharge charge_;    // while the scene is packed, of that too
         MovingScene moving_;
         mutable std::mutex tracerMutex_;
         mutable MemoryCharge tracerCharge_;
@@ -55,15 +56,18 @@ class Snapshot {
 
     // Packs the placed scene and uploads it to a device. Throws Error for a scene that cannot be traced.
     // `tree`: number of the BVH built here.
-    Snapshot(glint_device* device, Scene placed, std::vector<ObjectPlacement> placements, uint64_t tree);
+    Snapshot(glint_device* device, const Context& context, Scene placed,
+             std::vector<ObjectPlacement> placements, uint64_t tree);
     // A copy with its own arrays, to be updated.
     Snapshot(const Snapshot& other, glint_device* device);
 
     // Refits the BVH to `placed`, which differs only in placements and the camera. False if the BVH must be
     // rebuilt; this snapshot is then invalid. No query may be running. `refits`: consecutive refits with this
     // one.
-    bool update(Scene placed, std::vector<ObjectPlacement> placements, uint32_t refits);
+    bool update(const Context& context, Scene placed, std::vector<ObjectPlacement> placements,
+                uint32_t refits);
 
+    const glint_device& device() const { return *device_; }
     const Scene& scene() const { return scene_; }
     const Part& part() const { return part_; }
     // For counts: a part whose BVH holds each triangle once. Made with the first call if part() is not such.

@@ -3,6 +3,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "core/context.h"
 #include "core/error.h"
 #include "core/text_file.h"
 

@@ -6,8 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "core/call_terms.h"
-#include "core/parallel.h"
 #include "glint/glint.h"
 
 namespace glint::library {
@@ -40,16 +38,6 @@ glint_status guarded(Body&& body) noexcept {
     } catch (...) {
         return statusOfException();
     }
-}
-
-// The same under a device's terms; null: without terms.
-template <class Body>
-glint_status guarded(const CallTerms* terms, Body&& body) noexcept {
-    const CallScope scope(terms);
-    return guarded([&] {
-        const KeptThreads threads;  // a query's pieces are several loops each
-        body();
-    });
 }
 
 // A caller's struct in this version's layout; members that an older caller lacks are zero. `what` names it.

@@ -30,25 +30,25 @@ bool mayGrow(const Primitives& primitives) {
     return grown < shared::kLeafFirstMask;
 }
 
-Tree plainTree(const Primitives& primitives, const TreeOptions& options) {
+Tree plainTree(const Primitives& primitives, const TreeOptions& options, const Context& context) {
     Tree tree;
-    tree.bvh = buildBvh(primitives.boxes, options.bvh);
+    tree.bvh = buildBvh(primitives.boxes, options.bvh, context);
     tree.cost = expectedCost(tree.bvh, options.bvh.traversalCost);
     return tree;
 }
 
 // Keeps whichever of both trees is cheaper, and the primitives that go with it.
 void trySplits(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options,
-               Tree& tree) {
-    const double emptiness = boxEmptiness(primitives, scene, frame, options.bvh.threads);
+               const Context& context, Tree& tree) {
+    const double emptiness = boxEmptiness(primitives, scene, frame, context);
     if (emptiness < kMuchEmptiness) return;
     if (options.quality == BuildQuality::Default && emptiness < kMuchOfAll * tree.cost) return;
     Primitives split = primitives;
-    const uint32_t added = splitLargeTriangles(split, scene, frame, kSplitBudget, options.bvh.threads);
+    const uint32_t added = splitLargeTriangles(split, scene, frame, kSplitBudget, context);
     if (added == 0) return;
     TreeOptions splitOptions = options;
     if (options.bvh.groups != nullptr) splitOptions.bvh.groups = &split.kinds;
-    Tree candidate = plainTree(split, splitOptions);
+    Tree candidate = plainTree(split, splitOptions, context);
     if (!(candidate.cost < tree.cost)) return;
     candidate.splitTriangles = added;
     tree = std::move(candidate);
@@ -72,19 +72,19 @@ double expectedCost(const Bvh& bvh, double traversalCost) {
 
 namespace {
 
-Tree freshTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options) {
-    Tree tree = plainTree(primitives, options);
+Tree freshTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options,
+               const Context& context) {
+    Tree tree = plainTree(primitives, options, context);
     if (options.quality == BuildQuality::Fast) return tree;
-    if (options.split && mayGrow(primitives)) trySplits(primitives, scene, frame, options, tree);
+    if (options.split && mayGrow(primitives)) trySplits(primitives, scene, frame, options, context, tree);
     const bool high = options.quality == BuildQuality::High;
     if (!high && tree.bvh.nodes.size() > kQuickNodes) return tree;
     ReinsertionOptions reinsertion;
     reinsertion.maxLevels = options.bvh.maxLevels;
-    reinsertion.threads = options.bvh.threads;
     reinsertion.iterations = high ? 8 : 3;
     reinsertion.batch = high ? 0.1 : 0.05;
     Tree candidate = tree;
-    reinsertSubtrees(candidate.bvh, reinsertion);
+    reinsertSubtrees(candidate.bvh, reinsertion, context);
     candidate.cost = expectedCost(candidate.bvh, options.bvh.traversalCost);
     const bool keep = high || tree.splitTriangles > 0 || candidate.cost < kWorthReinserting * tree.cost;
     return keep ? candidate : tree;
@@ -92,15 +92,16 @@ Tree freshTree(Primitives& primitives, const Scene& scene, const Frame& frame, c
 
 }  // namespace
 
-Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options) {
-    if (!options.memory) return freshTree(primitives, scene, frame, options);
+Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options,
+               const Context& context) {
+    if (!options.memory) return freshTree(primitives, scene, frame, options, context);
     const uint64_t key = treeKey(primitives, scene, frame, options);
     if (const TreeMemory::Entry* known = options.memory->find(key)) {
         if (known->split) primitives = *known->split;
         return known->tree;
     }
     TreeMemory::Entry entry;
-    entry.tree = freshTree(primitives, scene, frame, options);
+    entry.tree = freshTree(primitives, scene, frame, options, context);
     if (entry.tree.splitTriangles > 0) entry.split = primitives;
     Tree tree = entry.tree;
     options.memory->keep(key, std::move(entry));

@@ -17,6 +17,7 @@ double expectedCost(const Bvh& bvh, double traversalCost);
 // reinserted where that makes them cheaper. High: the same whatever it takes. No quality changes what a ray
 // hits, but for hits by rounding of triangles that a ray lies in the plane of
 // (tests/render/traversal_test.cpp).
-Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options);
+Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options,
+               const Context& context);
 
 }  // namespace glint

@@ -98,12 +98,12 @@ void collectChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
 }  // namespace
 
 Primitives collectPrimitives(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame,
-                             unsigned threads, PackStatistics& statistics,
+                             const Context& context, PackStatistics& statistics,
                              std::vector<std::string>& warnings) {
     std::vector<Fate> fates(numbers.total(), Fate::Absent);
     std::vector<ChunkCount> counts(numbers.chunks());
     const auto judge = [&](size_t i) { counts[i] = judgeChunk(scene, numbers, frame, i, fates); };
-    parallelFor(counts.size(), judge, threads);
+    parallelFor(context, counts.size(), judge);
     reportDropped(scene, numbers, counts, statistics, warnings);
 
     Primitives out;
@@ -119,11 +119,10 @@ Primitives collectPrimitives(const Scene& scene, const PrimitiveNumbers& numbers
     for (uint32_t kind = 0; kind < shared::kKindCount; ++kind)
         checkLimit(kKindNames[kind], out.counts[kind], uint64_t{shared::kLeafFirstMask} + 1);
 
-    parallelTasks(
-        {[&] { out.boxes.resize(total); }, [&] { out.kinds.resize(total), out.sources.resize(total); }},
-        threads);
+    parallelTasks(context, {[&] { out.boxes.resize(total); },
+                            [&] { out.kinds.resize(total), out.sources.resize(total); }});
     const auto collect = [&](size_t i) { collectChunk(scene, numbers, frame, i, fates, first[i], out); };
-    parallelFor(counts.size(), collect, threads);
+    parallelFor(context, counts.size(), collect);
     return out;
 }
 

@@ -11,7 +11,7 @@ namespace glint {
 // Leaves out planes and the triangles that cannot be hit, which are counted and warned of.
 // Throws Error(Scene) if there are more primitives of a kind than a leaf can name.
 Primitives collectPrimitives(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame,
-                             unsigned threads, PackStatistics& statistics,
+                             const Context& context, PackStatistics& statistics,
                              std::vector<std::string>& warnings);
 
 }  // namespace glint

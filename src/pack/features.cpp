@@ -35,10 +35,10 @@ bool isSliver(const shared::Triangle& t) {
 
 }  // namespace
 
-bool haveSlivers(const std::vector<shared::Triangle>& triangles) {
+bool haveSlivers(const std::vector<shared::Triangle>& triangles, const Context& context) {
     constexpr size_t kRun = 16384;
     std::atomic<bool> found = false;
-    parallelFor((triangles.size() + kRun - 1) / kRun, [&](size_t run) {
+    parallelFor(context, (triangles.size() + kRun - 1) / kRun, [&](size_t run) {
         const size_t end = std::min(triangles.size(), (run + 1) * kRun);
         for (size_t i = run * kRun; i < end && !found.load(std::memory_order_relaxed); ++i)
             if (isSliver(triangles[i])) found.store(true, std::memory_order_relaxed);
@@ -46,14 +46,15 @@ bool haveSlivers(const std::vector<shared::Triangle>& triangles) {
     return found;
 }
 
-SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used) {
+SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used,
+                         const Context& context) {
     SceneFeatures f = packed.features;  // those of packTextures
 #define GLINT_USES(number, Kind, kinds, one, many) f.kinds = !packed.kinds.empty();
     GLINT_PRIMITIVES(GLINT_USES, GLINT_USES)
 #undef GLINT_USES
     for (const shared::Sphere& s : packed.spheres) f.anchoredSpheres |= s.anchorNormal != glm::vec3(0);
     f.splitTriangles = packed.statistics.splitTriangles > 0;
-    f.slivers = haveSlivers(packed.triangles);
+    f.slivers = haveSlivers(packed.triangles, context);
     f.vertexNormals = !packed.vertexNormals.empty();
     for (const shared::Light& light : packed.lights) addLightKind(light, f);
     for (size_t i = 0; i < packed.materials.size(); ++i) {

@@ -8,7 +8,6 @@
 #include <map>
 #include <utility>
 
-#include "core/call_terms.h"
 #include "core/parallel.h"
 #include "pack/kind_packer.h"
 #include "pack/object_extents.h"
@@ -70,7 +69,7 @@ std::pair<size_t, const void*> prototypeKey(const Object& object) {
 }
 
 Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxLevels,
-                        const PackOptions& options) {
+                        const PackOptions& options, const Context& context) {
     Scene alone;
     alone.objects.push_back({object.name, object.shape, 0, std::nullopt});
     // Each instance may have a material of its own, so texture coordinates are kept if any material wants
@@ -80,7 +79,7 @@ Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxLe
     if (textured != scene.materials.end()) alone.materials.assign(scene.materials.size(), *textured);
     const PrimitiveNumbers numbers(alone);
     checkLimit("primitives of an object that is stored once", numbers.total(), uint64_t{1} << maxLevels);
-    const Extent extent = objectExtents(alone, numbers, {}, options.threads).front();
+    const Extent extent = objectExtents(alone, numbers, {}, context).front();
     Prototype prototype;
     PackedScene& packed = prototype.geometry;
     if (extent.empty()) return prototype;
@@ -88,7 +87,7 @@ Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxLe
     // Seen from its middle: no form of rounding may depend on where the camera is.
     const Frame frame{packed.origin, extent.center(), nullptr};
     Materials unused(scene.materials.size());
-    packGeometry(alone, numbers, frame, maxLevels, options, packed, unused);
+    packGeometry(alone, numbers, frame, maxLevels, options, context, packed, unused);
     prototype.boxes = topBoxes(packed.nodes, kTopBoxes);
     return prototype;
 }
@@ -188,7 +187,8 @@ Box worldBox(const std::vector<Box>& boxes, const glm::dmat3& linear, const glm:
 
 }  // namespace
 
-Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options)
+Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options,
+                     const Context& context)
     : slot_(scene.objects.size(), shared::kNone) {
     std::map<std::pair<size_t, const void*>, uint32_t> known;
     std::vector<const Object*> shown;
@@ -204,11 +204,10 @@ Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const 
     if (shown.empty()) return;
     const uint32_t needed = static_cast<uint32_t>(std::bit_width(numbers.total())) + 4;
     depthOfPrototypes_ = kDepth - std::max(needed, kDepth / 2);
-    const ProgressPart part(0, kPrototypesPart);
-    for (size_t i = 0; i < shown.size(); ++i) {
-        const ProgressPart one = ProgressPart::step(i, shown.size());
-        prototypes_.push_back(packPrototype(*shown[i], scene, depthOfPrototypes_, options));
-    }
+    const Context part = context.part(0, kPrototypesPart);
+    for (size_t i = 0; i < shown.size(); ++i)
+        prototypes_.push_back(
+            packPrototype(*shown[i], scene, depthOfPrototypes_, options, part.step(i, shown.size())));
 }
 
 std::vector<glm::dvec3> Instances::corners(const Scene& scene, uint32_t object) const {
@@ -265,12 +264,12 @@ Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint3
 }
 
 void Instances::place(const Scene& scene, const PrimitiveNumbers& numbers, const glm::dvec3& origin,
-                      unsigned threads) {
+                      const Context& context) {
     placed_.resize(objects_.size());
     const auto place = [&](size_t i) {
         placed_[i] = placedAt(scene, objects_[i], numbers.firstId(objects_[i]), origin);
     };
-    parallelFor(objects_.size(), place, threads);
+    parallelFor(context, objects_.size(), place);
 }
 
 void Instances::append(PackedScene& packed) {

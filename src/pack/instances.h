@@ -27,7 +27,8 @@ class Instances {
   public:
     // Packs the prototypes of the objects with a transform, see placeObjects. A level of the trees' 48 is
     // left to the instances for each factor of two in their number and 4 more.
-    Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options);
+    Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options,
+              const Context& context);
 
     // Part of the packing time that prototypes take.
     static constexpr double kPrototypesPart = 0.5;
@@ -40,7 +41,7 @@ class Instances {
 
     // Rounds transforms relative to the origin of the packed scene and boxes the instances.
     void place(const Scene& scene, const PrimitiveNumbers& numbers, const glm::dvec3& origin,
-               unsigned threads);
+               const Context& context);
     // Instance of a visible object whose placement is within the range of fp32. `root` is the number of its
     // prototype until append is called.
     bool showsAnything(uint32_t object) const { return !prototypeOf(object).boxes.empty(); }

@@ -40,7 +40,7 @@ Counts sumUp(std::vector<Counts>& chunks) {
 }
 
 // Planes are written already. Side by side, as memory that nobody has touched takes longest here.
-void makeRoom(const Counts& total, PackedScene& packed, unsigned threads) {
+void makeRoom(const Counts& total, PackedScene& packed, const Context& context) {
     std::vector<std::function<void()>> tasks;
     const auto make = [&](auto& array, size_t size) {
         if (size > 0) tasks.push_back([&array, size] { array.resize(size); });
@@ -53,13 +53,13 @@ void makeRoom(const Counts& total, PackedScene& packed, unsigned threads) {
     make(packed.vertexNormals, total.rows.normals);
     // At most 5 rows for each of 2^25 triangles: the number fits kAttributeFirstMask.
     make(packed.vertexAttributes, total.rows.attributes);
-    parallelTasks(tasks, threads);
+    parallelTasks(context, tasks);
 }
 
 }  // namespace
 
 void writeInLeafOrder(const Packing& packing, const Primitives& primitives,
-                      const std::vector<uint32_t>& order, unsigned threads) {
+                      const std::vector<uint32_t>& order, const Context& context) {
     std::vector<Counts> chunks((order.size() + kChunk - 1) / kChunk);
     const auto count = [&](size_t i) {
         visitChunk(primitives, order, i, [&](shared::PrimitiveKind kind, Primitives::Source source) {
@@ -67,15 +67,15 @@ void writeInLeafOrder(const Packing& packing, const Primitives& primitives,
             packerOf(kind).count(packing, source, chunks[i].rows);
         });
     };
-    parallelFor(chunks.size(), count, threads);
-    makeRoom(sumUp(chunks), packing.packed, threads);
+    parallelFor(context, chunks.size(), count);
+    makeRoom(sumUp(chunks), packing.packed, context);
     const auto write = [&](size_t i) {
         Counts next = chunks[i];
         visitChunk(primitives, order, i, [&](shared::PrimitiveKind kind, Primitives::Source source) {
             packerOf(kind).write(packing, source, next.kinds[static_cast<size_t>(kind)]++, next.rows);
         });
     };
-    parallelFor(chunks.size(), write, threads);
+    parallelFor(context, chunks.size(), write);
 }
 
 }  // namespace glint

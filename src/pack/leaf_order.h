@@ -9,6 +9,6 @@ namespace glint {
 
 // Fills the arrays of the kinds, and those of their further rows, with primitives[order[0]], ...
 void writeInLeafOrder(const Packing& packing, const Primitives& primitives,
-                      const std::vector<uint32_t>& order, unsigned threads);
+                      const std::vector<uint32_t>& order, const Context& context);
 
 }  // namespace glint

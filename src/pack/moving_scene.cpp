@@ -52,11 +52,11 @@ PackOptions optionsFor(const Scene& scene, bool split) {
 
 }  // namespace
 
-MovingScene::MovingScene(const Scene& placed, bool split) : eye_(placed.camera.eye) {
+MovingScene::MovingScene(const Scene& placed, bool split, const Context& context) : eye_(placed.camera.eye) {
     const PackOptions options = optionsFor(placed, split);
     const PrimitiveNumbers numbers(placed);
-    instances_ = std::make_unique<Instances>(placed, numbers, options);
-    packed_ = packPlaced(placed, numbers, *instances_, options);
+    instances_ = std::make_unique<Instances>(placed, numbers, options, context);
+    packed_ = packPlaced(placed, numbers, *instances_, options, context);
     builtCost_ = packed_.statistics.sahCost;
     for (const Object& object : placed.objects) {
         kinds_.push_back(static_cast<uint8_t>(kindOf(object)));
@@ -104,14 +104,14 @@ bool MovingScene::knows(const Scene& scene, const std::vector<bool>& moved) cons
 }
 
 // Rounds the vertices of an object of triangles, and measures it.
-void MovingScene::followVertices(const Object& object, size_t number) {
+void MovingScene::followVertices(const Object& object, size_t number, const Context& context) {
     const std::span<const glm::dvec3> positions = positionsOf(object);
     Vertices& vertices = vertices_[number];
     if (!vertices.used || vertices.used->size() != positions.size())
         vertices.used = std::make_shared<const std::vector<uint8_t>>(usedVertices(object));
     vertices.rounded.resize(positions.size());
     std::vector<Extent> parts((positions.size() + kMoveChunk - 1) / kMoveChunk);
-    parallelFor(parts.size(), [&](size_t chunk) {
+    parallelFor(context, parts.size(), [&](size_t chunk) {
         Extent extent;
         const size_t end = std::min(positions.size(), (chunk + 1) * kMoveChunk);
         for (size_t i = chunk * kMoveChunk; i < end; ++i) {
@@ -126,14 +126,14 @@ void MovingScene::followVertices(const Object& object, size_t number) {
 }
 
 // Objects that do not move keep their extent.
-void MovingScene::measure(const Scene& scene, const std::vector<bool>& moved) {
+void MovingScene::measure(const Scene& scene, const std::vector<bool>& moved, const Context& context) {
     const bool first = extents_.empty();
     vertices_.resize(scene.objects.size());
     extents_.resize(scene.objects.size());
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
         if (!first && !moved[i]) continue;
         if (kinds_[i] == shared::kKindTriangle) {
-            followVertices(scene.objects[i], i);
+            followVertices(scene.objects[i], i, context);
             continue;
         }
         extents_[i] = {};
@@ -147,14 +147,14 @@ void MovingScene::measure(const Scene& scene, const std::vector<bool>& moved) {
 }
 
 // Moves everything to a new origin of coordinates; false if something cannot follow.
-bool MovingScene::followOrigin(const Scene& scene, const PrimitiveNumbers& numbers,
-                               std::vector<bool>& moved) {
+bool MovingScene::followOrigin(const Scene& scene, const PrimitiveNumbers& numbers, std::vector<bool>& moved,
+                               const Context& context) {
     const Geometry geometry = geometryOf(scene, extents_);
     if (const glm::dvec3 origin = originOf(geometry, scene.camera.eye); origin != packed_.origin) {
         if (!std::all_of(kinds_.begin(), kinds_.end(), follows)) return false;
         packed_.origin = origin;
         moved.assign(moved.size(), true);
-        measure(scene, moved);
+        measure(scene, moved, context);
     }
     packed_.geometryLo = geometry.extent.lo;
     packed_.geometryHi = geometry.extent.hi;
@@ -191,7 +191,7 @@ bool MovingScene::moveTriangle(const Scene& scene, const PrimitiveNumbers& numbe
 
 // Triangles and boxes in one go: both lie in the order of leaves.
 bool MovingScene::moveLeaves(const Scene& scene, const PrimitiveNumbers& numbers,
-                             const std::vector<bool>& moved) {
+                             const std::vector<bool>& moved, const Context& context) {
     if (packed_.nodes.empty()) return true;
     std::atomic<bool> allKept = true;
     const auto leafBox = [&](uint32_t leaf) -> std::optional<Box> {
@@ -218,25 +218,25 @@ bool MovingScene::moveLeaves(const Scene& scene, const PrimitiveNumbers& numbers
         return anyMoved ? std::optional(box) : std::nullopt;
     };
     const std::span nodes = std::span(packed_.nodes).first(instances_->firstNode(packed_));
-    const RefitResult result = refitNodes(nodes, BvhOptions{}.traversalCost, leafBox);
+    const RefitResult result = refitNodes(nodes, BvhOptions{}.traversalCost, leafBox, context);
     packed_.boundsLo = result.box.lo;
     packed_.boundsHi = result.box.hi;
     packed_.statistics.sahCost = result.cost;
     return allKept && !(result.cost > kMostGrowth * builtCost_);
 }
 
-bool MovingScene::update(const Scene& scene, std::vector<bool> moved) {
+bool MovingScene::update(const Scene& scene, std::vector<bool> moved, const Context& context) {
     if (!knows(scene, moved)) return false;
-    measure(scene, moved);
+    measure(scene, moved, context);
     const PrimitiveNumbers numbers(scene);
-    if (!followOrigin(scene, numbers, moved)) return false;
+    if (!followOrigin(scene, numbers, moved, context)) return false;
     eye_ = scene.camera.eye;
-    instances_->place(scene, numbers, packed_.origin, 0);
+    instances_->place(scene, numbers, packed_.origin, context);
     if (!instances_->move(packed_) || !droppedStaySo(scene, moved)) return false;
-    if (!moveLeaves(scene, numbers, moved)) return false;
+    if (!moveLeaves(scene, numbers, moved, context)) return false;
     for (size_t i = 0; i < scene.lights.size(); ++i)
         packed_.lights[i] = packLight(scene.lights[i], packed_.origin);
-    if (!packed_.features.slivers && haveSlivers(packed_.triangles)) return false;
+    if (!packed_.features.slivers && haveSlivers(packed_.triangles, context)) return false;
     if (packed_.features.mirrors)
         packed_.environment.radianceBound = radianceBound(packed_, packed_.environment, packed_.lights);
     return true;

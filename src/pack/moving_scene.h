@@ -15,7 +15,7 @@ class PrimitiveNumbers;
 class MovingScene {
   public:
     // Packs a scene that is placed (scene/placement.h), as packScene does.
-    explicit MovingScene(const Scene& placed, bool split = true);
+    explicit MovingScene(const Scene& placed, bool split = true, const Context& context = {});
     ~MovingScene();
     MovingScene(const MovingScene& other);
     MovingScene& operator=(const MovingScene&) = delete;
@@ -37,7 +37,7 @@ class MovingScene {
     //   kinds round by it, or the scene's origin where there are other kinds,
     // - a mesh changed that instances share, or an object became an instance or ceased to be one,
     // - materials have textures or let light through.
-    bool update(const Scene& scene, std::vector<bool> moved);
+    bool update(const Scene& scene, std::vector<bool> moved, const Context& context = {});
 
   private:
     struct Face {
@@ -49,12 +49,14 @@ class MovingScene {
         std::vector<glm::vec3> rounded;                    // relative to the origin; NaN: out of fp32's range
     };
     bool knows(const Scene& scene, const std::vector<bool>& moved) const;
-    void measure(const Scene& scene, const std::vector<bool>& moved);
-    void followVertices(const Object& object, size_t number);
-    bool followOrigin(const Scene& scene, const PrimitiveNumbers& numbers, std::vector<bool>& moved);
+    void measure(const Scene& scene, const std::vector<bool>& moved, const Context& context);
+    void followVertices(const Object& object, size_t number, const Context& context);
+    bool followOrigin(const Scene& scene, const PrimitiveNumbers& numbers, std::vector<bool>& moved,
+                      const Context& context);
     bool droppedStaySo(const Scene& scene, const std::vector<bool>& moved) const;
     bool moveTriangle(const Scene& scene, const PrimitiveNumbers& numbers, uint32_t index);
-    bool moveLeaves(const Scene& scene, const PrimitiveNumbers& numbers, const std::vector<bool>& moved);
+    bool moveLeaves(const Scene& scene, const PrimitiveNumbers& numbers, const std::vector<bool>& moved,
+                    const Context& context);
     void findDropped(const Scene& scene, const PrimitiveNumbers& numbers);
 
     PackedScene packed_;

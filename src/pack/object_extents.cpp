@@ -62,7 +62,7 @@ double lowerMedianOf(std::vector<double> values) {
 }  // namespace
 
 std::vector<Extent> objectExtents(const Scene& scene, const PrimitiveNumbers& numbers,
-                                  const CornersOf& corners, unsigned threads) {
+                                  const CornersOf& corners, const Context& context) {
     std::vector<Extent> extents(scene.objects.size());
     std::vector<std::vector<Piece>> pieces(numbers.chunks());
     const auto measure = [&](size_t chunk) {
@@ -74,7 +74,7 @@ std::vector<Extent> objectExtents(const Scene& scene, const PrimitiveNumbers& nu
                 pieces[chunk].push_back({object, extent});
         });
     };
-    parallelFor(pieces.size(), measure, threads);
+    parallelFor(context, pieces.size(), measure);
     for (const std::vector<Piece>& chunk : pieces)
         for (const Piece& piece : chunk) extents[piece.object].include(piece.extent);
     return extents;

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "core/context.h"
 #include "pack/extent.h"
 #include "pack/primitives.h"
 #include "scene/scene.h"
@@ -23,7 +24,7 @@ struct Geometry {
 using CornersOf = std::function<std::vector<glm::dvec3>(uint32_t object)>;
 // Bounds of each object, empty for planes. `corners` may be empty if there are no instances.
 std::vector<Extent> objectExtents(const Scene& scene, const PrimitiveNumbers& numbers,
-                                  const CornersOf& corners, unsigned threads);
+                                  const CornersOf& corners, const Context& context);
 Geometry geometryOf(const Scene& scene, std::vector<Extent> objects);
 // With the camera.
 Extent withCamera(const Extent& geometry, const Scene& scene);

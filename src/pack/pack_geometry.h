@@ -23,19 +23,10 @@ class Materials {
     std::vector<std::atomic<bool>> used_;
 };
 
-class TreeMemory;
-
-// How to build the trees of a scene. split, memory: see TreeOptions.
-struct PackOptions {
-    unsigned threads = 0;
-    BuildQuality quality = BuildQuality::Default;
-    bool split = true;
-    TreeMemory* memory = nullptr;
-};
-
 // Fills the arrays of nodes and of what is in the tree, the bounds, the statistics and the warnings.
 void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxLevels,
-                  const PackOptions& options, PackedScene& packed, Materials& materials);
+                  const PackOptions& options, const Context& context, PackedScene& packed,
+                  Materials& materials);
 
 struct Extent;
 
@@ -45,7 +36,7 @@ void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Exten
 
 // packScene for a placed scene. `instances`: its instances, still to be placed.
 PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
-                       const PackOptions& options);
+                       const PackOptions& options, const Context& context);
 
 // True if light passes through some material.
 bool anyTransmits(const Scene& scene);

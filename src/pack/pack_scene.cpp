@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "bvh/flatten.h"
-#include "core/call_terms.h"
 #include "core/stopwatch.h"
 #include "pack/build_tree.h"
 #include "pack/camera_change.h"
@@ -43,9 +42,9 @@ void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Exten
 namespace {
 
 std::vector<Extent> extentsOf(const Scene& scene, const PrimitiveNumbers& numbers, const Instances& instances,
-                              unsigned threads) {
+                              const Context& context) {
     const auto corners = [&](uint32_t object) { return instances.corners(scene, object); };
-    return objectExtents(scene, numbers, corners, threads);
+    return objectExtents(scene, numbers, corners, context);
 }
 
 // A leaf of polygons must not take more trips than one polygon may: the device cannot stop within a leaf.
@@ -73,17 +72,16 @@ void fillStatistics(const Tree& tree, PackStatistics& statistics) {
 }  // namespace
 
 void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxLevels,
-                  const PackOptions& pack, PackedScene& packed, Materials& materials) {
-    const unsigned threads = pack.threads;
+                  const PackOptions& pack, const Context& context, PackedScene& packed,
+                  Materials& materials) {
     Primitives primitives =
-        collectPrimitives(scene, numbers, frame, threads, packed.statistics, packed.warnings);
+        collectPrimitives(scene, numbers, frame, context, packed.statistics, packed.warnings);
     TreeOptions tree;
     tree.quality = pack.quality;
     tree.split = pack.split;
     tree.memory = pack.memory;
     BvhOptions& options = tree.bvh;
     options.maxLevels = maxLevels;
-    options.threads = threads;
     const auto kinds = std::count_if(primitives.counts.begin(), primitives.counts.end(),
                                      [](uint32_t count) { return count > 0; });
     if (kinds > 1) options.groups = &primitives.kinds;
@@ -93,21 +91,18 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
     }
     limitPolygonTrips(scene, options, packed);
     const Stopwatch stopwatch;
-    Tree built = [&] {
-        const ProgressPart part(kCollected, kBuilt);
-        return buildTree(primitives, scene, frame, tree);
-    }();
+    Tree built = buildTree(primitives, scene, frame, tree, context.part(kCollected, kBuilt));
     packed.statistics.buildSeconds = stopwatch.seconds();
     Bvh& bvh = built.bvh;
     primitives.boxes = {};
-    packed.nodes = flattenBvh(bvh, primitives.kinds);
+    packed.nodes = flattenBvh(bvh, primitives.kinds, context);
     fillStatistics(built, packed.statistics);
     if (!bvh.nodes.empty()) {
         packed.boundsLo = bvh.nodes[0].box.lo;
         packed.boundsHi = bvh.nodes[0].box.hi;
     }
     bvh.nodes = {};
-    writeInLeafOrder({scene, numbers, frame, packed, materials}, primitives, bvh.order, threads);
+    writeInLeafOrder({scene, numbers, frame, packed, materials}, primitives, bvh.order, context);
 }
 
 bool anyTransmits(const Scene& scene) {
@@ -116,9 +111,9 @@ bool anyTransmits(const Scene& scene) {
 }
 
 PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
-                       const PackOptions& options) {
-    const ProgressPart part(instances.any() ? Instances::kPrototypesPart : 0, 1);
-    const Geometry geometry = geometryOf(scene, extentsOf(scene, numbers, instances, options.threads));
+                       const PackOptions& options, const Context& whole) {
+    const Context context = whole.part(instances.any() ? Instances::kPrototypesPart : 0, 1);
+    const Geometry geometry = geometryOf(scene, extentsOf(scene, numbers, instances, context));
     const Extent extent = withCamera(geometry.extent, scene);
     PackedScene packed;
     packed.geometryLo = geometry.extent.lo;
@@ -127,17 +122,18 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
     packed.geometryReach = geometry.reach;
     packed.origin = originOf(geometry, scene.camera.eye);
     packPlanes(scene, numbers, extent, packed);
-    instances.place(scene, numbers, packed.origin, options.threads);
+    instances.place(scene, numbers, packed.origin, context);
 
     Materials materials(scene.materials.size());
     packGeometry(scene, numbers, {packed.origin, scene.camera.eye, &instances}, instances.depthOfTop(),
-                 options, packed, materials);
+                 options, context, packed, materials);
     packShading(scene, packed);
     instances.append(packed);
     for (const shared::Plane& plane : packed.planes) materials.use(plane.material);
     packTextures(
-        scene, [&](size_t material) { return materials.used(material); }, packed);
-    packed.features = featuresOf(packed, [&](size_t material) { return materials.used(material); });
+        scene, [&](size_t material) { return materials.used(material); }, packed, context);
+    packed.features = featuresOf(
+        packed, [&](size_t material) { return materials.used(material); }, context);
     if (packed.features.transmission) {
         setEye(packed, scene.camera.eye);
         packed.features.coloredShadows =
@@ -154,25 +150,23 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
     return packed;
 }
 
-glm::dvec3 chooseOrigin(const Scene& given, unsigned threads) {
+glm::dvec3 chooseOrigin(const Scene& given, const Context& context) {
     Scene copy;
     const Scene& scene = placedScene(given, copy);
     const PrimitiveNumbers numbers(scene);
-    const Instances instances(scene, numbers, PackOptions{threads});
-    return originOf(geometryOf(scene, extentsOf(scene, numbers, instances, threads)), scene.camera.eye);
+    const Instances instances(scene, numbers, PackOptions{}, context);
+    return originOf(geometryOf(scene, extentsOf(scene, numbers, instances, context)), scene.camera.eye);
 }
 
-PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality, bool split,
-                      TreeMemory* memory) {
-    PackOptions options{threads, quality};
-    options.memory = memory;
-    if (memory) memory->begin();
-    options.split = split && !anyTransmits(given);  // coloured shadows and mediaAt count surfaces
+PackedScene packScene(const Scene& given, const PackOptions& wanted, const Context& context) {
+    PackOptions options = wanted;
+    if (options.memory) options.memory->begin();
+    options.split = options.split && !anyTransmits(given);  // coloured shadows and mediaAt count surfaces
     Scene copy;
     const Scene& scene = placedScene(given, copy);
     const PrimitiveNumbers numbers(scene);
-    Instances instances(scene, numbers, options);
-    return packPlaced(scene, numbers, instances, options);
+    Instances instances(scene, numbers, options, context);
+    return packPlaced(scene, numbers, instances, options, context);
 }
 
 }  // namespace glint

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "core/call_terms.h"
 #include "core/room.h"
 #include "pack/object_frame.h"
 #include "pack/primitives.h"
@@ -43,8 +42,8 @@ float sound(float sample, uint64_t& mended) {
 
 class TexturePacker {
   public:
-    TexturePacker(const Scene& scene, PackedScene& packed)
-        : scene_(scene), packed_(packed), cubes_(cubeOrigin(scene)) {}
+    TexturePacker(const Scene& scene, PackedScene& packed, const Context& context)
+        : scene_(scene), packed_(packed), context_(context), cubes_(cubeOrigin(scene)) {}
 
     const CubeOrigin& cubes() const { return cubes_; }
 
@@ -107,7 +106,7 @@ class TexturePacker {
         uint64_t mended = 0;
         const auto channels = static_cast<size_t>(image.channels);
         for (size_t i = 0; i < count; ++i) {
-            paceLoop(i);
+            context_.pace(i);
             const float* sample = &image.pixels[i * channels];
             shared::Texel texel;
             for (int c = 0; c < 3; ++c) texel.color[c] = sound(sample[channels < 3 ? 0 : c], mended);
@@ -121,6 +120,7 @@ class TexturePacker {
 
     const Scene& scene_;
     PackedScene& packed_;
+    const Context& context_;
     CubeOrigin cubes_;
     std::map<uint32_t, uint32_t> textures_;
     std::map<const Image*, uint32_t> images_;
@@ -176,8 +176,9 @@ void writeAttributes(const Mesh& mesh, uint32_t face, uint32_t flags, shared::Ve
     }
 }
 
-void packTextures(const Scene& scene, const std::function<bool(size_t)>& used, PackedScene& packed) {
-    TexturePacker packer(scene, packed);
+void packTextures(const Scene& scene, const std::function<bool(size_t)>& used, PackedScene& packed,
+                  const Context& context) {
+    TexturePacker packer(scene, packed, context);
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& from = scene.materials[i];
         shared::Material& to = packed.materials[i];

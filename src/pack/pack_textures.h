@@ -18,6 +18,7 @@ void writeAttributes(const Mesh& mesh, uint32_t face, uint32_t flags, shared::Ve
 // Fills textures, texels and object frames for the materials that `used` holds true and for the environment
 // map, and the indices and features that go with them. packed.materials are there already. Throws
 // Error(Scene) naming the array, its size and the limit if there are too many texels.
-void packTextures(const Scene& scene, const std::function<bool(size_t)>& used, PackedScene& packed);
+void packTextures(const Scene& scene, const std::function<bool(size_t)>& used, PackedScene& packed,
+                  const Context& context);
 
 }  // namespace glint

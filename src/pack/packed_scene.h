@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bvh/builder.h"
+#include "core/context.h"
 #include "scene/scene.h"
 #include "shared/layout.h"
 
@@ -106,17 +107,25 @@ struct PackedScene {
 // a multiple of the power of two in (e, 2e]: no more than e away from m in any axis, and of few bits,
 // exact in fp32 too where |m| < 2^24 e. So a planet among small things does not decide, nor a grain
 // far from all.
-glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
+glm::dvec3 chooseOrigin(const Scene& scene, const Context& context = {});
+
+class TreeMemory;
+
+// How to build the trees of a scene.
+struct PackOptions {
+    BuildQuality quality = BuildQuality::Default;
+    // Triangles may stand in the tree more than once, where that makes it cheaper; false for a caller that
+    // counts them.
+    bool split = true;
+    TreeMemory* memory = nullptr;  // trees of the scene before, see pack/tree_memory.h
+};
 
 // Flattens a valid scene: places its objects (scene/placement.h), rounds to fp32 relative to the origin,
 // drops degenerate triangles, builds the BVH, puts primitives in leaf order. What instances show is packed
 // once, behind what stands in the world itself. The origin is 0 unless the geometry lies far from it compared
 // with its size, see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
 // naming the array, its size and the limit.
-// split: triangles may stand in the tree more than once, where that makes it cheaper; not for whoever counts
-// them. memory: trees of the scene before, see pack/tree_memory.h.
-PackedScene packScene(const Scene& scene, unsigned threads = 0, BuildQuality quality = BuildQuality::Default,
-                      bool split = true, TreeMemory* memory = nullptr);
+PackedScene packScene(const Scene& scene, const PackOptions& options = {}, const Context& context = {});
 
 // The media that contain `point` (local): of each dielectric material as often as its surfaces go round the
 // point, which their solid angle tells (A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle",

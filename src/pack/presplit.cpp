@@ -156,7 +156,7 @@ Corners triangleCorners(Primitives::Source source, const Scene& scene, const Fra
 
 // The factor from importance to parts that makes the sum of all further parts come as near to `wanted` as
 // bisection finds.
-double scaleFor(const std::vector<float>& importances, double wanted, unsigned threads) {
+double scaleFor(const std::vector<float>& importances, double wanted, const Context& context) {
     const size_t chunks = (importances.size() + kChunk - 1) / kChunk;
     std::vector<double> sums(chunks);
     const auto further = [&](double scale) {
@@ -165,7 +165,7 @@ double scaleFor(const std::vector<float>& importances, double wanted, unsigned t
             sums[chunk] = 0;
             for (size_t i = chunk * kChunk; i < end; ++i) sums[chunk] += partsFor(importances[i], scale) - 1;
         };
-        parallelFor(chunks, add, threads);
+        parallelFor(context, chunks, add);
         double sum = 0;
         for (const double s : sums) sum += s;
         return sum;
@@ -183,7 +183,8 @@ double scaleFor(const std::vector<float>& importances, double wanted, unsigned t
 
 }  // namespace
 
-double boxEmptiness(const Primitives& primitives, const Scene& scene, const Frame& frame, unsigned threads) {
+double boxEmptiness(const Primitives& primitives, const Scene& scene, const Frame& frame,
+                    const Context& context) {
     const size_t count = primitives.boxes.size(), chunks = (count + kChunk - 1) / kChunk;
     std::vector<double> sums(chunks);
     std::vector<Box> boxes(chunks);
@@ -196,7 +197,7 @@ double boxEmptiness(const Primitives& primitives, const Scene& scene, const Fram
             sums[chunk] += primitives.boxes[i].halfArea() - idealHalfArea(corners);
         }
     };
-    parallelFor(chunks, add, threads);
+    parallelFor(context, chunks, add);
     Box root;
     double sum = 0;
     for (size_t i = 0; i < chunks; ++i) {
@@ -208,7 +209,7 @@ double boxEmptiness(const Primitives& primitives, const Scene& scene, const Fram
 }
 
 uint32_t splitLargeTriangles(Primitives& primitives, const Scene& scene, const Frame& frame, double budget,
-                             unsigned threads) {
+                             const Context& context) {
     const size_t count = primitives.boxes.size();
     const uint32_t triangles = primitives.counts[shared::kKindTriangle];
     if (triangles == 0) return 0;
@@ -225,9 +226,9 @@ uint32_t splitLargeTriangles(Primitives& primitives, const Scene& scene, const F
             if (primitives.kinds[i] == shared::kKindTriangle)
                 importances[i] = static_cast<float>(importance(cornersOf(i), primitives.boxes[i], root));
     };
-    parallelFor(chunks, judge, threads);
+    parallelFor(context, chunks, judge);
 
-    const double scale = scaleFor(importances, budget * triangles, threads);
+    const double scale = scaleFor(importances, budget * triangles, context);
     std::vector<std::vector<Box>> added(chunks);
     std::vector<std::vector<Primitives::Source>> sources(chunks);
     const auto split = [&](size_t chunk) {
@@ -241,7 +242,7 @@ uint32_t splitLargeTriangles(Primitives& primitives, const Scene& scene, const F
             sources[chunk].insert(sources[chunk].end(), boxes.size() - 1, primitives.sources[i]);
         }
     };
-    parallelFor(chunks, split, threads);
+    parallelFor(context, chunks, split);
     for (size_t chunk = 0; chunk < chunks; ++chunk) {
         primitives.boxes.insert(primitives.boxes.end(), added[chunk].begin(), added[chunk].end());
         primitives.sources.insert(primitives.sources.end(), sources[chunk].begin(), sources[chunk].end());

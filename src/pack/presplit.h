@@ -18,7 +18,8 @@ std::vector<Box> splitTriangle(const Corners& corners, const Box& root, uint32_t
 // larger than they are: the sum of (half the box's area - the least that boxes around small parts of the
 // triangle come down to) over half the scene's box's area. 1 to 4 for meshes of even triangles, much more
 // where long ones stand askew.
-double boxEmptiness(const Primitives& primitives, const Scene& scene, const Frame& frame, unsigned threads);
+double boxEmptiness(const Primitives& primitives, const Scene& scene, const Frame& frame,
+                    const Context& context);
 
 // Adds to `primitives` further entries for the triangles whose boxes are emptiest, up to `budget` times the
 // number of triangles, and shrinks their first ones: each entry names the same source, the boxes of one
@@ -27,6 +28,6 @@ double boxEmptiness(const Primitives& primitives, const Scene& scene, const Fram
 // Hierarchies", HPG 2013, section 4: importance (2^-level (box area - ideal area))^(1/3), splits in
 // proportion to it.
 uint32_t splitLargeTriangles(Primitives& primitives, const Scene& scene, const Frame& frame, double budget,
-                             unsigned threads);
+                             const Context& context);
 
 }  // namespace glint

@@ -8,8 +8,8 @@
 
 namespace glint::reference {
 
-inline std::shared_ptr<Model> truthOf(const LoadedScene& loaded, unsigned threads = 0) {
-    return std::make_shared<Model>(truthOf(loaded.scene, loaded.packed.origin, threads));
+inline std::shared_ptr<Model> truthOf(const LoadedScene& loaded, const Context& context = {}) {
+    return std::make_shared<Model>(truthOf(loaded.scene, loaded.packed.origin, context));
 }
 
 // The scene's camera for an image of the request's size.

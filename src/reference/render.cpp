@@ -129,11 +129,12 @@ void sumUp(const std::vector<TreeLosses>& rows, Picture& picture) {
 }  // namespace
 
 Picture render(const PackedScene& scene, const shared::Camera& camera, const Request& request,
-               unsigned threads) {
-    return render(Tracer(scene, request), camera, request, threads);
+               const Context& context) {
+    return render(Tracer(scene, request), camera, request, context);
 }
 
-Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& request, unsigned threads) {
+Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& request,
+               const Context& context) {
     Picture picture = blankPicture(request);
     const Region region = picture.region;
     if (region.width() == 0) return picture;
@@ -142,23 +143,20 @@ Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& 
     std::atomic<bool> stop{false};
     std::mutex progressMutex;
     int rowsFinished = 0;
-    parallelFor(
-        rows.size(),
-        [&](size_t row) {
-            const int y = region.y0 + static_cast<int>(row);
-            for (int x = region.x0; x < region.x1; ++x) {
-                const bool poll = (x - region.x0) % kPixelsPerPoll == 0;
-                if (poll && request.cancelled && !stop && request.cancelled()) stop = true;
-                if (stop) return;
-                rows[row].add(renderer.pixel(x, y));
-            }
-            std::fill_n(picture.done.begin() + static_cast<std::ptrdiff_t>(picture.indexOf(region.x0, y)),
-                        region.width(), uint8_t{1});
-            if (!request.progress) return;
-            const std::lock_guard lock(progressMutex);
-            request.progress(static_cast<double>(++rowsFinished) / region.height());
-        },
-        threads);
+    parallelFor(context, rows.size(), [&](size_t row) {
+        const int y = region.y0 + static_cast<int>(row);
+        for (int x = region.x0; x < region.x1; ++x) {
+            const bool poll = (x - region.x0) % kPixelsPerPoll == 0;
+            if (poll && request.cancelled && !stop && request.cancelled()) stop = true;
+            if (stop) return;
+            rows[row].add(renderer.pixel(x, y));
+        }
+        std::fill_n(picture.done.begin() + static_cast<std::ptrdiff_t>(picture.indexOf(region.x0, y)),
+                    region.width(), uint8_t{1});
+        if (!request.progress) return;
+        const std::lock_guard lock(progressMutex);
+        request.progress(static_cast<double>(++rowsFinished) / region.height());
+    });
     sumUp(rows, picture);
     return picture;
 }

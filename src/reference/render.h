@@ -8,12 +8,12 @@
 
 namespace glint::reference {
 
-// The picture that is asked for. Does not depend on the number of threads (0: all). A cancelled render holds
+// The picture that is asked for. Does not depend on the number of threads. A cancelled render holds
 // the rows that were finished.
 Picture render(const PackedScene& scene, const shared::Camera& camera, const Request& request,
-               unsigned threads = 0);
+               const Context& context = {});
 // The same by a tracer that was made for the request.
 Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& request,
-               unsigned threads = 0);
+               const Context& context = {});
 
 }  // namespace glint::reference

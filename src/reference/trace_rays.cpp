@@ -35,11 +35,11 @@ WorldHit trace(const Tracer& tracer, const Ray& ray, HitDetail detail) {
     return found;
 }
 
-std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, unsigned threads) {
-    return trace(Tracer(scene, {.methods = batch.methods}), batch, threads);
+std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, const Context& context) {
+    return trace(Tracer(scene, {.methods = batch.methods}), batch, context);
 }
 
-std::vector<WorldHit> trace(const Tracer& tracer, const RayBatch& batch, unsigned threads) {
+std::vector<WorldHit> trace(const Tracer& tracer, const RayBatch& batch, const Context& context) {
     const glm::dvec3 origin = tracer.model().origin;
     std::vector<WorldHit> hits(batch.rays.size());
     const auto one = [&](size_t i) {
@@ -47,12 +47,10 @@ std::vector<WorldHit> trace(const Tracer& tracer, const RayBatch& batch, unsigne
         hits[i] = trace(tracer, {local.origin, local.direction, local.tMin, local.tMax}, batch.detail);
         if (hits[i].hit) hits[i].t = local.worldT(hits[i].t);
     };
-    parallelFor((hits.size() + kRaysPerTurn - 1) / kRaysPerTurn,
-                [&](size_t turn) {
-                    const size_t end = std::min((turn + 1) * kRaysPerTurn, hits.size());
-                    for (size_t i = turn * kRaysPerTurn; i < end; ++i) one(i);
-                },
-                threads);
+    parallelFor(context, (hits.size() + kRaysPerTurn - 1) / kRaysPerTurn, [&](size_t turn) {
+        const size_t end = std::min((turn + 1) * kRaysPerTurn, hits.size());
+        for (size_t i = turn * kRaysPerTurn; i < end; ++i) one(i);
+    });
     return hits;
 }
 

@@ -9,10 +9,10 @@
 
 namespace glint::reference {
 
-// The nearest hit of each ray, or whether there is one. Does not depend on the number of threads (0: all).
-std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, unsigned threads = 0);
+// The nearest hit of each ray, or whether there is one. Does not depend on the number of threads.
+std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, const Context& context = {});
 // The same by a tracer that was made for the batch's methods.
-std::vector<WorldHit> trace(const Tracer& tracer, const RayBatch& batch, unsigned threads = 0);
+std::vector<WorldHit> trace(const Tracer& tracer, const RayBatch& batch, const Context& context = {});
 
 // The same of one local ray.
 WorldHit trace(const Tracer& tracer, const Ray& ray, HitDetail detail = HitDetail::Surface);

@@ -61,9 +61,9 @@ size_t rowLength(const ReadRays& read, const RayNumbers& numbers, size_t count, 
 }
 
 // Four rows at a time, in blocks from left to right.
-std::unique_ptr<uint32_t[]> blocksOf(size_t row, size_t count) {
+std::unique_ptr<uint32_t[]> blocksOf(const Context& context, size_t row, size_t count) {
     auto numbers = std::make_unique_for_overwrite<uint32_t[]>(count);
-    parallelFor(count / (kBlockHeight * row), [&](size_t strip) {
+    parallelFor(context, count / (kBlockHeight * row), [&](size_t strip) {
         uint32_t* out = numbers.get() + strip * kBlockHeight * row;
         const auto first = static_cast<uint32_t>(strip * kBlockHeight * row);
         for (size_t left = 0; left < row; left += kBlockWidth) {
@@ -141,7 +141,7 @@ size_t digitOf(uint64_t entry, uint32_t shift) {
 
 // By the high digit; returns where the run of each begins, and the end. The parts are counted and dealt out
 // side by side.
-std::vector<uint32_t> dealOut(std::span<const uint64_t> from, uint64_t* to) {
+std::vector<uint32_t> dealOut(const Context& context, std::span<const uint64_t> from, uint64_t* to) {
     constexpr size_t kParts = 16;
     const size_t each = (from.size() + kParts - 1) / kParts;
     std::vector<std::array<uint32_t, kDigits>> places(kParts);
@@ -149,7 +149,7 @@ std::vector<uint32_t> dealOut(std::span<const uint64_t> from, uint64_t* to) {
         return from.subspan(std::min(part * each, from.size()))
             .first(std::min((part + 1) * each, from.size()) - std::min(part * each, from.size()));
     };
-    parallelFor(kParts, [&](size_t part) {
+    parallelFor(context, kParts, [&](size_t part) {
         places[part].fill(0);
         for (const uint64_t entry : partOf(part)) ++places[part][digitOf(entry, kHighDigit)];
     });
@@ -160,7 +160,7 @@ std::vector<uint32_t> dealOut(std::span<const uint64_t> from, uint64_t* to) {
         for (auto& part : places) sum += std::exchange(part[d], sum);
     }
     starts[kDigits] = sum;
-    parallelFor(kParts, [&](size_t part) {
+    parallelFor(context, kParts, [&](size_t part) {
         for (const uint64_t entry : partOf(part)) to[places[part][digitOf(entry, kHighDigit)]++] = entry;
     });
     return starts;
@@ -191,8 +191,8 @@ void sortRun(std::span<uint64_t> run, uint64_t* spare, uint32_t* numbers) {
         numbers[middle[digitOf(entry, kMiddleDigit)]++] = static_cast<uint32_t>(entry);
 }
 
-std::unique_ptr<uint32_t[]> sorted(const ReadRays& read, const RayNumbers& rays, size_t count,
-                                   const Space& space) {
+std::unique_ptr<uint32_t[]> sorted(const Context& context, const ReadRays& read, const RayNumbers& rays,
+                                   size_t count, const Space& space) {
     const glm::vec3 size = space.upper - space.lower;
     glm::vec3 scale(0);
     for (int axis = 0; axis < 3; ++axis)
@@ -200,16 +200,16 @@ std::unique_ptr<uint32_t[]> sorted(const ReadRays& read, const RayNumbers& rays,
     // Not zeroed.
     auto entries = std::make_unique_for_overwrite<uint64_t[]>(count);
     auto other = std::make_unique_for_overwrite<uint64_t[]>(count);
-    parallelFor((count + kReadBlock - 1) / kReadBlock, [&](size_t block) {
+    parallelFor(context, (count + kReadBlock - 1) / kReadBlock, [&](size_t block) {
         std::array<RayInput, kReadBlock> inputs;
         const size_t start = block * kReadBlock, present = std::min(kReadBlock, count - start);
         read(rays.from(start), std::span(inputs).first(present));
         for (size_t i = 0; i < present; ++i)
             entries[start + i] = uint64_t{keyOf(inputs[i], space, scale)} << 32 | (start + i);
     });
-    const std::vector<uint32_t> starts = dealOut(std::span(entries.get(), count), other.get());
+    const std::vector<uint32_t> starts = dealOut(context, std::span(entries.get(), count), other.get());
     auto numbers = std::make_unique_for_overwrite<uint32_t[]>(count);
-    parallelFor(kDigits, [&](size_t d) {
+    parallelFor(context, kDigits, [&](size_t d) {
         const size_t start = starts[d];
         sortRun(std::span(other.get() + start, starts[d + 1] - start), entries.get() + start,
                 numbers.get() + start);
@@ -219,7 +219,8 @@ std::unique_ptr<uint32_t[]> sorted(const ReadRays& read, const RayNumbers& rays,
 
 }  // namespace
 
-RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Space& space, bool told) {
+RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Space& space, bool told,
+                   const Context& context) {
     RayOrder order;
     order.count = std::min(count, kWindow);
     order.coherent = told;
@@ -229,12 +230,13 @@ RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Spa
     if (const size_t row = rowLength(read, given, order.count, diagonal); row != 0) {
         const size_t strip = kBlockHeight * row;
         const size_t fitting = order.count / strip * strip;
-        RayOrder blocks{fitting, true, blocksOf(row, fitting), row % kBlockWidth == 0 ? kBlockWidth : 1};
+        RayOrder blocks{fitting, true, blocksOf(context, row, fitting),
+                        row % kBlockWidth == 0 ? kBlockWidth : 1};
         if (told || isCoherent(read, blocks.from(first), fitting, diagonal)) return blocks;
     }
     order.coherent = told || isCoherent(read, given, order.count, diagonal);
     if (order.coherent) return order;
-    order.numbers = sorted(read, given, order.count, space);
+    order.numbers = sorted(context, read, given, order.count, space);
     order.coherent = isCoherent(read, order.from(first), order.count, diagonal);
     return order;
 }

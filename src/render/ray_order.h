@@ -46,6 +46,7 @@ struct Space {
 // Order of rays `first` to `first + count - 1`, or of a leading part of them. Rows of an image become blocks
 // of 8 x 4, which packets trace. Rays unrelated to their neighbours are sorted by where they enter and leave
 // the space. told: the caller declares the rays coherent. Reads from several threads.
-RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Space& space, bool told);
+RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Space& space, bool told,
+                   const Context& context = {});
 
 }  // namespace glint::render

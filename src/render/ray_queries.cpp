@@ -138,42 +138,40 @@ struct RayQueries::State {
     bool packetsKnow(RayTask::Ask ask) const {
         return traversal.packets && (ask == RayTask::Ask::Nearest || ask == RayTask::Ask::Any);
     }
-    unsigned hostThreads() const { return inPlace ? 0 : 1; }
+    // While one piece is on a GPU, one thread prepares the next.
+    Context hostContext() const { return inPlace ? device.context() : Context{.threads = 1}; }
 };
 
 void RayQueries::State::fill(const Slot& slot, const Placement& placement, const RayTask& task,
                              const RayNumbers& numbers, size_t count) const {
-    parallelFor(
-        placement.places(),
-        [&](size_t place) {
-            Unset<RayInput> block;
-            const std::span rays = block.all();
-            const size_t start = std::min(placement.at(place) * kBlock, count);
-            const size_t present = std::min(kBlock, count - start);
-            if (present > 0) task.fill(numbers.from(start), rays.first(present));
-            for (size_t i = present; i < kBlock; ++i) rays[i] = RayInput{.tMin = shared::kInfinity};
-            RowEntry* const origin = slot.row(0) + place * kBlock;
-            RowEntry* const direction = slot.row(1) + place * kBlock;
-            RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
-            const float nobody = std::bit_cast<float>(shared::kNone);
-            Four found = {0, 0, 0, task.ask == RayTask::Ask::Count ? 0 : nobody};
-            for (size_t i = 0; i < kBlock; ++i) {
-                Four from, along;
-                std::memcpy(&from, &rays[i].origin, sizeof(from));
-                static_assert(offsetof(RayInput, tMin) == offsetof(RayInput, direction) + 12);
-                std::memcpy(&along, &rays[i].direction, sizeof(along));
-                from[3] = rays[i].tMax;
-                found[0] = rays[i].tMax;
-                std::memcpy(&origin[i], &from, sizeof(from));
-                std::memcpy(&direction[i], &along, sizeof(along));
-                std::memcpy(&hit[i], &found, sizeof(found));
-            }
-            if (!features.instances) return;
-            RowEntry none;
-            std::fill_n(none.u, 4, shared::kNone);
-            std::fill_n(slot.row(kInstanceRow) + place * kBlock, kBlock, none);
-        },
-        hostThreads());
+    parallelFor(hostContext(), placement.places(), [&](size_t place) {
+        Unset<RayInput> block;
+        const std::span rays = block.all();
+        const size_t start = std::min(placement.at(place) * kBlock, count);
+        const size_t present = std::min(kBlock, count - start);
+        if (present > 0) task.fill(numbers.from(start), rays.first(present));
+        for (size_t i = present; i < kBlock; ++i) rays[i] = RayInput{.tMin = shared::kInfinity};
+        RowEntry* const origin = slot.row(0) + place * kBlock;
+        RowEntry* const direction = slot.row(1) + place * kBlock;
+        RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
+        const float nobody = std::bit_cast<float>(shared::kNone);
+        Four found = {0, 0, 0, task.ask == RayTask::Ask::Count ? 0 : nobody};
+        for (size_t i = 0; i < kBlock; ++i) {
+            Four from, along;
+            std::memcpy(&from, &rays[i].origin, sizeof(from));
+            static_assert(offsetof(RayInput, tMin) == offsetof(RayInput, direction) + 12);
+            std::memcpy(&along, &rays[i].direction, sizeof(along));
+            from[3] = rays[i].tMax;
+            found[0] = rays[i].tMax;
+            std::memcpy(&origin[i], &from, sizeof(from));
+            std::memcpy(&direction[i], &along, sizeof(along));
+            std::memcpy(&hit[i], &found, sizeof(found));
+        }
+        if (!features.instances) return;
+        RowEntry none;
+        std::fill_n(none.u, 4, shared::kNone);
+        std::fill_n(slot.row(kInstanceRow) + place * kBlock, kBlock, none);
+    });
 }
 
 void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, TraceModes modes, bool packets) const {
@@ -216,7 +214,7 @@ std::unique_ptr<RowEntry[]> RayQueries::State::gatherFor(const RayTask& task, co
 
 void RayQueries::State::giveGathered(const RayTask& task, size_t first, const RowEntry* gathered,
                                      size_t count) const {
-    parallelFor((count + kBlock - 1) / kBlock, [&](size_t block) {
+    parallelFor(device.context(), (count + kBlock - 1) / kBlock, [&](size_t block) {
         const size_t start = block * kBlock, present = std::min(kBlock, count - start);
         task.take({first + start, nullptr, 1}, {gathered + start, nullptr, present, false});
     });
@@ -235,27 +233,24 @@ void RayQueries::State::givePiece(const RayTask& task, const RayNumbers& rays, c
 
 void RayQueries::State::take(const Slot& slot, const Placement& placement, const RayTask& task,
                              const RayNumbers& numbers, size_t count, RowEntry* gathered) const {
-    parallelFor(
-        placement.places(),
-        [&](size_t place) {
-            const size_t start = placement.at(place) * kBlock;
-            if (start >= count) return;
-            const size_t present = std::min(kBlock, count - start), at = place * kBlock;
-            if (gathered != nullptr) {
-                const RowEntry* const hits = slot.row(kHitRow) + at;
-                const uint32_t* const order = numbers.order + start;
-                for (size_t i = 0; i < present; ++i) {
-                    if (i + kAhead < present) __builtin_prefetch(gathered + order[i + kAhead], 1);
-                    std::memcpy(gathered + order[i], hits + i, sizeof(RowEntry));
-                }
-                return;
+    parallelFor(hostContext(), placement.places(), [&](size_t place) {
+        const size_t start = placement.at(place) * kBlock;
+        if (start >= count) return;
+        const size_t present = std::min(kBlock, count - start), at = place * kBlock;
+        if (gathered != nullptr) {
+            const RowEntry* const hits = slot.row(kHitRow) + at;
+            const uint32_t* const order = numbers.order + start;
+            for (size_t i = 0; i < present; ++i) {
+                if (i + kAhead < present) __builtin_prefetch(gathered + order[i + kAhead], 1);
+                std::memcpy(gathered + order[i], hits + i, sizeof(RowEntry));
             }
-            const bool counted = task.ask == RayTask::Ask::Count;
-            const RowEntry* const instances =
-                features.instances && !counted ? slot.row(kInstanceRow) + at : nullptr;
-            task.take(numbers.from(start), {slot.row(kHitRow) + at, instances, present, counted});
-        },
-        hostThreads());
+            return;
+        }
+        const bool counted = task.ask == RayTask::Ask::Count;
+        const RowEntry* const instances =
+            features.instances && !counted ? slot.row(kInstanceRow) + at : nullptr;
+        task.take(numbers.from(start), {slot.row(kHitRow) + at, instances, present, counted});
+    });
 }
 
 void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets,
@@ -353,7 +348,8 @@ bool RayQueries::update() {
 RayOrder RayQueries::State::orderOf(const RayTask& task, size_t first) const {
     const size_t count = task.count - first;
     if (!inPlace || scene.nodes.size() < kFewestForOrder) return {count, task.coherent, {}, 1};
-    return orderRays(task.fill, first, count, {scene.boundsLo, scene.boundsHi}, task.coherent);
+    return orderRays(task.fill, first, count, {scene.boundsLo, scene.boundsHi}, task.coherent,
+                     device.context());
 }
 
 bool RayQueries::run(const RayTask& task) {
@@ -375,17 +371,14 @@ bool RayQueries::run(const RayTask& task) {
         const size_t pieces = (order.count + usable - 1) / usable;
         const auto countOf = [&](size_t i) { return std::min(usable, order.count - i * usable); };
         std::vector<uint8_t> finished(pieces);
-        parallelFor(
-            pieces,
-            [&](size_t i) {
-                if (stops()) return;
-                state_->runPiece(task, rays.from(i * usable), countOf(i), packets, gathered.get());
-                const std::lock_guard lock(mutex);
-                finished[i] = 1;
-                done += countOf(i);
-                if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.count));
-            },
-            state_->inPlace ? 1 : 2);
+        parallelFor({.threads = state_->inPlace ? 1u : 2u}, pieces, [&](size_t i) {
+            if (stops()) return;
+            state_->runPiece(task, rays.from(i * usable), countOf(i), packets, gathered.get());
+            const std::lock_guard lock(mutex);
+            finished[i] = 1;
+            done += countOf(i);
+            if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.count));
+        });
         if (gathered && !stopped) state_->giveGathered(task, first, gathered.get(), order.count);
         for (size_t i = 0; gathered && stopped && i < pieces; ++i)
             if (finished[i]) state_->givePiece(task, rays.from(i * usable), gathered.get(), countOf(i));

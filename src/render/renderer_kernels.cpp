@@ -66,15 +66,12 @@ void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelI
     dispatch.capacity = shared::kWorkgroupSize;
     paths.writeEnded(device);
     std::vector<gpu::Kernel> kernels(fresh.size());
-    parallelFor(
-        fresh.size(),
-        [&](size_t i) {
-            kernels[i] = translated(fresh[i], modes);
-            gpu::Submission first(device);
-            first.dispatch(kernels[i], 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
-            first.submit();
-        },
-        static_cast<unsigned>(fresh.size()));
+    parallelFor({.threads = static_cast<unsigned>(fresh.size())}, fresh.size(), [&](size_t i) {
+        kernels[i] = translated(fresh[i], modes);
+        gpu::Submission first(device);
+        first.dispatch(kernels[i], 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+        first.submit();
+    });
     for (size_t i = 0; i < fresh.size(); ++i) pipelines.add(fresh[i], modes, std::move(kernels[i]));
     times.compile += watch.seconds();
 }

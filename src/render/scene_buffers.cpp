@@ -105,7 +105,7 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
     Others others;
     std::vector<shared::PacketCorner> corners;
     const auto buildPacketTree = [&] {
-        if (traversal.packets) corners = packetTree(scene.nodes, &packetSlots_);
+        if (traversal.packets) corners = packetTree(scene.nodes, &packetSlots_, device.context());
     };
     zeros_ = gpu::Buffer(device, "zeros", kZeroBytes, access, gpu::MemoryKind::Device);
     gpu::upload(device, zeros_, kZeros);
@@ -130,7 +130,7 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
         const auto putAllElse = [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
             if (binding != packetCornersBinding) put(binding, name, data);
         };
-        parallelTasks({buildPacketTree, [&] { visitArrays(scene, others, putAllElse); }});
+        parallelTasks(device.context(), {buildPacketTree, [&] { visitArrays(scene, others, putAllElse); }});
         put(packetCornersBinding, "packetCorners", std::as_bytes(std::span(corners)));
     }
 }
@@ -142,7 +142,7 @@ void SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
             gpu::download(device, buffers_[packetCornersBinding],
                           std::as_writable_bytes(std::span(packetCorners_)));
         }
-        refitPacketTree(scene.nodes, packetSlots_, packetCorners_);
+        refitPacketTree(scene.nodes, packetSlots_, packetCorners_, device.context());
     }
     struct Array {
         uint32_t binding;
@@ -160,7 +160,8 @@ void SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
     add(planesBinding, scene.planes);
     add(instancesBinding, scene.instances);
     add(lightsBinding, scene.lights);
-    parallelFor(arrays.size(), [&](size_t i) { write(device, arrays[i].binding, arrays[i].bytes); });
+    parallelFor(device.context(), arrays.size(),
+                [&](size_t i) { write(device, arrays[i].binding, arrays[i].bytes); });
     setEnvironment(device, scene.environment);
 }
 

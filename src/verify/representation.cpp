@@ -104,7 +104,7 @@ void RepresentationCheck::draw(uint64_t seed, std::vector<Doubt*>& open) const {
     const reference::Tracer tracer(moved, options_, radianceBound_);
     const reference::rows::Camera camera = reference::disturbed(camera_, seed, 1);
     constexpr size_t kTurn = 64;
-    parallelFor((open.size() + kTurn - 1) / kTurn, [&](size_t turn) {
+    parallelFor(Context{}, (open.size() + kTurn - 1) / kTurn, [&](size_t turn) {
         for (size_t i = turn * kTurn; i < std::min(open.size(), (turn + 1) * kTurn); ++i) {
             Doubt& doubt = *open[i];
             const reference::Ray ray = rayOf(tracer, camera, doubt);
@@ -164,7 +164,7 @@ void RepresentationCheck::search(std::vector<Doubt*>& open, size_t asked) const 
         drawUpTo(std::max(kMovedScenes, 3 * drawn));
     } while (!open.empty() && 2 * open.size() <= before && drawn < kLastScenes);
     if (open.size() > kFewPixels + asked / kFewPixels) return;
-    parallelFor(open.size(), [&](size_t i) { searchOn(*open[i]); });
+    parallelFor(Context{}, open.size(), [&](size_t i) { searchOn(*open[i]); });
     std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
     drawUpTo(kLastScenes);
 }

@@ -123,7 +123,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
     const size_t rows = static_cast<size_t>((height + step - 1) / step);
     std::vector<float> changes(columns * rows);
     std::vector<RowCounts> counts(rows);
-    parallelFor(rows, [&](size_t row) {
+    parallelFor(Context{}, rows, [&](size_t row) {
         for (size_t column = 0; column < columns; ++column) {
             const size_t index = row * columns + column;
             const glm::ivec2 inCell = placeInCell(index, step);

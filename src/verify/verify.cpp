@@ -273,7 +273,7 @@ class DoubtCheck {
                 continue;
             }
             std::vector<uint64_t> steps(count, std::min(stepsLeft_, kMostStepsOfPixel));
-            parallelFor(count, [&](size_t i) {
+            parallelFor(Context{}, count, [&](size_t i) {
                 DifferingPixel& pixel = *some[i];
                 pixel.inDoubt = comparison_.certifyPixel(pixel, trails[first + i], steps[i]);
             });
@@ -331,7 +331,7 @@ bool addSample(const Comparison& comparison, const Picture& device, const Option
     std::vector<RowSums> rows(options.height, RowSums(comparison.radianceBound()));
     std::mutex mutex;
     size_t finished = size_t{sample} * options.height;
-    parallelFor(static_cast<size_t>(options.height), [&](size_t y) {
+    parallelFor(Context{}, static_cast<size_t>(options.height), [&](size_t y) {
         if (isInterrupted()) return;
         rows[y] = comparison.row(static_cast<int>(y));
         const std::lock_guard lock(mutex);
@@ -382,7 +382,7 @@ uint64_t countSettled(const reference::Tracer& tracer, const shared::Camera& cam
                       const PackedSamples& samples, uint32_t first, uint32_t end, int width,
                       const std::vector<size_t>& pixels) {
     std::atomic<uint64_t> settled = 0;
-    parallelFor(pixels.size(), [&](size_t i) {
+    parallelFor(Context{}, pixels.size(), [&](size_t i) {
         const auto x = static_cast<uint32_t>(pixels[i] % width), y = static_cast<uint32_t>(pixels[i] / width);
         for (uint32_t sample = first; sample < end; ++sample) {
             const reference::FilmSample s = reference::filmSample(samples, sample, x, y);

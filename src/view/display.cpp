@@ -136,7 +136,7 @@ PixelColor colorOf(ViewLayer layer, const Display& display, const LayerRange& ra
 }
 
 void forRows(int height, const std::function<void(int)>& body) {
-    parallelFor(static_cast<size_t>((height + kRowsAtOnce - 1) / kRowsAtOnce), [&](size_t chunk) {
+    parallelFor(Context{}, static_cast<size_t>((height + kRowsAtOnce - 1) / kRowsAtOnce), [&](size_t chunk) {
         const int begin = static_cast<int>(chunk) * kRowsAtOnce;
         for (int y = begin; y < std::min(begin + kRowsAtOnce, height); ++y) body(y);
     });

@@ -63,7 +63,7 @@ std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path
     auto loaded = std::make_shared<ViewScene>();
     loaded->path = path;
     loaded->scene = std::move(scene);
-    loaded->packed = packScene(loaded->scene, 0, quality, true, memory);
+    loaded->packed = packScene(loaded->scene, {quality, true, memory});
     const auto& materials = loaded->packed.materials;
     loaded->hasGlass = std::any_of(loaded->scene.materials.begin(), loaded->scene.materials.end(),
                                    [](const Material& m) { return m.transmission != Color(0); });

@@ -122,13 +122,10 @@ TEST(Builder, SmallestTrees) {
 TEST(Builder, ThreadsDoNotChangeTheTree) {
     for (const size_t count : {1000u, 20000u, 200000u}) {
         const std::vector<Box> boxes = randomBoxes(count, 7);
-        BvhOptions options;
-        options.threads = 1;
-        const Bvh one = buildBvh(boxes, options);
+        const Bvh one = buildBvh(boxes, {}, {.threads = 1});
         for (const unsigned threads : {2u, 4u, 7u}) {
             SCOPED_TRACE(std::to_string(count) + " boxes, " + std::to_string(threads) + " threads");
-            options.threads = threads;
-            expectEqual(one, buildBvh(boxes, options));
+            expectEqual(one, buildBvh(boxes, {}, {.threads = threads}));
         }
     }
 }

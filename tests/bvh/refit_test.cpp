@@ -53,7 +53,7 @@ void expectRefitted(const std::vector<Box>& boxes, const std::vector<Box>& other
             box.include(moved[bvh.order[i]]);
         return box;
     };
-    const RefitResult result = refitNodes(nodes, 2, leafBox, threads);
+    const RefitResult result = refitNodes(nodes, 2, leafBox, {.threads = threads});
     follow(bvh, moved);
     const std::vector<shared::Node> expected = flattenBvh(bvh, {});
     ASSERT_EQ(nodes.size(), expected.size());

@@ -77,8 +77,8 @@ TEST(Reinsertion, StaysWithinTheDepth) {
 TEST(Reinsertion, DoesNotDependOnThreads) {
     const std::vector<Box> boxes = randomBoxes(20000, 12);
     Bvh one = buildBvh(boxes), four = one;
-    reinsertSubtrees(one, {.threads = 1});
-    reinsertSubtrees(four, {.threads = 4});
+    reinsertSubtrees(one, {}, {.threads = 1});
+    reinsertSubtrees(four, {}, {.threads = 4});
     EXPECT_EQ(one.order, four.order);
     ASSERT_EQ(one.nodes.size(), four.nodes.size());
     for (size_t i = 0; i < one.nodes.size(); ++i) {

@@ -141,11 +141,11 @@ TEST_F(Decode, PipesAndDevicesAreNotWaitedFor) {
 // Every shortened version of a file must be refused, and none may hang or crash the decoder.
 template <typename Decoder>
 void expectEveryPrefixRefused(const std::vector<uint8_t>& whole, Decoder decoder) {
-    ASSERT_NO_THROW(decoder(ByteView(whole), kMostPixels));
+    ASSERT_NO_THROW(decoder(ByteView(whole), kMostPixels, {}));
     for (size_t length = 0; length < whole.size(); ++length) {
         // A copy of its own, so that a sanitizer sees a byte read too many.
         const std::vector<uint8_t> part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
-        ASSERT_THROW(decoder(ByteView(part), kMostPixels), CodecError)
+        ASSERT_THROW(decoder(ByteView(part), kMostPixels, {}), CodecError)
             << "cut to " << length << " of " << whole.size();
     }
 }
@@ -187,9 +187,9 @@ TEST(Truncated, Exr) {
     expectEveryPrefixRefused(encodeExr(40, 20, {{"R", flat}, {"G", flat}, {"B", flat}}), decodeExr);
 }
 
-std::string reasonOf(const std::vector<uint8_t>& file, Image (*decoder)(ByteView, uint64_t)) {
+std::string reasonOf(const std::vector<uint8_t>& file, Image (*decoder)(ByteView, uint64_t, const Context&)) {
     try {
-        decoder(ByteView(file), kMostPixels);
+        decoder(ByteView(file), kMostPixels, {});
     } catch (const CodecError& error) {
         return error.what();
     }

@@ -76,7 +76,7 @@ class Ranks : public glint::test::WorkingFolderTest {
         return std::thread([this, &net, rank, work = std::move(work), scene = std::move(scene)] {
             OtherRank mine(net.line(rank));
             try {
-                if (wantsScene_) read_ += mine.files()->read("scene").size();
+                if (wantsScene_) read_ += mine.files()->read("scene", {}).size();
                 mine.begin(header(units_, scene));
                 while (const auto unit = mine.next()) {
                     work(*unit);
@@ -93,7 +93,7 @@ class Ranks : public glint::test::WorkingFolderTest {
         std::vector<int> came;
         FirstRank ranks(net.line(0));
         try {
-            if (wantsScene_) ranks.files()->read("scene");
+            if (wantsScene_) ranks.files()->read("scene", {});
             ranks.begin(header(units_), window,
                         [&](const UnitResult& result) { came.push_back(result.part); });
             while (const auto unit = ranks.next([] {})) ranks.put(resultOf(*unit, 0));

@@ -82,9 +82,9 @@ TEST_F(SceneStream, AnotherSceneIsFoundOut) {
     writeText("a.json", "{}");
     writeText("b.json", "{}");
     const auto record = recorded();
-    record->read("a.json");
+    record->read("a.json", {});
     const auto replay = replayed();
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { replay->read("b.json"); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { replay->read("b.json", {}); }),
               "b.json: is read where rank 0 read a.json: the processes do not render the same image");
 }
 
@@ -93,9 +93,9 @@ TEST_F(SceneStream, LargeFilesGoInPieces) {
     for (int i = 0; i < 500'000; ++i) text += std::to_string(int64_t{i} * 7919 % 100'000) + "\n";
     writeText("large", text);
     const auto record = recorded();
-    record->read("large");
+    record->read("large", {});
     EXPECT_GE(pieces_.size(), 3u);
-    EXPECT_EQ(replayed()->read("large"), text);
+    EXPECT_EQ(replayed()->read("large", {}), text);
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ class Judge {
     // How many are wrong; the first ones are told.
     size_t wrongs(const Asked& asked) const {
         std::vector<std::string> told(asked.origins.size());
-        parallelFor(told.size(), [&](size_t i) { told[i] = wrong(asked, i); });
+        parallelFor(Context{}, told.size(), [&](size_t i) { told[i] = wrong(asked, i); });
         size_t count = 0;
         for (size_t i = 0; i < told.size(); ++i) {
             if (told[i].empty() || ++count > 5) continue;

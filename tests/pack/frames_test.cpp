@@ -55,7 +55,7 @@ Scene sceneWith(bool huge) {
 TEST(Frames, ATreeIsBuiltAgainOnlyIfItsGeometryChanges) {
     Scene scene = sceneWith(false);
     TreeMemory memory;
-    const auto packed = [&] { return packScene(scene, 0, BuildQuality::Default, true, &memory); };
+    const auto packed = [&] { return packScene(scene, {.memory = &memory}); };
     packed();
     const uint64_t first = memory.built();
     EXPECT_GT(first, 0u);
@@ -84,11 +84,11 @@ TEST(Frames, TreesOfInstancesStay) {
     }
     placeObjects(scene);
     TreeMemory memory;
-    packScene(scene, 0, BuildQuality::Default, true, &memory);
+    packScene(scene, {.memory = &memory});
     const uint64_t first = memory.built();
     ASSERT_EQ(first, 2u);
     scene.objects.back().transform->offset.y = 3;
-    EXPECT_TRUE(sameArrays(packScene(scene, 0, BuildQuality::Default, true, &memory), packScene(scene)));
+    EXPECT_TRUE(sameArrays(packScene(scene, {.memory = &memory}), packScene(scene)));
     EXPECT_EQ(memory.built(), first + 1);
 }
 

@@ -149,7 +149,7 @@ TEST(PackScene, LeavesOfANodeFollowEachOther) {
         addObject(scene, TriangleShape{{at + point(), at + point(), at + point()}});
     }
     for (const BuildQuality quality : {BuildQuality::Fast, BuildQuality::Default}) {
-        const PackedScene packed = packScene(scene, 0, quality, false);
+        const PackedScene packed = packScene(scene, {quality, false});
         size_t pairs = 0;
         for (const shared::Node& node : packed.nodes) {
             if ((node.child0 & node.child1 & shared::kLeafFlag) == 0) continue;
@@ -360,7 +360,7 @@ TEST(PackScene, ThreadsDoNotChangeThePacking) {
     Scene scene = mixedScene();
     addObject(scene, MeshShape{gridMesh(200)});
     for (int i = 0; i < 1000; ++i) addObject(scene, SphereShape{{i % 10, i / 10 % 10, i / 100}, 0.3});
-    const PackedScene one = packScene(scene, 1), four = packScene(scene, 4);
+    const PackedScene one = packScene(scene, {}, {.threads = 1}), four = packScene(scene, {}, {.threads = 4});
     const auto same = [](const auto& a, const auto& b) {
         // Rows have no padding (shared/layout.h), so bytes are values.
         return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;

@@ -93,11 +93,11 @@ Scene beams() {
 }
 
 TEST(BuildTree, SplitsBeams) {
-    const PackedScene fast = packScene(beams(), 0, BuildQuality::Fast);
+    const PackedScene fast = packScene(beams(), {BuildQuality::Fast});
     EXPECT_EQ(fast.statistics.splitTriangles, 0u);
     EXPECT_EQ(fast.triangles.size(), 400u);
     for (const BuildQuality quality : {BuildQuality::Default, BuildQuality::High}) {
-        const PackedScene split = packScene(beams(), 0, quality);
+        const PackedScene split = packScene(beams(), {quality});
         EXPECT_GT(split.statistics.splitTriangles, 300u);
         EXPECT_LE(split.statistics.splitTriangles, 400u);
         EXPECT_EQ(split.triangles.size(), 400u + split.statistics.splitTriangles);
@@ -109,7 +109,7 @@ TEST(BuildTree, LeavesEvenMeshesWhole) {
     Scene scene;
     addObject(scene, MeshShape{gridMesh(32)});
     for (const BuildQuality quality : {BuildQuality::Default, BuildQuality::High}) {
-        const PackedScene packed = packScene(scene, 0, quality);
+        const PackedScene packed = packScene(scene, {quality});
         EXPECT_EQ(packed.statistics.splitTriangles, 0u);
         EXPECT_EQ(packed.triangles.size(), 2u * 32 * 32);
     }
@@ -122,9 +122,9 @@ TEST(BuildTree, QualityNeverCostsMore) {
                                    addObject(s, MeshShape{gridMesh(16)});
                                    return s;
                                }()}) {
-        const double fast = packScene(scene, 0, BuildQuality::Fast).statistics.sahCost;
+        const double fast = packScene(scene, {BuildQuality::Fast}).statistics.sahCost;
         const double normal = packScene(scene).statistics.sahCost;
-        const double high = packScene(scene, 0, BuildQuality::High).statistics.sahCost;
+        const double high = packScene(scene, {BuildQuality::High}).statistics.sahCost;
         EXPECT_LE(normal, fast);
         EXPECT_LE(high, normal);
     }

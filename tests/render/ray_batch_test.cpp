@@ -182,8 +182,8 @@ TEST_F(RayBatchTest, FarAwayRaysKeepTheirDigits) {
 TEST_F(RayBatchTest, HostDoesNotDependOnThreads) {
     const Case c = fileCase("glass", 16, 12);
     const RayBatch batch = raysInto(c, 1000, 5);
-    const std::vector<WorldHit> one = reference::trace(c.packed, batch, 1),
-                                four = reference::trace(c.packed, batch, 4);
+    const std::vector<WorldHit> one = reference::trace(c.packed, batch, {.threads = 1}),
+                                four = reference::trace(c.packed, batch, {.threads = 4});
     for (size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(same(one[i], four[i]));
 }
 

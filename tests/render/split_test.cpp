@@ -42,7 +42,7 @@ class SplitTest : public RenderTest {
 
 // From inside each beam at points of its edges and of its diagonals, near and far.
 TEST_F(SplitTest, BeamsAreClosed) {
-    const PackedScene packed = packScene(scene_, 0, BuildQuality::High);
+    const PackedScene packed = packScene(scene_, {BuildQuality::High});
     ASSERT_GT(packed.statistics.splitTriangles, 300u);
     std::vector<RayInput> rays;
     const std::vector<glm::uvec3> triangles = Beam::triangles();
@@ -66,8 +66,8 @@ TEST_F(SplitTest, SamePictureAsWithout) {
     scene_.maxDepth = 4;
     scene_.materials[0].mirror = Color(0.5);
     scene_.lights = {PointLight{{3, 8, 9}}, PointLight{{-6, 2, 3}}};
-    Case whole{scene_, packScene(scene_, 0, BuildQuality::Fast), {}, 96, 72};
-    Case split{scene_, packScene(scene_, 0, BuildQuality::High), {}, 96, 72};
+    Case whole{scene_, packScene(scene_, {BuildQuality::Fast}), {}, 96, 72};
+    Case split{scene_, packScene(scene_, {BuildQuality::High}), {}, 96, 72};
     ASSERT_GT(split.packed.statistics.splitTriangles, 300u);
     for (Case* c : {&whole, &split})
         c->camera = packCamera(scene_.camera, c->width, c->height, c->packed.origin);

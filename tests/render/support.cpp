@@ -85,7 +85,7 @@ verify::Report RenderTest::verified(Renderer& renderer, const Case& c, verify::O
 Case makeCase(Scene scene, int width, int height, BuildQuality quality) {
     Case c;
     c.scene = std::move(scene);
-    c.packed = packScene(c.scene, 0, quality);
+    c.packed = packScene(c.scene, {quality});
     c.camera = packCamera(c.scene.camera, width, height, c.packed.origin);
     c.width = width;
     c.height = height;

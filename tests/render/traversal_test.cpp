@@ -178,7 +178,7 @@ class TraversalTest : public RenderTest, public testing::WithParamInterface<Subj
         }
     }
 
-    PackedScene packed_ = packScene(sceneOf(GetParam().scene), 0, GetParam().quality);
+    PackedScene packed_ = packScene(sceneOf(GetParam().scene), {GetParam().quality});
     Random random_{70};
 };
 

@@ -141,7 +141,7 @@ TEST_F(TreeLeaksTest, NoRayLeavesAHull) {
             hitsOf(withOpenBoxes(packScene(sceneOf(hull))), Traversal::Lane, rays);
         EXPECT_EQ(misses(truth), 0u) << hull.half.z;
         for (const BuildQuality quality : kQualities) {
-            const PackedScene packed = packScene(sceneOf(hull), 0, quality);
+            const PackedScene packed = packScene(sceneOf(hull), {quality});
             for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
                 if (traversal == Traversal::Packet && !runsPackets()) continue;
                 const std::vector<RayHit> hits = hitsOf(packed, traversal, rays);

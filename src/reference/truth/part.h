@@ -58,7 +58,7 @@ struct Part {
 
 // Brings the part's primitives into the order of leaves behind those of the model. The tree's root, kNone of
 // nothing.
-uint32_t append(Part&& part, unsigned threads, std::vector<rows::Node>& nodes, Model& model);
+uint32_t append(Part&& part, const Context& context, std::vector<rows::Node>& nodes, Model& model);
 
 // A unit vector, of any length but 0.
 glm::dvec3 unit(const glm::dvec3& v);

@@ -300,9 +300,9 @@ class LeafWriter {
 
 }  // namespace
 
-uint32_t append(Part&& part, unsigned threads, std::vector<rows::Node>& nodes, Model& model) {
+uint32_t append(Part&& part, const Context& context, std::vector<rows::Node>& nodes, Model& model) {
     const auto solo = static_cast<uint32_t>(shared::PrimitiveKind::Instance);
-    const std::vector<TreeNode> tree = buildTree(part.items, solo, threads);
+    const std::vector<TreeNode> tree = buildTree(part.items, solo, context);
     model.planes.insert(model.planes.end(), part.model.planes.begin(), part.model.planes.end());
     if (tree.empty()) return shared::kNone;
     LeafWriter writer(part, model);

@@ -33,15 +33,13 @@ class Builder {
   public:
     Builder(std::vector<Item>& items, uint32_t soloKind) : items_(items), soloKind_(soloKind) {}
 
-    std::vector<TreeNode> run(unsigned threads) {
+    std::vector<TreeNode> run(const Context& context) {
         std::vector<TreeNode> nodes;
         std::vector<Task> tasks;
         grow(0, static_cast<uint32_t>(items_.size()), 0, nodes, &tasks);
         std::vector<std::vector<TreeNode>> parts(tasks.size());
-        parallelFor(
-            tasks.size(),
-            [&](size_t i) { grow(tasks[i].first, tasks[i].end, tasks[i].depth, parts[i], nullptr); },
-            threads);
+        parallelFor(context, tasks.size(),
+                    [&](size_t i) { grow(tasks[i].first, tasks[i].end, tasks[i].depth, parts[i], nullptr); });
         for (size_t i = 0; i < tasks.size(); ++i) put(parts[i], tasks[i].node, nodes);
         return nodes;
     }
@@ -161,9 +159,9 @@ class Builder {
 
 }  // namespace
 
-std::vector<TreeNode> buildTree(std::vector<Item>& items, uint32_t soloKind, unsigned threads) {
+std::vector<TreeNode> buildTree(std::vector<Item>& items, uint32_t soloKind, const Context& context) {
     if (items.empty()) return {};
-    return Builder(items, soloKind).run(threads);
+    return Builder(items, soloKind).run(context);
 }
 
 }  // namespace glint::reference::truth

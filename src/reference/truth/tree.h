@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/context.h"
+
 namespace glint::reference::truth {
 
 struct Bounds {
@@ -54,6 +56,6 @@ struct TreeNode {
 
 // Brings the items into the order of leaves; node 0 is the root. Of nothing no nodes. At most kMaxTreeDepth
 // deep; leaves of soloKind hold one item.
-std::vector<TreeNode> buildTree(std::vector<Item>& items, uint32_t soloKind, unsigned threads);
+std::vector<TreeNode> buildTree(std::vector<Item>& items, uint32_t soloKind, const Context& context);
 
 }  // namespace glint::reference::truth

@@ -23,7 +23,8 @@ size_t facesOf(const Object& object) {
 
 class Maker {
   public:
-    Maker(const Scene& scene, const dvec3& origin, unsigned threads) : scene_(scene), threads_(threads) {
+    Maker(const Scene& scene, const dvec3& origin, const Context& context)
+        : scene_(scene), context_(context) {
         model_.origin = origin;
         used_.assign(scene.materials.size(), false);
     }
@@ -43,10 +44,10 @@ class Maker {
         }
         rankAll();
         std::vector<rows::Node> nodes;
-        model_.environment.root = append(std::move(world_), threads_, nodes, model_);
+        model_.environment.root = append(std::move(world_), context_, nodes, model_);
         std::vector<uint32_t> roots;
         for (Part& prototype : prototypes_)
-            roots.push_back(append(std::move(prototype), threads_, nodes, model_));
+            roots.push_back(append(std::move(prototype), context_, nodes, model_));
         for (rows::Instance& instance : model_.instances) instance.root = roots[instance.root];
         model_.nodes = std::make_shared<const std::vector<rows::Node>>(std::move(nodes));
         addShading(scene_, used_, model_);
@@ -170,7 +171,7 @@ class Maker {
     }
 
     const Scene& scene_;
-    unsigned threads_;
+    const Context& context_;
     Model model_;
     Part world_;
     std::vector<Part> prototypes_;
@@ -183,9 +184,9 @@ class Maker {
 }  // namespace
 }  // namespace truth
 
-Model truthOf(const Scene& scene, const glm::dvec3& origin, unsigned threads) {
+Model truthOf(const Scene& scene, const glm::dvec3& origin, const Context& context) {
     Scene copy;
-    return truth::Maker(placedScene(scene, copy), origin, threads).make();
+    return truth::Maker(placedScene(scene, copy), origin, context).make();
 }
 
 void setEye(Model& model, const glm::dvec3& eye) {
