@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
+#include <vector>
 
 #include "core/error.h"
 #include "gpu/device_state.h"
@@ -77,7 +78,6 @@ struct SwapchainState {
     const Device& device;
     DeviceState& state;
     PresentMode mode = PresentMode::Fifo;
-    uint64_t rebuilds = 0;
 
     Handle<VkSwapchainKHR> chain;
     VkExtent2D extent{};
@@ -211,7 +211,6 @@ void SwapchainState::rebuild(int width, int height, PresentMode wantedMode) {
     pixels = Buffer();
     pixels = Buffer(device, "window picture", uint64_t{extent.width} * extent.height * 4,
                     Access::StorageBuffer, MemoryKind::Host);
-    ++rebuilds;
 }
 
 void SwapchainState::fillPixels(std::span<const uint32_t> source, int width, int height) {
@@ -315,16 +314,6 @@ bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, in
     return got != VK_SUBOPTIMAL_KHR;
 }
 
-std::vector<PresentMode> presentModes(const Device& device) {
-    std::vector<PresentMode> modes;
-    const std::vector<VkPresentModeKHR> offered = modesOf(device.state());
-    for (const EnumEntry<PresentMode>& known : kEnumEntries<PresentMode>) {
-        if (std::find(offered.begin(), offered.end(), vulkanMode(known.value)) != offered.end())
-            modes.push_back(known.value);
-    }
-    return modes;
-}
-
 Swapchain::Swapchain(const Device& device, int width, int height, PresentMode presentMode)
     : state_(std::make_unique<SwapchainState>(device)) {
     state_->makeObjects();
@@ -340,13 +329,6 @@ bool Swapchain::present(std::span<const uint32_t> pixels, int width, int height)
     if (s.presentOnce(pixels, width, height)) return true;
     s.rebuild(width, height, s.mode);
     return s.chain && s.presentOnce(pixels, width, height);
-}
-
-PresentMode Swapchain::presentMode() const {
-    return state_->mode;
-}
-uint64_t Swapchain::rebuilds() const {
-    return state_->rebuilds;
 }
 
 }  // namespace glint::gpu

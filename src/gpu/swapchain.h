@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "core/enum_names.h"
 #include "gpu/device.h"
@@ -20,9 +19,6 @@ constexpr auto entriesOf(PresentMode) {
                                                   {PresentMode::Immediate, "immediate"},
                                                   {PresentMode::FifoRelaxed, "fifoRelaxed"}});
 }
-
-// Those that the surface offers; fifo, which waits for the screen, is always one of them.
-std::vector<PresentMode> presentModes(const Device& device);
 
 struct SwapchainState;
 
@@ -40,9 +36,6 @@ class Swapchain {
     // nothing could be shown just now: the window is minimised, or changed size twice in a row. Throws
     // Error(Device), or DeviceLost.
     bool present(std::span<const uint32_t> pixels, int width, int height);
-
-    PresentMode presentMode() const;
-    uint64_t rebuilds() const;  // how often the window made a new chain of images necessary
 
   private:
     std::unique_ptr<SwapchainState> state_;
