@@ -41,22 +41,20 @@ void declare(OptionTable& table, BenchCommand& c) {
     addBackend(table, c.backend);
     addDevice(table, c.device);
     table.value("--traversal", alternatives<render::Traversal>() + "|all",
-                "how the device finds hits (default auto: see glint info); all: each way in turn besides",
+                "trace each ray alone (lane) or 32 rays together (packet); all: also each in turn",
                 [&](const std::string& t) {
                     c.everyWalk = t == "all";
                     c.device.traversal =
                         c.everyWalk ? render::Traversal::Auto : parseNamed<render::Traversal>(t);
                 });
-    table.whole("--repeat", "N", "pictures to take the median of, after the warm-up (default 7)", 1, 1000,
+    table.whole("--repeat", "N", "take the median of N images, after the warm-up (default 7)", 1, 1000,
                 c.repeats);
     table.value("--with", "LIST",
-                "features, with commas, whose code the pipeline is to hold though the scene needs none of it "
-                "(names: glint info)",
+                "compile these features, with commas, into the pipeline too (names: glint info)",
                 [&](const std::string& t) { c.with = parseFeatures(t); });
-    table.flag("--full", "the code of every feature", c.full);
-    table.flag("--whole-paths", "one kernel that follows each path to its end, not one for each step",
-               c.wholePaths);
-    addStats(table, "the results as JSON on standard output, instead of tables", c.json);
+    table.flag("--full", "compile every feature into the pipeline", c.full);
+    table.flag("--whole-paths", "use one kernel for whole paths, not one for each step", c.wholePaths);
+    addStats(table, "print the results as JSON instead of tables", c.json);
     addProgress(table, c.progress);
 }
 

@@ -10,16 +10,16 @@ namespace glint::app {
 namespace {
 
 constexpr Command kCommands[] = {
-    {"render", "render a scene to a picture", renderCommand},
-    {"merge", "put the parts of a picture together that render --part drew", mergeCommand},
-    {"view", "a window to look around a scene in", viewCommand},
-    {"verify", "compare the shaders' picture with the reference's, pixel by pixel", verifyCommand},
-    {"report", "error against run time, for many settings of each scene", reportCommand},
-    {"bench", "rays a second for each class of rays, and the time that each stage takes", benchCommand},
+    {"render", "render a scene to an image", renderCommand},
+    {"merge", "merge the parts of an image that render --part wrote", mergeCommand},
+    {"view", "open a window to explore a scene", viewCommand},
+    {"verify", "compare shaders and reference, pixel by pixel", verifyCommand},
+    {"report", "measure error against run time, for many settings of each scene", reportCommand},
+    {"bench", "measure rays per second of each class, and the time of each stage", benchCommand},
     {"trace", "trace single rays and print what they hit as CSV", traceCommand},
-    {"diff", "how far apart two pictures are; exit code 5 if they differ", diffCommand},
-    {"info", "what a scene holds, and what its pipeline leaves out", infoCommand},
-    {"devices", "the Vulkan devices, chosen or refused and why", devicesCommand},
+    {"diff", "compare two images; exit code 5 if they differ", diffCommand},
+    {"info", "print the contents of a scene, and what its pipeline leaves out", infoCommand},
+    {"devices", "list the Vulkan devices, chosen or refused and why", devicesCommand},
     {"pages", "write man pages and completions for bash, zsh and fish", pagesCommand},
 };
 

@@ -21,11 +21,10 @@ struct DiffCommand {
 
 void declare(OptionTable& table, DiffCommand& c) {
     constexpr auto kRequired = OptionTable::Need::Required;
-    table.name("A", "", "picture: .png .exr .pfm .hdr .jpg", c.a, kRequired);
-    table.name("B", "", "picture of the same size", c.b, kRequired);
-    table.name("-o,--output", "FILE", "picture of |A - B| to write", c.output);
-    table.value("--tolerance", "X",
-                "greatest difference, on linear values, that still counts as equal (default 0)",
+    table.name("A", "", "image: .png .exr .pfm .hdr .jpg", c.a, kRequired);
+    table.name("B", "", "image of the same size", c.b, kRequired);
+    table.name("-o,--output", "FILE", "write the image |A - B|", c.output);
+    table.value("--tolerance", "X", "greatest difference of linear values that counts as equal (default 0)",
                 [&](const std::string& t) { c.tolerance = parseNotNegative(t); });
 }
 

@@ -28,15 +28,15 @@ struct MergeCommand {
 };
 
 void declare(OptionTable& table, MergeCommand& c) {
-    table.files("PART", "all parts of one picture, in any order", c.parts);
+    table.files("PART", "all parts of one image, in any order", c.parts);
     table.name("-o,--output", "FILE",
-               "picture to write: .png .exr .pfm .hdr (default: the scene's name with .png, here)", c.output);
+               "image to write: .png .exr .pfm .hdr (default: the scene's name with .png, here)", c.output);
     addExposure(table, c.exposure);
     table.flag("--in-bands",
-               "write the picture row by row as parts are read (default: if it does not fit into memory)",
+               "write row by row as parts are read (default: if the image does not fit into memory)",
                c.inBands);
-    addStats(table, "what was merged as JSON on standard output, instead of the summary", c.json);
-    table.flag("-q,--quiet", "print nothing but errors (and what --stats asks for)", c.quiet);
+    addStats(table, "print parts, devices and hash as JSON instead of the summary", c.json);
+    table.flag("-q,--quiet", "print only errors, and the output of --stats", c.quiet);
 }
 
 std::filesystem::path sceneOf(const farm::Identity& identity) {

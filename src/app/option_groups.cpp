@@ -13,8 +13,7 @@ using Text = std::string;
 namespace {
 
 void addOutside(OptionTable& table, bool& allowed) {
-    table.flag("--allow-outside", "read files outside the scene's folder too, if it or its models name some",
-               allowed);
+    table.flag("--allow-outside", "allow files outside the scene's folder", allowed);
 }
 
 }  // namespace
@@ -61,30 +60,27 @@ void addCamera(OptionTable& table, SceneOptions& options) {
 void addMethods(OptionTable& table, SceneOptions& options) {
     table.choice<TriangleMethod>(
         "--intersector",
-        "test of triangles: all but the default, watertight, are textbooks', with their faults",
+        "test for triangles (default watertight); the others are textbook methods, with their faults",
         options.methods.triangles);
     table.choice<SphereMethod>(
-        "--sphere", "test of spheres: all but the default, robust, are textbooks', with their faults",
+        "--sphere", "test for spheres (default robust); the others are textbook methods, with their faults",
         options.methods.spheres);
 }
 
 void addMinContribution(OptionTable& table, SceneOptions& options) {
-    table.value(
-        "--min-contribution", "X",
-        "do not follow reflected and refracted rays that can add no more than X to a pixel (default 0: "
-        "follow all)",
-        [&](const Text& t) { options.minContribution = parseNotNegative(t); });
+    table.value("--min-contribution", "X",
+                "cut reflected and refracted rays that add less than X to a pixel (default 0)",
+                [&](const Text& t) { options.minContribution = parseNotNegative(t); });
 }
 
 void addSampling(OptionTable& table, SceneOptions& options) {
-    table.choice<Sampler>("--sampler", "where the samples of a pixel lie, instead of the scene's",
-                          options.sampler);
+    table.choice<Sampler>("--sampler", "placement of samples instead of the scene's", options.sampler);
     table.value("--filter", "NAME[,RADIUS]", choices<Filter>() + " instead of the scene's; radius in pixels",
                 [&](const Text& t) { options.filter = parseFilter(t); });
-    table.value("--seed", "N", "of the jittered and the lowDiscrepancy sampler, instead of the scene's",
+    table.value("--seed", "N", "seed of the random samplers instead of the scene's",
                 [&](const Text& t) { options.seed = parseSeed(t); });
     table.value("--adaptive", "MAX[,THRESHOLD]",
-                "up to MAX samples for pixels whose samples differ, see docs/guide/sampling.md",
+                "take up to MAX samples in pixels whose samples differ, see docs/guide/sampling.md",
                 [&](const Text& t) { options.adaptive = parseAdaptive(t); });
 }
 

@@ -182,13 +182,13 @@ std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& sc
     if (!picture.complete) return std::nullopt;
     const Contents found = contentsOf(picture, scene.background, scale);
     if (!found.hits)
-        return "the picture shows background only: " + emptyReason(picture, scene, packed, request);
+        return "the image shows only background: " + emptyReason(picture, scene, packed, request);
     if (found.brightest == 0)
-        return "everything in the picture is black: " + blackReason(picture, scene, packed, request);
+        return "everything in the image is black: " + blackReason(picture, scene, packed, request);
     if (scale > 0 && srgbByte(found.brightest * scale) == 0)
-        return "everything in the picture is too dark for 8 bits" + exposureAdvice(found.brightest);
+        return "everything in the image is too dark for 8 bits" + exposureAdvice(found.brightest);
     if (scale > 0 && found.darkest * scale >= 1 && found.brightest * scale > 1)
-        return "everything in the picture is too bright for 8 bits" + exposureAdvice(found.brightest);
+        return "everything in the image is too bright for 8 bits" + exposureAdvice(found.brightest);
     if (found.misses && !found.likeBackground) return std::nullopt;
     const Scout scout(picture, scene, packed, request);
     if (found.likeBackground && !scene.environment && scout.all(scene, reflects))

@@ -29,7 +29,7 @@ namespace {
 void declare(OptionTable& table, RenderCommand& c) {
     addScene(table, c.scene);
     table.name("-o,--output", "FILE",
-               "picture to write: .png .exr .pfm .hdr, FOLDER/, or - for a PNG on standard output (default: "
+               "image to write: .png .exr .pfm .hdr, FOLDER/, or - for a PNG on standard output (default: "
                "SCENE's name with .png, here)",
                c.output);
     addExposure(table, c.exposure);
@@ -43,39 +43,36 @@ void declare(OptionTable& table, RenderCommand& c) {
     addFallback(table, c.device);
     table.flag(
         "--reproducible",
-        "do not rely on the device's quotients and square roots, even where they proved to be correctly "
-        "rounded",
+        "do not use the device's division and square root, even if a probe finds them correctly rounded",
         c.device.reproducible);
     table.value("--aov", "LIST",
-                "layers, with commas: " + joinNames(kEnumNames<Aov>) +
+                "write these layers, with commas: " + joinNames(kEnumNames<Aov>) +
                     "; an EXR holds them all, other formats get a file for each",
                 [&](const std::string& t) { c.aovs = parseAovs(t); });
     table.value("--crop", "x0,y0,x1,y1",
-                "only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
+                "render only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
                 [&](const std::string& t) { c.crop = parseCrop(t); });
-    table.whole("--band-rows", "N",
-                "write the picture in bands of so many rows, straight into the file (default: if it does not "
-                "fit into memory)",
-                1, kMaxImageSize, c.bandRows);
+    table.whole(
+        "--band-rows", "N",
+        "write the image in bands of N rows, so that memory holds one band (default: if it does not fit "
+        "into memory)",
+        1, kMaxImageSize, c.bandRows);
     table.value("--part", "K/N", "render part K of N, K from 1, into a file for glint merge",
                 [&](const std::string& t) { c.part = parsePart(t); });
-    table.name(
-        "--checkpoint", "FILE",
-        "keep what is finished in FILE, and go on from it after an interruption; gone once the picture "
-        "is written",
-        c.checkpoint);
+    table.name("--checkpoint", "FILE",
+               "keep finished units in FILE and resume from them; removed once the image is written",
+               c.checkpoint);
     table.value(
         "--frames", "A:B",
-        "draws frames A to B of the animation, those that are not there yet; -o has # in the place of "
-        "the digits of their numbers",
+        "render frames A to B of the animation that do not exist yet; each # in -o stands for a digit",
         [&](const std::string& t) { c.frames = parseFrames(t); });
-    table.value("--fps", "F", "frames of --frames in a second, instead of the scene's (24)",
+    table.value("--fps", "F", "frames per second of --frames instead of the scene's (24)",
                 [&](const std::string& t) { c.framesPerSecond = parsePositive(t); });
-    table.flag("--overwrite", "draw frames that are there already again", c.overwrite);
+    table.flag("--overwrite", "render existing frames again", c.overwrite);
     addErrorTarget(table, c.target);
-    addStats(table, "times and counts as JSON on standard output, instead of the summary", c.json);
+    addStats(table, "print times and counts as JSON instead of the summary", c.json);
     addProgress(table, c.progress);
-    table.flag("-q,--quiet", "print nothing but errors (and what --stats asks for)", c.quiet);
+    table.flag("-q,--quiet", "print only errors, and the output of --stats", c.quiet);
 }
 
 // Throws for a render that was cut short, once what there is has been written.
@@ -111,8 +108,8 @@ void check(const RenderCommand& command, const std::ostream& out) {
     checkDeviceOptions(command.backend, command.device);
     checkErrorTarget(command.target, command.scene, command.aovs);
     if (!command.frames && (command.framesPerSecond || command.overwrite))
-        throw Error(ErrorKind::Argument, std::string(command.overwrite ? "--overwrite" : "--fps") +
-                                             ": says nothing without --frames");
+        throw Error(ErrorKind::Argument,
+                    std::string(command.overwrite ? "--overwrite" : "--fps") + " requires --frames");
     checkManner(command);
     if (command.output == "-" && command.aovs != std::vector{Aov::Radiance})
         throw Error(ErrorKind::Argument, "--output -: holds the layer color alone");

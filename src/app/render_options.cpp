@@ -5,6 +5,7 @@
 
 #include "app/common.h"
 #include "core/error.h"
+#include "core/image_io.h"
 #include "core/interrupt.h"
 #include "core/text_file.h"
 
@@ -40,7 +41,7 @@ std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene)
 float scaleOf(const std::filesystem::path& output, std::optional<double> exposure) {
     if (output == "-" || lowerExtension(output) == ".png")
         return static_cast<float>(std::exp2(exposure.value_or(0)));
-    if (exposure)
+    if (exposure && isWritableImagePath(output))
         throw Error(ErrorKind::Argument,
                     "--exposure: " + output.string() + " holds linear floats, which need none; use .png");
     return 0;

@@ -24,11 +24,11 @@ struct TraceCommand {
 void declare(OptionTable& table, TraceCommand& c) {
     addScene(table, c.scene);
     table.name("--rays", "FILE.csv",
-               "rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", c.rays);
-    table.value("--pixel", "x,y", "the camera ray of a pixel, from the top left corner",
+               "read rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", c.rays);
+    table.value("--pixel", "x,y", "trace the camera ray of a pixel, from the top left corner",
                 [&](const std::string& t) { c.pixel = parsePixel(t); });
-    table.flag("--any", "only whether anything is hit", c.any);
-    table.value("--size", "WxH", "size of the picture that --pixel counts in, instead of the scene's",
+    table.flag("--any", "report only whether a ray hits anything", c.any);
+    table.value("--size", "WxH", "image size for --pixel instead of the scene's",
                 [&](const std::string& t) { c.scene.size = parseSize(t); });
     addCamera(table, c.scene);
     addMethods(table, c.scene);
@@ -100,6 +100,8 @@ void checkPixel(const Request& image, std::pair<int, int> pixel) {
 ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) {
     if (command.rays.empty() == !command.pixel)
         throw Error(ErrorKind::Argument, "trace: give either --rays FILE.csv or --pixel x,y");
+    if (command.rays == "-" && command.scene.scene == "-")
+        throw Error(ErrorKind::Argument, "--rays: SCENE reads standard input already");
     checkDeviceOptions(command.backend, command.device);
     const LoadedScene loaded = loadAndPack(command.scene, err);
     if (command.pixel) checkPixel(requestOf(loaded, command.scene), *command.pixel);

@@ -34,10 +34,10 @@ std::string ballAt(const std::string& center) {
     return R"("ambient": 1, "objects": [{"type": "sphere", "center": )" + center + R"(, "radius": 1}])";
 }
 std::string onlyBackground(const std::string& reason) {
-    return "the picture shows background only: " + reason;
+    return "the image shows only background: " + reason;
 }
 std::string onlyBlack(const std::string& reason) {
-    return "everything in the picture is black: " + reason;
+    return "everything in the image is black: " + reason;
 }
 
 const Nothing kCases[] = {
@@ -124,7 +124,7 @@ const Nothing kCases[] = {
      R"("lights": [{"type": "point", "position": [0, 0, 601], "falloff": "inverseSquare"}], )" +
          std::string(kBall),
      {},
-     "everything in the picture is too dark for 8 bits; the brightest value is 1.94e-06: use --exposure 18, "
+     "everything in the image is too dark for 8 bits; the brightest value is 1.94e-06: use --exposure 18, "
      "or a "
      "format with floats such as .exr"},
     {"darkButExposed",
@@ -136,7 +136,7 @@ const Nothing kCases[] = {
      R"("lights": [{"type": "point", "position": [0, 0, 601], "intensity": 50000}], "ambient": 100, )" +
          std::string(kBall),
      {},
-     "everything in the picture is too bright for 8 bits; the brightest value is 3.5e+04: use --exposure "
+     "everything in the image is too bright for 8 bits; the brightest value is 3.5e+04: use --exposure "
      "-16, "
      "or a "
      "format with floats such as .exr"},
@@ -159,10 +159,10 @@ TEST_F(ClippedAdvice, NearAndFar) {
         return runGlint({"render", "a.json", "--backend", "cpu"}).err;
     };
     EXPECT_EQ(advice("\"far\": 3.5"),
-              "glint: warning: a.json: the picture shows background only: everything is farther away than "
+              "glint: warning: a.json: the image shows only background: everything is farther away than "
               "the camera's far\n");
     EXPECT_EQ(advice("\"near\": 8"),
-              "glint: warning: a.json: the picture shows background only: everything is nearer than the "
+              "glint: warning: a.json: the image shows only background: everything is nearer than the "
               "camera's near\n");
     EXPECT_EQ(advice("\"near\": 1, \"far\": 10"), "");
     // The ball is from 4 to 6 beyond the image plane of a parallel camera.
@@ -190,7 +190,7 @@ TEST_F(ClippedAdvice, InsideAMesh) {
     writeText("a.json", sceneText(16, 12, R"("lights": [{"type": "point", "position": [0, 9, 9]}],
         "meshes": {"m": {"file": "a.obj"}}, "objects": [{"type": "mesh", "mesh": "m", "transform": [{"translate": [0, 0, 4.5]}]}])"));
     EXPECT_EQ(runGlint({"render", "a.json", "--backend", "cpu"}).err,
-              "glint: warning: a.json: everything in the picture is black: the camera is inside /objects/0, "
+              "glint: warning: a.json: everything in the image is black: the camera is inside /objects/0, "
               "and no light is in "
               "there with it\n");
 }
@@ -203,7 +203,7 @@ TEST_F(ClippedAdvice, AllTrianglesDropped) {
     const Ran ran = runGlint({"render", "a.json", "--backend", "cpu"});
     EXPECT_EQ(ran.code, 0);
     EXPECT_TRUE(ran.err.ends_with(
-        "glint: warning: a.json: the picture shows background only: nothing is left of its objects (see "
+        "glint: warning: a.json: the image shows only background: nothing is left of its objects (see "
         "the warnings above)\n"))
         << ran.err;
 }

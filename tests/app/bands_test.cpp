@@ -77,7 +77,7 @@ TEST_F(Bands, AdviceIsOfTheWholePicture) {
               sceneText(32, 32, R"("objects": [{"type": "sphere", "center": [0, 0, 50], "radius": 1}])"));
     const Ran whole = runGlint({"render", "empty.json", "--backend", "cpu"});
     const Ran bands = runGlint({"render", "empty.json", "--backend", "cpu", "--band-rows", "8"});
-    EXPECT_HAS(whole.err, "shows background only");
+    EXPECT_HAS(whole.err, "shows only background");
     EXPECT_EQ(bands.err, whole.err);
     writeText(
         "low.json",

@@ -136,7 +136,7 @@ TEST_F(Frames, RateAndNames) {
         "glint: --part: not together with --frames; frames are pieces already, give each machine frames of "
         "its own\n");
     EXPECT_EQ(error(runGlint({"render", "a.json", "--overwrite"})),
-              "glint: --overwrite: says nothing without --frames\n");
+              "glint: --overwrite requires --frames\n");
 }
 
 TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {
