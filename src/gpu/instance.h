@@ -16,7 +16,6 @@ namespace glint::gpu {
     X(vkEnumeratePhysicalDevices)               \
     X(vkEnumerateDeviceExtensionProperties)     \
     X(vkGetPhysicalDeviceProperties)            \
-    X(vkGetPhysicalDeviceFeatures2)             \
     X(vkGetPhysicalDeviceProperties2)           \
     X(vkGetPhysicalDeviceFormatProperties)      \
     X(vkGetPhysicalDeviceMemoryProperties)      \

@@ -81,9 +81,6 @@ void queryVulkan11(const InstanceTable& vk, PhysicalDevice& device,
     device.info.limits.subgroupShuffle =
         (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT) != 0 &&
         (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
-    VkPhysicalDeviceFeatures2 features{};
-    features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
-    vk.vkGetPhysicalDeviceFeatures2(device.handle, &features);
     if (knowsDriver) {
         device.info.driver = driver.driverName;
         if (driver.driverInfo[0] != 0) device.info.driver += std::string(" ") + driver.driverInfo;

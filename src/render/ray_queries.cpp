@@ -404,12 +404,4 @@ void RayQueries::list(std::span<const uint32_t> counts, const ListFill& fill, co
     }
 }
 
-uint64_t RayQueries::workingBytes() const {
-    const std::lock_guard lock(state_->mutex);
-    uint64_t bytes = 0;
-    for (const auto& slot : state_->slots)
-        bytes += slot->rows.size() + (slot->staging ? slot->staging.size() : 0);
-    return bytes;
-}
-
 }  // namespace glint::render

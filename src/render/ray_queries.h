@@ -93,10 +93,6 @@ class RayQueries {
               const std::function<void(size_t first, std::span<RayInput> rays)>& fill,
               const std::function<void(size_t i, std::span<const FoundHit> hits)>& take);
 
-    // Bytes on the device and of what is prepared for it, without the scene's arrays; all that the number of
-    // rays costs beside the caller's arrays.
-    uint64_t workingBytes() const;
-
   private:
     struct State;
     std::unique_ptr<State> state_;
