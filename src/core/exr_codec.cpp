@@ -20,7 +20,6 @@
 #include <optional>
 
 #include "core/codecs.h"
-#include "core/exr_floats.h"
 #include "core/exr_header.h"
 
 namespace glint {
@@ -41,8 +40,7 @@ constexpr double kMostBytesPerByte = 1032 * 4.0 / 3;
 // DWA deflates runs of a discrete cosine transform's coefficients: there is no such bound.
 constexpr double kNoBound = 1e30;
 constexpr double kMostChunkBytes = 512.0 * 1024 * 1024;
-constexpr int kBand = 64;                 // rows that are asked for at once
-constexpr size_t kRepeatBytes = 1 << 20;  // of rows alike that are written at once
+constexpr int kBand = 64;  // rows that are asked for at once
 
 // The library makes its pool of threads, which has none, when it first hands out a task. Where memory runs
 // out just then, it waits for that task for ever (3.1.5); so the pool is made before there are any.
@@ -67,15 +65,6 @@ class MemoryReader : public Imf::IStream {
   private:
     ByteView file_;
     uint64_t position_ = 0;
-};
-
-class MemorySink : public ByteSink {
-  public:
-    void write(ByteView added, uint64_t offset) override {
-        if (offset + added.size() > bytes.size()) bytes.resize(offset + added.size());
-        std::memcpy(bytes.data() + offset, added.data(), added.size());
-    }
-    Bytes bytes;
 };
 
 struct ChunkShape {
@@ -178,27 +167,13 @@ std::vector<std::string> chooseChannels(const Imf::Header& header) {
                      all.substr(0, 500) + ")");
 }
 
-// The whole picture where these channels are floats, which the newer library reads faster.
-std::optional<Image> readFloats(const Imf::Header& header, const std::vector<std::string>& names, int width,
-                                int height, ByteView file, const Context& context) {
-    int inFile = 0;
-    for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) ++inFile;
-    for (const std::string& name : names) {
-        const Imf::Channel* const channel = header.channels().findChannel(name);
-        if (!channel || channel->type != Imf::FLOAT) return std::nullopt;
-    }
-    return readExrFloats(file, {width, height, inFile, header.compression()}, names, context);
-}
-
-Image readPart(Imf::InputPart& part, ByteView file, const Context& context) {
+Image readPart(Imf::InputPart& part, const Context& context) {
     const Imf::Header& header = part.header();
     if (header.hasType() && Imf::isDeepData(header.type()))
         throw CodecError("EXR files with deep pixels are not supported");
     const std::vector<std::string> names = chooseChannels(header);
     const auto& window = header.dataWindow();
     const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
-    if (std::optional<Image> image = readFloats(header, names, width, height, file, context))
-        return std::move(*image);
     const size_t channels = names.size();
     RowCollector rows(context, width, height, static_cast<int>(channels));
     const size_t xStride = channels * sizeof(float), yStride = xStride * static_cast<size_t>(width);
@@ -244,10 +219,7 @@ class SinkStream : public Imf::OStream {
             throw;
         }
         position_ += view.size();
-        if (copy_) copy_->insert(copy_->end(), view.begin(), view.end());
     }
-    // Further writes go there too; null: not any more.
-    void copyTo(Bytes* bytes) { copy_ = bytes; }
     void check() const {
         if (fault_) std::rethrow_exception(fault_);
     }
@@ -257,7 +229,6 @@ class SinkStream : public Imf::OStream {
   private:
     ByteSink& sink_;
     uint64_t position_ = 0;
-    Bytes* copy_ = nullptr;
     std::exception_ptr fault_;
 };
 
@@ -265,7 +236,7 @@ class SinkStream : public Imf::OStream {
 
 struct ExrRows::State {
     State(ByteSink& to, int w, int h, const std::vector<std::string>& names)
-        : sink(to), width(w), height(h), channels(names), stream(to), header(w, h) {
+        : width(w), stream(to), header(w, h) {
         header.compression() = kCompression;
         for (const std::string& name : names) {
             if (name.size() >= 256) throw CodecError("the layer name " + name + " is too long for EXR");
@@ -273,15 +244,8 @@ struct ExrRows::State {
         }
     }
 
-    // Writes again what the library wrote for the last row, for all below it, and where these begin.
-    void repeat(const Bytes& chunk);
-
-    ByteSink& sink;
-    int width, height;
+    int width;
     int written = 0;
-    uint64_t firstChunk = 0;  // the table of where rows begin ends here
-    Bytes lastRows;           // what the table lacks
-    std::vector<std::string> channels;
     exr::SinkStream stream;
     Imf::Header header;
     std::optional<Imf::OutputFile> file;
@@ -315,7 +279,6 @@ ExrRows::ExrRows(ByteSink& sink, int width, int height, const std::vector<std::s
             state_->header.insert(name, Imf::StringAttribute(std::get<std::string>(value)));
     }
     encoding(state_->stream, [&] { state_->file.emplace(state_->stream, state_->header, 0); });
-    state_->firstChunk = state_->stream.tellp();
 }
 
 ExrRows::~ExrRows() = default;
@@ -336,37 +299,8 @@ void ExrRows::add(int rows, std::vector<ExrChannel>& channels) {
     state_->written += rows;
 }
 
-// With RLE a chunk is one row: its number, its bytes' count, its bytes (openexr.com, "OpenEXR File Layout").
-void ExrRows::State::repeat(const Bytes& chunk) {
-    uint64_t position = stream.tellp();
-    Bytes chunks;
-    for (int y = written; y < height; ++y) {
-        const auto* const place = reinterpret_cast<const uint8_t*>(&position);
-        lastRows.insert(lastRows.end(), place, place + sizeof(position));
-        const size_t at = chunks.size();
-        chunks.insert(chunks.end(), chunk.begin(), chunk.end());
-        std::memcpy(chunks.data() + at, &y, sizeof(y));
-        position += chunk.size();
-        if (chunks.size() < kRepeatBytes && y + 1 < height) continue;
-        sink.write(chunks, position - chunks.size());
-        chunks.clear();
-    }
-}
-
-void ExrRows::fill(int rows, std::vector<ExrChannel>& row) {
-    if (rows == 0) return;
-    Bytes chunk;
-    state_->stream.copyTo(&chunk);
-    add(1, row);
-    state_->stream.copyTo(nullptr);
-    state_->repeat(chunk);
-}
-
 void ExrRows::finish() {
     encoding(state_->stream, [&] { state_->file.reset(); });
-    if (state_->lastRows.empty()) return;
-    // The library's own table has a 0 for rows that it did not write.
-    state_->sink.write(state_->lastRows, state_->firstChunk - state_->lastRows.size());
 }
 
 Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels, const PictureNotes& notes) {
@@ -386,7 +320,7 @@ Image decodeExr(ByteView file, uint64_t mostPixels, const Context& context) {
         MemoryReader stream(file);
         Imf::MultiPartInputFile parts(stream, 0, false);
         Imf::InputPart part(parts, 0);
-        return readPart(part, file, context);
+        return readPart(part, context);
     } catch (const CodecError&) {
         throw;
     } catch (const Cancelled&) {
