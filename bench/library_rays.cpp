@@ -4,11 +4,9 @@
 // kernels alone: nearest hits with t, geometry and primitive, any hits and counts, of random rays through the
 // scene's box, of chords of the sphere around it and of a camera's. fp32 origins and directions. Seconds of
 // processor time, the best of so many turns. --count: counts alone, and their sum, which no change may move.
-// Of certified hits also how many rays the device leaves to the host, and how many are left undecided.
 // Where the build knows tinybvh (GLINT_TINYBVH), its rates for the same rays on the same triangles; and how
 // many of the rays at vertices that hit, by certified hits, each of the two misses.
 #include <algorithm>
-#include <atomic>
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
@@ -105,9 +103,7 @@ glint_view viewOf(const std::vector<glm::vec3>& v) {
 
 using Ask = render::RayTask::Ask;
 
-// uncertain: receives how many rays a certifying kernel leaves to the host.
-double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::dvec3& origin, Ask ask,
-                     size_t& uncertain) {
+double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::dvec3& origin, Ask ask) {
     BatchTimes times;
     render::RayTask task;
     task.count = kRays;
@@ -119,23 +115,13 @@ double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::d
             inputs[i] = render::roundedRay(localRay(
                 {glm::dvec3(rays.origins[numbers[i]]), glm::dvec3(rays.directions[numbers[i]])}, origin));
     };
-    std::atomic<size_t> certain = 0;
-    task.take = [&](const render::RayNumbers&, const render::FoundHits& found) {
-        size_t some = 0;
-        for (size_t i = 0; i < found.size(); ++i) some += found[i].certain ? 1 : 0;
-        certain += some;
-    };
+    task.take = [](const render::RayNumbers&, const render::FoundHits&) {};
     queries.run(task);
-    uncertain = kRays - certain;
     return times.processor;
 }
 
-struct Answers {
-    size_t undecided = 0;    // certified hits that are not sure
-    uint64_t crossings = 0;  // the sum of counts
-};
-
-double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, Answers& answers) {
+// crossings: receives the sum of counts.
+double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, uint64_t& crossings) {
     static std::vector<float> t(kRays);
     static std::vector<uint32_t> geometry(kRays), primitive(kRays);
     static std::vector<uint8_t> hit(kRays);
@@ -148,15 +134,12 @@ double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, Answers&
     hits.geometry = {geometry.data(), kRays, 0, GLINT_U32, 0};
     hits.primitive = {primitive.data(), kRays, 0, GLINT_U32, 0};
     const glint_out flags = {hit.data(), kRays, 0, GLINT_U8, 0};
-    if (ask == Ask::Certain) hits.sure = flags;
     const Timer timer;
-    if (ask == Ask::Nearest || ask == Ask::Certain) check(glint_query_closest(scene, &asked, &hits, nullptr));
+    if (ask == Ask::Nearest) check(glint_query_closest(scene, &asked, &hits, nullptr));
     if (ask == Ask::Any) check(glint_query_any(scene, &asked, &flags, nullptr));
     if (ask == Ask::Count) check(glint_query_count(scene, &asked, &hits.geometry, nullptr));
     const double seconds = timer.elapsed().cpu;
-    answers.undecided = static_cast<size_t>(std::count(hit.begin(), hit.end(), uint8_t{0}));
-    answers.crossings = 0;
-    if (ask == Ask::Count) answers.crossings = std::accumulate(geometry.begin(), geometry.end(), uint64_t{0});
+    if (ask == Ask::Count) crossings = std::accumulate(geometry.begin(), geometry.end(), uint64_t{0});
     return seconds;
 }
 
@@ -219,21 +202,17 @@ void measureTinyBvh(const char* path, const glint_scene* scene, const PackedScen
 void measureAsk(const char* path, const glint_scene* scene, render::RayQueries& queries,
                 const glm::dvec3& origin, const Rays& rays, Ask ask, const char* name) {
     double kernel = 1e9, call = 1e9;
-    size_t uncertain = 0;
-    Answers answers;
+    uint64_t crossings = 0;
     for (int turn = 0; turn < kTurns; ++turn) {
-        kernel = std::min(kernel, kernelSeconds(queries, rays, origin, ask, uncertain));
-        call = std::min(call, callSeconds(scene, rays, ask, answers));
+        kernel = std::min(kernel, kernelSeconds(queries, rays, origin, ask));
+        call = std::min(call, callSeconds(scene, rays, ask, crossings));
     }
     std::printf(
         "%s, %s rays, %s: kernel %.2f, call %.2f million rays per processor second, %.2f of the kernel\n",
         path, rays.name, name, 1e-6 * kRays / kernel, 1e-6 * kRays / call, kernel / call);
-    if (ask == Ask::Certain)
-        std::printf("    left to the host %.2e, undecided %.2e\n", static_cast<double>(uncertain) / kRays,
-                    static_cast<double>(answers.undecided) / kRays);
     if (ask == Ask::Count)
         std::printf("    %.0f ns of processor time a call's ray, %" PRIu64 " crossings\n", 1e9 * call / kRays,
-                    answers.crossings);
+                    crossings);
     std::fflush(stdout);
 }
 
@@ -245,8 +224,8 @@ void measure(const char* path, glint_device* device, const gpu::Device& vulkan, 
     const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
                      hi = packed.origin + glm::dvec3(packed.boundsHi);
     for (const Rays& rays : {randomRays(lo, hi), chords(lo, hi), cameraRays(lo, hi)}) {
-        for (const auto& [ask, name] : {std::pair(Ask::Nearest, "closest"), std::pair(Ask::Any, "any"),
-                                        std::pair(Ask::Count, "count"), std::pair(Ask::Certain, "certified")})
+        for (const auto& [ask, name] :
+             {std::pair(Ask::Nearest, "closest"), std::pair(Ask::Any, "any"), std::pair(Ask::Count, "count")})
             if (!countAlone || ask == Ask::Count)
                 measureAsk(path, scene, queries, packed.origin, rays, ask, name);
     }
