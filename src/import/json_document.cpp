@@ -106,8 +106,12 @@ class TreeBuilder {
         for (;;) {
             token_ = std::min(text_.find_first_not_of(" \t\r\n:,]}", token_), text_.size());
             const std::string_view two = text_.substr(token_, 2);
-            if (two != "//" && two != "/*") break;
-            token_ = std::min(text_.find(two == "//" ? "\n" : "*/", token_ + 2), text_.size() - 2) + 2;
+            if (two == "//")
+                token_ = std::min(text_.find('\n', token_), text_.size());
+            else if (two == "/*")
+                token_ = std::min(text_.find("*/", token_ + 2), text_.size() - 2) + 2;
+            else
+                break;
         }
         for (; counted_ < token_; counted_++) {
             if (text_[counted_] == '\n') line_++;

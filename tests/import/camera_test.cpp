@@ -156,6 +156,8 @@ TEST_F(Cameras, AreWrittenBesideWhatIsThere) {
     EXPECT_EQ(
         with("{\n  \"camera\": {},  // mine\n  \"objects\": []\n}\n"),
         "{\n  \"cameras\": {\n    " + kA + "\n  },\n  \"camera\": {},  // mine\n  \"objects\": []\n}\n");
+    EXPECT_EQ(with("// top\n{\n  \"camera\": {}\n}"),
+              "// top\n{\n  \"cameras\": {\n    " + kA + "\n  },\n  \"camera\": {}\n}");
     EXPECT_EQ(with("{\"camera\": {}}"), "{\n  \"cameras\": {\n    " + kA + "\n  },\n\"camera\": {}}");
     EXPECT_EQ(
         with("// { top\n{\n  \"cameras\": {\n    " + kB + "  // side\n  },\n  \"ambient\": 1\n}"),
@@ -173,8 +175,8 @@ TEST_F(Cameras, AreWrittenBesideWhatIsThere) {
 // cameras are there.
 TEST_F(Cameras, NothingOfTheFileIsLost) {
     const std::string values[] = {"{}", "{\"fovY\": 30 }", "{ // \"cameras\": {\n}", "{\"up\": [0, 1, 0]}"};
-    const std::string blanks[] = {"",          " ",         "\n",     "\n  ",
-                                  " /* } */ ", " // ,\n  ", "\r\n\t", "\n\n/* \" */\n "};
+    const std::string blanks[] = {
+        "", " ", "\n", "\n  ", " /* } */ ", " // ,\n  ", "\r\n\t", "\n\n/* \" */\n ", "//{\n"};
     const std::string bom = "\xef\xbb\xbf";
     int files = 0;
     for (const std::string& value : values)
