@@ -115,7 +115,7 @@ float squareTo(Space space, vec3 point, uint kind, uint index, out uint id) {
     return kInfinity;
 }
 
-// Where a point is in the tree.
+// Position of a point's search in the tree.
 struct Walk {
     Space space;
     uint slot;       // next to be tested, kNone at the end of the tree

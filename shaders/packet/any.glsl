@@ -21,7 +21,7 @@ void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uin
     one.hit.primitive = primitive;
 }
 
-// As for the closest hit, but with less to take out and put back.
+// Extracts one ray of the packet. Any-hit rays have less state than those of the closest hit.
 Traversal takeRow(uint row) {
     Traversal one = packet[0];
     for (uint r = 1u; r < kPacketRays; ++r) {

@@ -94,8 +94,8 @@ bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips,
     precise float cz = frame.shear.z * c.z;
     float nearest = min(az, min(bz, cz));
     float farthest = max(az, max(bz, cz));
-    // What rounded arithmetic tells. Three nonzero signs are right (a rounded difference of rounded products
-    // has the sign of the exact difference), and t lies between those of the corners.
+    // The decision in rounded arithmetic. Three nonzero signs are right (a rounded difference of rounded
+    // products has the sign of the exact difference), and t lies between those of the corners.
     bool crosses = ((ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0)) &&
                    farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
     bool certain =

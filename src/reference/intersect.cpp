@@ -53,7 +53,7 @@ glm::dvec3 unitOf(const Vec<Extended>& n) {
         glm::dvec3(static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)));
 }
 
-// Where the line meets a plane; false if it is parallel. n: unit.
+// Intersects the line with a plane of unit normal; false if they are parallel.
 bool solvePlane(const PreparedRay& ray, const glm::dvec3& normal, const glm::dvec3& point, Extended& t) {
     const Vec<Extended> n = toVec<Extended>(normal);
     const Extended nd = dot(n, toVec<Extended>(ray.direction));

@@ -1,4 +1,4 @@
-// What the user wishes of a report.
+// Options of a report.
 #pragma once
 
 #include <cstdint>

@@ -116,7 +116,7 @@ class Session {
     void restart();
     bool scattered() const;
     Content nextPass() const;
-    // Of a whole image of this size, one sample in the middle of each pixel.
+    // Request for a whole image of this size, with one sample in the centre of each pixel.
     Request requestFor(Content content, int width, int height) const;
     Picture render(const Request& request);
     std::optional<SampleSequence> sequence() const;  // empty: progressiveOffset does

@@ -13,11 +13,11 @@ import subprocess
 import sys
 
 LIMITS = {
-    "comment block that starts with What, Of, Where, Whether, Who, As or Since": 8,
-    "sentence that starts with What, Of, Where, Whether or Who": 45,
-    "sentence of more than 30 words": 145,
-    "paragraph of more than 110 words": 18,
-    "banned word": 55,
+    "comment block that starts with What, Of, Where, Whether, Who, As or Since": 0,
+    "sentence that starts with What, Of, Where, Whether or Who": 9,
+    "sentence of more than 30 words": 76,
+    "paragraph of more than 110 words": 4,
+    "banned word": 42,
 }
 COMMENT, SENTENCE, LONG_SENTENCE, LONG_PARAGRAPH, BANNED = LIMITS
 COMMENT_START = re.compile(r"(?:What|Of|Where|Whether|Who|Whoever|As|Since)\b")
