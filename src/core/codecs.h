@@ -31,12 +31,6 @@ class ByteSink {
     virtual void write(ByteView bytes, uint64_t offset) = 0;
 };
 
-class MemorySink : public ByteSink {
-  public:
-    void write(ByteView added, uint64_t offset) override;
-    Bytes bytes;
-};
-
 // 1 to 4 interleaved 8-bit channels: grey, grey and alpha, RGB, RGBA.
 Bytes encodePng(int width, int height, int channels, const Bytes& samples);
 
@@ -68,6 +62,8 @@ class ExrRows {
     ExrRows& operator=(const ExrRows&) = delete;
 
     void add(int rows, std::vector<ExrChannel>& channels);
+    // The last `rows` rows of the picture, all like the one given, which is encoded once.
+    void fill(int rows, std::vector<ExrChannel>& row);
     void finish();
 
   private:
@@ -84,6 +80,8 @@ class PngRows {
     PngRows& operator=(const PngRows&) = delete;
 
     void add(ByteView samples);  // of whole rows
+    // So many rows like the one given, which are compressed by the block.
+    void fill(int rows, ByteView row);
     void finish();
 
   private:
@@ -96,8 +94,13 @@ class PfmRows {
   public:
     PfmRows(ByteSink& sink, int width, int height, int channels);
     void add(const Image& rows);
+    // The last rows of the picture, all like the one given. Those that are zeros are not written: the file
+    // system keeps no bytes of them.
+    void fill(const Image& row);
 
   private:
+    uint64_t positionOf(int rowsBelow) const;
+
     ByteSink& sink_;
     int width_, kept_, left_;  // rows that are still to come
     uint64_t first_;           // byte behind the header

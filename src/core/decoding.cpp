@@ -1,4 +1,4 @@
-// Helpers of the codecs.
+// Helpers of the decoders.
 #include "core/codecs.h"
 #include "core/quantize.h"
 
@@ -30,11 +30,6 @@ float* RowCollector::next(int count) {
     const size_t before = image_.pixels.size();
     image_.pixels.resize(before + rowSamples_ * static_cast<size_t>(count));
     return image_.pixels.data() + before;
-}
-
-void MemorySink::write(ByteView added, uint64_t offset) {
-    if (offset + added.size() > bytes.size()) bytes.resize(offset + added.size());
-    std::copy(added.begin(), added.end(), bytes.begin() + static_cast<std::ptrdiff_t>(offset));
 }
 
 std::vector<float> linearOfCodes(size_t count) {

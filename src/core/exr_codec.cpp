@@ -40,7 +40,8 @@ constexpr double kMostBytesPerByte = 1032 * 4.0 / 3;
 // DWA deflates runs of a discrete cosine transform's coefficients: there is no such bound.
 constexpr double kNoBound = 1e30;
 constexpr double kMostChunkBytes = 512.0 * 1024 * 1024;
-constexpr int kBand = 64;  // rows that are asked for at once
+constexpr int kBand = 64;                 // rows that are asked for at once
+constexpr size_t kRepeatBytes = 1 << 20;  // of rows alike that are written at once
 
 // The library makes its pool of threads, which has none, when it first hands out a task. Where memory runs
 // out just then, it waits for that task for ever (3.1.5); so the pool is made before there are any.
@@ -65,6 +66,15 @@ class MemoryReader : public Imf::IStream {
   private:
     ByteView file_;
     uint64_t position_ = 0;
+};
+
+class MemorySink : public ByteSink {
+  public:
+    void write(ByteView added, uint64_t offset) override {
+        if (offset + added.size() > bytes.size()) bytes.resize(offset + added.size());
+        std::memcpy(bytes.data() + offset, added.data(), added.size());
+    }
+    Bytes bytes;
 };
 
 struct ChunkShape {
@@ -219,7 +229,10 @@ class SinkStream : public Imf::OStream {
             throw;
         }
         position_ += view.size();
+        if (copy_) copy_->insert(copy_->end(), view.begin(), view.end());
     }
+    // Further writes go there too; null: not any more.
+    void copyTo(Bytes* bytes) { copy_ = bytes; }
     void check() const {
         if (fault_) std::rethrow_exception(fault_);
     }
@@ -229,6 +242,7 @@ class SinkStream : public Imf::OStream {
   private:
     ByteSink& sink_;
     uint64_t position_ = 0;
+    Bytes* copy_ = nullptr;
     std::exception_ptr fault_;
 };
 
@@ -236,7 +250,7 @@ class SinkStream : public Imf::OStream {
 
 struct ExrRows::State {
     State(ByteSink& to, int w, int h, const std::vector<std::string>& names)
-        : width(w), stream(to), header(w, h) {
+        : sink(to), width(w), height(h), channels(names), stream(to), header(w, h) {
         header.compression() = kCompression;
         for (const std::string& name : names) {
             if (name.size() >= 256) throw CodecError("the layer name " + name + " is too long for EXR");
@@ -244,8 +258,15 @@ struct ExrRows::State {
         }
     }
 
-    int width;
+    // Writes again what the library wrote for the last row, for all below it, and where these begin.
+    void repeat(const Bytes& chunk);
+
+    ByteSink& sink;
+    int width, height;
     int written = 0;
+    uint64_t firstChunk = 0;  // the table of where rows begin ends here
+    Bytes lastRows;           // what the table lacks
+    std::vector<std::string> channels;
     exr::SinkStream stream;
     Imf::Header header;
     std::optional<Imf::OutputFile> file;
@@ -279,6 +300,7 @@ ExrRows::ExrRows(ByteSink& sink, int width, int height, const std::vector<std::s
             state_->header.insert(name, Imf::StringAttribute(std::get<std::string>(value)));
     }
     encoding(state_->stream, [&] { state_->file.emplace(state_->stream, state_->header, 0); });
+    state_->firstChunk = state_->stream.tellp();
 }
 
 ExrRows::~ExrRows() = default;
@@ -299,8 +321,37 @@ void ExrRows::add(int rows, std::vector<ExrChannel>& channels) {
     state_->written += rows;
 }
 
+// With RLE a chunk is one row: its number, its bytes' count, its bytes (openexr.com, "OpenEXR File Layout").
+void ExrRows::State::repeat(const Bytes& chunk) {
+    uint64_t position = stream.tellp();
+    Bytes chunks;
+    for (int y = written; y < height; ++y) {
+        const auto* const place = reinterpret_cast<const uint8_t*>(&position);
+        lastRows.insert(lastRows.end(), place, place + sizeof(position));
+        const size_t at = chunks.size();
+        chunks.insert(chunks.end(), chunk.begin(), chunk.end());
+        std::memcpy(chunks.data() + at, &y, sizeof(y));
+        position += chunk.size();
+        if (chunks.size() < kRepeatBytes && y + 1 < height) continue;
+        sink.write(chunks, position - chunks.size());
+        chunks.clear();
+    }
+}
+
+void ExrRows::fill(int rows, std::vector<ExrChannel>& row) {
+    if (rows == 0) return;
+    Bytes chunk;
+    state_->stream.copyTo(&chunk);
+    add(1, row);
+    state_->stream.copyTo(nullptr);
+    state_->repeat(chunk);
+}
+
 void ExrRows::finish() {
     encoding(state_->stream, [&] { state_->file.reset(); });
+    if (state_->lastRows.empty()) return;
+    // The library's own table has a 0 for rows that it did not write.
+    state_->sink.write(state_->lastRows, state_->firstChunk - state_->lastRows.size());
 }
 
 Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels, const PictureNotes& notes) {

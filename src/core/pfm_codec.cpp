@@ -12,6 +12,8 @@
 namespace glint {
 namespace {
 
+constexpr size_t kMostBlockBytes = 1 << 20;  // of rows alike that are written at once
+
 static_assert(std::endian::native == std::endian::little, "encodePfm copies floats in the host's byte order");
 
 // Reads the header's words, which any white space separates; exactly one character of it follows the last
@@ -60,34 +62,67 @@ float decodeFloat(const uint8_t* bytes, bool bigEndian) {
     return std::bit_cast<float>(bits);
 }
 
+std::string headerOf(int width, int height, int channels) {
+    return std::string(channels == 1 ? "Pf" : "PF") + "\n" + std::to_string(width) + " " +
+           std::to_string(height) + "\n-1.0\n";
+}
+
+// The first `kept` channels of a row.
+void appendRow(const Image& image, int y, int kept, Bytes& bytes) {
+    std::vector<float> row;
+    row.reserve(static_cast<size_t>(image.width) * kept);
+    for (int x = 0; x < image.width; ++x) {
+        for (int c = 0; c < kept; ++c) row.push_back(image.at(x, y, c));
+    }
+    const auto* from = reinterpret_cast<const uint8_t*>(row.data());
+    bytes.insert(bytes.end(), from, from + row.size() * sizeof(float));
+}
+
 }  // namespace
 
 PfmRows::PfmRows(ByteSink& sink, int width, int height, int channels)
     : sink_(sink), width_(width), kept_(channels == 1 ? 1 : 3), left_(height) {
-    const std::string header = std::string(kept_ == 1 ? "Pf" : "PF") + "\n" + std::to_string(width) + " " +
-                               std::to_string(height) + "\n-1.0\n";
+    const std::string header = headerOf(width, height, kept_);
     sink_.write(ByteView(reinterpret_cast<const uint8_t*>(header.data()), header.size()), 0);
     first_ = header.size();
 }
 
 // The file's rows go from the bottom to the top.
 void PfmRows::add(const Image& rows) {
-    std::vector<float> samples;
-    samples.reserve(static_cast<size_t>(rows.height) * static_cast<size_t>(width_) *
-                    static_cast<size_t>(kept_));
-    for (int y = rows.height - 1; y >= 0; --y)
-        for (int x = 0; x < width_; ++x)
-            for (int c = 0; c < kept_; ++c) samples.push_back(rows.at(x, y, c));
+    Bytes bytes;
+    for (int y = rows.height - 1; y >= 0; --y) appendRow(rows, y, kept_, bytes);
     left_ -= rows.height;
-    const uint64_t rowBytes = static_cast<uint64_t>(width_) * static_cast<uint64_t>(kept_) * sizeof(float);
-    sink_.write(ByteView(reinterpret_cast<const uint8_t*>(samples.data()), samples.size() * sizeof(float)),
-                first_ + static_cast<uint64_t>(left_) * rowBytes);
+    sink_.write(bytes, positionOf(left_));
+}
+
+uint64_t PfmRows::positionOf(int rowsBelow) const {
+    return first_ + static_cast<uint64_t>(rowsBelow) * static_cast<uint64_t>(width_) *
+                        static_cast<uint64_t>(kept_) * sizeof(float);
+}
+
+void PfmRows::fill(const Image& row) {
+    if (left_ == 0) return;
+    add(row);  // by which the file has its size, even if it is the first
+    Bytes bytes;
+    appendRow(row, 0, kept_, bytes);
+    if (std::all_of(bytes.begin(), bytes.end(), [](uint8_t byte) { return byte == 0; })) left_ = 0;
+    const size_t rowBytes = bytes.size();
+    const int inBlock = std::min(left_, static_cast<int>(kMostBlockBytes / rowBytes) + 1);
+    for (int y = 1; y < inBlock; ++y) appendRow(row, 0, kept_, bytes);
+    while (left_ > 0) {
+        const int rows = std::min(left_, inBlock);
+        left_ -= rows;
+        sink_.write(ByteView(bytes).first(static_cast<size_t>(rows) * rowBytes), positionOf(left_));
+    }
 }
 
 Bytes encodePfm(const Image& image) {
-    MemorySink sink;
-    PfmRows(sink, image.width, image.height, image.channels).add(image);
-    return std::move(sink.bytes);
+    const int kept = image.channels == 1 ? 1 : 3;
+    const std::string header = headerOf(image.width, image.height, kept);
+    Bytes file(header.begin(), header.end());
+    file.reserve(file.size() + static_cast<size_t>(image.width) * kept * sizeof(float) * image.height);
+    for (int y = image.height - 1; y >= 0; --y) appendRow(image, y, kept, file);
+    return file;
 }
 
 Image decodePfm(ByteView file, uint64_t mostPixels, const Context&) {

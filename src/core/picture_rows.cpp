@@ -9,21 +9,26 @@
 
 namespace glint {
 
+namespace {
+
 namespace fs = std::filesystem;
 
+}  // namespace
+
 // One file, and which of the layers are in it.
-class PictureFile : public ByteSink {
+class PictureRows::File : public ByteSink {
   public:
-    explicit PictureFile(const fs::path& path) : staged_(path) {
+    explicit File(const fs::path& path) : staged_(path) {
         if (staged_.isDevice())
             throw Error(ErrorKind::Failed,
                         path.string() + ": is no regular file, which a picture in bands goes into");
     }
-    ~PictureFile() override = default;
-    PictureFile(const PictureFile&) = delete;
-    PictureFile& operator=(const PictureFile&) = delete;
+    ~File() override = default;
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
 
     virtual void add(const std::vector<Layer>& rows) = 0;
+    virtual void fill(int rows, const std::vector<Layer>& row) = 0;
     virtual void end() = 0;
     StagedFile& staged() { return staged_; }
     void write(ByteView bytes, uint64_t offset) override { staged_.write(bytes, offset); }
@@ -34,13 +39,18 @@ class PictureFile : public ByteSink {
 
 namespace {
 
-class ExrFile : public PictureFile {
+template <typename Base>
+class ExrFile : public Base {
   public:
     ExrFile(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
-        : PictureFile(path), rows_(*this, width, height, namesOf(shape)) {}
+        : Base(path), rows_(*this, width, height, namesOf(shape)) {}
     void add(const std::vector<Layer>& rows) override {
         std::vector<ExrChannel> channels = exrChannels(rows);
         rows_.add(rows.front().image.height, channels);
+    }
+    void fill(int rows, const std::vector<Layer>& row) override {
+        std::vector<ExrChannel> channels = exrChannels(row);
+        rows_.fill(rows, channels);
     }
     void end() override { rows_.finish(); }
 
@@ -54,11 +64,13 @@ class ExrFile : public PictureFile {
 };
 
 // Colour, and alpha if there is such a layer; or alpha alone.
-class PngFile : public PictureFile {
+template <typename Base>
+class PngFile : public Base {
   public:
     PngFile(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
-        : PictureFile(path), rows_(*this, width, height, channelsOf(shape)) {}
+        : Base(path), rows_(*this, width, height, channelsOf(shape)) {}
     void add(const std::vector<Layer>& rows) override { rows_.add(samplesOf(rows)); }
+    void fill(int rows, const std::vector<Layer>& row) override { rows_.fill(rows, samplesOf(row)); }
     void end() override { rows_.finish(); }
 
   private:
@@ -76,11 +88,13 @@ class PngFile : public PictureFile {
     PngRows rows_;
 };
 
-class PfmFile : public PictureFile {
+template <typename Base>
+class PfmFile : public Base {
   public:
     PfmFile(const fs::path& path, int width, int height, const Layer& layer)
-        : PictureFile(path), name_(layer.name), rows_(*this, width, height, layer.image.channels) {}
+        : Base(path), name_(layer.name), rows_(*this, width, height, layer.image.channels) {}
     void add(const std::vector<Layer>& rows) override { rows_.add(imageOf(rows)); }
+    void fill(int, const std::vector<Layer>& row) override { rows_.fill(imageOf(row)); }
     void end() override {}
 
   private:
@@ -116,12 +130,12 @@ PictureRows::PictureRows(const fs::path& path, int width, int height, const std:
     const Format format = writableFormat(path);
     withPath(path, [&] {
         if (format == Format::Exr) {
-            files_.push_back(std::make_unique<ExrFile>(path, width, height, shape));
+            files_.push_back(std::make_unique<ExrFile<File>>(path, width, height, shape));
         } else if (format == Format::Png) {
-            files_.push_back(std::make_unique<PngFile>(paths.front(), width, height, shape));
+            files_.push_back(std::make_unique<PngFile<File>>(paths.front(), width, height, shape));
         } else {
             for (size_t i = 0; i < shape.size(); ++i)
-                files_.push_back(std::make_unique<PfmFile>(paths[i], width, height, shape[i]));
+                files_.push_back(std::make_unique<PfmFile<File>>(paths[i], width, height, shape[i]));
         }
     });
 }
@@ -134,18 +148,8 @@ void PictureRows::add(const std::vector<Layer>& rows) {
 }
 
 void PictureRows::fill(const std::vector<Layer>& row) {
-    constexpr int kRows = 64;
-    std::vector<Layer> rows = row;
-    while (left_ > 0) {
-        const int count = std::min(left_, kRows);
-        for (size_t i = 0; i < row.size(); ++i) {
-            const Image& one = row[i].image;
-            Image& many = rows[i].image = Image(one.width, count, one.channels);
-            for (auto to = many.pixels.begin(); to != many.pixels.end();)
-                to = std::copy(one.pixels.begin(), one.pixels.end(), to);
-        }
-        add(rows);
-    }
+    for (const auto& file : files_) withPath(file->staged().path(), [&] { file->fill(left_, row); });
+    left_ = 0;
 }
 
 std::vector<fs::path> PictureRows::finish() {

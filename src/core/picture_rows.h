@@ -15,8 +15,6 @@ namespace glint {
 // extension.
 bool canWriteRows(const std::filesystem::path& path, const std::vector<std::string>& layers);
 
-class PictureFile;
-
 // The files and pixels of writeLayers (core/image_io.h). They appear, all or none, with finish().
 class PictureRows {
   public:
@@ -28,13 +26,15 @@ class PictureRows {
     PictureRows& operator=(const PictureRows&) = delete;
 
     void add(const std::vector<Layer>& rows);
-    // All rows that are left, each like the one given.
+    // All rows that are left, each like the one given: for the end of a picture that stays empty, in a time
+    // that hardly depends on its pixels, but for layers of a PFM that are not 0 there.
     void fill(const std::vector<Layer>& row);
     std::vector<std::filesystem::path> finish();
 
   private:
+    class File;
     int left_;  // rows
-    std::vector<std::unique_ptr<PictureFile>> files_;
+    std::vector<std::unique_ptr<File>> files_;
 };
 
 }  // namespace glint

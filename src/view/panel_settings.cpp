@@ -73,7 +73,7 @@ void drawUntil(Gui& gui, Model& m) {
 }  // namespace
 
 void drawTracing(Gui& gui, Model& m) {
-    if (!group(gui, "tracing", false, "what rays do, and how fast frames must come")) return;
+    if (!group(gui, "tracing", false, "depth, samples, shadows, reflections")) return;
     PictureSettings& s = m.settings;
     const PictureSettings& file = m.fileSettings;
     slider(gui, "depth", s.maxDepth, 0, std::max({16, file.maxDepth, s.maxDepth}),
@@ -205,7 +205,7 @@ void drawMaterials(Gui& gui, Model& m) {
         }
         ImGui::EndCombo();
     }
-    tip(gui, "material", "the one to change; a pick chooses its own");
+    tip(gui, "material", "the material to change; a pick chooses its own");
     Material& material = all[m.material];
     glm::dvec3 diffuse = material.diffuse;
     if (colorEdit(gui, "diffuse", diffuse, "scattered light; multiplied with a texture"))

@@ -65,7 +65,7 @@ void drawOpen(Gui& gui, Model& m) {
         ImGui::SetNextItemWidth(-4 * line);
         const bool entered = ImGui::InputTextWithHint("##open", "path", m.openName.data(), m.openName.size(),
                                                       ImGuiInputTextFlags_EnterReturnsTrue);
-        tip(gui, "open path", "a scene to look at, or an image to compare with");
+        tip(gui, "open path", "a scene to show, or an image to compare with");
         ImGui::SameLine();
         if ((ImGui::Button("open##path") || entered) && m.openName[0] != 0) openFile(m, m.openName.data());
         std::filesystem::path next;
@@ -124,10 +124,10 @@ void drawSaveAs(Gui& gui, Model& m) {
         const bool entered =
             ImGui::InputTextWithHint("##file", "name.png, .exr, .pfm or .hdr", m.saveName.data(),
                                      m.saveName.size(), ImGuiInputTextFlags_EnterReturnsTrue);
-        tip(gui, "file", "its ending says which format");
+        tip(gui, "file", "the ending selects the format");
         int which = m.savesSeen ? 0 : 1;
         ImGui::RadioButton("what is seen", &which, 0);
-        tip(gui, "what is seen", "layer, samples, exposure and all");
+        tip(gui, "what is seen", "the layer with its samples and exposure");
         ImGui::RadioButton("the scene's own sampling", &which, 1);
         tip(gui, "the scene's own sampling", "as `glint render` would draw this view");
         m.savesSeen = which == 0;
@@ -187,7 +187,7 @@ void drawCameraList(Gui& gui, Model& m) {
 }  // namespace
 
 void drawCameras(Gui& gui, Model& m) {
-    if (!group(gui, "camera", false, "where one has been, where to go back to, and the lens")) return;
+    if (!group(gui, "camera", false, "cameras of the file, bookmarks, undo, lens")) return;
     wish(m, button(gui, "undo", "the camera before the last movement (Ctrl+Z)"), Action::Undo);
     ImGui::SameLine();
     wish(m, button(gui, "redo", "(Ctrl+Y)"), Action::Redo);
@@ -201,14 +201,14 @@ void drawCameras(Gui& gui, Model& m) {
 }
 
 void drawCompare(Gui& gui, Model& m) {
-    if (!group(gui, "compare", false, "this image with another one")) return;
+    if (!group(gui, "compare", false, "compare this image with another")) return;
     Comparison& c = m.comparison;
     wish(m, button(gui, "keep", "this image, to compare others with (K)"), Action::Keep);
     ImGui::SameLine();
     wish(m, button(gui, "reference", "the same samples by the tracer in double precision, on the processor"),
          Action::TraceReference);
     ImGui::SameLine();
-    wish(m, button(gui, "verify", "is every pixel what the reference says? (V)"), Action::Verify);
+    wish(m, button(gui, "verify", "compare every pixel with the reference (V)"), Action::Verify);
     if (!c.any()) {
         wrapped("Keep an image, trace the reference, or drop an image file here.", kDim);
         return;
@@ -229,7 +229,7 @@ void drawCompare(Gui& gui, Model& m) {
 }
 
 void drawSpeed(Gui& gui, Model& m) {
-    if (!group(gui, "speed", false, "the device, and what a frame's time goes into")) return;
+    if (!group(gui, "speed", false, "the device, and the time of each part of a frame")) return;
     wrapped(m.device->name, kDim);
     ImGui::Text("frame %.1f ms, %.3g Mrays/s", milliseconds(m.frameSeconds),
                 m.session->facts().raysPerSecond * 1e-6);
