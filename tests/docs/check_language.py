@@ -14,9 +14,9 @@ import sys
 
 LIMITS = {
     "comment block that starts with What, Of, Where, Whether, Who, As or Since": 0,
-    "sentence that starts with What, Of, Where, Whether or Who": 9,
-    "sentence of more than 30 words": 76,
-    "paragraph of more than 110 words": 4,
+    "sentence that starts with What, Of, Where, Whether or Who": 8,
+    "sentence of more than 30 words": 73,
+    "paragraph of more than 110 words": 1,
     "banned word": 42,
 }
 COMMENT, SENTENCE, LONG_SENTENCE, LONG_PARAGRAPH, BANNED = LIMITS
