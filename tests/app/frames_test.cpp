@@ -135,8 +135,7 @@ TEST_F(Frames, RateAndNames) {
         error(frames("0:2", {"--part", "1/2"})),
         "glint: --part: not together with --frames; frames are pieces already, give each machine frames of "
         "its own\n");
-    EXPECT_EQ(error(runGlint({"render", "a.json", "--overwrite"})),
-              "glint: --overwrite requires --frames\n");
+    EXPECT_EQ(error(runGlint({"render", "a.json", "--overwrite"})), "glint: --overwrite requires --frames\n");
 }
 
 TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {
