@@ -3,6 +3,7 @@
 #include <cctype>
 
 #include "app/pages.h"
+#include "core/wording.h"
 
 namespace glint::app {
 

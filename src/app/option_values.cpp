@@ -76,21 +76,6 @@ std::vector<std::string> namesIn(const std::string& text, const std::string& wha
 
 }  // namespace
 
-std::string quoted(const std::string& text) {
-    constexpr size_t kLongest = 60;
-    return '"' + printable(text.substr(0, kLongest)) + (text.size() > kLongest ? "...\"" : "\"");
-}
-
-std::vector<std::string> split(const std::string& text, char separator) {
-    std::vector<std::string> parts;
-    size_t start = 0;
-    for (size_t end = 0; end != std::string::npos; start = end + 1) {
-        end = text.find(separator, start);
-        parts.push_back(text.substr(start, end - start));
-    }
-    return parts;
-}
-
 void refuse(const std::string& wanted, const std::string& text) {
     throw Error(ErrorKind::Argument, "expected " + wanted + ", got " + quoted(text));
 }

@@ -68,10 +68,4 @@ E parseNamed(const std::string& text) {
     return *found;
 }
 
-// User's text for a message: in quotes, on one line, not too long.
-std::string quoted(const std::string& text);
-
-// The parts between separators, at least one.
-std::vector<std::string> split(const std::string& text, char separator);
-
 }  // namespace glint::app

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <iostream>
 
-#include "app/option_values.h"
 #include "core/error.h"
 #include "core/wording.h"
 

@@ -12,6 +12,7 @@
 #include "core/near_names.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
+#include "core/wording.h"
 #include "report/plan.h"
 #include "report/run.h"
 #include "report/write.h"

@@ -7,6 +7,7 @@
 
 #include "app/option_values.h"
 #include "core/near_names.h"
+#include "core/wording.h"
 
 namespace glint::app {
 

@@ -12,7 +12,7 @@ namespace glint {
 
 namespace {
 
-std::string quoted(const std::string& name) {
+std::string jsonString(const std::string& name) {
     return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -115,14 +115,14 @@ std::string withCameras(const std::string& text, const std::string& file,
     for (const NamedCamera& camera : cameras) {
         if (std::find(names.begin(), names.end(), camera.name) != names.end())
             throw Error(ErrorKind::Argument,
-                        file + ": there is a camera " + quoted(camera.name) + " already");
+                        file + ": there is a camera " + jsonString(camera.name) + " already");
         names.push_back(camera.name);
     }
     if (cameras.empty()) return text;
     const size_t mark = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
     std::vector<std::string> members;
     for (const NamedCamera& camera : cameras)
-        members.push_back(quoted(camera.name) + ": " + cameraText(camera.camera));
+        members.push_back(jsonString(camera.name) + ": " + cameraText(camera.camera));
     Writer writer(text);
     if (!there) {
         const size_t brace = mark + document.begin;
