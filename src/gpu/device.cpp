@@ -113,6 +113,11 @@ const DeviceInfo& Device::info() const {
 }
 
 std::vector<std::string> Device::validationMessages() const {
+    // Layer 1.4.309 reports from a thread of its own, which is done when the queue is idle.
+    if (validationActive()) {
+        const std::lock_guard lock(state_->queueMutex);
+        state_->vk.vkQueueWaitIdle(state_->queue);
+    }
     return state_->log->messages();
 }
 

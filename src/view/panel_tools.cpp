@@ -106,8 +106,7 @@ void dialog(Gui& gui, const char* title, bool& visible, const std::function<void
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetFontSize();
     ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.4f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
-    if (ImGui::Begin(title, &visible,
-                     kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse)) {
+    if (ImGui::Begin(title, &visible, kDialog | ImGuiWindowFlags_AlwaysAutoResize)) {
         ImGui::PushItemWidth(std::min(22 * line, size.x - 2 * line));
         if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
         content();
