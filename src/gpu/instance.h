@@ -16,6 +16,7 @@ namespace glint::gpu {
     X(vkEnumeratePhysicalDevices)               \
     X(vkEnumerateDeviceExtensionProperties)     \
     X(vkGetPhysicalDeviceProperties)            \
+    X(vkGetPhysicalDeviceFeatures2)             \
     X(vkGetPhysicalDeviceProperties2)           \
     X(vkGetPhysicalDeviceFormatProperties)      \
     X(vkGetPhysicalDeviceMemoryProperties)      \

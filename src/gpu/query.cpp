@@ -81,6 +81,10 @@ void queryVulkan11(const InstanceTable& vk, PhysicalDevice& device,
     device.info.limits.subgroupShuffle =
         (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT) != 0 &&
         (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
+    // Only queried: the validation layer's best practices ask for it before vkCreateDevice.
+    VkPhysicalDeviceFeatures2 features{};
+    features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+    vk.vkGetPhysicalDeviceFeatures2(device.handle, &features);
     if (knowsDriver) {
         device.info.driver = driver.driverName;
         if (driver.driverInfo[0] != 0) device.info.driver += std::string(" ") + driver.driverInfo;
