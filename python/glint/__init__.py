@@ -527,7 +527,7 @@ class Scene(_native.Owner):
         return made
 
     def distance(self, points: ArrayLike) -> NDArray[numpy.float64]:
-        """The distance of each point (..., 3) to the closest surface, inf if there is none. See `closest_point`."""
+        """The distance of each point (..., 3) to the closest surface, inf in an empty scene. See `closest_point`."""
         return self.closest_point(points, want=("t",)).t
 
     def signed_distance(self, points: ArrayLike) -> NDArray[numpy.float64]:

@@ -60,8 +60,8 @@ vec2 objectUv(uint object, vec3 position, vec3 outward) {
         bool axial = FEATURE_QUADRICS && frame.uvKind == kUvAxial;
         bool round_ = FEATURE_QUADRICS && frame.uvKind == kUvRound;
         vec2 around = latitudeLongitude(axial || round_ ? vec3(u, v, w) : direction);
-        // A cap lies at 0 or 1 up to rounding: a repeated image would begin anew on one pixel of it and not
-        // on the next.
+        // A cap lies at 0 or 1 up to rounding: a repeated image would show either of its ends, pixel by
+        // pixel.
         float height = clamp(v, 0.0, kBelowOne);
         uv = frame.uvKind == kUvFlat ? vec2(u, v) : vec2(around.x, axial ? height : around.y);
     }

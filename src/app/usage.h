@@ -12,7 +12,7 @@ class ParseError;
 namespace glint::app {
 
 // Error in the first word of a command line, which must be a command of `app` or an option that stands alone;
-// empty if there is none.
+// empty if the word is valid.
 std::string firstWordError(const CLI::App& app, const std::vector<std::string>& args);
 
 // The line for what CLI11 refused.

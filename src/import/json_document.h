@@ -28,7 +28,7 @@ struct JsonValue {
     const std::string* string() const { return std::get_if<std::string>(&data); }
     const JsonArray* array() const { return std::get_if<JsonArray>(&data); }
     const JsonObject* object() const { return std::get_if<JsonObject>(&data); }
-    // The member of that name, or the item of that number in decimal digits; null if there is none.
+    // The member of that name, or the item of that number in decimal digits; null if it is missing.
     const JsonValue* child(const std::string& step) const;
 };
 

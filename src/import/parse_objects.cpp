@@ -135,7 +135,7 @@ std::optional<Affine> composed(const JsonCursor& object, const std::optional<Aff
     return both;
 }
 
-// Fails for a name that is none of `names`.
+// Refuses a name that is missing in `names`.
 [[noreturn]] void failName(const JsonCursor& cursor, const std::string& what,
                            const std::vector<std::string_view>& names) {
     const std::string hint = suggestion(cursor.string(), names, "defined");

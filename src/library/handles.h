@@ -51,7 +51,7 @@ struct glint_scene {
 
 namespace glint::library {
 
-// The committed state; throws Failure if there is none.
+// The committed state; throws Failure before the first commit.
 std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene);
 
 // Makes the draft visible to queries.

@@ -89,7 +89,7 @@ struct PackedScene {
     SceneFeatures features;
     PackStatistics statistics;
     std::vector<std::string> warnings;
-    // Bounds of the finite geometry, world space; lo above hi if there is none. Excludes coordinates beyond
+    // Bounds of the finite geometry, world space; lo above hi in an empty scene. Excludes coordinates beyond
     // fp32.
     glm::dvec3 geometryLo{0}, geometryHi{0};
     glm::dvec3 geometryMiddle{0};  // and where most of it is, as chooseOrigin describes it

@@ -1,4 +1,4 @@
-// What `glint render` does on either backend: render_test.cpp and gpu_render_test.cpp run these.
+// Tests of `glint render` for both backends; render_test.cpp and gpu_render_test.cpp include them.
 #pragma once
 
 #include "core/image_io.h"

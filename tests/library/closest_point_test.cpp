@@ -52,7 +52,7 @@ class LibraryClosestPoint : public LibraryTest {
             for (double& x : p) x = center + reach * (2 * random.uniform() - 1);
         return points;
     }
-    // What a device may be off by, where coordinates are of this size.
+    // Error bound of a device for coordinates of this size.
     static double slack(double size) { return kOnDevice ? 0x1p-20 * size : 0x1p-45 * size; }
 };
 

@@ -65,7 +65,7 @@ BROKEN = [
 ]
 
 
-# What shows in the layer of objects too.
+# Defects that the object layer shows, too.
 OBJECTS = {"a target 0.001 higher", "a film 0.1 % higher", "an upright film"}
 
 

@@ -107,7 +107,7 @@ TEST_F(CertificateTest, RightPathWithAWrongColourFails) {
     EXPECT_EQ(certify(tracer, case_.packed, ray, seen, kMostStepsOfPixel).verdict, Verdict::Fails);
 }
 
-// Of two triangles in one place the lower id is hit: the device must follow the rule. If the second lies
+// Two triangles in one place: the device must hit the lower id. If the second lies
 // behind or in front by about the rule's bound, the device may take either.
 TEST_F(CertificateTest, SurfacesAtTheBoundAreAnOpenDecision) {
     const auto takesSecond = [](double z) {

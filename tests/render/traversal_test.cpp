@@ -154,8 +154,9 @@ class TraversalTest : public RenderTest, public testing::WithParamInterface<Subj
         return std::abs(t - double(hit.t)) <= slip(triangle, t, ray) + slip(other, double(hit.t), ray);
     }
     // A ray in a triangle's plane, within rounding: there fp32 cannot tell where along its line the triangle
-    // ends, and may find it anywhere on it. Boxes can; so trees differ in such hits, which are none, in
-    // which of several triangles is hit whose intervals of t overlap, and in nothing else.
+    // ends, and may report a false hit anywhere on it. Boxes reject some of these. So trees may differ in
+    // such false hits, and in the triangle hit among several whose intervals of t overlap, and in nothing
+    // else.
     void expectPhantom(const RayInput& ray, const RayHit& byTree, const RayHit& byAll) const {
         ASSERT_TRUE(byAll.hit) << text(ray);
         ASSERT_EQ(byAll.kindAndIndex >> shared::kPrimitiveKindShift, shared::kKindTriangle) << text(ray);
@@ -167,7 +168,7 @@ class TraversalTest : public RenderTest, public testing::WithParamInterface<Subj
             EXPECT_LT(phantom.margin, 16 * 0x1p-24) << text(ray);
             EXPECT_FALSE(byTree.hit && byTree.t < byAll.t) << text(ray);
         }
-        // What is hit beyond doubt, the tree has found, or something before it or in its place.
+        // The tree finds every certain hit, or a hit before it or in its place.
         for (uint32_t i = 0; i < packed_.triangles.size(); ++i) {
             const oracle::Truth truth = truthOf(i, ray);
             if (!truth.hit || truth.margin < 64 * 0x1p-24 || truth.t <= ray.tMin || truth.t > ray.tMax)

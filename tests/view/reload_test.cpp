@@ -36,7 +36,7 @@ std::string withSettings(int depth, const std::string& background) {
     return text.replace(text.find(old), old.size(), background);
 }
 
-// What the user has not changed, the camera included, follows the file.
+// Settings that the user has not changed, the camera included, follow the file.
 TEST_F(Reload, SettingsFollowTheFile) {
     writeText("other.json", moved(withSettings(1, "[0.1, 0.8, 0.2]")));
     const Ran ran = view("wait 2\ncopy other.json scene.json\nreload\nexpect depth 1\nscreenshot shot.png\n",
