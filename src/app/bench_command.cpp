@@ -5,8 +5,8 @@
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/output_check.h"
-#include "app/render_options.h"
+#include "app/loading.h"
+#include "app/render_command.h"
 #include "app/version.h"
 #include "bench/measure.h"
 #include "bench/write.h"
@@ -40,18 +40,18 @@ void declare(OptionTable& table, BenchCommand& c) {
     addMinContribution(table, c.common);
     addBackend(table, c.backend);
     addDevice(table, c.device);
-    table.value("--traversal", alternatives<render::Traversal>() + "|all",
-                "trace each ray alone (lane) or 32 rays together (packet); all: also each in turn",
-                [&](const std::string& t) {
-                    c.everyWalk = t == "all";
-                    c.device.traversal =
-                        c.everyWalk ? render::Traversal::Auto : parseNamed<render::Traversal>(t);
-                });
+    table.read("--traversal", alternatives<render::Traversal>() + "|all",
+               "trace each ray alone (lane) or 32 rays together (packet); all: also each in turn",
+               [&](const std::string& t) {
+                   c.everyWalk = t == "all";
+                   c.device.traversal =
+                       c.everyWalk ? render::Traversal::Auto : parseNamed<render::Traversal>(t);
+               });
     table.whole("--repeat", "N", "take the median of N images, after the warm-up (default 7)", 1, 1000,
                 c.repeats);
     table.value("--with", "LIST",
-                "compile these features, with commas, into the pipeline too (names: glint info)",
-                [&](const std::string& t) { c.with = parseFeatures(t); });
+                "compile these features, with commas, into the pipeline too (names: glint info)", c.with,
+                parseFeatures);
     table.flag("--full", "compile every feature into the pipeline", c.full);
     table.flag("--whole-paths", "use one kernel for whole paths, not one for each step", c.wholePaths);
     addStats(table, "print the results as JSON instead of tables", c.json);

@@ -2,7 +2,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/render_ranks.h"
+#include "app/commands.h"
 #include "app/version.h"
 #include "gpu/device.h"
 

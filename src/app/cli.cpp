@@ -3,25 +3,193 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <memory>
 #include <new>
 #include <ostream>
+#include <string_view>
 #include <thread>
 
-#include "app/command_list.h"
-#include "app/exit_code.h"
-#include "app/render_ranks.h"
-#include "app/usage.h"
+#include "app/commands.h"
+#include "app/option_values.h"
+#include "app/version.h"
 #include "core/error.h"
+#include "core/near_names.h"
 #include "core/text_file.h"
+#include "core/wording.h"
 
 namespace glint::app {
 
 namespace {
 
+struct Command {
+    const char* name;
+    const char* help;
+    Run (*declare)(OptionTable& table);
+};
+
+// In the order of the help text.
+constexpr Command kCommands[] = {
+    {"render", "render a scene to an image", renderCommand},
+    {"merge", "merge the parts of an image that render --part wrote", mergeCommand},
+    {"view", "open a window to explore a scene", viewCommand},
+    {"verify", "compare shaders and reference, pixel by pixel", verifyCommand},
+    {"report", "measure error against run time, for many settings of each scene", reportCommand},
+    {"bench", "measure rays per second of each class, and the time of each stage", benchCommand},
+    {"trace", "trace single rays and print what they hit as CSV", traceCommand},
+    {"diff", "compare two images; exit code 5 if they differ", diffCommand},
+    {"info", "print the contents of a scene, and what its pipeline leaves out", infoCommand},
+    {"devices", "list the Vulkan devices, chosen or refused and why", devicesCommand},
+    {"pages", "write man pages and completions for bash, zsh and fish", pagesCommand},
+};
+
+constexpr const char* kDescription =
+    "glint: a ray tracer in Vulkan compute shaders, checked against a double-precision reference";
+
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  glint render scenes/spheres.json -o spheres.png --size 1280x960\n"
+    "  glint render bunny.ply --backend cpu\n"
+    "  glint verify scenes/spheres.json\n"
+    "\n"
+    "glint COMMAND --help prints a command's options.\n"
+    "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 the scene is at fault,\n"
+    "4 no usable device, 5 difference found, 130 interrupted.";
+
+class HelpFormatter : public CLI::Formatter {
+    std::string make_usage(const CLI::App* app, std::string name) const override {
+        return app->get_parent() == nullptr ? "Usage: glint COMMAND [OPTIONS]\n"
+                                            : Formatter::make_usage(app, name);
+    }
+};
+
+}  // namespace
+
+void declareProgram(CLI::App& app, bool& verbose, Run& chosen) {
+    app.name("glint");
+    app.description(kDescription);
+    app.formatter(std::make_shared<HelpFormatter>());  // commands added from here on inherit it
+    app.set_help_flag("-h,--help", "print this help and exit");
+    // Before --version, whose callback ends the parsing.
+    app.add_flag("--verbose", verbose, "with --version: print what was built in, too")
+        ->disable_flag_override();
+    app.add_flag_callback(
+           "--version",
+           [&verbose] {
+               const std::string text = std::string("glint ") + GLINT_VERSION;
+               throw CLI::CallForVersion(verbose ? text + "\n" + builtIn() : text, 0);
+           },
+           "print the version and exit")
+        ->configurable(false);
+    app.require_subcommand(0, 1);
+    app.get_formatter()->label("REQUIRED", "");
+    app.get_formatter()->column_width(34);
+    for (const Command& command : kCommands) {
+        CLI::App& added = *app.add_subcommand(command.name, command.help);
+        added.group("Commands");
+        OptionTable table(added);
+        added.callback([&chosen, run = command.declare(table)] { chosen = run; });
+    }
+    app.footer(kFooter);  // after the commands, which would inherit it
+}
+
+namespace {
+
+std::string withoutDashes(const std::string& name) {
+    return name.substr(std::min(name.find_first_not_of('-'), name.size()));
+}
+
+std::vector<std::string> optionNames(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option :
+         command.get_options([](const CLI::Option* o) { return o->nonpositional(); })) {
+        names.push_back(option->get_name());
+    }
+    return names;
+}
+
+// `unknown option "--siez" (did you mean "--size"?)`, or `unexpected argument "x"` for what is no option.
+std::string unexpected(const CLI::App& command, const std::string& argument) {
+    const std::string name = argument.substr(0, argument.find('='));
+    std::vector<std::string> known = optionNames(command);
+    const bool option =
+        name.size() > 1 && name[0] == '-' && std::find(known.begin(), known.end(), name) == known.end();
+    if (!option) return "unexpected argument " + quoted(argument);
+    // Without the dashes, which any two options have in common.
+    std::transform(known.begin(), known.end(), known.begin(), withoutDashes);
+    const std::vector<std::string_view> views(known.begin(), known.end());
+    std::string hint = suggestion(withoutDashes(name), views, "");
+    constexpr std::string_view kDidYouMean = "did you mean \"";
+    hint = hint.starts_with(kDidYouMean) ? " (" + hint.insert(kDidYouMean.size(), "--") + ")" : "";
+    return "unknown option " + quoted(name) + hint;
+}
+
+// For CLI11's "--size: 1 required WxH missing", "--size: At Most 1 required but received 2" and the like.
+std::string mismatch(const CLI::App& command, const std::string& text) {
+    for (const CLI::Option* option : command.get_options()) {
+        const std::string name = option->get_name();
+        if (text.starts_with(withoutDashes(name) + " was given")) return name + " takes no value";
+        if (text.find(name) == std::string::npos) continue;
+        if (text.find("missing") != std::string::npos)
+            return name + " needs a value: " + option->get_type_name();
+        return name + " is given more than once";
+    }
+    return text;
+}
+
+// Error in the first word of a command line, which must be a command of `app` or an option that stands alone;
+// empty if the word is valid.
+std::string firstWordError(const CLI::App& app, const std::vector<std::string>& args) {
+    if (args.empty()) return "";
+    const std::string& word = args.front();
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        if (command->get_name() == word) return "";
+        names.push_back(command->get_name());
+    }
+    if (word == "-h" || word == "--help" || word == "--version" || word == "--verbose") return "";
+    const std::string see = "; see glint --help";
+    if (word.starts_with("-"))
+        return "the command comes first, then its options (got " + quoted(word) + ")" + see;
+    std::error_code ignored;
+    if (std::filesystem::exists(word, ignored))
+        return quoted(word) + " is no command; did you mean: glint render " + word;
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    return "unknown command " + quoted(word) + " (" + suggestion(word, views, "there are") + ")" + see;
+}
+
+// One line for a command line that CLI11 refused.
+std::string parseErrorLine(const CLI::App& app, const CLI::ParseError& error) {
+    const auto chosen = app.get_subcommands();
+    const std::string text = error.what();
+    if (chosen.empty()) return text + "; see glint --help";
+    const CLI::App& command = *chosen.front();
+    const std::string start = command.get_name() + ": ",
+                      see = "; see glint " + command.get_name() + " --help";
+    const std::vector<std::string> extras = app.remaining(true);
+    // A mistyped option is the likelier reason for whatever else is missing.
+    const auto option =
+        std::find_if(extras.begin(), extras.end(), [](const std::string& s) { return s.starts_with("-"); });
+    if (option != extras.end()) return start + unexpected(command, *option) + see;
+    switch (static_cast<CLI::ExitCodes>(error.get_exit_code())) {
+        case CLI::ExitCodes::ExtrasError:
+            if (extras.empty()) break;
+            return start + unexpected(command, extras.front()) + see;
+        case CLI::ExitCodes::RequiredError:
+            return start + text.substr(0, text.find(' ')) + " is missing" + see;
+        case CLI::ExitCodes::ArgumentMismatch:
+            return start + mismatch(command, text) + see;
+        default:
+            break;
+    }
+    return start + text + see;
+}
+
 int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& err) {
     CLI::App app;
     bool verbose = false;
-    const std::vector<Run> runs = declareProgram(app, verbose);
+    Run chosen;
+    declareProgram(app, verbose, chosen);
     if (!args.empty() && args.front() == "help") {
         args.erase(args.begin());
         args.push_back("--help");
@@ -36,8 +204,7 @@ int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& 
         app.exit(e, out, err);  // --help and --version
         return static_cast<int>(ExitCode::Done);
     }
-    for (size_t i = 0; i < runs.size(); ++i)
-        if (app.got_subcommand(commands()[i].name)) return static_cast<int>(runs[i](out, err));
+    if (chosen) return static_cast<int>(chosen(out, err));
     if (verbose) throw Error(ErrorKind::Argument, "--verbose requires --version");
     err << app.help();
     return static_cast<int>(ExitCode::Usage);

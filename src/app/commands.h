@@ -5,8 +5,8 @@
 #include <iosfwd>
 #include <memory>
 
-#include "app/exit_code.h"
-#include "app/option_table.h"
+#include "app/cli.h"
+#include "app/options.h"
 
 namespace glint::app {
 
@@ -34,5 +34,16 @@ Run diffCommand(OptionTable& table);
 Run infoCommand(OptionTable& table);
 Run devicesCommand(OptionTable& table);
 Run pagesCommand(OptionTable& table);
+
+// Declares the program's options and commands. Parsing sets `verbose` for --verbose, and `chosen` to the work
+// of the command that it finds; both must outlive `app`.
+void declareProgram(CLI::App& app, bool& verbose, Run& chosen);
+
+// This process among those of an MPI launcher; 0 without one.
+int rankOfLauncher();
+// Ends all ranks with this exit code; does nothing without ranks.
+void abortRanks(int exitCode);
+// True if the module for MPI is installed.
+bool hasRanksModule();
 
 }  // namespace glint::app

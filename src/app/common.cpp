@@ -1,88 +1,21 @@
 #include "app/common.h"
 
 #include <unistd.h>
-
 #include <algorithm>
+#include <cerrno>
 #include <cstdarg>
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
 
-#include "app/animated_scene.h"
+#include "core/available_memory.h"
 #include "core/error.h"
-#include "core/near_names.h"
+#include "core/image_io.h"
 #include "core/text_file.h"
-#include "pack/pack_samples.h"
-#include "scene/sampling.h"
 
 namespace glint::app {
-
-LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet) {
-    return AnimatedScene(options, options.time, err, quiet).take();
-}
-
-void checkScene(const std::filesystem::path& scene) {
-    namespace fs = std::filesystem;
-    constexpr std::string_view kKinds[] = {".json", ".gltf", ".glb", ".nff", ".obj", ".ply", ".stl"};
-    std::error_code failed;
-    std::string nearest;
-    const std::string stem = scene.stem().string();
-    size_t best = stem.size() / 3 + 1;
-    if (!fs::exists(scene, failed) && stem.size() < 64) {
-        for (const auto& entry : fs::directory_iterator(fs::path(".") / scene.parent_path(), failed)) {
-            const fs::path& path = entry.path();
-            if (std::find(std::begin(kKinds), std::end(kKinds), lowerExtension(path)) == std::end(kKinds))
-                continue;
-            const size_t distance = editDistance(stem, path.stem().string());
-            if (distance >= best) continue;
-            best = distance;
-            nearest = path.filename().string();
-        }
-    }
-    if (!nearest.empty())
-        throw Error(ErrorKind::Scene,
-                    printable(scene.string() + ": no such file (did you mean \"" + nearest + "\"?)"));
-    checkFile(scene);
-}
-
-Request requestOf(const LoadedScene& loaded, const SceneOptions& options) {
-    ImageSettings image = loaded.scene.image;
-    if (options.size) {
-        image.width = options.size->width;
-        image.height = options.size->height;
-    }
-    if (options.spp) image.samplesPerPixel = *options.spp;
-    if (options.sampler) image.sampler = *options.sampler;
-    if (options.filter) {
-        image.filter = options.filter->filter;
-        image.filterRadius = options.filter->radius.value_or(defaultRadius(image.filter));
-    }
-    if (options.seed) image.seed = *options.seed;
-    if (options.adaptive) image.adaptive = options.adaptive;
-    // --error ignores the scene's number of samples.
-    if (options.untilError)
-        image.samplesPerPixel = std::max(image.samplesPerPixel, static_cast<int>(leastSamples(image.filter)));
-    if (const std::string wrong = samplingConflict(image); !wrong.empty())
-        throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);
-    Request request = requestOf(image, loaded.scene.camera.lensRadius > 0);
-    request.methods = options.methods;
-    request.minContribution = options.minContribution;
-    if (options.maxDepth) request.maxDepth = static_cast<uint32_t>(*options.maxDepth);
-    return request;
-}
-
-int depthOf(const LoadedScene& loaded, const Request& request) {
-    return request.maxDepth ? static_cast<int>(*request.maxDepth) : loaded.scene.maxDepth;
-}
-
-SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request) {
-    const auto& materials = loaded.scene.materials;
-    SceneFeatures also;
-    also.mirrors =
-        depthOf(loaded, request) > 0 && std::any_of(materials.begin(), materials.end(),
-                                                    [](const Material& m) { return m.mirror != Color(0); });
-    return also;
-}
 
 namespace {
 
@@ -93,6 +26,16 @@ bool anyUsableDevice() {
     } catch (const Error&) {
         return false;
     }
+}
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void cannotWrite(const fs::path& path, const std::string& reason) {
+    throw Error(ErrorKind::Failed, path.string() + ": cannot write: " + reason);
+}
+
+std::string reasonOf(int errorNumber) {
+    return std::generic_category().message(errorNumber);
 }
 
 }  // namespace
@@ -141,6 +84,50 @@ void printJson(const nlohmann::json& json, std::ostream& out) {
 
 std::string shown(const std::filesystem::path& file) {
     return printable(file.string());
+}
+
+void checkPicturePath(const fs::path& path) {
+    if (!isWritableImagePath(path)) {
+        throw Error(ErrorKind::Argument,
+                    path.string() + ": unknown picture format (use .png, .exr, .pfm or .hdr)");
+    }
+    checkOutputPath(path);
+}
+
+void checkOutputPath(const fs::path& path) {
+    std::error_code ignored;
+    const fs::path linked = fs::canonical(path, ignored);  // empty if there is no such file
+    const fs::path target = linked.empty() ? path : linked;
+    std::error_code wrong;  // such as a name that is too long
+    const fs::file_status status = fs::status(target, wrong);
+    if (fs::is_directory(status)) cannotWrite(path, "it is a folder");
+    if (wrong && status.type() != fs::file_type::not_found) cannotWrite(path, wrong.message());
+    if (fs::exists(status)) {
+        if (access(target.c_str(), W_OK) != 0) cannotWrite(path, reasonOf(errno));
+        if (!fs::is_regular_file(status)) return;  // a device or pipe is written to in place
+    }
+    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+    if (!fs::exists(folder, ignored)) cannotWrite(path, "there is no folder " + folder.string());
+    if (!fs::is_directory(folder, ignored)) cannotWrite(path, folder.string() + " is not a folder");
+    if (access(folder.c_str(), W_OK | X_OK) != 0) cannotWrite(path, reasonOf(errno));
+}
+
+void checkOutputFolder(const fs::path& folder) {
+    std::error_code ignored;
+    if (!fs::exists(folder, ignored)) cannotWrite(folder, "there is no such folder");
+    if (!fs::is_directory(folder, ignored)) cannotWrite(folder, "not a folder");
+    if (access(folder.c_str(), W_OK | X_OK) != 0) cannotWrite(folder, reasonOf(errno));
+}
+
+void makeFolder(const fs::path& folder) {
+    std::error_code ignored;  // the check below gives the reason
+    fs::create_directories(folder, ignored);
+    checkOutputFolder(folder);
+}
+
+void checkStandardOutput(const std::ostream& out) {
+    if (&out != &std::cout || ::write(STDOUT_FILENO, "", 0) == 0) return;
+    throw Error(ErrorKind::Failed, "cannot write to standard output: " + reasonOf(errno));
 }
 
 }  // namespace glint::app

@@ -6,31 +6,13 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "app/option_groups.h"
+#include "app/options.h"
+#include "core/available_memory.h"
 #include "core/error.h"
 #include "core/wording.h"
 #include "gpu/device.h"
-#include "pack/loaded_scene.h"
-#include "trace/request.h"
 
 namespace glint::app {
-
-// Loads, at a moment of the animation if one is given, and packs; warnings go to `err`, one line each, unless
-// quiet.
-LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet = false);
-
-// Throws Error(Scene) if there is no such file, and names one that is called alike.
-void checkScene(const std::filesystem::path& scene);
-
-// The whole image of the scene, with the wishes of the command line. Throws Error(Argument) for sampler,
-// samples and filter that contradict each other.
-Request requestOf(const LoadedScene& loaded, const SceneOptions& options);
-
-// The depth of the request or, without one, of the scene.
-int depthOf(const LoadedScene& loaded, const Request& request);
-
-// Features that a request needs of a device though the scene's own depth does without them.
-SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request);
 
 // Opens the device that was chosen. If there is none at all and `hostWould` do the same work, the error says
 // so. Throws Error(Device) too if the validation layer was asked for and is not there.
@@ -55,5 +37,22 @@ void printJson(const nlohmann::json& json, std::ostream& out);
 
 // A file's name for the terminal: it may be a stranger's too.
 std::string shown(const std::filesystem::path& file);
+
+// Throws Error(Usage) if the extension names no picture format, and Error(Failed) if `path` cannot be written
+// as things stand: no such folder, no permission, a folder of that name.
+void checkPicturePath(const std::filesystem::path& path);
+
+// The same for a file of any kind: only whether it can be written.
+void checkOutputPath(const std::filesystem::path& path);
+
+// Throws Error(Failed) if `folder` is not a folder that can be written to.
+void checkOutputFolder(const std::filesystem::path& folder);
+
+// Creates the folder and its parents if they do not exist, and checks it.
+void makeFolder(const std::filesystem::path& folder);
+
+// Throws Error(Failed) if `out` is standard output and the system refuses to write there: it is closed, or
+// the device behind it is full.
+void checkStandardOutput(const std::ostream& out);
 
 }  // namespace glint::app

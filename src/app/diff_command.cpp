@@ -4,7 +4,6 @@
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/output_check.h"
 #include "core/error.h"
 #include "core/image_diff.h"
 #include "core/image_io.h"
@@ -25,7 +24,7 @@ void declare(OptionTable& table, DiffCommand& c) {
     table.name("B", "", "image of the same size", c.b, kRequired);
     table.name("-o,--output", "FILE", "write the image |A - B|", c.output);
     table.value("--tolerance", "X", "greatest difference of linear values that counts as equal (default 0)",
-                [&](const std::string& t) { c.tolerance = parseNotNegative(t); });
+                c.tolerance, parseNotNegative);
 }
 
 ImageDifference compare(const DiffCommand& command, const Image& a, const Image& b) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "app/common.h"
+#include "app/loading.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "reference/loaded_truth.h"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "app/option_groups.h"
+#include "app/options.h"
 #include "core/error.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"

@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "app/common.h"
+#include "app/loading.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "core/wording.h"
@@ -69,17 +70,17 @@ void addError(OptionTable& table, ErrorTarget& target) {
     table.value(
         "--error", "E",
         "take samples until the image's root mean square error is at most E (linear radiance, full scale 1)",
-        [&](const std::string& t) { target.error = parsePositive(t); });
+        target.error, parsePositive);
     table.value("--confidence", "P", "probability that --error holds, above 0.5 and below 1 (default 0.95)",
-                [&](const std::string& t) { target.confidence = confidenceOf(t); });
+                target.confidence, confidenceOf);
     table.flag("--within-depth", "do not count reflections beyond the scene's depth as error",
                target.withinDepth);
 }
 
 void addErrorTarget(OptionTable& table, ErrorTarget& target) {
     addError(table, target);
-    table.value("--max-seconds", "S", "stop after S seconds with the best image so far",
-                [&](const std::string& t) { target.maxSeconds = parsePositive(t); });
+    table.value("--max-seconds", "S", "stop after S seconds with the best image so far", target.maxSeconds,
+                parsePositive);
     table.whole("--max-spp", "N", "stop at N samples per pixel (default 65536)", 2, kMostErrorSamples,
                 target.maxSamples);
     table.flag("--strict", "exit with code 5 if --error is not reached", target.strict);

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "app/option_groups.h"
+#include "app/options.h"
 #include "converge/converge.h"
 #include "core/image.h"
 #include "core/progress.h"

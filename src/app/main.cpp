@@ -5,8 +5,7 @@
 #include <iostream>
 
 #include "app/cli.h"
-#include "app/exit_code.h"
-#include "app/render_ranks.h"
+#include "app/commands.h"
 
 namespace {
 

@@ -5,10 +5,8 @@
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/losses.h"
-#include "app/output_check.h"
 #include "app/render_result.h"
-#include "app/unit_picture.h"
+#include "app/units.h"
 #include "core/available_memory.h"
 #include "core/error.h"
 #include "core/stopwatch.h"

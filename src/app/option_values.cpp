@@ -169,9 +169,10 @@ double parseNotNegative(const std::string& text) {
     return *value;
 }
 
-double parseStops(const std::string& text) {
+double parseReal(const std::string& text, double least, double greatest) {
     const auto value = number(text);
-    if (!value || std::abs(*value) > 100) refuse("a number from -100 to 100", text);
+    if (!value || *value < least || *value > greatest)
+        refuse("a number from " + describe(least) + " to " + describe(greatest), text);
     return *value;
 }
 

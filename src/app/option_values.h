@@ -34,12 +34,12 @@ struct FilterChoice {
     std::optional<double> radius;  // pixels; empty: the filter's own
 };
 
-// A whole number from `least` to `greatest`.
+// A number from `least` to `greatest`.
 int parseWhole(const std::string& text, int least, int greatest);
+double parseReal(const std::string& text, double least, double greatest);
 
 double parsePositive(const std::string& text);            // finite
 double parseNotNegative(const std::string& text);         // finite
-double parseStops(const std::string& text);               // -100 to 100
 Size parseSize(const std::string& text);                  // "640x480"
 PartChoice parsePart(const std::string& text);            // "3/8"
 FrameRange parseFrames(const std::string& text);          // "0:240" or "17"

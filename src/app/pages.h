@@ -1,10 +1,10 @@
-// The command line as man pages and as completions for shells, from the texts of --help.
+// The command line as CLI11 holds it, for man pages and for completions of shells.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "app/command_list.h"
+#include "app/commands.h"
 
 namespace CLI {
 class Option;
@@ -25,9 +25,5 @@ struct Argument {
 
 std::vector<Argument> argumentsOf(const CLI::App& command);
 std::vector<const CLI::App*> commandsOf(const CLI::App& program);
-
-std::string bashCompletion(const CLI::App& program);
-std::string zshCompletion(const CLI::App& program);
-std::string fishCompletion(const CLI::App& program);
 
 }  // namespace glint::app

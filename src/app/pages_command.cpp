@@ -5,16 +5,216 @@
 #include <ostream>
 
 #include "app/common.h"
-#include "app/output_check.h"
 #include "app/pages.h"
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/wording.h"
 
 namespace glint::app {
 
+using Text = std::string;
+
+Argument::Argument(const CLI::Option& option)
+    : positional(option.get_positional()),
+      many(option.get_expected_max() > 1),
+      takesValue(option.get_items_expected_max() != 0),
+      form(option.get_type_name()),
+      help(option.get_description()) {
+    if (positional) names.push_back(option.get_name());
+    for (const Text& name : option.get_snames()) names.push_back("-" + name);
+    for (const Text& name : option.get_lnames()) names.push_back("--" + name);
+    folder = form == "FOLDER" || names[0] == "FOLDER";
+    file = form.starts_with("FILE") || (positional && !folder);
+    const auto isName = [](const Text& text) {
+        return !text.empty() && std::islower(static_cast<unsigned char>(text[0])) &&
+               std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c); });
+    };
+    choices = split(form, '|');
+    if (!std::all_of(choices.begin(), choices.end(), isName)) choices.clear();
+}
+
+std::vector<Argument> argumentsOf(const CLI::App& command) {
+    std::vector<Argument> arguments;
+    for (const CLI::Option* option : command.get_options()) arguments.emplace_back(*option);
+    return arguments;
+}
+
+std::vector<const CLI::App*> commandsOf(const CLI::App& program) {
+    return program.get_subcommands([](const CLI::App*) { return true; });
+}
+
 namespace {
 
-using Text = std::string;
+constexpr const char* kMadeBy = "# Made by glint pages; not to be edited.\n";
+
+Text joined(const std::vector<Text>& words, const Text& between = " ") {
+    Text made;
+    for (const Text& word : words) made += (made.empty() ? "" : between) + word;
+    return made;
+}
+
+Text commandNames(const CLI::App& program) {
+    Text names;
+    for (const CLI::App* command : commandsOf(program))
+        names += (names.empty() ? "" : " ") + command->get_name();
+    return names;
+}
+
+// The names of all options; of `value` for arguments that are known by their place.
+Text optionNames(const std::vector<Argument>& arguments) {
+    Text names;
+    for (const Argument& argument : arguments)
+        if (!argument.positional) names += (names.empty() ? "" : " ") + joined(argument.names);
+    return names;
+}
+
+// In single quotes, for all three shells; `special` characters get a backslash.
+Text quotedFor(const Text& plain, const Text& special, const Text& apostrophe) {
+    Text made = "'";
+    for (const char c : plain) {
+        if (special.find(c) != Text::npos) made += '\\';
+        made += c == '\'' ? apostrophe : Text(1, c);
+    }
+    return made + "'";
+}
+
+// Completion after an option: a line of bash's `case`.
+Text bashCase(const Text& command, const Argument& argument) {
+    std::vector<Text> patterns;
+    for (const Text& name : argument.names) patterns.push_back("'" + command + " " + name + "'");
+    Text then = "return";
+    if (!argument.choices.empty()) then = "words='" + joined(argument.choices) + "'";
+    if (argument.file) then = "compopt -o default; return";
+    if (argument.folder) then = "compopt -o dirnames; return";
+    return "        " + joined(patterns, " | ") + ") " + then + " ;;\n";
+}
+
+// One argument of zsh's _arguments.
+Text zshSpec(const Argument& argument) {
+    const auto inner = [](const Text& plain) {
+        const Text quoted = quotedFor(plain, "[]:\\", "'\\''");
+        return quoted.substr(1, quoted.size() - 2);
+    };
+    const Text action = !argument.choices.empty() ? "(" + joined(argument.choices) + ")"
+                        : argument.file           ? "_files"
+                        : argument.folder         ? "_files -/"
+                                                  : " ";
+    if (argument.positional)
+        return "'" + Text(argument.many ? "*:" : ":") + inner(argument.names[0]) + ":" + action + "'";
+    const Text rest = "[" + inner(argument.help) + "]" +
+                      (argument.takesValue ? ":" + argument.form + ":" + action : "") + "'";
+    if (argument.names.size() == 1) return "'" + argument.names[0] + rest;
+    return "'(" + joined(argument.names) + ")'{" + joined(argument.names, ",") + "}'" + rest;
+}
+
+Text fishQuoted(const Text& plain) {
+    return quotedFor(plain, "\\", "\\'");
+}
+
+Text fishLine(const Text& condition, const Argument& argument) {
+    Text made = "complete -c glint -n '" + condition + "'";
+    if (!argument.positional)
+        for (const Text& name : argument.names)
+            made += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+    if (!argument.choices.empty())
+        made += " -x -a '" + joined(argument.choices) + "'";
+    else if (argument.file)
+        made += argument.positional ? " -F" : " -r -F";
+    else if (argument.folder)
+        made += " -x -a '(__fish_complete_directories)'";
+    else if (argument.takesValue)
+        made += " -x";
+    return made + " -d " + fishQuoted(argument.help) + "\n";
+}
+
+Text bashCompletion(const CLI::App& program) {
+    Text values, cases;
+    for (const CLI::App* command : commandsOf(program)) {
+        const std::vector<Argument> arguments = argumentsOf(*command);
+        cases +=
+            "        " + command->get_name() + ")\n            options='" + optionNames(arguments) + "'\n";
+        bool first = true;
+        for (const Argument& argument : arguments) {
+            if (argument.positional && first)
+                cases += Text("            files=") + (argument.folder ? "dirnames" : "default") + "\n";
+            first = first && !argument.positional;
+            if (!argument.positional && argument.takesValue)
+                values += bashCase(command->get_name(), argument);
+        }
+        cases += "            ;;\n";
+    }
+    const Text names = commandNames(program);
+    return kMadeBy + Text(R"(_glint() {
+    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
+    local words='' options='' files=''
+    COMPREPLY=()
+    if [[ $COMP_CWORD -eq 1 ]]; then
+        mapfile -t COMPREPLY < <(compgen -W ')") +
+           names + " help " + optionNames(argumentsOf(program)) + R"(' -- "$current")
+        return
+    fi
+    case "$command $previous" in
+)" + values +
+           R"(    esac
+    case $command in
+)" + cases +
+           "        help) words='" + names + R"(' ;;
+    esac
+    if [[ -z $words && $current == -* ]]; then words=$options; fi
+    if [[ -n $words ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+    elif [[ -n $files ]]; then
+        compopt -o "$files"
+    fi
+}
+complete -F _glint glint
+)";
+}
+
+Text zshCompletion(const CLI::App& program) {
+    const auto specs = [](const CLI::App& command, const Text& indent) {
+        Text text;
+        for (const Argument& argument : argumentsOf(command)) text += " \\\n" + indent + zshSpec(argument);
+        return text;
+    };
+    Text names, cases;
+    for (const CLI::App* command : commandsOf(program)) {
+        names += "        " +
+                 quotedFor(command->get_name() + ":" + command->get_description(), "[]\\", "'\\''") + "\n";
+        cases += "            " + command->get_name() + ")\n                _arguments -s" +
+                 specs(*command, "                    ") + "\n                ;;\n";
+    }
+    return "#compdef glint\n" + Text(kMadeBy) + R"(_glint() {
+    local curcontext=$curcontext state line
+    local -a commands
+    commands=(
+)" + names +
+           "    )\n    _arguments -C" + specs(program, "        ") + R"( \
+        '1:command:->command' '*::argument:->argument'
+    case $state in
+        command) _describe -t commands command commands ;;
+        argument)
+            case $words[1] in
+)" + cases +
+           R"(            esac
+            ;;
+    esac
+}
+_glint "$@"
+)";
+}
+
+Text fishCompletion(const CLI::App& program) {
+    Text made = kMadeBy + Text("complete -c glint -f\n");
+    for (const Argument& argument : argumentsOf(program)) made += fishLine("__fish_use_subcommand", argument);
+    for (const CLI::App* command : commandsOf(program)) {
+        made += "complete -c glint -n __fish_use_subcommand -a " + command->get_name() + " -d " +
+                fishQuoted(command->get_description()) + "\n";
+        for (const Argument& argument : argumentsOf(*command))
+            made += fishLine("__fish_seen_subcommand_from " + command->get_name(), argument);
+    }
+    return made;
+}
 
 // Text for roff: escaped backslashes and hyphens, and no line that begins with a request.
 Text roff(const Text& plain) {
@@ -78,7 +278,8 @@ struct Page {
 std::vector<Page> allPages() {
     CLI::App program;
     bool verbose = false;
-    declareProgram(program, verbose);
+    Run chosen;
+    declareProgram(program, verbose, chosen);
     // Folders below /usr/share that each shell reads; bash and fish also read them below ~/.local/share.
     std::vector<Page> pages = {{"bash-completion/completions/glint", bashCompletion(program)},
                                {"zsh/vendor-completions/_glint", zshCompletion(program)},

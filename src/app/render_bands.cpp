@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "app/output_check.h"
+#include "app/common.h"
 #include "app/picture_advice.h"
 #include "core/available_memory.h"
 #include "core/error.h"

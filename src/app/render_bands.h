@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "app/drawing.h"
-#include "app/render_options.h"
+#include "app/render_command.h"
 #include "app/render_result.h"
 
 namespace glint::app {

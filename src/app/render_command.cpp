@@ -1,16 +1,15 @@
+#include "app/render_command.h"
+
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 
 #include "app/commands.h"
 #include "app/common.h"
 #include "app/drawing.h"
-#include "app/output_check.h"
+#include "app/loading.h"
 #include "app/render_bands.h"
-#include "app/render_frames.h"
-#include "app/render_options.h"
-#include "app/render_ranks.h"
 #include "app/render_result.h"
-#include "app/render_units.h"
 #include "core/available_memory.h"
 #include "core/codecs.h"
 #include "core/error.h"
@@ -20,9 +19,80 @@
 #include "core/picture_hash.h"
 #include "core/quantize.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "scene/limits.h"
 
 namespace glint::app {
+
+bool needsData(const RenderCommand& command) {
+    return std::any_of(command.aovs.begin(), command.aovs.end(),
+                       [](Aov aov) { return glint::needsData(aov); });
+}
+
+std::filesystem::path outputOf(const RenderCommand& command) {
+    const std::filesystem::path name =
+        command.scene.scene == "-" ? "stdin.png" : command.scene.scene.filename().replace_extension(".png");
+    if (command.output.empty()) return name;
+    return command.output.has_filename() ? command.output : command.output / name;
+}
+
+std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene) {
+    const auto isRead = [&](const std::filesystem::path& output) {
+        return std::any_of(scene.sources.begin(), scene.sources.end(), [&](const SourceFile& file) {
+            std::error_code ignored;  // a file that does not exist cannot be lost
+            return std::filesystem::equivalent(command.scene.scene.parent_path() / file.name, output,
+                                               ignored);
+        });
+    };
+    std::filesystem::path output = outputOf(command);
+    if (!isRead(output)) return output;
+    const std::string name = output.string();
+    if (command.output.empty() && !isRead(output.replace_extension(".render.png"))) return output;
+    throw Error(ErrorKind::Argument, name + ": is read by the scene; name another file with --output");
+}
+
+float scaleOf(const std::filesystem::path& output, std::optional<double> exposure) {
+    if (output == "-" || lowerExtension(output) == ".png")
+        return static_cast<float>(std::exp2(exposure.value_or(0)));
+    if (exposure && isWritableImagePath(output))
+        throw Error(ErrorKind::Argument,
+                    "--exposure: " + output.string() + " holds linear floats, which need none; use .png");
+    return 0;
+}
+
+void expose(std::vector<Layer>& layers, float scale) {
+    if (scale == 0 || scale == 1) return;
+    for (Layer& layer : layers)
+        if (layer.name == "color")
+            for (size_t i = 0; i < layer.image.pixels.size(); ++i)
+                if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
+}
+
+std::vector<Layer> layersOf(const Picture& picture, const RenderCommand& command) {
+    std::vector<Layer> layers = makeLayers(picture, command.aovs);
+    expose(layers, scaleOf(outputOf(command), command.exposure));
+    return layers;
+}
+
+uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data) {
+    return 4 * sizeof(float) + 1 + (data ? sizeof(PixelData) : 0) + aovs.size() * 3 * sizeof(float);
+}
+
+Request requestOf(const RenderCommand& command, const LoadedScene& loaded) {
+    SceneOptions wishes = command.scene;
+    wishes.untilError = command.target.error.has_value();
+    Request request = requestOf(loaded, wishes);
+    request.region = command.crop.value_or(Region{0, 0, request.width, request.height});
+    if (request.region.x1 > request.width || request.region.y1 > request.height)
+        throw Error(ErrorKind::Argument, "--crop: reaches beyond the picture of " +
+                                             std::to_string(request.width) + "x" +
+                                             std::to_string(request.height) + " pixels");
+    request.data = needsData(command);
+    request.cost = std::find(command.aovs.begin(), command.aovs.end(), Aov::Cost) != command.aovs.end();
+    request.ledger = loaded.packed.features.transmission || command.json;
+    request.cancelled = interrupted;
+    return request;
+}
 
 namespace {
 
@@ -48,26 +118,26 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.value("--aov", "LIST",
                 "write these layers, with commas: " + joinNames(kEnumNames<Aov>) +
                     "; an EXR holds them all, other formats get a file for each",
-                [&](const std::string& t) { c.aovs = parseAovs(t); });
+                c.aovs, parseAovs);
     table.value("--crop", "x0,y0,x1,y1",
-                "render only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
-                [&](const std::string& t) { c.crop = parseCrop(t); });
+                "render only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner", c.crop,
+                parseCrop);
     table.whole(
         "--band-rows", "N",
         "write the image in bands of N rows, so that memory holds one band (default: if it does not fit "
         "into memory)",
         1, kMaxImageSize, c.bandRows);
-    table.value("--part", "K/N", "render part K of N, K from 1, into a file for glint merge",
-                [&](const std::string& t) { c.part = parsePart(t); });
+    table.value("--part", "K/N", "render part K of N, K from 1, into a file for glint merge", c.part,
+                parsePart);
     table.name("--checkpoint", "FILE",
                "keep finished units in FILE and resume from them; removed once the image is written",
                c.checkpoint);
     table.value(
         "--frames", "A:B",
         "render frames A to B of the animation that do not exist yet; each # in -o stands for a digit",
-        [&](const std::string& t) { c.frames = parseFrames(t); });
-    table.value("--fps", "F", "frames per second of --frames instead of the scene's (24)",
-                [&](const std::string& t) { c.framesPerSecond = parsePositive(t); });
+        c.frames, parseFrames);
+    table.value("--fps", "F", "frames per second of --frames instead of the scene's (24)", c.framesPerSecond,
+                parsePositive);
     table.flag("--overwrite", "render existing frames again", c.overwrite);
     addErrorTarget(table, c.target);
     addStats(table, "print times and counts as JSON instead of the summary", c.json);

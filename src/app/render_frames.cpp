@@ -1,12 +1,11 @@
-#include "app/render_frames.h"
+#include "app/render_command.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "app/animated_scene.h"
 #include "app/common.h"
-#include "app/output_check.h"
+#include "app/loading.h"
 #include "app/render_result.h"
 #include "core/available_memory.h"
 #include "core/error.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/drawing.h"
-#include "app/render_options.h"
+#include "app/render_command.h"
 #include "converge/converge.h"
 #include "trace/picture.h"
 
@@ -59,5 +59,13 @@ nlohmann::json fallbackJson(const FailedDevice& failed);
 
 // Says on `err` how many pixels are not finite, each line after `start`; nothing if all are.
 void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err);
+
+// {"cut": {"branches", "meanBound", "greatestBound"}, "maxDepth": ..., "waiting": ..., "crowdedMedia"}.
+// Bounds are of a pixel's colour; null where none is known.
+nlohmann::json lossesJson(const Picture& picture);
+
+// A line for each kind of loss that may be seen, each after `start`: branches that were cut, that found no
+// room, media without room; branches beyond maxDepth if a pixel may lack 1/255 by them.
+void warnOfLosses(const Picture& picture, const std::string& start, std::ostream& err);
 
 }  // namespace glint::app

@@ -5,7 +5,7 @@
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/output_check.h"
+#include "app/loading.h"
 #include "core/available_memory.h"
 #include "core/error.h"
 #include "core/interrupt.h"
@@ -72,12 +72,12 @@ void declare(OptionTable& table, ReportCommand& c) {
     table.value("--only", "LIST",
                 "with commas, the settings to measure: " +
                     joinNames(std::vector<std::string_view>(families.begin(), families.end())),
-                [&](const std::string& t) { c.only = parseFamilies(t); });
+                c.only, parseFamilies);
     addDevice(table, c.device);
     table.value(
         "--devices", "LIST",
         "with commas, devices to compare with that one, each as --device takes it; cpu is the reference",
-        [&](const std::string& t) { c.devices = parseDevices(t); });
+        c.devices, parseDevices);
     addProgress(table, c.progress);
 }
 

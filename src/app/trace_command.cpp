@@ -2,6 +2,7 @@
 
 #include "app/commands.h"
 #include "app/common.h"
+#include "app/loading.h"
 #include "app/ray_file.h"
 #include "core/error.h"
 #include "reference/loaded_truth.h"
@@ -25,11 +26,10 @@ void declare(OptionTable& table, TraceCommand& c) {
     addScene(table, c.scene);
     table.name("--rays", "FILE.csv",
                "read rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", c.rays);
-    table.value("--pixel", "x,y", "trace the camera ray of a pixel, from the top left corner",
-                [&](const std::string& t) { c.pixel = parsePixel(t); });
+    table.value("--pixel", "x,y", "trace the camera ray of a pixel, from the top left corner", c.pixel,
+                parsePixel);
     table.flag("--any", "report only whether a ray hits anything", c.any);
-    table.value("--size", "WxH", "image size for --pixel instead of the scene's",
-                [&](const std::string& t) { c.scene.size = parseSize(t); });
+    table.value("--size", "WxH", "image size for --pixel instead of the scene's", c.scene.size, parseSize);
     addCamera(table, c.scene);
     addMethods(table, c.scene);
     addBackend(table, c.backend);

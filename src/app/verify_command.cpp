@@ -6,8 +6,7 @@
 
 #include "app/commands.h"
 #include "app/common.h"
-#include "app/output_check.h"
-#include "app/verify_files.h"
+#include "app/loading.h"
 #include "app/verify_report.h"
 #include "core/available_memory.h"
 #include "core/error.h"
@@ -26,7 +25,7 @@ struct VerifyCommand {
     SceneOptions common;
     DeviceChoice device;
     std::filesystem::path artifacts, jsonFile, junitFile;
-    uint64_t allow = 0;
+    int allow = 0;
     bool brief = false;
     ProgressMode progress = ProgressMode::Auto;
 
@@ -112,7 +111,7 @@ class SceneVerifier {
         verify::Options options;
         static_cast<Request&>(options) = requestOf(loaded, sceneOptions);
         options.cancelled = interrupted;
-        options.allowedUnexplained = command_.allow;
+        options.allowedUnexplained = static_cast<uint64_t>(command_.allow);
         if (!command_.jsonFile.empty()) options.worstCount = kListedPixels;
         checkMemory(options.width, options.height,
                     kBytesPerPixel + verify::Film::bytesPerPixel(options.samples), availableMemory(), "");
@@ -167,16 +166,23 @@ ExitCode run(const VerifyCommand& command, std::ostream& out, std::ostream& err)
     installInterruptHandler();
     if (!command.printsJson())
         out << "device: " << device.info().name << ", " << device.info().driver << '\n';
-    VerifyFiles files(command.jsonFile, command.junitFile, device.info().name, device.info().driver);
     const SceneVerifier verifier(command, device, out, err);
     const auto stems = stemsOf(command);
-    for (size_t i = 0; i < stems.size(); ++i) files.add(verifier.verify(command.scenes[i], stems[i]));
-    if (command.printsJson()) out << files.json();
-    const size_t failed = files.count(SceneStatus::Failed), unread = files.count(SceneStatus::Error);
+    std::vector<SceneResult> results;
+    const auto json = [&] { return jsonText(results, device.info().name, device.info().driver); };
+    for (size_t i = 0; i < stems.size(); ++i) {
+        results.push_back(verifier.verify(command.scenes[i], stems[i]));
+        // After each scene, so that an interrupted run keeps the results so far.
+        if (!command.jsonFile.empty() && !command.printsJson()) writeTextFile(command.jsonFile, json());
+        if (!command.junitFile.empty()) writeTextFile(command.junitFile, junitText(results));
+    }
+    if (command.printsJson()) out << json();
+    const size_t failed = countOf(results, SceneStatus::Failed),
+                 unread = countOf(results, SceneStatus::Error);
     if (command.brief && !command.printsJson())
-        out << counted(stems.size(), "scene") << ": " << files.count(SceneStatus::Passed) << " passed, "
-            << failed << " failed, " << unread << " unreadable, " << files.count(SceneStatus::Skipped)
-            << " skipped, " << formatSeconds(files.seconds()) << '\n';
+        out << counted(stems.size(), "scene") << ": " << countOf(results, SceneStatus::Passed) << " passed, "
+            << failed << " failed, " << unread << " unreadable, " << countOf(results, SceneStatus::Skipped)
+            << " skipped, " << formatSeconds(secondsOf(results)) << '\n';
     reportValidation(device, command.device, err);
     if (failed > 0)
         err << "glint: verify: " << failed << " of " << counted(stems.size(), "scene") << " failed\n";

@@ -3,8 +3,15 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <sstream>
+#include <utility>
 
 #include "app/common.h"
+#include "app/version.h"
+#include "core/file_io.h"
+#include "core/image_io.h"
+#include "core/text_file.h"
+#include "report/write.h"
 
 namespace glint::app {
 
@@ -112,6 +119,18 @@ nlohmann::json pixelsJson(const verify::Report& report) {
     return pixels;
 }
 
+void addTestCase(const SceneResult& result, std::string& out) {
+    out += "  <testcase classname=\"glint.verify\" name=\"" + report::escapeMarkup(printable(result.scene)) +
+           "\" time=\"" + format("%.3f", result.seconds) + "\">";
+    if (result.status != SceneStatus::Passed) {
+        const std::string element =
+            result.status == SceneStatus::Failed ? "failure" : std::string(nameOf(result.status));
+        out += "\n    <" + element + " message=\"" + report::escapeMarkup(printable(result.message)) + "\">" +
+               report::escapeMarkup(result.details) + "</" + element + ">\n  ";
+    }
+    out += "</testcase>\n";
+}
+
 }  // namespace
 
 std::string verdict(const verify::Report& report) {
@@ -208,6 +227,61 @@ std::string briefFigures(const nlohmann::json& report) {
     return std::to_string(report["pixels"].get<uint64_t>()) + " pixels, " + std::to_string(explained) +
            " explained, " + std::to_string(arithmetic["unexplained"].get<uint64_t>()) +
            " unexplained, RMSE " + format("%.3g", arithmetic["rmse"].get<double>());
+}
+
+size_t countOf(const std::vector<SceneResult>& results, SceneStatus status) {
+    return static_cast<size_t>(
+        std::count_if(results.begin(), results.end(), [&](const auto& r) { return r.status == status; }));
+}
+
+double secondsOf(const std::vector<SceneResult>& results) {
+    double sum = 0;
+    for (const SceneResult& result : results) sum += result.seconds;
+    return sum;
+}
+
+std::string jsonText(const std::vector<SceneResult>& results, const std::string& device,
+                     const std::string& driver) {
+    nlohmann::json scenes = nlohmann::json::array();
+    for (const SceneResult& result : results) {
+        nlohmann::json one = result.facts.is_object() ? result.facts : nlohmann::json::object();
+        one["scene"] = result.scene;
+        one["status"] = std::string(nameOf(result.status));
+        one["verdict"] = result.message;
+        one["seconds"] = result.seconds;
+        scenes.push_back(std::move(one));
+    }
+    nlohmann::json summary;
+    for (const SceneStatus status :
+         {SceneStatus::Passed, SceneStatus::Failed, SceneStatus::Error, SceneStatus::Skipped})
+        summary[std::string(nameOf(status))] = countOf(results, status);
+    const nlohmann::json file = {{"format", "glint.verify"},   {"version", kVerifyJsonVersion},
+                                 {"glint", GLINT_VERSION},     {"device", device},
+                                 {"driver", driver},           {"summary", std::move(summary)},
+                                 {"scenes", std::move(scenes)}};
+    std::ostringstream text;
+    printJson(file, text);
+    return text.str();
+}
+
+std::string junitText(const std::vector<SceneResult>& results) {
+    const auto attribute = [&](const char* name, SceneStatus status) {
+        return std::string(" ") + name + "=\"" + std::to_string(countOf(results, status)) + '"';
+    };
+    std::string out =
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"glint verify\" tests=\"" +
+        std::to_string(results.size()) + '"' + attribute("failures", SceneStatus::Failed) +
+        attribute("errors", SceneStatus::Error) + attribute("skipped", SceneStatus::Skipped) + " time=\"" +
+        format("%.3f", secondsOf(results)) + "\">\n";
+    for (const SceneResult& result : results) addTestCase(result, out);
+    return out + "</testsuite>\n";
+}
+
+void writeArtifacts(const std::filesystem::path& folder, const std::string& stem,
+                    const verify::Report& report) {
+    writeImage(folder / (stem + ".device.png"), report.device);
+    writeImage(folder / (stem + ".reference.png"), report.reference);
+    writeImage(folder / (stem + ".difference.png"), report.difference);
 }
 
 }  // namespace glint::app

@@ -1,10 +1,12 @@
-// The words of `glint verify`.
+// Results of `glint verify`: text for people, JSON and JUnit files for programs, images of scenes that fail.
 #pragma once
 
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <iosfwd>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "verify/verify.h"
 
@@ -23,5 +25,38 @@ nlohmann::json reportJson(const std::string& scene, const verify::Report& report
 
 // The figures of one line, of what reportJson gives.
 std::string briefFigures(const nlohmann::json& report);
+
+// Version of the JSON file's layout (docs/guide/verify.md). A change that breaks readers increments it.
+inline constexpr int kVerifyJsonVersion = 2;
+// The JSON file lists at most this many differing pixels of a scene, the worst first.
+inline constexpr size_t kListedPixels = 1000;
+
+enum class SceneStatus { Passed, Failed, Error, Skipped };
+constexpr auto entriesOf(SceneStatus) {
+    return std::to_array<EnumEntry<SceneStatus>>({{SceneStatus::Passed, "passed"},
+                                                  {SceneStatus::Failed, "failed"},
+                                                  {SceneStatus::Error, "error"},
+                                                  {SceneStatus::Skipped, "skipped"}});
+}
+
+struct SceneResult {
+    std::string scene;
+    SceneStatus status = SceneStatus::Passed;
+    std::string message;        // the verdict, the error, or why the scene was skipped
+    std::string details = {};   // the text report; empty without one
+    nlohmann::json facts = {};  // figures and differing pixels; null without a report
+    double seconds = 0;
+};
+
+size_t countOf(const std::vector<SceneResult>& results, SceneStatus status);
+double secondsOf(const std::vector<SceneResult>& results);
+
+std::string jsonText(const std::vector<SceneResult>& results, const std::string& device,
+                     const std::string& driver);
+std::string junitText(const std::vector<SceneResult>& results);
+
+// STEM.device.png, STEM.reference.png and STEM.difference.png of the first sample.
+void writeArtifacts(const std::filesystem::path& folder, const std::string& stem,
+                    const verify::Report& report);
 
 }  // namespace glint::app

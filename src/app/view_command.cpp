@@ -1,7 +1,7 @@
 
 #include "app/commands.h"
 #include "app/error_target.h"
-#include "app/option_groups.h"
+#include "app/options.h"
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "gpu/swapchain.h"
@@ -17,7 +17,7 @@ struct ViewCommand {
     SceneOptions scene;
     DeviceChoice device;
     ErrorTarget target;
-    uint64_t frames = 0;
+    int frames = 0;
     gpu::PresentMode present = gpu::PresentMode::Fifo;
     int pace = 0;  // milliseconds; 0: by the device
     double scale = 0;
@@ -34,13 +34,8 @@ void declare(OptionTable& table, ViewCommand& c) {
         c.present);
     table.whole("--target", "MS", "milliseconds a frame to aim for while the camera moves", 1, 10'000,
                 c.pace);
-    table.value("--scale", "X", "text and controls X times as large, 0.5 to 4 (default: as the screen asks)",
-                [&c](const std::string& text) {
-                    c.scale = parseNotNegative(text);
-                    if (c.scale < 0.5 || c.scale > 4)
-                        throw Error(ErrorKind::Argument,
-                                    "expected a number from 0.5 to 4, got '" + text + "'");
-                });
+    table.real("--scale", "X", "text and controls X times as large, 0.5 to 4 (default: as the screen asks)",
+               0.5, 4, c.scale);
 }
 
 #ifdef GLINT_WINDOW
@@ -66,7 +61,7 @@ ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     options.loading.samplesPerPixel = command.scene.spp;
     options.device = command.device.selector;
     options.validation = command.device.validation;
-    options.frames = command.frames;
+    options.frames = static_cast<uint64_t>(command.frames);
     options.presentMode = command.present;
     options.scale = command.scale;
     options.targetSeconds = command.pace * 1e-3;

@@ -1,7 +1,6 @@
 // Takes the place of the sources that need src/farm, if CMake's GLINT_FARM is off.
 #include "app/commands.h"
-#include "app/render_ranks.h"
-#include "app/render_units.h"
+#include "app/render_command.h"
 #include "core/error.h"
 
 namespace glint::app {

@@ -1,5 +1,5 @@
 // The files that `glint verify` writes for other programs, from results made by hand.
-#include "app/verify_files.h"
+#include "app/verify_report.h"
 
 #include "support.h"
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "app/cli.h"
-#include "app/exit_code.h"
 #include "core/error.h"
 #include "core/quantize.h"
 #include "driver.h"

@@ -1,4 +1,4 @@
-// A scene at any moment of its animation.
+// Loads the scene that the command line names, and makes the request for its image.
 #pragma once
 
 #include <iosfwd>
@@ -6,13 +6,15 @@
 #include <set>
 #include <string>
 
-#include "app/option_groups.h"
+#include "app/options.h"
 #include "import/scene_reader.h"
 #include "pack/loaded_scene.h"
 #include "pack/tree_memory.h"
+#include "trace/request.h"
 
 namespace glint::app {
 
+// A scene at any moment of its animation.
 class AnimatedScene {
   public:
     // Reads and packs the scene as it is at that moment, in seconds; without one, as its file says it.
@@ -43,5 +45,22 @@ class AnimatedScene {
     std::optional<SceneReader> reader_;
     TreeMemory memory_;
 };
+
+// Loads, at a moment of the animation if one is given, and packs; warnings go to `err`, one line each, unless
+// quiet.
+LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet = false);
+
+// Throws Error(Scene) if there is no such file, and names one that is called alike.
+void checkScene(const std::filesystem::path& scene);
+
+// The whole image of the scene, with the wishes of the command line. Throws Error(Argument) for sampler,
+// samples and filter that contradict each other.
+Request requestOf(const LoadedScene& loaded, const SceneOptions& options);
+
+// The depth of the request or, without one, of the scene.
+int depthOf(const LoadedScene& loaded, const Request& request);
+
+// Features that a request needs of a device though the scene's own depth does without them.
+SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request);
 
 }  // namespace glint::app

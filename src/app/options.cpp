@@ -1,5 +1,6 @@
-#include "app/option_groups.h"
+#include "app/options.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdlib>
 
 #include "core/error.h"
@@ -8,7 +9,34 @@
 
 namespace glint::app {
 
-using Text = std::string;
+void OptionTable::read(const std::string& names, const std::string& form, const std::string& help,
+                       const std::function<void(const std::string& text)>& use, Need need) {
+    // "--output" of "-o,--output".
+    const auto named = [name = names.substr(names.rfind(',') + 1), use](const std::string& text) {
+        try {
+            use(text);
+        } catch (const Error& e) {
+            throw Error(e.kind(), name + ": " + e.what());
+        }
+    };
+    command_.add_option_function<std::string>(names, named, help)
+        ->type_name(form)
+        ->required(need == Need::Required);
+}
+
+void OptionTable::files(const std::string& name, const std::string& help,
+                        std::vector<std::filesystem::path>& target) {
+    const auto use = [name, &target](const std::vector<std::string>& list) {
+        for (const std::string& text : list)
+            if (text.empty()) throw Error(ErrorKind::Argument, name + ": the name is empty");
+        target.assign(list.begin(), list.end());
+    };
+    command_.add_option_function<std::vector<std::string>>(name, use, help)->type_name("")->required();
+}
+
+void OptionTable::flag(const std::string& names, const std::string& help, bool& target) {
+    command_.add_flag(names, target, help)->disable_flag_override();
+}
 
 namespace {
 
@@ -32,8 +60,7 @@ void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes, b
 }
 
 void addSceneOverrides(OptionTable& table, SceneOptions& options) {
-    table.value("--size", "WxH", "size in pixels instead of the scene's",
-                [&](const Text& t) { options.size = parseSize(t); });
+    table.value("--size", "WxH", "size in pixels instead of the scene's", options.size, parseSize);
     table.whole("--spp", "N", "samples for each pixel instead of the scene's", 1, kMaxSamplesPerPixel,
                 options.spp);
     table.whole("--max-depth", "N",
@@ -44,8 +71,8 @@ void addSceneOverrides(OptionTable& table, SceneOptions& options) {
                                options.buildQuality);
     addCamera(table, options);
     table.value("--time", "SECONDS",
-                "the scene at this moment of its animation (default: as its file says it)",
-                [&](const Text& t) { options.time = parseNotNegative(t); });
+                "the scene at this moment of its animation (default: as its file says it)", options.time,
+                parseNotNegative);
 }
 
 void addCamera(OptionTable& table, std::string& name) {
@@ -70,23 +97,22 @@ void addMethods(OptionTable& table, SceneOptions& options) {
 void addMinContribution(OptionTable& table, SceneOptions& options) {
     table.value("--min-contribution", "X",
                 "cut reflected and refracted rays that add less than X to a pixel (default 0)",
-                [&](const Text& t) { options.minContribution = parseNotNegative(t); });
+                options.minContribution, parseNotNegative);
 }
 
 void addSampling(OptionTable& table, SceneOptions& options) {
     table.choice<Sampler>("--sampler", "placement of samples instead of the scene's", options.sampler);
     table.value("--filter", "NAME[,RADIUS]", choices<Filter>() + " instead of the scene's; radius in pixels",
-                [&](const Text& t) { options.filter = parseFilter(t); });
-    table.value("--seed", "N", "seed of the random samplers instead of the scene's",
-                [&](const Text& t) { options.seed = parseSeed(t); });
+                options.filter, parseFilter);
+    table.value("--seed", "N", "seed of the random samplers instead of the scene's", options.seed, parseSeed);
     table.value("--adaptive", "MAX[,THRESHOLD]",
                 "take up to MAX samples in pixels whose samples differ, see docs/guide/sampling.md",
-                [&](const Text& t) { options.adaptive = parseAdaptive(t); });
+                options.adaptive, parseAdaptive);
 }
 
 void addExposure(OptionTable& table, std::optional<double>& stops) {
-    table.value("--exposure", "STOPS", "multiply the colours of a .png by 2^STOPS (default 0)",
-                [&](const Text& t) { stops = parseStops(t); });
+    table.real("--exposure", "STOPS", "multiply the colours of a .png by 2^STOPS (default 0)", -100, 100,
+               stops);
 }
 
 void addBackend(OptionTable& table, Backend& backend) {
@@ -97,12 +123,12 @@ void addBackend(OptionTable& table, Backend& backend) {
 void addDevice(OptionTable& table, DeviceChoice& device) {
     table.name("--device", "NAME|INDEX", "index or part of the name, see glint devices (default: the best)",
                device.selector);
-    table.value("--threads", "N",
-                "host threads, of the reference and of lavapipe too (default: one a processor)",
-                [](const Text& t) {
-                    limitThreads(static_cast<unsigned>(parseWhole(t, 1, 1024)));
-                    setenv("LP_NUM_THREADS", t.c_str(), 1);
-                });
+    table.read("--threads", "N",
+               "host threads, of the reference and of lavapipe too (default: one a processor)",
+               [](const std::string& text) {
+                   limitThreads(static_cast<unsigned>(parseWhole(text, 1, 1024)));
+                   setenv("LP_NUM_THREADS", text.c_str(), 1);
+               });
     table.flag("--validation", "run the Vulkan validation layer; its messages are errors", device.validation);
 }
 
@@ -123,9 +149,9 @@ void addProgress(OptionTable& table, ProgressMode& mode) {
     table.choice<ProgressMode>("--progress", "on standard error (default auto: a bar on a terminal)", mode);
 }
 
-void addStats(OptionTable& table, const Text& what, bool& json) {
-    table.value("--stats", "json", what, [&](const Text& t) {
-        if (t != "json") refuse("json", t);
+void addStats(OptionTable& table, const std::string& help, bool& json) {
+    table.read("--stats", "json", help, [&](const std::string& text) {
+        if (text != "json") refuse("json", text);
         json = true;
     });
 }

@@ -1,13 +1,15 @@
-// `glint render`: what its command line says, and what that asks of a tracer.
+// `glint render`: its command line, the request that it makes, and its ways to render an image.
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/cli.h"
 #include "app/error_target.h"
-#include "app/option_groups.h"
+#include "app/options.h"
 #include "core/progress.h"
 #include "pack/loaded_scene.h"
 #include "trace/picture.h"
@@ -58,5 +60,19 @@ uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data);
 
 // All wishes of the command; `progress` is left empty. Throws Error(Argument) for a --crop beyond the image.
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded);
+
+// --frames: the images of an animation.
+ExitCode renderFrames(const RenderCommand& command, std::ostream& out, std::ostream& err);
+
+// Images that are rendered unit by unit (farm/unit.h). Without CMake's GLINT_FARM all of them throw.
+
+// --part: renders one part into a file.
+ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err);
+// --checkpoint: keeps finished units, and resumes from them.
+ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::ostream& err);
+// True if an MPI launcher started several processes for this image (farm/ranks.h). Throws Error(Argument) for
+// options that exclude it.
+bool isForRanks(const RenderCommand& command);
+ExitCode renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err);
 
 }  // namespace glint::app
