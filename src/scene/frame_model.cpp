@@ -145,14 +145,9 @@ struct Frame {
     glm::dvec3 right, up, back;  // orthonormal; back points to the eye
 };
 
-// Turns a direction of a scene whose y axis points up, so that the front of a model with z up is -y.
-glm::dvec3 turned(const glm::dvec3& v, UpAxis up) {
-    return up == UpAxis::Z ? glm::dvec3(v.x, -v.z, v.y) : up == UpAxis::X ? glm::dvec3(v.y, v.z, v.x) : v;
-}
-
 Frame viewFrame(UpAxis up) {
-    const glm::dvec3 back = glm::normalize(turned(kTowardsEye, up));
-    const glm::dvec3 right = glm::normalize(glm::cross(turned({0, 1, 0}, up), back));
+    const glm::dvec3 back = glm::normalize(fromYUp(kTowardsEye, up));
+    const glm::dvec3 right = glm::normalize(glm::cross(fromYUp({0, 1, 0}, up), back));
     return {right, glm::cross(back, right), back};
 }
 
@@ -176,6 +171,10 @@ double viewingDistance(const Scene& scene, DrawnVertices& drawn, const Frame& fr
 
 }  // namespace
 
+glm::dvec3 fromYUp(const glm::dvec3& v, UpAxis up) {
+    return up == UpAxis::Z ? glm::dvec3(v.x, -v.z, v.y) : up == UpAxis::X ? glm::dvec3(v.y, v.z, v.x) : v;
+}
+
 void frameModel(Scene& scene, UpAxis up) {
     scene.maxDepth = 5;
     scene.background = kModelBackground;
@@ -194,7 +193,7 @@ void lightModel(Scene& scene) {
 
 void frameCamera(Scene& scene, UpAxis up) {
     scene.camera = Camera{};
-    scene.camera.up = turned(scene.camera.up, up);
+    scene.camera.up = fromYUp(scene.camera.up, up);
     const Frame frame = viewFrame(up);
     DrawnVertices drawn;
     Box box;

@@ -16,6 +16,9 @@ constexpr auto entriesOf(UpAxis) {
     return std::to_array<EnumEntry<UpAxis>>({{UpAxis::X, "x"}, {UpAxis::Y, "y"}, {UpAxis::Z, "z"}});
 }
 
+// Turns a direction of a scene whose y axis points up. The front of a model with z up is -y.
+glm::dvec3 fromYUp(const glm::dvec3& v, UpAxis up);
+
 // A camera and, if there is none, a light that show all of `scene`'s finite geometry: frameCamera and
 // lightModel; background and ambient light as above.
 void frameModel(Scene& scene, UpAxis up = UpAxis::Y);

@@ -6,6 +6,7 @@
 
 #include "import/camera_writer.h"
 #include "scene/camera_frame.h"
+#include "scene/frame_model.h"
 
 namespace glint::view {
 
@@ -24,6 +25,13 @@ constexpr double kLeastPoleAngle = 0.5 * kRadian;
 glm::dvec3 rotated(const glm::dvec3& v, const glm::dvec3& axis, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
     return v * c + glm::cross(axis, v) * s + axis * (glm::dot(axis, v) * (1 - c));
+}
+
+// The axis that the scene's camera has as its up direction; y if that is no axis.
+UpAxis upAxisOf(const Camera& home) {
+    const glm::dvec3& up = home.up;
+    if (up.x == 0 && up.y == 0 && up.z > 0) return UpAxis::Z;
+    return up.x > 0 && up.y == 0 && up.z == 0 ? UpAxis::X : UpAxis::Y;
 }
 
 }  // namespace
@@ -196,19 +204,18 @@ void CameraControl::frame(const Ball& ball) {
 }
 
 void CameraControl::view(Side side, const Ball& ball) {
-    // Right-handed, y up, front towards +z. From above and below the picture's top is -z and z.
+    // Right-handed, y up, front towards +z. From above and below, the top of the image is -z and z.
     static constexpr double kOut[6][3] = {{0, 0, 1},  {1, 0, 0}, {0, 0, -1},
                                           {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
     const double* out = kOut[static_cast<int>(side)];
-    const glm::dvec3 direction(out[0], out[1], out[2]);
+    const UpAxis up = upAxisOf(home_);
+    glm::dvec3 direction(out[0], out[1], out[2]);
+    // Not quite along `up`, so that orbiting can go on from there.
+    if (side == Side::Top) direction = rotated(direction, {1, 0, 0}, kLeastPoleAngle);
+    if (side == Side::Bottom) direction = rotated(direction, {1, 0, 0}, -kLeastPoleAngle);
     camera_.target = ball.center;
-    camera_.eye = ball.center + direction;
-    camera_.up = {0, 1, 0};
-    if (side == Side::Top || side == Side::Bottom) {
-        // Not quite along `up`, so that orbiting can go on from there.
-        camera_.eye = ball.center +
-                      rotated(direction, {1, 0, 0}, side == Side::Top ? kLeastPoleAngle : -kLeastPoleAngle);
-    }
+    camera_.eye = ball.center + fromYUp(direction, up);
+    camera_.up = fromYUp({0, 1, 0}, up);
     frame(ball);
     mendPlane();
 }

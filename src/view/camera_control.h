@@ -47,7 +47,8 @@ class CameraControl {
     // Perspective, orthographic, then the oblique ones of both kinds, whose image plane stands upright, so
     // that walls do. What is at the target's distance keeps its size. Returns the new kind's name.
     std::string nextProjection();
-    // All of `ball` in view, from the direction at hand or from a side.
+    // All of `ball` in view, from the direction at hand or from a side. If the up direction of the scene's
+    // camera is the x or the z axis, the sides follow that axis, else y.
     void frame(const Ball& ball);
     void view(Side side, const Ball& ball);
     // A thin lens (scene.h): radius >= 0, 0 for a pinhole; focus distance >= 0, 0 for the target's.

@@ -68,40 +68,6 @@ TEST_F(ByHand, WhatThePanelHasMovedStaysOnReload) {
     }
 }
 
-// ---- the lens ----
-
-// ---- data layers ----
-
-// While a depth layer comes in row by row, those that are there have the greys that they will have at the
-// end: the nearest and the farthest thing of the coarse picture below them count too.
-TEST_F(ByHand, RowsOfADataLayerAreNormalisedTogether) {
-    size_ = "800x700";
-    std::string script =
-        "set samples 1\nkey H\nset depth 20\nsettle\nkey L\nsettle\nhand mousemove @500,400 mousedown 1 "
-        "mousemove "
-        "@520,400 mousemove @540,400 mouseup 1\n";
-    constexpr int kPictures = 8, kLegend = 60;  // below its numbers, which change
-    for (int i = 0; i < kPictures; ++i) script += "window " + std::to_string(i) + ".png\nprint progress\n";
-    const Ran ran = view(script + "settle\nwait 2\nwindow end.png\n");
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    const std::vector<std::string> progress = printed(ran, "progress");
-    const Image end = readImage("end.png");
-    int between = 0;
-    for (int i = 0; i < kPictures; ++i) {
-        const double part = std::stod(progress.at(static_cast<size_t>(i)));
-        const Image now = readImage(std::to_string(i) + ".png");
-        const int rows = static_cast<int>(std::lround(part * now.height));
-        if (rows <= kLegend || rows > now.height - 8) continue;
-        ++between;
-        int worst = 0;
-        for (int y = kLegend; y < rows; ++y)
-            for (int x = 0; x < now.width; ++x)
-                worst = std::max(worst, std::abs(pixelOf(now, x, y).r - pixelOf(end, x, y).r));
-        EXPECT_LE(worst, 12) << rows << " rows";
-    }
-    EXPECT_GE(between, 1) << "no picture was taken while rows came in";
-}
-
 // ---- everything in the panel ----
 
 // Methods, sampling, lens, lights and materials: the picture is that of a file with what C has copied, drawn

@@ -96,6 +96,30 @@ TEST(CameraControl, FramesABall) {
     expectNear(control.camera().eye, {1 + 4.4, 2, 3});
 }
 
+// As `--up z` frames a model: its front is -y, and above is +z.
+TEST(CameraControl, SidesFollowTheUpAxisOfTheScene) {
+    Camera home = cameraAt({0, -5, 0});
+    home.up = {0, 0, 2};
+    CameraControl control(home);
+    control.view(Side::Front, {{0, 0, 0}, 2});
+    expectNear(control.camera().eye, {0, -4.4, 0});
+    control.view(Side::Right, {{0, 0, 0}, 2});
+    expectNear(control.camera().eye, {4.4, 0, 0});
+    control.view(Side::Top, {{0, 0, 0}, 2});
+    expectNear(control.camera().eye, {0, -4.4 * std::sin(kPi / 360), 4.4 * std::cos(kPi / 360)});
+    expectNear(control.camera().up, {0, 0, 1});
+}
+
+// The camera of a file looks down, so its own up direction is no axis of the scene.
+TEST(CameraControl, SidesKeepTheYAxisUpUnlessTheCameraNamesAnother) {
+    Camera home = cameraAt({0, 5, 5});
+    home.up = {0, 1, -1};
+    CameraControl control(home);
+    control.view(Side::Front, {{0, 0, 0}, 2});
+    expectNear(control.camera().eye, {0, 0, 4.4});
+    expectNear(control.camera().up, {0, 1, 0});
+}
+
 // From above, everything can still be turned: the view direction is not along `up`.
 TEST(CameraControl, EverySideIsAValidCamera) {
     for (int side = 0; side < 6; ++side) {

@@ -1,8 +1,10 @@
 // The window on a screen in memory, driven by scripts.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -10,10 +12,12 @@
 #include "core/error.h"
 #include "core/image_io.h"
 #include "driver.h"
+#include "import/load.h"
 #include "support.h"
 #include "support/environment.h"
 #include "view/display.h"
 #include "view/session.h"
+#include "view/view_scene.h"
 
 namespace glint::view::test::window_test {
 namespace {
@@ -55,6 +59,39 @@ TEST_F(Window, EscClosesAPicker) {
         "print control picker\n");
     EXPECT_EQ(ran.code, 1);
     EXPECT_NE(ran.err.find("script.txt:8: print: no control 'picker'"), std::string::npos) << ran.err;
+}
+
+// While a depth layer comes in row by row, those that are there have the greys that they will have at the
+// end: the nearest and the farthest thing of the coarse image below them count too.
+TEST_F(Window, RowsOfADataLayerAreNormalisedTogether) {
+    constexpr int kWidth = 160, kHeight = 120;
+    const gpu::Device device(gpu::DeviceOptions{});
+    const auto scene = std::make_shared<ViewScene>(
+        *packViewScene("scene.json", loadScene("scene.json"), BuildQuality::Default));
+    Session session(device, scene);
+    PictureSettings settings = session.settings();
+    settings.layer = ViewLayer::Depth;
+    session.apply(settings);
+    session.setView(scene->scene.camera, kWidth, kHeight);
+    ASSERT_TRUE(session.renderMoving(0.5, 1));
+    std::vector<Canvas> partial;
+    std::vector<int> rows;
+    while (!session.finished()) {
+        session.refine(1e-9, [] { return false; });  // the least piece
+        partial.push_back(session.canvas({}));
+        rows.push_back(static_cast<int>(std::lround(session.progress() * kHeight)));
+    }
+    ASSERT_GT(partial.size(), 10u);
+    const Canvas& end = partial.back();
+    for (size_t i = 0; i + 1 < partial.size(); ++i) {
+        int worst = 0;
+        for (int k = 0; k < rows[i] * kWidth; ++k) {
+            const auto at = static_cast<size_t>(k);
+            worst = std::max(worst, std::abs(static_cast<int>(partial[i].pixels[at] & 255u) -
+                                             static_cast<int>(end.pixels[at] & 255u)));
+        }
+        EXPECT_LE(worst, 12) << rows[i] << " rows";
+    }
 }
 
 // The picture behind the panel is the picture of `glint render`: the same bytes on the screen.
