@@ -13,7 +13,7 @@
 #include "core/near_names.h"
 #include "core/text_file.h"
 #include "core/wording.h"
-#include "farm/unit_file.h"
+#include "farm/unit.h"
 #include "report/plan.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"

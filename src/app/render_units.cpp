@@ -204,7 +204,7 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
     }
     if (!result)
         throw Error(ErrorKind::Interrupted, "interrupted before the part was finished; nothing written");
-    writeFile(done.file, farm::encodeUnits(units.header(), {&*result, 1}));
+    writeFile(done.file, farm::encodePart(units.header(), *result));
     done.drawn = units.drawing().facts();
     done.totalSeconds = total.seconds();
     print(done, command, units.loaded(), out);

@@ -65,7 +65,7 @@ Checkpoint::Checkpoint(const std::filesystem::path& path, const UnitHeader& head
         const auto add = [&](const UnitResult& result) {
             if (parts.insert(result.part).second) found(result);
         };
-        size_ = forEachUnit(path, true, check, add).wholeBytes;
+        size_ = forEachUnit(path, check, add);
         if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail(path, "cannot write: " + reason(errno));
     } catch (...) {
         ::close(file_);

@@ -139,19 +139,17 @@ std::map<int, std::filesystem::path> filesOfParts(const std::vector<std::filesys
                                                   UnitHeader& header, uint64_t& largest) {
     std::map<int, std::filesystem::path> there;
     for (const std::filesystem::path& path : files) {
-        const UnitOutline outline = outlineOf(path);
+        const PartOutline outline = outlineOf(path);
         largest = std::max(largest, outline.bytes);
         if (there.empty()) header = outline.header;
         const std::string other = difference(outline.header.identity, header.identity);
         if (!other.empty())
             fail(path.string() + ": belongs to another picture than " + files.front().string() + ": " +
                  other);
-        for (const int part : outline.parts) {
-            const auto [known, isNew] = there.emplace(part, path);
-            if (!isNew)
-                fail(path.string() + ": holds " + namesOfParts({part}, header.parts) + ", which " +
-                     (known->second == path ? "it" : known->second.string()) + " holds already");
-        }
+        const auto [known, isNew] = there.emplace(outline.part, path);
+        if (!isNew)
+            fail(path.string() + ": holds " + namesOfParts({outline.part}, header.parts) + ", which " +
+                 (known->second == path ? "it" : known->second.string()) + " holds already");
     }
     const std::vector<int> missing = missingParts(there, header.parts);
     if (!missing.empty())
@@ -168,12 +166,7 @@ void mergeParts(const std::vector<std::filesystem::path>& files,
     uint64_t largest = 0;
     const auto parts = filesOfParts(files, header, largest);
     begin(header, largest);
-    for (const auto& [part, path] : parts)
-        forEachUnit(
-            path, false, [](const UnitHeader&) {},
-            [&, part = part](const UnitResult& result) {
-                if (result.part == part) add(result);
-            });
+    for (const auto& [part, path] : parts) add(readPart(path));
 }
 
 std::string namesOfParts(const std::vector<int>& parts, int of) {

@@ -34,7 +34,7 @@ Bytes message(Word word, const Bytes& bytes = {}) {
 
 Bytes workMessage(int unit) {
     ByteWriter out;
-    out.put(static_cast<int32_t>(unit));
+    out(unit);
     return message(Word::Work, out.take());
 }
 
@@ -130,10 +130,12 @@ void FirstRank::fail(const Error& error) {
 
 void FirstRank::handle(int from, ByteReader& in) {
     const std::string name = "rank " + std::to_string(from);
-    switch (static_cast<Word>(in.get<uint8_t>())) {
+    Word word{};
+    in(word);
+    switch (word) {
         case Word::Ready: {
             ++ready_;
-            UnitHeader theirs = decodeHeader(in.next(in.left()), name);
+            UnitHeader theirs = decodeHeader(in.left(), name);
             if (header_)
                 judge(from, theirs);
             else
@@ -142,12 +144,14 @@ void FirstRank::handle(int from, ByteReader& in) {
             break;
         }
         case Word::Result:
-            accept(decodeUnit(in.next(in.left()), *header_, name));
+            accept(decodeUnit(in.left(), *header_, name));
             idle_.push_back(from);
             break;
         case Word::Failed: {
-            const auto kind = static_cast<ErrorKind>(in.get<uint32_t>());
-            fail(Error(kind, in.text()));
+            ErrorKind kind{};
+            std::string text;
+            in(kind, text);
+            fail(Error(kind, text));
             break;
         }
         default:
@@ -238,8 +242,13 @@ std::optional<int> OtherRank::next() {
         const auto message = transport_.receive();
         if (!message) continue;
         ByteReader in(message->bytes);
-        const auto word = static_cast<Word>(in.get<uint8_t>());
-        if (word == Word::Work) return in.get<int32_t>();
+        Word word{};
+        int unit = 0;
+        in(word);
+        if (word == Word::Work) {
+            in(unit);
+            return unit;
+        }
         if (word == Word::End) break;
     }
     return std::nullopt;
@@ -251,8 +260,7 @@ void OtherRank::put(const UnitResult& result) {
 
 void OtherRank::fail(const Error& error) {
     ByteWriter out;
-    out.put(static_cast<uint32_t>(error.kind()));
-    out.put(nameOfRank(transport_.rank()) + ": " + error.what());
+    out(error.kind(), nameOfRank(transport_.rank()) + ": " + error.what());
     transport_.send(0, message(Word::Failed, out.take()));
     while (next()) {
     }

@@ -9,6 +9,13 @@
 
 namespace glint::farm {
 
+void fields(ByteWriter& out, const std::filesystem::path& path) {
+    out(path.string());
+}
+void fields(ByteWriter& out, const FileStatus& status) {
+    out(status.exists, status.regular, status.size);
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -16,19 +23,6 @@ namespace fs = std::filesystem;
 constexpr size_t kPiece = size_t{1} << 20;
 constexpr uint8_t kRead = 1, kStatus = 2, kReal = 3;
 constexpr uint8_t kFailed = 0, kAnswered = 1;
-
-void put(ByteWriter& out, const std::string& text) {
-    out.put(static_cast<uint64_t>(text.size()));
-    out.raw(text.data(), text.size());
-}
-void put(ByteWriter& out, const fs::path& path) {
-    put(out, path.string());
-}
-void put(ByteWriter& out, const FileStatus& status) {
-    out.put(static_cast<uint8_t>(status.exists));
-    out.put(static_cast<uint8_t>(status.regular));
-    out.put(status.size);
-}
 
 }  // namespace
 
@@ -49,18 +43,14 @@ void RecordedFiles::flush() {
 template <typename Ask>
 auto RecordedFiles::answered(uint8_t question, const fs::path& path, const Ask& ask) {
     ByteWriter out;
-    out.put(question);
-    put(out, path.string());
+    out(question, path.string());
     try {
         auto answer = ask();
-        out.put(kAnswered);
-        put(out, answer);
+        out(kAnswered, answer);
         append(out.take());
         return answer;
     } catch (const Error& error) {
-        out.put(kFailed);
-        out.put(static_cast<uint32_t>(error.kind()));
-        put(out, std::string(error.what()));
+        out(kFailed, error.kind(), std::string(error.what()));
         append(out.take());
         flush();
         throw;
@@ -116,7 +106,7 @@ void ReplayedFiles::expect(uint8_t question, const fs::path& path) {
         throw Error(ErrorKind::Failed, path.string() + ": is read where rank 0 read " + name +
                                            ": the processes do not render the same image");
     if (number<uint8_t>() == kAnswered) return;
-    const auto kind = static_cast<ErrorKind>(number<uint32_t>());
+    const auto kind = number<ErrorKind>();
     throw Error(kind, text());
 }
 

@@ -1,10 +1,9 @@
-// Files of finished units: parts of pictures that other machines drew, and pictures that go on later.
+// Files of finished units: parts of images that other machines rendered, and checkpoints.
 //
-// A file is a signature and records, each with its kind, its length, its bytes and their hash (XXH3, 64
-// bits): one HEAD, any number of UNITs, and DONE with their number in a file that is finished. So a reader
-// tells what was cut off, changed or never finished, and a writer may append. The samples are floats, bit for
-// bit, NaN in data layers included. No picture format holds scattered pieces of a picture together with what
-// they were made from and a hash of all that; and nobody mistakes a part for a picture.
+// A file is a signature and records, each with its length, its bytes and their hash (XXH3, 64 bits): the
+// header, and then units; a part has one, a checkpoint any number. So a reader finds what was cut off or
+// changed, and a writer may append. The samples are floats, bit for bit, NaN in data layers included. No
+// image format holds scattered pieces of an image together with what they were made from and a hash of it.
 #pragma once
 
 #include <cstdint>
@@ -14,53 +13,41 @@
 #include <string>
 #include <vector>
 
-#include "farm/identity.h"
-#include "farm/unit_result.h"
+#include "farm/unit.h"
 
 namespace glint::farm {
-
-// Into which a picture may be cut.
-inline constexpr int kMostParts = 1 << 20;
 
 // Extension of the files that `glint render --part` writes.
 inline constexpr const char* kPartExtension = ".part";
 
-struct UnitHeader {
-    Identity identity;
-    Region region;          // all units together
-    std::vector<Aov> aovs;  // the picture's layers in the order in which they were asked for
-    int parts = 1;          // that it is cut into
-};
-
-struct UnitFileEnd {
-    bool finished = false;    // has its last record
-    uint64_t wholeBytes = 0;  // up to the end of the last record that is whole
-};
-
-// The bytes of a finished file, and those of one to which units will be appended.
-std::vector<uint8_t> encodeUnits(const UnitHeader& header, std::span<const UnitResult> results);
+// The start of a file, and a unit after it.
 std::vector<uint8_t> encodeHeader(const UnitHeader& header);
 std::vector<uint8_t> encodeUnit(const UnitResult& result);
 
-// Contents of a file, as found from the starts of its records.
-struct UnitOutline {
-    UnitHeader header;
-    std::vector<int> parts;
-    uint64_t bytes = 0;  // of the file
-};
-// Throws as forEachUnit, but does not check that the samples are whole.
-UnitOutline outlineOf(const std::filesystem::path& path);
-
 // Decode the output of encodeHeader and encodeUnit. `name`: the source, for messages. Both throw
-// Error(Failed).
+// Error(Failed) "NAME: damaged: ...".
 UnitHeader decodeHeader(std::span<const uint8_t> bytes, const std::string& name);
 UnitResult decodeUnit(std::span<const uint8_t> bytes, const UnitHeader& header, const std::string& name);
 
-// Reads a file unit by unit, so that one at a time is in memory; `begin` is called first. Throws
-// Error(Failed) "a.part: damaged: ..." for a file that was changed or is no such file, and unless
-// `unfinished` for one that ends early; with it, an incomplete record at the end is left out.
-UnitFileEnd forEachUnit(const std::filesystem::path& path, bool unfinished,
-                        const std::function<void(const UnitHeader&)>& begin,
-                        const std::function<void(UnitResult)>& add);
+// The bytes of a part.
+std::vector<uint8_t> encodePart(const UnitHeader& header, const UnitResult& result);
+
+// The unit of such a file. Throws Error(Failed) "a.part: damaged: ..." for a file that was changed, that ends
+// early, or that is no such file.
+UnitResult readPart(const std::filesystem::path& path);
+
+// The start of such a file. Throws as readPart, but does not check the unit.
+struct PartOutline {
+    UnitHeader header;
+    int part = 0;
+    uint64_t bytes = 0;  // of the file
+};
+PartOutline outlineOf(const std::filesystem::path& path);
+
+// Reads all units of a file, one at a time in memory, up to the first one that is incomplete or damaged;
+// `begin` is called first. Returns the number of bytes up to there. Throws Error(Failed) if the header is
+// damaged.
+uint64_t forEachUnit(const std::filesystem::path& path, const std::function<void(const UnitHeader&)>& begin,
+                     const std::function<void(const UnitResult&)>& add);
 
 }  // namespace glint::farm

@@ -1,4 +1,4 @@
-#include "farm/identity.h"
+#include "farm/unit.h"
 
 #include "support.h"
 

@@ -95,7 +95,7 @@ class MergeFiles : public glint::test::WorkingFolderTest {
         for (int i = 0; i < 4; ++i) write(i, header_);
     }
     void write(int i, const UnitHeader& header) {
-        writeFiles({{paths_[i], encodeUnits(header, {&results_[static_cast<size_t>(i)], 1})}});
+        writeFiles({{paths_[i], encodePart(header, results_[static_cast<size_t>(i)])}});
     }
     static std::string errorIn(const std::vector<std::filesystem::path>& paths) {
         return errorOf(ErrorKind::Failed, [&] { merge(paths); });

@@ -56,11 +56,11 @@ std::vector<UnitResult> partsOf(const Request& request, int parts, const std::ve
     return results;
 }
 
-UnitFile readUnits(const std::filesystem::path& path, bool unfinished) {
+UnitFile readUnits(const std::filesystem::path& path) {
     UnitFile file;
-    static_cast<UnitFileEnd&>(file) = forEachUnit(
-        path, unfinished, [&](const UnitHeader& header) { file.header = header; },
-        [&](UnitResult result) { file.results.push_back(std::move(result)); });
+    file.wholeBytes = forEachUnit(
+        path, [&](const UnitHeader& header) { file.header = header; },
+        [&](const UnitResult& result) { file.results.push_back(result); });
     return file;
 }
 

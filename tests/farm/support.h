@@ -23,11 +23,12 @@ Picture draw(const Request& request);
 std::vector<UnitResult> partsOf(const Request& request, int parts, const std::vector<Aov>& aovs,
                                 bool even = false);
 
-struct UnitFile : UnitFileEnd {
+struct UnitFile {
     UnitHeader header;
     std::vector<UnitResult> results;
+    uint64_t wholeBytes = 0;
 };
-UnitFile readUnits(const std::filesystem::path& path, bool unfinished = false);
+UnitFile readUnits(const std::filesystem::path& path);
 
 UnitHeader headerOf(const Request& request, int parts, const std::vector<Aov>& aovs);
 

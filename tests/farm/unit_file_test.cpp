@@ -1,6 +1,7 @@
 #include "farm/unit_file.h"
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "support.h"
@@ -33,14 +34,14 @@ const UnitHeader kHeader = {
 class UnitFiles : public glint::test::WorkingFolderTest {};
 
 TEST_F(UnitFiles, KeepEveryBit) {
-    writeBytes("a.part", encodeUnits(kHeader, std::vector{result(), result()}));
-    const UnitFile file = readUnits("a.part");
-    EXPECT_TRUE(file.finished);
-    EXPECT_EQ(file.header.identity, kHeader.identity);
-    EXPECT_EQ(file.header.aovs, kHeader.aovs);
-    EXPECT_EQ(file.header.region.x1, 8);
-    ASSERT_EQ(file.results.size(), 2u);
-    const UnitResult& read = file.results[1];
+    writeBytes("a.part", encodePart(kHeader, result()));
+    const PartOutline outline = outlineOf("a.part");
+    EXPECT_EQ(outline.header.identity, kHeader.identity);
+    EXPECT_EQ(outline.header.aovs, kHeader.aovs);
+    EXPECT_EQ(outline.header.region.x1, 8);
+    EXPECT_EQ(outline.part, 2);
+    EXPECT_EQ(outline.bytes, std::filesystem::file_size("a.part"));
+    const UnitResult read = readPart("a.part");
     EXPECT_EQ(read.part, 2);
     EXPECT_EQ(read.producer, result().producer);
     EXPECT_EQ(read.notFinite, 5u);
@@ -55,25 +56,25 @@ TEST_F(UnitFiles, KeepEveryBit) {
 
 // Every byte that is changed and every length that a file may be cut to is found out.
 TEST_F(UnitFiles, NoDamageGoesUnnoticed) {
-    const std::vector<uint8_t> whole = encodeUnits(kHeader, std::vector{result()});
+    const std::vector<uint8_t> whole = encodePart(kHeader, result());
     for (size_t i = 0; i < whole.size(); ++i) {
         std::vector<uint8_t> bytes = whole;
         bytes[i] ^= static_cast<uint8_t>(1u << i % 8);
         writeBytes("a.part", bytes);
-        const std::string error = errorOf(ErrorKind::Failed, [] { readUnits("a.part"); });
+        const std::string error = errorOf(ErrorKind::Failed, [] { readPart("a.part"); });
         EXPECT_TRUE(error.starts_with("a.part: damaged: ")) << i << ' ' << error;
         bytes.assign(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(i));
         writeBytes("a.part", bytes);
-        EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readUnits("a.part"); }), "a.part: damaged: it ends early")
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readPart("a.part"); }), "a.part: damaged: it ends early")
             << i;
     }
     std::vector<uint8_t> longer = whole;
     longer.push_back(0);
     writeBytes("a.part", longer);
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readUnits("a.part"); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readPart("a.part"); }),
               "a.part: damaged: something follows its end");
     glint::test::writeText("a.part", "P6 640 480 255 and so on, a picture");
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readUnits("a.part"); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readPart("a.part"); }),
               "a.part: damaged: it is no file that glint render --part or --checkpoint wrote");
 }
 
@@ -82,10 +83,28 @@ TEST_F(UnitFiles, NobodyHasSoManyParts) {
     for (const int parts : {0, -1, kMostParts + 1, std::numeric_limits<int>::max()}) {
         UnitHeader header = kHeader;
         header.parts = parts;
-        writeBytes("a.part", encodeUnits(header, {}));
-        EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readUnits("a.part"); }),
+        writeBytes("a.part", encodePart(header, result()));
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readPart("a.part"); }),
                   "a.part: damaged: it says that the picture has " + std::to_string(parts) + " parts");
     }
+}
+
+// Records with the right hash whose images do not fit their regions.
+TEST_F(UnitFiles, ImagesFitTheirRegions) {
+    const auto errorWith = [](const std::function<void(Block&)>& change) {
+        UnitResult wrong = result();
+        change(wrong.blocks[0]);
+        writeBytes("a.part", encodePart(kHeader, wrong));
+        return errorOf(ErrorKind::Failed, [] { readPart("a.part"); });
+    };
+    const std::string size = "a.part: damaged: an image has another size than its region";
+    EXPECT_EQ(errorWith([](Block& b) { b.color.pixels.pop_back(); }), size);
+    EXPECT_EQ(errorWith([](Block& b) { b.color.width = 2; }), size);
+    EXPECT_EQ(errorWith([](Block& b) { b.layers[0].image.channels = 3; }), size);
+    EXPECT_EQ(errorWith([](Block& b) { b.layers.clear(); }),
+              "a.part: damaged: a unit has other layers than the picture");
+    EXPECT_EQ(errorWith([](Block& b) { b.region.x1 = 9; }),
+              "a.part: damaged: a region lies outside of the picture");
 }
 
 // Units that were appended until the process ended, whenever that was.
@@ -95,8 +114,7 @@ TEST_F(UnitFiles, UnfinishedFilesHoldTheirWholeUnits) {
     for (int i = 0; i < 2; ++i) bytes.insert(bytes.end(), unit.begin(), unit.end());
     for (size_t size = head.size(); size <= bytes.size(); ++size) {
         writeBytes("a.part", {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
-        const UnitFile file = readUnits("a.part", true);
-        EXPECT_FALSE(file.finished);
+        const UnitFile file = readUnits("a.part");
         EXPECT_EQ(file.results.size(), (size - head.size()) / unit.size());
         EXPECT_EQ(file.wholeBytes, head.size() + file.results.size() * unit.size());
     }

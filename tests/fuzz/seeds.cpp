@@ -23,20 +23,13 @@ void writeParts(const std::filesystem::path& folder) {
         header.region = all;
         header.aovs = {Aov::Radiance};
         if (layers) header.aovs.insert(header.aovs.end(), {Aov::Alpha, Aov::Depth, Aov::Normal, Aov::Uv});
-        header.parts = layers ? 2 : 1;
-        std::vector<farm::UnitResult> results;
-        for (int part = 1; part <= header.parts; ++part) {
-            farm::UnitResult result;
-            result.part = part;
-            result.producer = {"llvmpipe", "Mesa", true};
-            const Region region = header.parts == 1 ? all : Region{0, 3 * (part - 1), 8, 3 * part};
-            farm::Block block{region, gradient(region.width(), region.height(), 4), {}};
-            for (const auto& [name, channels] : farm::layerShapes(header.aovs))
-                block.layers.push_back({name, gradient(region.width(), region.height(), channels)});
-            result.blocks.push_back(std::move(block));
-            results.push_back(std::move(result));
-        }
-        writeFiles({{folder / (layers ? "layers.part" : "color.part"), farm::encodeUnits(header, results)}});
+        farm::UnitResult result;
+        result.producer = {"llvmpipe", "Mesa", true};
+        farm::Block block{all, gradient(all.width(), all.height(), 4), {}};
+        for (const auto& [name, channels] : farm::layerShapes(header.aovs))
+            block.layers.push_back({name, gradient(all.width(), all.height(), channels)});
+        result.blocks.push_back(std::move(block));
+        writeFiles({{folder / (layers ? "layers.part" : "color.part"), farm::encodePart(header, result)}});
     }
 }
 

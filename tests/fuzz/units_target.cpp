@@ -12,13 +12,13 @@ namespace {
 
 using namespace glint;
 
-constexpr size_t kSignature = 16, kHead = 12, kHash = 8;
+constexpr size_t kSignature = 16, kHead = 8, kHash = 8;
 
 std::vector<uint8_t> withHashes(fuzz::Input input) {
     std::vector<uint8_t> bytes(input.begin(), input.end());
     for (size_t at = kSignature; at + kHead + kHash <= bytes.size();) {
         uint64_t size = 0;
-        std::memcpy(&size, &bytes[at + 4], sizeof(size));
+        std::memcpy(&size, &bytes[at], sizeof(size));
         if (size > bytes.size() - at - kHead - kHash) break;
         const uint64_t hash = contentHash(fuzz::Input(&bytes[at], kHead + size));
         std::memcpy(&bytes[at + kHead + size], &hash, kHash);
@@ -31,7 +31,7 @@ void read(fuzz::Input input) {
     const auto path = fuzz::write("input.part", input);
     fuzz::expectAnswer(ErrorKind::Failed, [&] {
         farm::forEachUnit(
-            path, true, [](const auto&) {}, [](const auto&) {});
+            path, [](const auto&) {}, [](const auto&) {});
     });
     // What merge asks before it takes memory, with less to give.
     std::optional<farm::Assembly> assembly;

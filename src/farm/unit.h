@@ -1,11 +1,12 @@
-// Units of work, and what comes of them. A picture's pixels do not depend on each other, so a unit is a part
-// of it: some of its pixels, with all their samples. Samples are not divided: a pixel's sum has one
-// order, and another one would have other bits.
+// Units of work, and their results. The pixels of an image do not depend on each other, so a unit is a part
+// of it: some of its pixels, with all their samples. Samples are not divided: a pixel's sum has one order,
+// and another one would have other bits.
 #pragma once
 
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/image.h"
@@ -13,6 +14,28 @@
 #include "trace/request.h"
 
 namespace glint::farm {
+
+// Maximum number of parts of an image.
+inline constexpr int kMostParts = 1 << 20;
+
+// Identity of an image: the facts that it is made from, in a fixed order, such as {"size", "640x480"} or
+// {"file bunny.obj", "1f2e..."}. Results are merged only if they agree on all of them.
+struct Identity {
+    std::vector<std::pair<std::string, std::string>> facts;
+    bool operator==(const Identity&) const = default;
+};
+
+// The first fact that differs, for people: "size is 640x480 there and 800x600 here"; empty if none does.
+// Facts about files are hashes, which nobody reads: "file bunny.obj has other contents".
+std::string difference(const Identity& there, const Identity& here);
+
+// The image that units belong to.
+struct UnitHeader {
+    Identity identity;
+    Region region;          // all units together
+    std::vector<Aov> aovs;  // the image's layers in the order in which they were asked for
+    int parts = 1;          // number of units
+};
 
 // Device and driver that rendered a unit.
 struct Producer {
@@ -24,6 +47,7 @@ struct Producer {
 
 // Names and channel counts of an image's layers, except "color" and "alpha".
 using LayerShapes = std::vector<std::pair<std::string, int>>;
+LayerShapes layerShapes(const std::vector<Aov>& aovs);
 
 struct Block {
     Region region;
@@ -42,9 +66,6 @@ struct UnitResult {
 
 // Draws what the request asks for: a tracer.
 using Draw = std::function<Picture(const Request&)>;
-
-// Layers that a picture of these AOVs has besides colour and alpha.
-LayerShapes layerShapes(const std::vector<Aov>& aovs);
 
 // Draws the regions of a unit of the whole picture that is asked for. Nothing if it was cancelled.
 std::optional<UnitResult> drawUnit(const Draw& draw, const Request& whole, const std::vector<Region>& regions,
