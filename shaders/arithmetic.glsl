@@ -1,7 +1,7 @@
 // Arithmetic that gives the same bits on every device. Vulkan demands of `+`, `-`, `*`, of conversions and of
 // whole numbers that they be right to the last bit, and of nothing else: a quotient may be off by 2.5 ulp, a
 // square root by more, pow and exp by thousands, and dot and length may be summed in any order
-// (docs/numerics.md 1). So everything else is made of those here, and a test looks for what goes by it
+// (docs/design/numerics.md 1). So everything else is made of those here, and a test looks for what goes by it
 // (tests/render/lint_test.cpp). Sums and
 // products need no `precise` besides: glint marks them all (src/gpu/strict.h).
 #ifndef GLINT_ARITHMETIC_GLSL
@@ -121,7 +121,7 @@ vec3 ownCross(vec3 a, vec3 b) {
 // ---- Powers ----
 //
 // Polynomials and constants are those of S. L. Moshier's Cephes library (single/logf.c, log2f.c, expf.c,
-// exp2f.c; netlib.org/cephes). Errors measured: docs/numerics.md 1.1.
+// exp2f.c; netlib.org/cephes). Errors measured: docs/design/numerics.md 1.1.
 
 // x = m 2^n with m in [sqrt(1/2), sqrt(2)), for a normal x > 0: m - 1, which is exact. log(m) is that and
 // what logarithmRest gives.

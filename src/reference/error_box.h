@@ -1,6 +1,6 @@
-// How far a hit point may be off where it is found in fp32 (docs/numerics.md, where rays begin): a box around
-// it, from whose edge the rays begin that leave the point. In the coordinates of the primitive, until an
-// instance takes the point into the world.
+// How far a hit point may be off where it is found in fp32 (docs/design/numerics.md 2.9): a box
+// around it, from whose edge the rays begin that leave the point. In the coordinates of the primitive, until
+// an instance takes the point into the world.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -41,8 +41,8 @@ inline double cosineError(double turn, double normal) {
 
 // Error of cosine^n, where cosine is that of the normal and the half vector of two directions whose sum has
 // `length`; one errs by `turn`, the other by 4 units. n times the relative error of the cosine, plus the
-// power's own (docs/numerics.md 1.1): log2 errs by 1.5 ulp, at most 3 units, its product y with n by one
-// more, which exp2 makes 4 |y| log(2), and by 1.2 ulp itself; then the product with the light.
+// power's own (docs/design/numerics.md 1.1): log2 errs by 1.5 ulp, at most 3 units, its product y with n by
+// one more, which exp2 makes 4 |y| log(2), and by 1.2 ulp itself; then the product with the light.
 inline double powerError(double cosine, double n, double power, double length, double turn, double normal) {
     const double sway = cosineError(2 * (turn + 6) / length, normal) / cosine;
     const double y = 1.45 * n * std::max(1 - cosine, 0.0) / cosine;  // at least n |log2(cosine)|

@@ -5,7 +5,7 @@
     check_citations.py --self-test    checks that each kind of fault is found
 
 Checked are: links and images of Markdown pages, with their anchors; repository paths in backquotes on pages; paths of pages, sources and
-scenes in comments of code; tests (Suite.WhatHolds, Suite.*) in backquotes on pages; section numbers of docs/numerics.md and cases (T01 ...) of tests/stability/cases.md; pages in docs/ that no other page links to.
+scenes in comments of code; tests (Suite.WhatHolds, Suite.*) in backquotes on pages; section numbers of docs/design/numerics.md and cases (T01 ...) of tests/stability/cases.md; pages in docs/ that no other page links to.
 """
 import fnmatch
 import pathlib
@@ -17,7 +17,7 @@ import tempfile
 CODE_FOLDERS = ("src", "shaders", "tests", "tools", "bench", "cmake", "scenes")
 CODE_SUFFIXES = (".h", ".cpp", ".glsl", ".comp", ".py", ".cmake", ".json", ".txt", ".sh", "")
 ROOT_PAGES = ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")
-NUMERICS = "docs/numerics.md"
+NUMERICS = "docs/design/numerics.md"
 CASES = "tests/stability/cases.md"
 SOURCE_PATH = re.compile(r"(?<![\w/.<>-])((?:docs|src|shaders|tests|tools|bench|cmake|scenes)/[\w./-]*\w)(#[\w-]+)?")
 
@@ -186,10 +186,10 @@ class Checker:
 GOOD = {
     "README.md": "# A\n[page](docs/page.md#two-words) `src/a.cpp` `Balls.Are` `Balls.*`\n",
     "tests/a_test.cpp": "TEST_F(Balls,\n       Are) {}\n",
-    "docs/page.md": "# Page\n## Two `words`\n[numbers](numerics.md)\n```sh\n[no link](nowhere.md)\n```\n",
-    "docs/numerics.md": "# N\n## 2. Bounds\n### 2.3 Boxes\n",
+    "docs/page.md": "# Page\n## Two `words`\n[numbers](design/numerics.md)\n```sh\n[no link](nowhere.md)\n```\n",
+    "docs/design/numerics.md": "# N\n## 2. Bounds\n### 2.3 Boxes\n",
     "tests/stability/cases.md": "| T01 | a |\n",
-    "src/a.cpp": "// docs/numerics.md 2.3, T01 and docs/page.md#page; src/a.cpp\nint a;  // see docs/numerics.md\n// T01\n",
+    "src/a.cpp": "// docs/design/numerics.md 2.3, T01 and docs/page.md#page; src/a.cpp\nint a;  // see docs/design/numerics.md\n// T01\n",
 }
 BAD = {
     "a link to no page": ("README.md", "[x](docs/gone.md)", "docs/gone.md"),
@@ -201,8 +201,8 @@ BAD = {
     "a page that nobody links": ("docs/lonely.md", "# Lonely", "no page links here"),
     "a page in a comment": ("src/b.cpp", "// docs/gone.md", "docs/gone.md"),
     "a page without its folder": ("src/b.cpp", "// gone.md", "gone.md"),
-    "a section of numerics": ("src/b.cpp", "// docs/numerics.md 2.4", "no section 2.4"),
-    "a section in the next line": ("src/b.cpp", "// docs/numerics.md\n// 7", "no section 7"),
+    "a section of numerics": ("src/b.cpp", "// docs/design/numerics.md 2.4", "no section 2.4"),
+    "a section in the next line": ("src/b.cpp", "// docs/design/numerics.md\n// 7", "no section 7"),
     "a case": ("src/b.cpp", "int b;  // T02", "no case T02"),
     "a source in a comment": ("src/b.cpp", "// src/gone.h", "src/gone.h"),
     "a scene in a comment": ("tests/c.cmake", "# scenes/gone.json", "scenes/gone.json"),

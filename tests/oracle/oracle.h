@@ -25,8 +25,8 @@ struct Truth {
     glm::dvec3 normal{0};  // unit, geometric, outward
     // How far the nearest decision was from falling the other way, relative to the terms that it is the sum
     // of; 0: decided by an exact zero. A float's answer is beyond doubt where this exceeds its rounding
-    // error. Triangle, plane: docs/numerics.md 3, min |e_i| / sum |terms of e_i|. Sphere: |1 - (b / r)^2| for
-    // a ray that passes the centre at the distance b, and |c| / (|o|^2 + r^2) for c = |o|^2 - r^2.
+    // error. Triangle, plane: docs/design/numerics.md 3, min |e_i| / sum |terms of e_i|. Sphere: |1 - (b /
+    // r)^2| for a ray that passes the centre at the distance b, and |c| / (|o|^2 + r^2) for c = |o|^2 - r^2.
     double margin = 0;
 };
 

@@ -1,5 +1,5 @@
 // shaders/arithmetic.glsl against the host's floats, which are IEEE 754's, and its functions in double: the
-// bounds are those of docs/numerics.md 1.1.
+// bounds are those of docs/design/numerics.md 1.1.
 #include <bit>
 #include <cmath>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Cases of the catalogue (docs/numerics.md) that have no better place.
+// Cases of the catalogue (tests/stability/cases.md) that have no better place.
 #include <gtest/gtest.h>
 
 #include <cmath>

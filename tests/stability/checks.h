@@ -29,7 +29,7 @@ struct Judged {
 struct TriangleFamily {
     double size = 1, offset = 0, height = 1;
 };
-// Outside the band of 64 u (docs/numerics.md 3) no answer may be wrong.
+// Outside the band of 64 u (docs/design/numerics.md 3) no answer may be wrong.
 Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size_t count, uint32_t seed);
 
 // Rays that leave a surface beside a triangle `size` long and `width` sizes wide, up to `offset` from the
@@ -66,9 +66,9 @@ struct SphereFamily {
     double radius = 1, distance = 3, offset = 0;
     bool atLimb = false;
 };
-// The band is 1e-3 of the squared radius (docs/numerics.md 2.4). At the limb, and farther than 8000 radii
-// away, it is 16 u distance / radius from where that is more: rounding o to float arithmetic moves it by u
-// distance.
+// The band is 1e-3 of the squared radius (docs/design/numerics.md 2.4). At the limb, and farther than 8000
+// radii away, it is 16 u distance / radius from where that is more: rounding o to float arithmetic moves it
+// by u distance.
 Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t count, uint32_t seed);
 // A planet of radius 1e6 seen from `height` above its surface, downwards.
 Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t seed);

@@ -27,7 +27,7 @@ inline void expectNoLeaks(const Subject& subject, size_t wanted) {
     uint32_t seed = 720;
     for (const LeakCase& c : kClosedMeshes) {
         for (const Aim aim : {Aim::Anywhere, Aim::Vertices, Aim::Edges}) {
-            // One in five is random: those find nothing (docs/numerics.md 2.3).
+            // One in five is random: those find nothing (docs/lab/stability.md).
             const size_t count = aim == Aim::Anywhere ? raysOfEach / 5 : raysOfEach * 2 / 5;
             for (const bool any : {false, true}) {
                 const LeakCount found = countLeaks(subject, c, aim, count / 2, seed++, any);

@@ -37,7 +37,7 @@ struct Step {
 // Follows the ray, and what becomes of its errors: a unit of direction at the eye, a unit of each point,
 // along the mirror, and of each reflected direction, all of one sign. A point that is off by x turns the
 // normal by x, radius 1, and the reflected direction by 2 x; after the way t the next point is off by the sum
-// across the ray over the cosine there (docs/numerics.md 4: 1 + 2 t / cos for each bounce).
+// across the ray over the cosine there (docs/design/numerics.md 4: 1 + 2 t / cos for each bounce).
 std::vector<Step> walk(const Trap& trap) {
     const dvec2 centers[] = {{0, 0}, {trap.side, 0}, {trap.side / 2, trap.side * std::sqrt(3.0) / 2}};
     dvec2 o(trap.side / 2, 0.2), d(std::cos(trap.angle), std::sin(trap.angle));

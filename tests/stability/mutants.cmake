@@ -1,4 +1,4 @@
-# Shaders with the defects that docs/numerics.md 2 measures in other ray tracers. The checks of checks.h must turn red on each. See
+# Shaders with the defects that docs/design/numerics.md 2 measures in other ray tracers. The checks of checks.h must turn red on each. See
 # tests/render/mutants.cmake for the form.
 
 set(MUTANTS "")

@@ -27,7 +27,7 @@ class MutantsTest : public render::test::RenderTest {
     }
 };
 
-// docs/numerics.md 2.3: 6.8 % of the rays at vertices, 10.5 % of those at edges; none at random.
+// docs/lab/stability.md: 6.8 % of the rays at vertices, 10.5 % of those at edges; none at random.
 TEST_F(MutantsTest, MollerTrumboreLeaks) {
     expectRed("rays at vertices", leaks(sound(), Aim::Vertices),
               leaks(mutant("moller_trumbore"), Aim::Vertices));
@@ -35,7 +35,7 @@ TEST_F(MutantsTest, MollerTrumboreLeaks) {
     EXPECT_EQ(leaks(mutant("moller_trumbore"), Aim::Anywhere), 0u) << "random rays would not have found it";
 }
 
-// docs/numerics.md 2.3: 0.9 % of the rays at edges, with all three edge functions contracted.
+// docs/lab/stability.md: 0.9 % of the rays at edges, with all three edge functions contracted.
 TEST_F(MutantsTest, ContractedProductsLeak) {
     expectRed("rays at edges", leaks(sound(), Aim::Edges), leaks(mutant("contracted"), Aim::Edges));
 }
@@ -82,7 +82,7 @@ TEST_F(MutantsTest, FixedOffsetLeaksLight) {
     expectRed("gap of 1e-5", lit(sound()), lit(mutant("fixed_offset")));
 }
 
-// docs/numerics.md 2.9: half of all rays.
+// docs/lab/stability.md: half of all rays.
 TEST_F(MutantsTest, RawHitPointsShadeThemselves) {
     for (const Kind kind : {Kind::Plane, Kind::Sphere, Kind::Mesh}) {
         const auto shaded = [&](const Subject& subject) {

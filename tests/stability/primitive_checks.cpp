@@ -303,8 +303,8 @@ Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count
     return judged;
 }
 
-// The corners as seen are off by gamma_5 of the way to them (docs/numerics.md 2.3, delta x): 64 u of it over
-// the size.
+// The corners as seen are off by gamma_5 of the way to them (docs/design/numerics.md 2.3, delta x): 64 u of
+// it over the size.
 Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed) {
     Random random(seed);
     std::vector<FlatCase> cases(count);

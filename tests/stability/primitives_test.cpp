@@ -39,8 +39,8 @@ std::string text(double x) {
     return buffer;
 }
 
-// docs/numerics.md 2.3: Woop's relative t at the 99th percentile is 1.1e-6 for generic triangles, and no
-// worse at an offset against the rounded inputs.
+// docs/lab/stability.md: Woop's relative t at the 99th percentile is 1.1e-6 for generic triangles, and
+// no worse at an offset against the rounded inputs.
 constexpr double kWoopBar = 2e-6;
 
 TEST_P(PrimitiveTest, TrianglesOfAnySize) {
@@ -122,8 +122,8 @@ TEST_F(SliverTest, NeedlesAreNotMetBeyondTheirEnds) {
 }
 
 // T59, T61: the discriminant must hold however far away the sphere is. The bars are those of the table in
-// docs/numerics.md 2.4 for t over the radius of the unit sphere, a tenth added for other seeds; the t of
-// another radius may stand elsewhere between two powers of two, where rounding is up to twice as coarse.
+// docs/lab/stability.md for t over the radius of the unit sphere, a tenth added for other seeds; the t
+// of another radius may stand elsewhere between two powers of two, where rounding is up to twice as coarse.
 TEST_P(PrimitiveTest, SpheresFromAnyDistance) {
     const struct {
         double distance, bar, radius;
@@ -153,8 +153,8 @@ TEST_P(PrimitiveTest, PlanetUnderTheEye) {
 }
 
 // A third of the rays grazes at a thousandth. |dt / t| <= gamma_7 (1 / m1 + 1 / m2) with the margins m of n.d
-// and of n.(p - o) (docs/numerics.md 2.5): times the smaller margin no more than 2 gamma_7, for every single
-// ray. The reference has long double.
+// and of n.(p - o) (docs/design/numerics.md 2.5): times the smaller margin no more than 2 gamma_7, for every
+// single ray. The reference has long double.
 TEST_P(PrimitiveTest, FlatShapes) {
     for (const FlatFamily& family : {FlatFamily{1e-8, 0}, FlatFamily{1e-3, 0}, FlatFamily{1, 0},
                                      FlatFamily{1e8, 0}, FlatFamily{8, 1e3}, FlatFamily{8, 1e7}}) {

@@ -31,8 +31,8 @@ std::vector<std::string> stiffScenes() {
 
 class StiffTest : public RenderTest, public testing::WithParamInterface<std::string> {};
 
-// Chaotic paths and coincident surfaces may differ in as many pixels as they like (docs/numerics.md 4), but
-// each for a reason, and where the paths agree the colours must.
+// Chaotic paths and coincident surfaces may differ in as many pixels as they like (docs/design/numerics.md
+// 4), but each for a reason, and where the paths agree the colours must.
 TEST_P(StiffTest, NothingIsUnexplained) {
     const Case c = fileCase("stiff/" + GetParam(), 160, 120);
     render::Renderer renderer(device(), c.packed);
