@@ -106,10 +106,8 @@ void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
         const int y = static_cast<int>(row) * stride;
         for (int x = 0; x < result.width && !cancelled(); x += stride) {
             for (uint32_t i = 0; i < samples; ++i) {
-                const reference::FilmSample s = reference::filmSample(
-                    task.request.samples, i, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
-                const auto ray = tracer.cameraRay(task.camera, x + s.offset.x, y + s.offset.y, s.lens);
-                const reference::PixelRecord record = tracer.trace(ray);
+                const reference::PixelRecord record = tracer.trace(
+                    reference::pixelSample(tracer, task.camera, task.request.samples, i, x, y).ray);
                 for (size_t k = 0; k < sums.size(); ++k) {
                     sums[k].rays += record.tally[k].rays;
                     sums[k].tests += record.tally[k].tests;

@@ -73,12 +73,10 @@ class RowRenderer {
         std::vector<dvec3> colors;  // of an adaptive pixel
         uint32_t taken = 0;
         while (taken < samples_.count()) {
-            const FilmSample s =
-                filmSample(samples_, taken, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
-            const PixelRecord record =
-                tracer_.trace(tracer_.cameraRay(camera_, x + s.offset.x, y + s.offset.y, s.lens));
-            color += s.weight * record.color;
-            alpha += s.weight * record.alpha;
+            const auto [weight, ray] = pixelSample(tracer_, camera_, samples_, taken, x, y);
+            const PixelRecord record = tracer_.trace(ray);
+            color += weight * record.color;
+            alpha += weight * record.alpha;
             addLosses(record.lost, lost);
             if (taken == 0 && !picture_.data.empty())
                 picture_.data[index] = dataOf(tracer_.model().origin, record);

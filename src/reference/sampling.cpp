@@ -120,6 +120,12 @@ FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, 
     return result;
 }
 
+PixelSample pixelSample(const Tracer& tracer, const rows::Camera& camera, const PackedSamples& samples,
+                        uint32_t index, int x, int y) {
+    const FilmSample s = filmSample(samples, index, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+    return {s.weight, tracer.cameraRay(camera, x + s.offset.x, y + s.offset.y, s.lens)};
+}
+
 // Squares about the centre become circles; the four triangles that the diagonals cut them into go each to a
 // quarter of the disc, with the angle from the triangle's middle in proportion to the way along the side.
 glm::dvec2 concentricDisc(double a, double b) {

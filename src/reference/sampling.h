@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pack/pack_samples.h"
+#include "reference/tracer.h"
 
 namespace glint::reference {
 
@@ -24,6 +25,14 @@ std::array<uint32_t, 2> samplePair(const shared::Sample& s, uint32_t index, uint
 
 // Sample of pixel (x, y) of the whole image.
 FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, uint32_t y);
+
+// The camera ray of a sample.
+struct PixelSample {
+    double weight;
+    Ray ray;
+};
+PixelSample pixelSample(const Tracer& tracer, const rows::Camera& camera, const PackedSamples& samples,
+                        uint32_t index, int x, int y);
 
 // The point of the unit disc that belongs to (a, b) of [0, 1]^2 (P. Shirley, K. Chiu 1997).
 glm::dvec2 concentricDisc(double a, double b);

@@ -13,26 +13,22 @@ class Account {
     // radianceBound: by which branches are judged (Environment::radianceBound).
     explicit Account(double radianceBound) : radianceBound_(radianceBound) {}
 
-    // A pixel whose rays met the same primitives on device and reference, and so lost the same branches.
+    // Adds a pixel whose rays hit the same primitives on device and reference: it loses the same branches.
     void addAlike(const reference::Losses& lost, double weight);
-    // One whose rays met others. At each hit at most two branches, and one medium, are lost.
+    // Adds a pixel whose rays hit others. Each hit loses at most two branches, and one medium.
     void addOther(uint32_t bounces, double weight);
-    void add(const Account& other);
+    void add(const Account& rows);
 
     // otherwise: how many pixels of those alike may decide about a hit's branches as the reference does not:
     // where light is just reflected totally, at the edge of a mirroring square of a checker.
     bool agrees(const TreeLosses& device, uint64_t otherwise) const;
 
   private:
-    struct Kind {
-        uint64_t count = 0;
-        double bound = 0;
-    };
-    bool agrees(const Kind& kind, const LostBranches& device, uint64_t otherwise) const;
+    bool agrees(const LostBranches& alike, const LostBranches& device, uint64_t otherwise) const;
 
     double radianceBound_;
-    Kind cut_, depth_, room_, other_;
-    uint64_t crowded_ = 0;
+    TreeLosses alike_;
+    LostBranches other_;  // at most, of any kind
     double greatestWeight_ = 0;
 };
 

@@ -30,11 +30,11 @@ constexpr size_t kEnoughMembers = 8;
 struct Outcome {
     Step step;  // of the first member
     uint64_t key;
-    Box box;  // Quantities, then origin, direction and throughput of each further ray
+    Box box;        // Quantities, then origin, direction and throughput of each further ray
+    Jitter jitter;  // of the first member
     size_t members = 1;
+    size_t tried = 0;  // members when the rest of the path last began with this outcome
     double stretch = 0;
-    double units = 0;
-    Jitter rule = {};  // surfaces in one place: as the reference orders them, or as fp32 may
 };
 
 uint64_t keyOf(const Step& step) {
@@ -83,15 +83,15 @@ class Certifier {
     bool startsAs(Pending& pending, const TrailRay& ray);
     bool startsWithin(const Pending& pending, const TrailRay& ray) const;
     bool explore(Branch branch, const TrailRay& ray);
-    std::shared_ptr<Outcome> outcomeOf(const Branch& branch, const Jitter& jitter);
+    std::shared_ptr<Outcome> outcomeOf(const Branch& branch, Step step, const Jitter& jitter) const;
     // The step as it is, by one way to order surfaces in one place. given: it has the device's hit and light.
     bool exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
                       bool& given);
     // given: the still step has the device's hit and light.
     bool exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still, bool given);
-    bool takesHit(const Step& step, const TrailRay& ray) const {
-        const auto& hit = step.record.hit;
-        return hit.has_value() == ray.hit && (!ray.hit || hit->id == ray.id);
+    static uint32_t idOf(const TrailRay& ray) { return ray.hit ? ray.id : shared::kNone; }
+    static bool takesHit(const Step& step, const TrailRay& ray) {
+        return (step.record.hit ? step.record.hit->id : shared::kNone) == idOf(ray);
     }
     bool matches(const Outcome& outcome, const TrailRay& ray) const;
     bool widen(const Branch& branch, Outcome& still, const TrailRay* untilMatched);
@@ -128,7 +128,7 @@ Box Certifier::boxOf(const Branch& branch, const Step& step) const {
         floors[i] += sums * (std::abs(before[static_cast<int>(i)]) + std::abs(seen_.first[i]));
     Box box(quantitiesOf(record, scene_.origin), floors);
     if (step.next.empty()) return box;
-    const double turn = 4 * normalTurn(scene_, record, branch.ray) * kFloatUnit;
+    const double turn = 4 * reachOf(scene_, record, branch.ray).turn * kFloatUnit;
     for (const Branch& next : step.next) {
         const double way = kStepUnits * kFloatUnit * next.scale + 2 * next.clearance;
         box.add(next.ray.origin, dvec3(way));
@@ -165,7 +165,7 @@ bool Certifier::startsAs(Pending& pending, const TrailRay& ray) {
 bool Certifier::widen(const Branch& branch, Outcome& still, const TrailRay* untilMatched) {
     const bool instance = still.step.record.meetsInstance;
     still.stretch = kResponseGain * (instance ? 1 + scene_.instanceGain : 1);
-    Jitter move = still.rule;
+    Jitter move = still.jitter;
     move.ulps = 1;
     for (uint64_t seed = 1; seed <= 2 * kResponseMoves; ++seed) {
         move.seed = seed;
@@ -219,11 +219,10 @@ bool Certifier::follow() {
     return false;
 }
 
-std::shared_ptr<Outcome> Certifier::outcomeOf(const Branch& branch, const Jitter& jitter) {
-    Step step = stepOf(branch, jitter);
+std::shared_ptr<Outcome> Certifier::outcomeOf(const Branch& branch, Step step, const Jitter& jitter) const {
     const uint64_t key = keyOf(step);
     Box box = boxOf(branch, step);
-    return std::make_shared<Outcome>(Outcome{std::move(step), key, std::move(box), 1, 0, 0, jitter});
+    return std::make_shared<Outcome>(Outcome{std::move(step), key, std::move(box), jitter});
 }
 
 bool Certifier::exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
@@ -236,12 +235,13 @@ bool Certifier::exploreStill(const Branch& branch, const TrailRay& ray, const st
 
 bool Certifier::explore(Branch branch, const TrailRay& ray) {
     bool given = false;
-    const auto still = outcomeOf(branch, {});
+    const auto still = outcomeOf(branch, stepOf(branch, {}), {});
     if (exploreStill(branch, ray, still, given)) return true;
     ++result_.openDecisions;
     for (const double slips : {1.0, 0.0, reference::kMostSlips}) {
         if (exhausted()) return false;
-        const auto open = outcomeOf(branch, {.slips = slips, .hit = ray.hit ? ray.id : shared::kNone});
+        const Jitter rule{.slips = slips, .hit = idOf(ray)};
+        const auto open = outcomeOf(branch, stepOf(branch, rule), rule);
         if (open->key != still->key && exploreStill(branch, ray, open, given)) return true;
     }
     --result_.openDecisions;
@@ -252,7 +252,6 @@ bool Certifier::explore(Branch branch, const TrailRay& ray) {
 // response to one unit tells.
 bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still, bool given) {
     std::vector<std::shared_ptr<Outcome>> outcomes;
-    std::vector<size_t> tried;
     uint64_t seed = 0;
     const double gain = scene_.instances.empty() ? 1 : 1 + scene_.instanceGain;
     const auto& surface = still.step.record.surface;
@@ -262,40 +261,37 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
         const bool wide = gain > 1 && turn % 2 == 1;
         for (int i = 0; i < kMovesAtOnce; ++i) {
             const double units = kStepUnits * kSizes[i % 3] * (wide ? gain : 1);
-            const uint32_t hit = ray.hit ? ray.id : shared::kNone;
-            Step step = stepOf(branch, {.seed = ++seed, .ulps = units, .formulas = true, .hit = hit});
+            const Jitter move{.seed = ++seed, .ulps = units, .formulas = true, .hit = idOf(ray)};
+            Step step = stepOf(branch, move);
             if (!takesHit(step, ray)) continue;
             if (wide && !step.record.meetsInstance && !still.step.record.meetsInstance) continue;
             if (step.record.surface) branch.scale = std::max(branch.scale, step.record.surface->scale);
-            const uint64_t key = keyOf(step);
+            const auto moved = outcomeOf(branch, std::move(step), move);
             const auto at = std::find_if(outcomes.begin(), outcomes.end(),
-                                         [&](const auto& outcome) { return outcome->key == key; });
-            if (at != outcomes.end()) {
-                (*at)->box.include(boxOf(branch, step));
-                ++(*at)->members;
-                (*at)->units = std::min((*at)->units, units);
+                                         [&](const auto& outcome) { return outcome->key == moved->key; });
+            if (at == outcomes.end()) {
+                outcomes.push_back(moved);
                 continue;
             }
-            Box box = boxOf(branch, step);
-            outcomes.push_back(
-                std::make_shared<Outcome>(Outcome{std::move(step), key, std::move(box), 1, 0, units}));
-            tried.push_back(0);
+            (*at)->box.include(moved->box);
+            ++(*at)->members;
+            (*at)->jitter.ulps = std::min((*at)->jitter.ulps, units);
         }
         for (size_t i = 0; i < outcomes.size() && !exhausted(); ++i) {
             Outcome& outcome = *outcomes[i];
-            if (outcome.members == tried[i]) continue;
+            if (outcome.members == outcome.tried) continue;
             outcome.stretch = outcome.members >= kEnoughMembers ? 1 : outcome.members > 1 ? 4 : 0;
             if (!matches(outcome, ray)) continue;
             given = true;
-            tried[i] = outcome.members;
+            outcome.tried = outcome.members;
             const double before = result_.units;
-            result_.units = std::max(result_.units, outcome.units);
+            result_.units = std::max(result_.units, outcome.jitter.ulps);
             ++result_.openDecisions;
             if (advance(branch, outcomes[i])) return true;
             --result_.openDecisions;
             result_.units = before;
         }
-        // A light and a hit that rounding gives, whose further rays it does not: the next ray has told.
+        // If rounding gives this light and hit, but not the rays after them, more moves do not help.
         if (given && turn >= 3) break;
     }
     failed_ = failed_ || !given;

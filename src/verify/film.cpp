@@ -42,8 +42,7 @@ void Film::add(uint32_t index, const Picture& sample) {
         const glm::dvec4 taken(color[0], color[1], color[2], color[3]);
         Pixel& pixel = pixels[i];
         pixel.sum += taken;
-        pixel.magnitudes += glm::abs(glm::dvec3(taken));
-        pixel.alphas += std::abs(taken.w);
+        pixel.magnitudes += glm::abs(taken);
         // Adaptive: a sample is added whole. Else each light is, and what the hit has of its own.
         pixel.additions += samples_.threshold ? 1 : (sample.data[i].bounces + 1) * (lights_ + 1);
         if (!samples_.threshold || index >= samples_.round) continue;
@@ -53,7 +52,7 @@ void Film::add(uint32_t index, const Picture& sample) {
 }
 
 // The device's sums are fp32: a deviation errs by a few units of the greatest colour, and so does their root
-// mean square. A pixel whose standard error is as near as that to what is asked for may take either.
+// mean square. A pixel whose standard error is as near to the threshold may take either.
 Film::Further Film::furtherAt(size_t pixel) const {
     double greatest = 0;
     for (const glm::dvec3& color : colors_[pixel])
@@ -66,16 +65,12 @@ Film::Further Film::furtherAt(size_t pixel) const {
 }
 
 // Each addition errs by a unit of the sum so far, on the way to each sample and to all of them; then come the
-// count's inverse and the product with it. Below the least normal number a unit is no part of the sum, and a
-// device may take such numbers for 0.
+// count's inverse and the product with it. Subnormal numbers err by more, and a device may take them for 0.
 bool Film::isMean(const Pixel& pixel, const float* color, uint32_t taken) const {
     const double units = kFloatUnit * (2 * pixel.additions + 4);
-    for (int c = 0; c < 4; ++c) {
-        const double error = std::abs(static_cast<double>(color[c]) * taken - pixel.sum[c]);
-        const double room = units * (c < 3 ? pixel.magnitudes[c] : pixel.alphas) + 0x1p-120 * taken;
-        if (!(error <= room)) return false;
-    }
-    return true;
+    const glm::dvec4 error =
+        glm::abs(glm::dvec4(color[0], color[1], color[2], color[3]) * static_cast<double>(taken) - pixel.sum);
+    return glm::all(glm::lessThanEqual(error, units * pixel.magnitudes + 0x1p-120 * taken));
 }
 
 std::vector<size_t> Film::differing(const Picture& whole) const {

@@ -1,4 +1,4 @@
-// The picture of all samples together, against what its samples demand of it that were drawn one by one.
+// Compares the image of all samples with the samples, rendered one by one.
 #pragma once
 
 #include <vector>
@@ -7,31 +7,29 @@
 
 namespace glint::verify {
 
-// The first round of samples, and of adaptive pictures the second: enough to see who takes one and who does
-// not, without drawing all that a few pixels may take.
+// The first round of samples, and of adaptive images the second: enough to judge which pixels take another
+// round, without all the rounds that a few pixels may take.
 PackedSamples firstRounds(const PackedSamples& samples);
 
-// Adds samples up in double precision, pixel by pixel, and says which pixels of a picture are not their mean.
+// Adds samples up in double precision, pixel by pixel.
 class Film {
   public:
-    // lights: how many may add to a sample at each of its hits.
+    // lights: at most so many add to a sample at each of its hits.
     Film(const PackedSamples& samples, int width, int height, size_t lights);
 
-    // Sample `index`, drawn for all pixels, in the order of the indices; those of the first round with data.
+    // In the order of the indices; samples of the first round with data.
     void add(uint32_t index, const Picture& sample);
 
     // Bytes per pixel that a film needs, including the colours of adaptive images.
     static uint64_t bytesPerPixel(const PackedSamples& samples);
 
-    // Pixels of `whole`, drawn with the samples of the constructor, that took others than they had to, or
-    // show another mean than of those.
+    // Pixels of `whole`, rendered with the samples of the constructor, that took another number of samples
+    // than they should, or differ from their mean.
     std::vector<size_t> differing(const Picture& whole) const;
 
   private:
     struct Pixel {
-        glm::dvec4 sum{0};
-        glm::dvec3 magnitudes{0};
-        double alphas = 0;     // magnitudes, too
+        glm::dvec4 sum{0}, magnitudes{0};
         double additions = 0;  // by which the device came to the sum
     };
     enum class Further { No, Yes, Either };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/vectors.h"
 #include "reference/error_box.h"
 #include "reference/rounding.h"
 #include "verify/stiffness.h"
@@ -15,10 +16,6 @@ enum { kDepth = 3, kPosition = 4, kNormal = 7, kGeometric = 10, kU = 13, kV = 14
 
 void put(Quantities& q, size_t at, const glm::dvec3& v) {
     for (int i = 0; i < 3; ++i) q[at + static_cast<size_t>(i)] = v[i];
-}
-
-double greatest(const glm::dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
 bool isTriangle(const reference::Hit& hit) {
@@ -56,31 +53,19 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
     return q;
 }
 
-namespace {
-
-// Magnitude of the sums behind the first hit's numbers, and turn of its normal, in units. slant: for a
-// triangle, 1 / the cosine between ray and normal. Rounding in the triangle test moves the edges sideways by
-// units of the corners' distance (explain.cpp). Along the ray, and in shares of the triangle, the move is
-// larger by `slant`.
-struct Reach {
-    double way, turn, slant;
-};
-
 Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray) {
     const reference::Surface& surface = *record.surface;
-    double way = record.hit->t + greatest(ray.origin) + ray.originScale, slant = 1;
+    double way = record.hit->t + greatestMagnitude(ray.origin) + ray.originScale, slant = 1;
     if (isTriangle(*record.hit)) {
         const double cosine = glm::dot(surface.geometricNormal, glm::normalize(ray.direction));
         slant = 1 / std::max(std::abs(cosine), kFloatUnit);
         way += surface.scale * slant;
     } else {
-        way += greatest(surface.position);
+        way += greatestMagnitude(surface.position);
     }
     const double gain = record.hit->instance == shared::kNone ? 0 : scene.instanceGain;
     return {way, 12 + reference::normalError(surface.bend, way, gain), slant};
 }
-
-}  // namespace
 
 // t, and each coordinate of a point, is a sum of a dozen products of numbers up to the way and the eye's
 // coordinates, and of a triangle its corners', 16 units with the last rounding; normals and texture
@@ -95,7 +80,7 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     const auto [way, turn, slant] = reachOf(scene, record, ray);
     f[kDepth] = 16 * kFloatUnit * way;
     for (size_t i = 0; i < 3; ++i) {
-        f[kPosition + i] = 16 * kFloatUnit * way + 0x1p-50 * greatest(scene.origin);
+        f[kPosition + i] = 16 * kFloatUnit * way + 0x1p-50 * greatestMagnitude(scene.origin);
         f[kNormal + i] = f[kGeometric + i] = turn * kFloatUnit;
     }
     f[kU] = 16 * kFloatUnit * std::max(slant, surface.uvScale.x);
@@ -103,15 +88,10 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     return f;
 }
 
-double normalTurn(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray) {
-    return reachOf(scene, record, ray).turn;
-}
-
-// The clearance is a sum of magnitudes, none of which rounding can cancel: of each the device has all but the
-// last digits, 2^-12 of it are 4096 units. What goes with the point is off by gamma_16 of what the point is
-// off by, and what goes with the normal, or a quadric's gradient, by what that is turned by: where a ray
-// touches, or a textbook's method loses digits, both are more than their floors, and judged by themselves. So
-// are the shares that a triangle's corners have in the point: those of a needle may change where it does not.
+// The clearance is a sum of magnitudes, which rounding cannot cancel: it errs by at most 4096 units of 2^-24,
+// by gamma_16 of the error of the point, and by the turn of the normal, or of a quadric's gradient. If a ray
+// is tangent, or a textbook method loses digits, point and normal err by more than their floors, which is
+// judged elsewhere. So are the barycentrics of a needle, which may change although the point does not.
 bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
                  const PixelData& device) {
     if (!record.hit) return device.clearance == 0;

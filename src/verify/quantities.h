@@ -23,8 +23,14 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data);
 Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
                     const reference::Ray& ray);
 
-// Units of 2^-24 by which fp32 may turn the normal of the hit.
-double normalTurn(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray);
+// Magnitude of the sums behind the first hit's numbers, and turn of its normal, in units of 2^-24. slant: of
+// a triangle 1 / the cosine between ray and normal, else 1. Rounding in the triangle test moves the edges
+// sideways by units of the corners' distance. Along the ray, and in shares of the triangle, the move is
+// larger by `slant`.
+struct Reach {
+    double way, turn, slant;
+};
+Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray);
 
 // True if rays that leave the first hit start as far from it as rounding demands.
 bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,

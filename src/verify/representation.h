@@ -1,12 +1,11 @@
-// Does the rounded scene show what the scene that was read shows? Both are drawn by the reference, so what
-// differs is what packing has made of the numbers: each is rounded once, and what that can do is what the
-// truth itself shows with its numbers moved as far (docs/design/verification.md).
+// Compares the packed scene with the scene as it was read, both rendered by the reference: what differs is
+// the rounding of numbers by packing. Each number is rounded once; a difference must be one that the truth
+// shows with its numbers moved as far (docs/design/verification.md).
 #pragma once
 
 #include <memory>
 #include <vector>
 
-#include "reference/sampling.h"
 #include "reference/tracer.h"
 #include "scene/scene.h"
 #include "verify/quantities.h"
@@ -18,7 +17,7 @@ struct Options;
 // A pixel where rounding the scene shows more than its response, and why.
 struct RepresentedPixel {
     int x = 0, y = 0;
-    size_t sample = 0;
+    uint32_t sample = 0;
     bool explained = false;
     double difference = 0;  // greatest colour difference
     reference::PixelRecord truth, rounded;
@@ -34,9 +33,6 @@ struct Representation {
     bool passed() const { return unexplained == 0; }
 };
 
-// One of each 2 x 2 pixels is asked, at random; of a picture of no more than so many all.
-inline constexpr size_t kSmallPicture = 4096;
-
 class RepresentationCheck {
   public:
     // `read`: what `packed` was made from; rounded, camera: of that. All must outlive the check.
@@ -44,13 +40,12 @@ class RepresentationCheck {
                         const shared::Camera& camera, const Options& options);
 
     // From any thread, but one for a row; rounded: what the reference sees of the packed scene there.
-    void compare(int x, int y, uint32_t sample, const reference::FilmSample& s,
-                 const reference::PixelRecord& rounded);
+    void compare(int x, int y, uint32_t sample, const reference::PixelRecord& rounded);
     // Once all are compared.
     Representation judge(size_t worstCount);
 
   private:
-    // Answers of moved scenes that all decisions have led to alike.
+    // Answers of moved scenes that decide alike.
     struct Class {
         uint32_t decisions;
         Box box;
@@ -59,13 +54,11 @@ class RepresentationCheck {
     struct Doubt {
         int x, y;
         uint32_t sample;
-        reference::FilmSample film;
-        Quantities rounded;
-        uint32_t pathHash, shadowBits;  // of the rounded scene
-        uint32_t decisions;             // of the truth
-        bool samePath;                  // as the truth's, and decided alike where a class of it is
-        double difference;
-        std::vector<Class> classes;
+        uint32_t pathHash;                       // of the packed scene
+        Quantities rounded{};                    // of the packed scene
+        std::optional<uint32_t> decisions = {};  // of the truth, on the same path
+        double difference = 0;
+        std::vector<Class> classes = {};
         enum class State { Open, Predicted, Explained, Unexplained } state = State::Open;
     };
     struct Row {
@@ -73,17 +66,12 @@ class RepresentationCheck {
         double squares = 0;
         std::vector<Doubt> doubts;
     };
-    bool asks(int x, int y, uint32_t sample) const;
-    reference::Ray rayOf(const reference::Tracer& tracer, const reference::rows::Camera& camera, int x, int y,
-                         const reference::FilmSample& film) const;
+    bool examines(int x, int y, uint32_t sample) const;
     reference::Ray rayOf(const reference::Tracer& tracer, const reference::rows::Camera& camera,
-                         const Doubt& doubt) const {
-        return rayOf(tracer, camera, doubt.x, doubt.y, doubt.film);
-    }
+                         const Doubt& doubt) const;
     void draw(uint64_t seed, std::vector<Doubt*>& open) const;
-    void searchOn(Doubt& doubt) const;
-    void search(std::vector<Doubt*>& open, size_t asked) const;
-    RepresentedPixel pixelOf(const Doubt& doubt) const;
+    void certifyDoubt(Doubt& doubt) const;
+    void search(std::vector<Doubt*>& open, size_t examined) const;
 
     const PackedScene& packed_;
     const Options& options_;

@@ -6,40 +6,29 @@
 
 #include "core/parallel.h"
 #include "reference/sampling.h"
-#include "verify/ceiling.h"
 
 namespace glint::verify {
 
 namespace {
 
-double greatestChange(const glm::dvec3& a, const glm::dvec3& b) {
-    const glm::dvec3 d = glm::abs(a - b);
-    const double change = std::max({d.x, d.y, d.z});
-    return std::isfinite(change) ? change : std::numeric_limits<double>::max();
-}
-
-}  // namespace
-
-bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved) {
-    if (still.pathHash != moved.pathHash) return true;
-    if (still.decisions == moved.decisions) return false;
-    const glm::dvec3 d = glm::abs(still.color - moved.color);
-    return glm::any(glm::greaterThan(d, still.rounding));
-}
-
-bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
-            reference::Jitter move, double* change) {
-    bool open = false;
-    for (const double slips : {0.0, reference::kMostSlips}) {
-        move.slips = slips;
-        const reference::PixelRecord other = tracer.trace(ray, move);
-        if (!isOtherwise(still, other)) continue;
-        open = true;
-        if (change) *change = std::max(*change, greatestChange(still.color, other.color));
+// The chance that a Poisson variable is at most `count`, by its terms; above a mean of a thousand by Wilson's
+// and Hilferty's cube root ("The Distribution of Chi-Square", PNAS 17, 1931), good to 1e-3 of the tail there.
+double chanceUpTo(uint64_t count, double mean) {
+    if (mean <= 0) return 1;
+    if (mean > 1000) {
+        const double n = static_cast<double>(count) + 1;
+        const double z = 3 * std::sqrt(n) * (1 - 1 / (9 * n) - std::cbrt(mean / n));
+        return 0.5 * std::erfc(-z / std::sqrt(2.0));
     }
-    return open;
+    double term = std::exp(-mean), sum = term;
+    for (uint64_t i = 1; i <= count; ++i) {
+        term *= mean / static_cast<double>(i);
+        sum += term;
+    }
+    return sum;
 }
 
+// The value that `share` of them do not exceed, 0 of nothing; no NaN.
 double percentile(std::vector<float> values, double share) {
     if (values.empty()) return 0;
     const double last = static_cast<double>(values.size() - 1);
@@ -48,16 +37,19 @@ double percentile(std::vector<float> values, double share) {
     return *at;
 }
 
-double percentile99(std::vector<float> values) {
-    return percentile(std::move(values), 0.99);
+double greatestChange(const reference::PixelRecord& a, const reference::PixelRecord& b) {
+    const glm::dvec3 d = glm::abs(a.color - b.color);
+    const double change = std::max({d.x, d.y, d.z});
+    return std::isfinite(change) ? change : std::numeric_limits<double>::max();
 }
 
-double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
-                       int seeds) {
-    return sensitivityOf(tracer, camera, width, height, PackedSamples::fixed({{0.5, 0.5}}), seeds).kappa;
+// True if a pixel changes: by another path, or by other decisions and another colour.
+bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved) {
+    if (still.pathHash != moved.pathHash) return true;
+    if (still.decisions == moved.decisions) return false;
+    const glm::dvec3 d = glm::abs(still.color - moved.color);
+    return glm::any(glm::greaterThan(d, still.rounding));
 }
-
-namespace {
 
 // Counts of a row of pixels.
 struct RowCounts {
@@ -79,10 +71,11 @@ double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint6
     const reference::PixelRecord still = tracer.trace(ray);
     double change = 0;
     for (int i = 1; i <= seeds; ++i) {
-        const reference::Jitter one{.seed = seed + static_cast<uint64_t>(i), .ulps = 1};
+        reference::Jitter one{.seed = seed + static_cast<uint64_t>(i), .ulps = 1};
         reference::PixelRecord moved = tracer.trace(ray, one);
-        change = std::max(change, greatestChange(still.color, moved.color));
-        if (leaves(moved)) moved = tracer.trace(ray, {.seed = one.seed, .ulps = 1, .clears = true});
+        change = std::max(change, greatestChange(still, moved));
+        one.clears = true;
+        if (leaves(moved)) moved = tracer.trace(ray, one);
         counts.changed += isOtherwise(still, moved);
     }
     counts.changedWidely += isOtherwise(still, tracer.trace(ray, {seed, kWideUnits}));
@@ -92,8 +85,44 @@ double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint6
 
 }  // namespace
 
-// A pixel of a cell of `step` x `step` at random: what hangs on rounding often lies along one row or column
-// of the picture (a symmetric object's axis, a horizon), which a regular grid meets always or never.
+double greatestMean(uint64_t count) {
+    double low = static_cast<double>(count), high = 2 * low + 20;
+    for (int i = 0; i < 60; ++i) {
+        const double middle = (low + high) / 2;
+        (chanceUpTo(count, middle) > 1 - kConfidence ? low : high) = middle;
+    }
+    return high;
+}
+
+uint64_t greatestCount(double mean) {
+    uint64_t low = 0, high = static_cast<uint64_t>(2 * mean) + 40;
+    while (low < high) {
+        const uint64_t middle = (low + high) / 2;
+        if (chanceUpTo(middle, mean) >= kConfidence)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+double percentile99(std::vector<float> values) {
+    return percentile(std::move(values), 0.99);
+}
+
+bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
+            reference::Jitter move, double* change) {
+    bool open = false;
+    for (const double slips : {0.0, reference::kMostSlips}) {
+        move.slips = slips;
+        const reference::PixelRecord other = tracer.trace(ray, move);
+        if (!isOtherwise(still, other)) continue;
+        open = true;
+        if (change) *change = std::max(*change, greatestChange(still, other));
+    }
+    return open;
+}
+
 // splitmix64 (Steele, Lea, Flood 2014).
 glm::ivec2 placeInCell(size_t cell, int step) {
     uint64_t z = (static_cast<uint64_t>(cell) + 1) * 0x9e3779b97f4a7c15u;
@@ -129,10 +158,8 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
             const glm::ivec2 inCell = placeInCell(index, step);
             const int x = std::min(static_cast<int>(column) * step + inCell.x, width - 1);
             const int y = std::min(static_cast<int>(row) * step + inCell.y, height - 1);
-            const reference::FilmSample s =
-                reference::filmSample(samples, static_cast<uint32_t>(index % samples.round),
-                                      static_cast<uint32_t>(x), static_cast<uint32_t>(y));
-            const reference::Ray ray = tracer.cameraRay(camera, x + s.offset.x, y + s.offset.y, s.lens);
+            const auto sample = static_cast<uint32_t>(index % samples.round);
+            const reference::Ray ray = reference::pixelSample(tracer, camera, samples, sample, x, y).ray;
             const double change = moveOne(tracer, ray, 977u * index, seeds, counts[row]);
             changes[index] = static_cast<float>(std::min<double>(change, std::numeric_limits<float>::max()));
         }
@@ -151,6 +178,11 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
     result.kappaLimit = percentile(changes, limit) / kFloatUnit;
     result.kappa = percentile(std::move(changes), 0.99) / kFloatUnit;
     return result;
+}
+
+double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
+                       int seeds) {
+    return sensitivityOf(tracer, camera, width, height, PackedSamples::fixed({{0.5, 0.5}}), seeds).kappa;
 }
 
 double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,

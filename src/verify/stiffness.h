@@ -1,25 +1,47 @@
-// How hard a scene is for fp32: one number, from the double-precision tracer alone.
+// How hard a scene is for fp32, from the double-precision tracer alone: the condition number of an image, and
+// how many of its pixels may hang on rounding.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/enum_names.h"
+#include "reference/rounding.h"
 #include "reference/tracer.h"
 #include "trace/packed_samples.h"
 
 namespace glint::verify {
 
-inline constexpr double kFloatUnit = 0x1p-24;  // the relative error of one rounding to fp32
+using reference::kFloatUnit;
 
-// The condition number kappa of a picture: the change of a pixel's colour (greatest channel, full scale 1)
-// for rays moved by up to one unit of 2^-24 (reference::Jitter with ulps = 1), over 2^-24; the greatest of
-// `seeds` moves, the 99th percentile over the pixels. kappa 2^-24 is the error that fp32 arithmetic has a
-// right to, and more than a few times that a sign of a method that loses digits.
-//
-// Of pictures of more than kMaxKappaPixels about as many are asked, one at random in each cell of a grid.
+// ---- limits from counts ----
+
+inline constexpr double kConfidence = 0.999;  // of each limit
+
+// The greatest mean of a Poisson variable that gives `count` or less with a chance of 1 - kConfidence: an
+// upper limit on the mean that was counted (F. Garwood, "Fiducial Limits for the Poisson Distribution",
+// Biometrika 28, 1936). A binomial count scatters less.
+double greatestMean(uint64_t count);
+// The least number that a Poisson variable of this mean exceeds with a chance of at most 1 - kConfidence.
+uint64_t greatestCount(double mean);
+// 0 of nothing; no NaN.
+double percentile99(std::vector<float> values);
+
+// ---- sensitivity ----
+
+inline constexpr double kWideUnits = 32;
+// The device may see this many times as many pixels otherwise as the reference does when each of its rays is
+// moved by up to one unit of 2^-24.
+inline constexpr double kShareOfPrediction = 2;
+// At most about so many pixels are examined, one at random in each cell of a grid.
 inline constexpr size_t kMaxKappaPixels = 4096;
+
 struct Sensitivity {
+    // The condition number: the change of a pixel's colour (greatest channel, full scale 1) for rays moved by
+    // up to one unit of 2^-24 (reference::Jitter with ulps = 1), over 2^-24; the greatest of all moves, the
+    // 99th percentile over the pixels. kappa 2^-24 is the error that fp32 arithmetic may make; several times
+    // that is a sign of a method that loses digits.
     double kappa = 0;
     // An upper limit of it: the order statistic that the true percentile exceeds with a chance of 1e-3.
     double kappaLimit = 0;
@@ -38,30 +60,26 @@ struct Sensitivity {
     // counted at one unit alone.
     double explainedShare() const;
 };
-inline constexpr double kWideUnits = 32;
-// How many times as many pixels the device may see otherwise as the reference does when each of its rays is
-// moved by up to one unit of 2^-24. Measured: 0.6 to 1 times as many (docs/design/verification.md).
-inline constexpr double kShareOfPrediction = 2;
-// A pixel of cell number `cell` of step x step pixels, at random.
-glm::ivec2 placeInCell(size_t cell, int step);
 
-// True if a pixel changes: by another path, or by other decisions and another colour.
-bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved);
-// True if fp32's errors decide on the way which surfaces are in one place (Jitter::slips). still: of `ray`,
-// moved by `move`. change: becomes at least as great as the change of colour.
-bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
-            reference::Jitter move = {}, double* change = nullptr);
-
-// Sensitivity through the pixels' samples in turn.
+// Through the pixels' samples in turn.
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
                           int height, const PackedSamples& samples, int seeds = 3,
                           size_t mostPixels = kMaxKappaPixels);
-// Through the pixels' middles.
+// Sensitivity::kappa through the pixels' middles.
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds = 4);
 // Error that arithmetic with a rounding unit of `unit`, and storing as fp32, may cause.
 double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                      double unit);
+
+// A random pixel of cell number `cell` of step x step pixels: what hangs on rounding often lies along one row
+// or column of an image, which a regular grid hits always or never.
+glm::ivec2 placeInCell(size_t cell, int step);
+
+// True if fp32's errors decide on the way which surfaces are in one place (Jitter::slips). still: of `ray`,
+// moved by `move`. change: becomes at least as great as the change of colour.
+bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
+            reference::Jitter move = {}, double* change = nullptr);
 
 // Non-stiff below 1e2, stiff up to 1e5, beyond that fp32 cannot hold the second digit of the colour.
 enum class StiffnessClass { NonStiff, Stiff, BeyondFp32 };
@@ -71,9 +89,5 @@ constexpr auto entriesOf(StiffnessClass) {
                                                      {StiffnessClass::BeyondFp32, "beyond fp32"}});
 }
 StiffnessClass classOf(double kappa);
-
-// The value that `share` of them do not exceed, 0 of nothing; no NaN. And the 99th percentile.
-double percentile(std::vector<float> values, double share);
-double percentile99(std::vector<float> values);
 
 }  // namespace glint::verify

@@ -8,11 +8,12 @@
 #include <limits>
 #include <mutex>
 #include <span>
+#include <tuple>
 
 #include "core/parallel.h"
+#include "core/vectors.h"
 #include "reference/sampling.h"
 #include "verify/account.h"
-#include "verify/ceiling.h"
 #include "verify/certificate.h"
 #include "verify/film.h"
 
@@ -20,290 +21,365 @@ namespace glint::verify {
 
 namespace {
 
-// Sums over pixels, one row at a time so that the result does not depend on the threads.
-struct RowSums {
-    explicit RowSums(double radianceBound) : account(radianceBound) {}
-    Account account;
-    double squares = 0, squaresSamePath = 0, maxSamePath = 0;
-    uint64_t samePath = 0, idsDiffer = 0, rays = 0;
-    std::vector<DifferingPixel> differing;
-    std::vector<glm::vec3> device, reference;  // colours by pixel
-    std::vector<float> differences;            // by pixel, infinite where the device's colour is not finite
-    std::vector<float> floors;                 // by pixel, greatest channel of PixelRecord::rounding
-};
-
 constexpr float kDifferenceGain = 64;
 
 // Steps of the reference that certificates of a sample may take: as many times its own, and some for small
 // images.
 constexpr uint64_t kStepsOfRay = 3, kLeastSteps = 1'000'000;
-// Pixels whose trails are held at a time, and that are certified between two looks at the steps left.
-constexpr size_t kTrailsAtOnce = 16'384, kCertifiedAtOnce = 64;
+// Pixels that are certified between two looks at the steps left, and whose trails are held at a time.
+constexpr size_t kCertifiedAtOnce = 64, kTrailsAtOnce = 256 * kCertifiedAtOnce;
 
-class Comparison {
-  public:
-    Comparison(const PackedScene& scene, const shared::Camera& camera, const Options& options,
-               const Picture& device, const PackedSamples& samples, uint32_t sample,
-               const reference::Tracer& tracer, RepresentationCheck* representation)
-        : tracer_(tracer),
-          scene_(scene),
-          camera_(camera),
-          options_(options),
-          device_(device),
-          samples_(samples),
-          sample_(sample),
-          representation_(representation) {}
-
-    // Decides about a pixel of this sample that is in doubt. True if it is within its predicted error after
-    // all: each ray of the reference's own path is predicted.
-    bool certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t& steps) const {
-        const reference::FilmSample s = filmSampleAt(pixel.x, pixel.y);
-        SeenPath seen;
-        seen.trail = &trail;
-        seen.first = quantitiesOf(pixel.deviceColor, pixel.device);
-        seen.weight = s.weight;
-        const Certificate certificate =
-            certify(tracer_, scene_, rayThrough(pixel.x, pixel.y, s), seen, steps);
-        steps = certificate.steps;
-        pixel.ulps = certificate.units;
-        pixel.openDecisions = certificate.openDecisions;
-        if (certificate.verdict == Certificate::Verdict::Fails) return false;
-        if (certificate.verdict == Certificate::Verdict::Undecided) {
-            pixel.reason = Reason::Undecided;
-            return false;
-        }
-        const bool samePath = pixel.device.pathHash == pixel.reference.pathHash;
-        pixel.reason = samePath ? Reason::Rounding : Reason::Edge;
-        if (!samePath || certificate.openDecisions > 0) return false;
-        // Predicted step by step, unless the device's rays decide otherwise than the reference's.
-        const reference::Ray ray = rayThrough(pixel.x, pixel.y, s);
-        const reference::PixelRecord still = tracer_.trace(ray, {}, true);
-        const Trail own = trailOf(still);
-        SeenPath itself;
-        itself.trail = &own;
-        itself.first = quantitiesOf(still, scene_.origin);
-        itself.fromDevice = false;
-        const bool alike =
-            certify(tracer_, scene_, ray, itself, kMostStepsOfPixel).decisions == certificate.decisions;
-        if (!alike) pixel.reason = Reason::Edge;
-        return alike;
-    }
-
-    double radianceBound() const { return static_cast<double>(tracer_.environment().radianceBound); }
-    // False without secondary rays: the device then has no code for mirrors and does not count omitted
-    // branches.
-    bool countsBranches() const { return tracer_.environment().maxDepth > 0; }
-
-    RowSums row(int y) const {
-        RowSums sums(radianceBound());
-        for (int x = 0; x < options_.width; ++x) comparePixel(x, y, sums);
-        return sums;
-    }
-
-  private:
-    reference::FilmSample filmSampleAt(int x, int y) const {
-        return reference::filmSample(samples_, sample_, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
-    }
-
-    reference::Ray rayThrough(int x, int y, const reference::FilmSample& s) const {
-        return tracer_.cameraRay(camera_, x + s.offset.x, y + s.offset.y, s.lens);
-    }
-
-    void comparePixel(int x, int y, RowSums& sums) const {
-        const reference::FilmSample s = filmSampleAt(x, y);
-        const reference::Ray ray = rayThrough(x, y, s);
-        const reference::PixelRecord expected = tracer_.trace(ray);
-        sums.rays += expected.bounces + 1;
-        if (representation_ != nullptr) representation_->compare(x, y, sample_, s, expected);
-        const PixelData& data = device_.at(x, y);
-        const glm::vec3 weighted(device_.color.at(x, y, 0), device_.color.at(x, y, 1),
-                                 device_.color.at(x, y, 2));
-        const glm::vec3 color = weighted / static_cast<float>(s.weight);
-        const glm::dvec3 d = glm::abs(glm::dvec3(color) - expected.color);
-        const bool finite = std::isfinite(d.x + d.y + d.z);
-        const double difference =
-            finite ? std::max({d.x, d.y, d.z}) : std::numeric_limits<double>::infinity();
-        const bool samePath = data.pathHash == expected.pathHash;
-        sums.device.push_back(color);
-        sums.reference.push_back(glm::vec3(expected.color));
-        sums.differences.push_back(static_cast<float>(difference));
-        if (finite) {
-            sums.squares += glm::dot(d, d);
-            if (samePath) {
-                sums.squaresSamePath += glm::dot(d, d);
-                sums.maxSamePath = std::max(sums.maxSamePath, difference);
-                ++sums.samePath;
-            }
-        }
-        const glm::dvec3 rounding = expected.rounding;
-        sums.floors.push_back(static_cast<float>(std::max({rounding.x, rounding.y, rounding.z})));
-        const Quantities seen = quantitiesOf(color, data);
-        const double weight = std::abs(s.weight);
-        if (samePath && isSameHit(data, expected))
-            sums.account.addAlike(expected.lost, weight);
-        else
-            sums.account.addOther(data.bounces, weight);
-        const bool covered = isCovered(x, y, s.weight);
-        const bool predicted = finite && covered && isPredictedHit(ray, expected, data, seen);
-        if (predicted && beginsClear(scene_, expected, ray, data)) return;
-        DifferingPixel pixel;
-        pixel.x = x;
-        pixel.y = y;
-        pixel.sample = sample_;
-        pixel.difference = difference;
-        pixel.deviceColor = color;
-        pixel.device = data;
-        pixel.reference = expected;
-        // Rounding of a ray cannot explain a pixel that is wrong only in the starts of its rays or in the
-        // indices of a hit.
-        pixel.inDoubt = covered && finite && !predicted && (!samePath || isSameHit(data, expected));
-        sums.idsDiffer += samePath ? 0 : 1;
-        sums.differing.push_back(std::move(pixel));
-    }
-
-    bool isPredictedHit(const reference::Ray& ray, const reference::PixelRecord& expected,
-                        const PixelData& data, const Quantities& seen) const {
-        return data.pathHash == expected.pathHash && isSameHit(data, expected) &&
-               isPredicted(tracer_, ray, expected, scene_, seen);
-    }
-
-    // The picture's alpha is the sample's weight where the device has hit anything, and 0 elsewhere. The
-    // weight is rounded once, and so are the inverse of the count and the product with it.
-    bool isCovered(int x, int y, double weight) const {
-        const double expected = device_.at(x, y).object == PixelData::kNoIndex ? 0 : weight;
-        return std::abs(static_cast<double>(device_.color.at(x, y, 3)) - expected) <=
-               4 * kFloatUnit * std::abs(expected);
-    }
-
-    // True if the device's layers of the first hit agree with the reference path.
-    static bool isSameHit(const PixelData& data, const reference::PixelRecord& expected) {
-        if (data.bounces != expected.bounces) return false;
-        if (!expected.hit) return data.object == PixelData::kNoIndex;
-        const reference::Surface& surface = *expected.surface;
-        return data.object == surface.object && data.primitive == surface.primitive &&
-               data.material == surface.material;
-    }
-
-    const reference::Tracer& tracer_;
-    const PackedScene& scene_;
-    const shared::Camera& camera_;
-    const Options& options_;
-    const Picture& device_;
-    const PackedSamples& samples_;
-    uint32_t sample_;
-    RepresentationCheck* representation_;  // or null
+// Sums over a row's pixels. Rows are added in order, so that results do not depend on the threads.
+struct Row {
+    explicit Row(double radianceBound) : account(radianceBound) {}
+    Account account;
+    double squares = 0, squaresSamePath = 0, maxSamePath = 0;
+    uint64_t samePath = 0, rays = 0;
+    std::vector<DifferingPixel> differing;
 };
 
-void paint(Image& image, const DifferingPixel& pixel) {
-    static const float colors[4][3] = {{1, 0.8f, 0}, {0.1f, 0.8f, 0.2f}, {0.8f, 0, 0.8f}, {1, 0, 0}};
-    for (int c = 0; c < 3; ++c) image.at(pixel.x, pixel.y, c) = colors[static_cast<int>(pixel.reason)][c];
+// True if the device's layers of the first hit agree with the reference path.
+bool isSameHit(const PixelData& data, const reference::PixelRecord& expected) {
+    if (data.bounces != expected.bounces) return false;
+    if (!expected.hit) return data.object == PixelData::kNoIndex;
+    const reference::Surface& surface = *expected.surface;
+    return data.object == surface.object && data.primitive == surface.primitive &&
+           data.material == surface.material;
+}
+
+// True if the pixel's alpha is the sample's weight where the device has hit anything, and 0 elsewhere. The
+// weight is rounded once, and so are the inverse of the count and the product with it.
+bool isCovered(float alpha, const PixelData& data, double weight) {
+    const double expected = data.object == PixelData::kNoIndex ? 0 : weight;
+    return std::abs(static_cast<double>(alpha) - expected) <= 4 * kFloatUnit * std::abs(expected);
 }
 
 bool worseThan(const DifferingPixel& a, const DifferingPixel& b) {
-    const bool ua = a.reason == Reason::Unexplained, ub = b.reason == Reason::Unexplained;
-    if (ua != ub) return ua;
-    if (a.difference != b.difference) return a.difference > b.difference;
-    return std::pair(a.y, a.x) < std::pair(b.y, b.x);
+    const auto rank = [](const DifferingPixel& pixel) {
+        return std::tuple(pixel.reason != Reason::Unexplained, -pixel.difference, pixel.y, pixel.x);
+    };
+    return rank(a) < rank(b);
 }
 
-uint64_t& countOf(Report& report, Reason reason) {
-    switch (reason) {
-        case Reason::Edge:
-            return report.edges;
-        case Reason::Rounding:
-            return report.roundings;
-        case Reason::Undecided:
-            return report.undecided;
-        case Reason::Unexplained:
-            break;
-    }
-    return report.unexplained;
+// Counts a pixel, and paints it in the image of differences.
+void addDiffering(Report& report, DifferingPixel&& pixel) {
+    struct Entry {
+        uint64_t Report::*count;
+        glm::vec3 color;
+    };
+    static const Entry entries[] = {{&Report::edges, {1, 0.8f, 0}},
+                                    {&Report::roundings, {0.1f, 0.8f, 0.2f}},
+                                    {&Report::undecided, {0.8f, 0, 0.8f}},
+                                    {&Report::unexplained, {1, 0, 0}}};
+    const Entry& entry = entries[static_cast<size_t>(pixel.reason)];
+    ++(report.*entry.count);
+    for (int c = 0; pixel.sample == 0 && c < 3; ++c)
+        report.difference.at(pixel.x, pixel.y, c) = entry.color[c];
+    report.worst.push_back(std::move(pixel));
 }
 
-// The pixels that differ are counted once they are certified.
-void addRow(RowSums& row, int y, Report& report, size_t sample) {
-    for (int x = 0; sample == 0 && x < static_cast<int>(row.differences.size()); ++x) {
-        const float grey = std::min(row.differences[x] * kDifferenceGain, 1.0f);
-        for (int c = 0; c < 3; ++c) {
-            report.difference.at(x, y, c) = grey;
-            report.device.at(x, y, c) = row.device[x][c];
-            report.reference.at(x, y, c) = row.reference[x][c];
-        }
-    }
-    report.idsDiffer += row.idsDiffer;
-    report.rmse += row.squares;
-    report.rmseSamePath += row.squaresSamePath;
-    report.maxSamePath = std::max(report.maxSamePath, row.maxSamePath);
-}
-
-// Certifies the pixels in doubt, in order, as long as there are steps left; drops those that turn out to lie
-// within their predicted error. Deterministic: the steps left are looked at between batches.
-class DoubtCheck {
+class Verification {
   public:
-    using Trails = std::function<std::vector<Trail>(const std::vector<glm::ivec2>&)>;
-
-    DoubtCheck(const Comparison& comparison, const Options& options, const Report& report, uint64_t steps)
-        : comparison_(comparison), options_(options), report_(report), stepsLeft_(steps) {}
-
-    void run(std::vector<DifferingPixel>& differing, const Trails& trailsOf) {
-        std::vector<DifferingPixel*> doubts;
-        for (DifferingPixel& pixel : differing)
-            if (pixel.inDoubt) doubts.push_back(&pixel);
-        for (size_t first = 0; first < doubts.size(); first += kTrailsAtOnce) {
-            const size_t count = std::min(kTrailsAtOnce, doubts.size() - first);
-            certifyAll(std::span(doubts).subspan(first, count), trailsOf);
-        }
-        std::erase_if(differing, [](const DifferingPixel& pixel) { return pixel.inDoubt; });
+    Verification(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
+                 const Options& options, const Scene* read, Report& report)
+        : renderer_(renderer),
+          scene_(scene),
+          camera_(camera),
+          options_(options),
+          samples_(options.samples),
+          context_{.cancelled = options.cancelled},
+          tracer_(scene, options),
+          report_(report) {
+        if (read != nullptr) representation_.emplace(*read, scene, tracer_, camera, options);
     }
+
+    // Throws Cancelled.
+    void run();
 
   private:
-    void certifyAll(std::span<DifferingPixel*> doubts, const Trails& trailsOf) {
-        std::vector<glm::ivec2> places;
-        for (const DifferingPixel* pixel : doubts) places.emplace_back(pixel->x, pixel->y);
-        if (isOver()) {
-            leave(doubts);
-            return;
-        }
-        const std::vector<Trail> trails = trailsOf(places);
-        for (size_t first = 0; first < doubts.size(); first += kCertifiedAtOnce) {
-            const size_t count = std::min(kCertifiedAtOnce, doubts.size() - first);
-            const auto some = doubts.subspan(first, count);
-            if (isOver()) {
-                leave(some);
-                continue;
-            }
-            std::vector<uint64_t> steps(count, std::min(stepsLeft_, kMostStepsOfPixel));
-            parallelFor(Context{}, count, [&](size_t i) {
-                DifferingPixel& pixel = *some[i];
-                pixel.inDoubt = comparison_.certifyPixel(pixel, trails[first + i], steps[i]);
-            });
-            for (const uint64_t taken : steps) stepsLeft_ -= std::min(stepsLeft_, taken);
-            for (const DifferingPixel* pixel : some) unexplained_ += pixel->reason == Reason::Unexplained;
-        }
+    Request requestFor(const PackedSamples& samples) const;
+    Picture rendered(const Request& request) const;
+    reference::PixelSample sampleAt(uint32_t sample, int x, int y) const {
+        return reference::pixelSample(tracer_, camera_, samples_, sample, x, y);
     }
-    bool isOver() const {
-        return stepsLeft_ == 0 || (options_.cancelled && options_.cancelled()) ||
-               (options_.verdictAlone && unexplained_ > report_.allowedExplained());
-    }
-    static void leave(std::span<DifferingPixel*> doubts) {
-        for (DifferingPixel* pixel : doubts) {
-            pixel->inDoubt = false;
-            pixel->reason = Reason::Undecided;
-        }
-    }
+    // True if nothing else matters.
+    bool isConvicted() const { return options_.verdictAlone && report_.unexplained > 0; }
 
-    const Comparison& comparison_;
+    void compareSample(uint32_t sample, const Request& request, const Picture& device);
+    void comparePixel(int x, int y, uint32_t sample, const Picture& device, Row& row);
+    void addColors(const DifferingPixel& pixel, Row& row);
+    void certifyDoubts(std::vector<DifferingPixel>& differing, const Request& request, uint64_t steps) const;
+    std::vector<Trail> trailsOf(std::span<DifferingPixel* const> pixels, const Request& request) const;
+    void certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t& steps) const;
+    bool decidesAlike(const reference::Ray& ray, const Certificate& certificate) const;
+    std::vector<size_t> plainDifferences(uint32_t sample, const Picture& device) const;
+    std::vector<size_t> filmDifferences(const PackedSamples& rounds, Film& film) const;
+    uint64_t countSettled(uint32_t first, uint32_t end, const std::vector<size_t>& pixels) const;
+
+    render::Renderer& renderer_;
+    const PackedScene& scene_;
+    const shared::Camera& camera_;
     const Options& options_;
-    const Report& report_;
-    uint64_t stepsLeft_;
-    uint64_t unexplained_ = 0;
+    const PackedSamples& samples_;
+    Context context_;
+    reference::Tracer tracer_;
+    std::optional<RepresentationCheck> representation_;
+    Report& report_;
+    uint64_t samePath_ = 0;  // pixels
+    // By sample and pixel: the colour's difference, infinite where the device's is not finite, and the
+    // greatest channel of PixelRecord::rounding.
+    std::vector<float> differences_, floors_;
 };
 
-void keepWorst(Report& report, size_t count) {
-    const size_t kept = std::min(count, report.worst.size());
-    std::partial_sort(report.worst.begin(), report.worst.begin() + static_cast<std::ptrdiff_t>(kept),
-                      report.worst.end(), worseThan);
-    report.worst.resize(kept);
+void Verification::run() {
+    for (Image* image : {&report_.device, &report_.reference, &report_.difference})
+        *image = Image(options_.width, options_.height, 3);
+    report_.allowedUnexplained = options_.allowedUnexplained;
+    report_.pixels = static_cast<uint64_t>(options_.width) * options_.height * samples_.round;
+    report_.sensitivity = sensitivityOf(tracer_, camera_, options_.width, options_.height, samples_);
+    differences_.resize(report_.pixels);
+    floors_.resize(report_.pixels);
+    const PackedSamples rounds = firstRounds(samples_);
+    Film film(rounds, options_.width, options_.height, scene_.lights.size());
+    for (uint32_t sample = 0; sample < samples_.round; ++sample) {
+        Request request = requestFor(samples_.only(sample));
+        request.data = true;
+        request.ledger = scene_.features.mirrors || scene_.features.transmission;
+        const Picture device = rendered(request);
+        compareSample(sample, request, device);
+        if (options_.plainToo && !isConvicted())
+            report_.plainDiffers += countSettled(sample, sample + 1, plainDifferences(sample, device));
+        if (rounds.count() > 1) film.add(sample, device);
+    }
+    if (rounds.count() > 1 && !isConvicted())
+        report_.filmDiffers = countSettled(0, rounds.count(), filmDifferences(rounds, film));
+    // A few thousand pixels tell little of what seldom happens: before they fail an image, ask more.
+    const bool tooMany = report_.explained() + report_.undecided > report_.allowedExplained();
+    if (tooMany && report_.unexplained == 0)
+        report_.sensitivity = sensitivityOf(tracer_, camera_, options_.width, options_.height, samples_, 3,
+                                            16 * kMaxKappaPixels);
+    if (representation_) report_.representation = representation_->judge(options_.worstCount);
+    report_.p99 = percentile99(std::move(differences_));
+    report_.floorP99 = percentile99(std::move(floors_));
+    const auto rootOfMean = [](double squares, uint64_t pixels) {
+        return std::sqrt(squares / (3.0 * static_cast<double>(std::max<uint64_t>(pixels, 1))));
+    };
+    report_.rmse = rootOfMean(report_.rmse, report_.pixels);
+    report_.rmseSamePath = rootOfMean(report_.rmseSamePath, samePath_);
+}
+
+// The whole view, in colour alone.
+Request Verification::requestFor(const PackedSamples& samples) const {
+    Request request = options_;
+    request.region = {};
+    request.samples = samples;
+    request.data = request.ledger = false;
+    request.progress = {};
+    return request;
+}
+
+Picture Verification::rendered(const Request& request) const {
+    Picture picture = renderer_.render(camera_, request);
+    if (!picture.complete) throw Cancelled();
+    return picture;
+}
+
+void Verification::compareSample(uint32_t sample, const Request& request, const Picture& device) {
+    const auto radianceBound = static_cast<double>(tracer_.environment().radianceBound);
+    std::vector<Row> rows(static_cast<size_t>(options_.height), Row(radianceBound));
+    std::mutex mutex;
+    size_t finished = size_t{sample} * rows.size();
+    parallelFor(context_, rows.size(), [&](size_t y) {
+        for (int x = 0; x < options_.width; ++x)
+            comparePixel(x, static_cast<int>(y), sample, device, rows[y]);
+        const std::lock_guard lock(mutex);
+        ++finished;
+        if (options_.progress)
+            options_.progress(static_cast<double>(finished) /
+                              (static_cast<double>(rows.size()) * samples_.round));
+    });
+    Row all(radianceBound);
+    for (Row& row : rows) {
+        all.account.add(row.account);
+        all.rays += row.rays;
+        samePath_ += row.samePath;
+        report_.rmse += row.squares;
+        report_.rmseSamePath += row.squaresSamePath;
+        report_.maxSamePath = std::max(report_.maxSamePath, row.maxSamePath);
+        std::move(row.differing.begin(), row.differing.end(), std::back_inserter(all.differing));
+    }
+    certifyDoubts(all.differing, request, kStepsOfRay * all.rays + kLeastSteps);
+    for (DifferingPixel& pixel : all.differing) addDiffering(report_, std::move(pixel));
+    // Without secondary rays the device has no code for mirrors, and counts no omitted branches.
+    const bool countsBranches = tracer_.environment().maxDepth > 0;
+    if (countsBranches && !all.account.agrees(device.losses, report_.allowedExplained()))
+        ++report_.lossesDiffer;
+    const size_t kept = std::min(report_.worst.size(), options_.worstCount);
+    const auto end = report_.worst.begin() + static_cast<std::ptrdiff_t>(kept);
+    std::partial_sort(report_.worst.begin(), end, report_.worst.end(), worseThan);
+    report_.worst.resize(kept);
+}
+
+void Verification::comparePixel(int x, int y, uint32_t sample, const Picture& device, Row& row) {
+    const auto [weight, ray] = sampleAt(sample, x, y);
+    DifferingPixel pixel{
+        .x = x, .y = y, .sample = sample, .device = device.at(x, y), .reference = tracer_.trace(ray)};
+    const reference::PixelRecord& expected = pixel.reference;
+    const PixelData& data = pixel.device;
+    for (int c = 0; c < 3; ++c) pixel.deviceColor[c] = device.color.at(x, y, c) / static_cast<float>(weight);
+    const glm::dvec3 difference = glm::dvec3(pixel.deviceColor) - expected.color;
+    const bool finite = isFinite(difference);
+    pixel.difference = finite ? greatestMagnitude(difference) : std::numeric_limits<double>::infinity();
+    addColors(pixel, row);
+    if (representation_) representation_->compare(x, y, sample, expected);
+    const bool samePath = data.pathHash == expected.pathHash, sameHit = isSameHit(data, expected);
+    if (samePath && sameHit)
+        row.account.addAlike(expected.lost, std::abs(weight));
+    else
+        row.account.addOther(data.bounces, std::abs(weight));
+    const bool covered = isCovered(device.color.at(x, y, 3), data, weight);
+    const bool predicted = finite && covered && samePath && sameHit &&
+                           isPredicted(tracer_, ray, expected, scene_, quantitiesOf(pixel.deviceColor, data));
+    if (predicted && beginsClear(scene_, expected, ray, data)) return;
+    // Rounding of a ray cannot explain a pixel that is wrong only in the starts of its rays or in the
+    // indices of a hit.
+    pixel.inDoubt = covered && finite && !predicted && (!samePath || sameHit);
+    row.differing.push_back(std::move(pixel));
+}
+
+void Verification::addColors(const DifferingPixel& pixel, Row& row) {
+    const reference::PixelRecord& expected = pixel.reference;
+    const size_t index = (pixel.sample * static_cast<size_t>(options_.height) + pixel.y) *
+                             static_cast<size_t>(options_.width) +
+                         pixel.x;
+    differences_[index] = static_cast<float>(pixel.difference);
+    floors_[index] = static_cast<float>(greatestMagnitude(expected.rounding));
+    row.rays += expected.bounces + 1;
+    if (std::isfinite(pixel.difference)) {
+        const glm::dvec3 d = glm::dvec3(pixel.deviceColor) - expected.color;
+        row.squares += glm::dot(d, d);
+        if (pixel.device.pathHash == expected.pathHash) {
+            row.squaresSamePath += glm::dot(d, d);
+            row.maxSamePath = std::max(row.maxSamePath, pixel.difference);
+            ++row.samePath;
+        }
+    }
+    for (int c = 0; pixel.sample == 0 && c < 3; ++c) {
+        report_.difference.at(pixel.x, pixel.y, c) = std::min(differences_[index] * kDifferenceGain, 1.0f);
+        report_.device.at(pixel.x, pixel.y, c) = pixel.deviceColor[c];
+        report_.reference.at(pixel.x, pixel.y, c) = static_cast<float>(expected.color[c]);
+    }
+}
+
+// Certifies the pixels in doubt, in order, as long as there are steps left; the others are undecided. Drops
+// those that lie within their predicted error after all. Deterministic: the steps are counted between
+// batches.
+void Verification::certifyDoubts(std::vector<DifferingPixel>& differing, const Request& request,
+                                 uint64_t steps) const {
+    std::vector<DifferingPixel*> doubts;
+    for (DifferingPixel& pixel : differing)
+        if (pixel.inDoubt) doubts.push_back(&pixel);
+    uint64_t unexplained = 0;
+    std::vector<Trail> trails;
+    const auto from = [&](size_t first, size_t count) {
+        return std::span(doubts).subspan(first, std::min(count, doubts.size() - first));
+    };
+    for (size_t first = 0; first < doubts.size(); first += kCertifiedAtOnce) {
+        const auto batch = from(first, kCertifiedAtOnce);
+        if (steps == 0 || (options_.verdictAlone && unexplained > report_.allowedExplained())) {
+            for (DifferingPixel* pixel : batch) {
+                pixel->inDoubt = false;
+                pixel->reason = Reason::Undecided;
+            }
+            continue;
+        }
+        const size_t trail = first % kTrailsAtOnce;
+        if (trail == 0) trails = trailsOf(from(first, kTrailsAtOnce), request);
+        std::vector<uint64_t> taken(batch.size(), std::min(steps, kMostStepsOfPixel));
+        parallelFor(context_, batch.size(),
+                    [&](size_t i) { certifyPixel(*batch[i], trails[trail + i], taken[i]); });
+        for (const uint64_t count : taken) steps -= std::min(steps, count);
+        for (const DifferingPixel* pixel : batch) unexplained += pixel->reason == Reason::Unexplained;
+    }
+    std::erase_if(differing, [](const DifferingPixel& pixel) { return pixel.inDoubt; });
+}
+
+std::vector<Trail> Verification::trailsOf(std::span<DifferingPixel* const> pixels,
+                                          const Request& request) const {
+    std::vector<glm::ivec2> places;
+    for (const DifferingPixel* pixel : pixels) places.emplace_back(pixel->x, pixel->y);
+    return renderer_.trails(camera_, request, places);
+}
+
+// steps: most that it may take, then those that it took. A pixel stays in doubt if it is within its predicted
+// error after all: each ray of the reference's own path is predicted.
+void Verification::certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t& steps) const {
+    const auto [weight, ray] = sampleAt(pixel.sample, pixel.x, pixel.y);
+    const SeenPath seen{&trail, quantitiesOf(pixel.deviceColor, pixel.device), weight};
+    const Certificate certificate = certify(tracer_, scene_, ray, seen, steps);
+    steps = certificate.steps;
+    pixel.ulps = certificate.units;
+    pixel.openDecisions = certificate.openDecisions;
+    pixel.inDoubt = false;
+    if (certificate.verdict == Certificate::Verdict::Fails) return;
+    if (certificate.verdict == Certificate::Verdict::Undecided) {
+        pixel.reason = Reason::Undecided;
+        return;
+    }
+    const bool samePath = pixel.device.pathHash == pixel.reference.pathHash;
+    pixel.inDoubt = samePath && certificate.openDecisions == 0 && decidesAlike(ray, certificate);
+    pixel.reason = samePath && certificate.openDecisions > 0 ? Reason::Rounding : Reason::Edge;
+}
+
+// True if the device's path, of this certificate, takes the same decisions as the reference's.
+bool Verification::decidesAlike(const reference::Ray& ray, const Certificate& certificate) const {
+    const reference::PixelRecord still = tracer_.trace(ray, {}, true);
+    const Trail own = trailOf(still);
+    const SeenPath itself{&own, quantitiesOf(still, scene_.origin), 1, false};
+    return certify(tracer_, scene_, ray, itself, kMostStepsOfPixel).decisions == certificate.decisions;
+}
+
+// Pixels that have another colour in an image without layers, as people get it.
+std::vector<size_t> Verification::plainDifferences(uint32_t sample, const Picture& device) const {
+    const Picture plain = rendered(requestFor(samples_.only(sample)));
+    std::vector<size_t> differing;
+    for (size_t i = 0; i < device.done.size(); ++i)
+        if (std::memcmp(&plain.color.pixels[4 * i], &device.color.pixels[4 * i], 4 * sizeof(float)) != 0)
+            differing.push_back(i);
+    return differing;
+}
+
+// Pixels of the image of all samples that differ from the mean of their samples. `film` has the first
+// round's.
+std::vector<size_t> Verification::filmDifferences(const PackedSamples& rounds, Film& film) const {
+    for (uint32_t sample = samples_.round; sample < rounds.count(); ++sample)
+        film.add(sample, rendered(requestFor(samples_.only(sample))));
+    return film.differing(rendered(requestFor(rounds)));
+}
+
+// True if some ray as near as roundings move it hits surfaces of which fp32's errors decide whether they are
+// in one place. Which of them is hit may then depend on the order of the traversal, and so on the kernel.
+bool isOrderOpen(const reference::Tracer& tracer, const reference::Ray& ray) {
+    constexpr uint64_t kMoves = 64;
+    for (uint64_t seed = 0; seed <= kMoves; ++seed) {
+        const reference::Jitter move{.seed = seed, .ulps = seed == 0 ? 0 : kStepUnits};
+        if (isOpen(tracer, ray, tracer.trace(ray, move), move)) return true;
+    }
+    return false;
+}
+
+// How many of these pixels have no such rays in samples `first` to `end` - 1.
+uint64_t Verification::countSettled(uint32_t first, uint32_t end, const std::vector<size_t>& pixels) const {
+    std::atomic<uint64_t> settled = 0;
+    parallelFor(context_, pixels.size(), [&](size_t i) {
+        const auto [y, x] = std::div(static_cast<int64_t>(pixels[i]), static_cast<int64_t>(options_.width));
+        for (uint32_t sample = first; sample < end; ++sample) {
+            const reference::Ray ray = sampleAt(sample, static_cast<int>(x), static_cast<int>(y)).ray;
+            if (isOrderOpen(tracer_, ray)) return;
+        }
+        ++settled;
+    });
+    return settled;
 }
 
 }  // namespace
@@ -316,173 +392,14 @@ double Report::allowedP99() const {
     return kResponseGain * sensitivity.kappaLimit * kFloatUnit + floorP99;
 }
 
-namespace {
-
-// Values gathered over the samples.
-struct Gathered {
-    std::vector<float> differences, floors;
-    uint64_t samePath = 0;
-};
-
-// False if it was interrupted.
-bool addSample(const Comparison& comparison, const Picture& device, const Options& options, uint32_t sample,
-               const DoubtCheck::Trails& trailsOf, Report& report, Gathered& all) {
-    const auto isInterrupted = [&] { return !device.complete || (options.cancelled && options.cancelled()); };
-    std::vector<RowSums> rows(options.height, RowSums(comparison.radianceBound()));
-    std::mutex mutex;
-    size_t finished = size_t{sample} * options.height;
-    parallelFor(Context{}, static_cast<size_t>(options.height), [&](size_t y) {
-        if (isInterrupted()) return;
-        rows[y] = comparison.row(static_cast<int>(y));
-        const std::lock_guard lock(mutex);
-        ++finished;
-        if (options.progress)
-            options.progress(static_cast<double>(finished) /
-                             (static_cast<double>(options.height) * options.samples.round));
-    });
-    if (isInterrupted()) return false;
-    Account account(comparison.radianceBound());
-    uint64_t rays = 0;
-    std::vector<DifferingPixel> differing;
-    for (int y = 0; y < options.height; ++y) {
-        account.add(rows[y].account);
-        addRow(rows[y], y, report, sample);
-        all.differences.insert(all.differences.end(), rows[y].differences.begin(), rows[y].differences.end());
-        all.floors.insert(all.floors.end(), rows[y].floors.begin(), rows[y].floors.end());
-        all.samePath += rows[y].samePath;
-        rays += rows[y].rays;
-        std::move(rows[y].differing.begin(), rows[y].differing.end(), std::back_inserter(differing));
-    }
-    DoubtCheck(comparison, options, report, kStepsOfRay * rays + kLeastSteps).run(differing, trailsOf);
-    if (isInterrupted()) return false;
-    for (DifferingPixel& pixel : differing) {
-        ++countOf(report, pixel.reason);
-        if (sample == 0) paint(report.difference, pixel);
-        report.worst.push_back(std::move(pixel));
-    }
-    if (comparison.countsBranches() && !account.agrees(device.losses, report.allowedExplained()))
-        ++report.lossesDiffer;
-    keepWorst(report, options.worstCount);
-    return true;
-}
-
-// True if some ray as near as roundings move it meets surfaces of which fp32's errors decide whether they are
-// in one place. Which of them is hit may then depend on the order of the traversal, and so on the kernel.
-bool isOrderOpen(const reference::Tracer& tracer, const reference::Ray& ray) {
-    constexpr uint64_t kMoves = 64;
-    for (uint64_t seed = 0; seed <= kMoves; ++seed) {
-        const reference::Jitter move{.seed = seed, .ulps = seed == 0 ? 0 : kStepUnits};
-        if (isOpen(tracer, ray, tracer.trace(ray, move), move)) return true;
-    }
-    return false;
-}
-
-// How many of these pixels have no such rays in samples `first` to `end` - 1.
-uint64_t countSettled(const reference::Tracer& tracer, const shared::Camera& camera,
-                      const PackedSamples& samples, uint32_t first, uint32_t end, int width,
-                      const std::vector<size_t>& pixels) {
-    std::atomic<uint64_t> settled = 0;
-    parallelFor(Context{}, pixels.size(), [&](size_t i) {
-        const auto x = static_cast<uint32_t>(pixels[i] % width), y = static_cast<uint32_t>(pixels[i] / width);
-        for (uint32_t sample = first; sample < end; ++sample) {
-            const reference::FilmSample s = reference::filmSample(samples, sample, x, y);
-            const reference::Ray ray = tracer.cameraRay(camera, x + s.offset.x, y + s.offset.y, s.lens);
-            if (isOrderOpen(tracer, ray)) return;
-        }
-        ++settled;
-    });
-    return settled;
-}
-
-// Pixels of which the same request without data has another colour. What is verified must be what people get.
-std::vector<size_t> plainDifferences(render::Renderer& renderer, const shared::Camera& camera,
-                                     Request request, const Picture& device, Report& report) {
-    request.data = request.ledger = false;
-    const Picture plain = renderer.render(camera, request);
-    report.interrupted = report.interrupted || !plain.complete;
-    std::vector<size_t> differing;
-    for (size_t i = 0; i < device.done.size(); ++i)
-        if (std::memcmp(&plain.color.pixels[4 * i], &device.color.pixels[4 * i], 4 * sizeof(float)) != 0)
-            differing.push_back(i);
-    return differing;
-}
-
-// Pixels of the picture of all samples that are not what those demand which `film` has. It has the first
-// round's.
-std::vector<size_t> filmDifferences(render::Renderer& renderer, const shared::Camera& camera, Request request,
-                                    Film& film, Report& report) {
-    const PackedSamples samples = request.samples;
-    request.data = request.ledger = false;
-    request.progress = {};
-    for (uint32_t sample = samples.round; sample < samples.count(); ++sample) {
-        request.samples = samples.only(sample);
-        film.add(sample, renderer.render(camera, request));
-    }
-    request.samples = samples;
-    const Picture whole = renderer.render(camera, request);
-    report.interrupted = report.interrupted || !whole.complete;
-    return film.differing(whole);
-}
-
-}  // namespace
-
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
               const Options& options, const Scene* read) {
     Report report;
-    for (Image* image : {&report.device, &report.reference, &report.difference})
-        *image = Image(options.width, options.height, 3);
-    report.allowedUnexplained = options.allowedUnexplained;
-    const PackedSamples& samples = options.samples;
-    report.pixels = static_cast<uint64_t>(options.width) * options.height * samples.round;
-    const reference::Tracer tracer(scene, options);
-    report.sensitivity = sensitivityOf(tracer, camera, options.width, options.height, samples);
-    std::optional<RepresentationCheck> representation;
-    if (read != nullptr) representation.emplace(*read, scene, tracer, camera, options);
-    Gathered all;
-    Request request = options;
-    request.region = {};
-    const bool branches = scene.features.mirrors || scene.features.transmission;
-    const PackedSamples rounds = firstRounds(samples);
-    Film film(rounds, options.width, options.height, scene.lights.size());
-    for (uint32_t sample = 0; sample < samples.round; ++sample) {
-        request.samples = samples.only(sample);
-        request.data = true;
-        request.ledger = branches;
-        request.progress = {};
-        const Picture device = renderer.render(camera, request);
-        const Comparison comparison(scene, camera, options, device, samples, sample, tracer,
-                                    representation ? &*representation : nullptr);
-        const auto trailsOf = [&](const std::vector<glm::ivec2>& pixels) {
-            return renderer.trails(camera, request, pixels);
-        };
-        if (!addSample(comparison, device, options, sample, trailsOf, report, all)) {
-            report.interrupted = true;
-            return report;
-        }
-        const bool convicted = options.verdictAlone && report.unexplained > 0;
-        if (options.plainToo && !convicted)
-            report.plainDiffers += countSettled(tracer, camera, samples, sample, sample + 1, options.width,
-                                                plainDifferences(renderer, camera, request, device, report));
-        if (report.interrupted) return report;
-        if (rounds.count() > 1) film.add(sample, device);
+    try {
+        Verification(renderer, scene, camera, options, read, report).run();
+    } catch (const Cancelled&) {
+        report.interrupted = true;
     }
-    if (options.filmToo && rounds.count() > 1 && !(options.verdictAlone && report.unexplained > 0)) {
-        request.samples = rounds;
-        report.filmDiffers = countSettled(tracer, camera, rounds, 0, rounds.count(), options.width,
-                                          filmDifferences(renderer, camera, request, film, report));
-        if (report.interrupted) return report;
-    }
-    // A few thousand pixels tell little of what seldom happens: before they fail an image, ask more.
-    const bool tooMany = report.explained() + report.undecided > report.allowedExplained();
-    if (tooMany && report.unexplained == 0)
-        report.sensitivity =
-            sensitivityOf(tracer, camera, options.width, options.height, samples, 3, 16 * kMaxKappaPixels);
-    if (representation) report.representation = representation->judge(options.worstCount);
-    report.p99 = percentile99(std::move(all.differences));
-    report.floorP99 = percentile99(std::move(all.floors));
-    report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));
-    report.rmseSamePath =
-        all.samePath ? std::sqrt(report.rmseSamePath / (3.0 * static_cast<double>(all.samePath))) : 0.0;
     return report;
 }
 

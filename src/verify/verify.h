@@ -26,7 +26,7 @@ namespace glint::verify {
 enum class Reason {
     Edge,        // explained: another path, each ray of which is what roundings of that step give
     Rounding,    // explained: the same of the reference's own path, by more than its response to one unit
-    Undecided,   // not examined, or given up: beyond the steps that a pixel or an image may take
+    Undecided,   // not examined, or beyond the steps that a pixel or an image may take
     Unexplained  // a defect, in the shader, the reference or the scene's packing
 };
 constexpr auto entriesOf(Reason) {
@@ -43,18 +43,15 @@ struct Options : Request {
     size_t worstCount = 10;
     // Unexplained pixels that a scene may have and pass, for devices with a known defect.
     uint64_t allowedUnexplained = 0;
-    // Once more pixels are unexplained than may be explained, the others that differ are left undecided.
+    // Once more pixels are unexplained than may be explained, the others in doubt are left undecided.
     bool verdictAlone = false;
     // Also render each image without layers, as `glint render` does, possibly with other kernels.
     bool plainToo = true;
-    // Also render the image of all samples together, if there are several: correct samples may be added
-    // incorrectly.
-    bool filmToo = true;
 };
 
 struct DifferingPixel {
     int x = 0, y = 0;
-    size_t sample = 0;
+    uint32_t sample = 0;
     Reason reason = Reason::Unexplained;
     double difference = 0;       // greatest colour difference
     double ulps = 0;             // the greatest move of a ray, in units of 2^-24, that explained it
@@ -71,7 +68,6 @@ struct Report {
     uint64_t plainDiffers = 0;  // pixels that the picture without data has with other bits
     uint64_t filmDiffers = 0;   // pixels whose samples, drawn together, are not what they are one by one
     uint64_t lossesDiffer = 0;  // samples of which other branches were not followed
-    uint64_t idsDiffer = 0;     // of the differing pixels, those whose paths hit other primitives
     double rmse = 0;            // colour, all pixels
     double rmseSamePath = 0;    // colour, pixels whose paths hit the same primitives: pure arithmetic
     double maxSamePath = 0;
@@ -89,7 +85,7 @@ struct Report {
     std::optional<Representation> representation;
 
     uint64_t explained() const { return edges + roundings; }
-    // The greatest number of pixels that may be explained, with kConfidence (ceiling.h).
+    // The greatest number of pixels that may be explained, with kConfidence.
     uint64_t allowedExplained() const;
     // Largest allowed 99th percentile.
     double allowedP99() const;

@@ -1,7 +1,6 @@
 // How verify tells rounding from a defect.
 #include "verify/certificate.h"
 #include "scene/sampling.h"
-#include "verify/ceiling.h"
 
 #include <cmath>
 

@@ -2,6 +2,7 @@
 // error with both figures. Buffers and kernels check every limit, so what passes one is an error here,
 // whatever the device.
 #include "core/error.h"
+#include "pack/pack_samples.h"
 #include "render/scene_buffers.h"
 #include "support.h"
 #include "support/support.h"
