@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/common.h"
+#include "app/drawing.h"
 #include "app/loading.h"
 #include "app/render_command.h"
 #include "app/version.h"
@@ -88,7 +89,7 @@ bench::Options optionsOf(const BenchCommand& command) {
 bench::Result measureScene(const BenchCommand& command, const std::filesystem::path& path,
                            const gpu::Device* device, std::ostream& err) {
     // One for each scene: its bar is gone when the table comes.
-    Progress progress("bench " + path.filename().string(), command.progress, err, isTerminal(err));
+    Progress progress = progressOf("bench " + path.filename().string(), command.progress, err);
     SceneOptions scene = command.common;
     scene.scene = path;
     bench::Options options = optionsOf(command);

@@ -1,13 +1,12 @@
 #include "app/common.h"
 
 #include <unistd.h>
-#include <algorithm>
+
 #include <cerrno>
 #include <cstdarg>
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <system_error>
 
 #include "core/available_memory.h"
@@ -18,15 +17,6 @@
 namespace glint::app {
 
 namespace {
-
-bool anyUsableDevice() {
-    try {
-        const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
-        return std::any_of(devices.begin(), devices.end(), [](const gpu::DeviceInfo& d) { return d.usable; });
-    } catch (const Error&) {
-        return false;
-    }
-}
 
 namespace fs = std::filesystem;
 
@@ -40,29 +30,12 @@ std::string reasonOf(int errorNumber) {
 
 }  // namespace
 
-Error withAdvice(const Error& error) {
-    if (anyUsableDevice()) return error;
-    return {error.kind(), std::string(error.what()) + ", or use --backend cpu"};
-}
-
-gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms) {
-    try {
-        return gpu::Device({choice.selector, choice.validation, {}, keepPrograms});
-    } catch (const Error& error) {
-        if (!hostWould) throw;
-        throw withAdvice(error);
-    }
-}
-
-void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {
-    if (!choice.validation) return;
-    const auto messages = device.validationMessages();
-    for (const std::string& message : messages) err << "glint: validation: " << message << '\n';
-    if (!messages.empty()) throw Error(ErrorKind::Device, "the validation layer found faults (listed above)");
-}
-
 bool isTerminal(const std::ostream& err) {
     return &err == &std::cerr && isatty(STDERR_FILENO) == 1;
+}
+
+Progress progressOf(const std::string& label, ProgressMode mode, std::ostream& err) {
+    return {label, mode, err, isTerminal(err)};
 }
 
 std::string format(const char* form, ...) {

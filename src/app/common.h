@@ -6,26 +6,18 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "app/options.h"
 #include "core/available_memory.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "core/wording.h"
-#include "gpu/device.h"
 
 namespace glint::app {
 
-// Opens the device that was chosen. If there is none at all and `hostWould` do the same work, the error says
-// so. Throws Error(Device) too if the validation layer was asked for and is not there.
-gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms = true);
-
-// The error with the advice to use --backend cpu, if no device can be used.
-Error withAdvice(const Error& error);
-
-// Prints what the validation layer said; throws Error(Device) if it said anything.
-void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err);
-
 // True if standard error is a terminal and `err` is it.
 bool isTerminal(const std::ostream& err);
+
+// Progress on `err`.
+Progress progressOf(const std::string& label, ProgressMode mode, std::ostream& err);
 
 // Text as of printf.
 [[gnu::format(printf, 1, 2)]] std::string format(const char* form, ...);

@@ -1,5 +1,6 @@
 #include "app/drawing.h"
 
+#include <algorithm>
 #include <ostream>
 #include <utility>
 
@@ -11,6 +12,40 @@
 #include "reference/render.h"
 
 namespace glint::app {
+
+namespace {
+
+bool anyUsableDevice() {
+    try {
+        const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
+        return std::any_of(devices.begin(), devices.end(), [](const gpu::DeviceInfo& d) { return d.usable; });
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+}  // namespace
+
+Error withAdvice(const Error& error) {
+    if (anyUsableDevice()) return error;
+    return {error.kind(), std::string(error.what()) + ", or use --backend cpu"};
+}
+
+gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms) {
+    try {
+        return gpu::Device({choice.selector, choice.validation, {}, keepPrograms});
+    } catch (const Error& error) {
+        if (!hostWould) throw;
+        throw withAdvice(error);
+    }
+}
+
+void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {
+    if (!choice.validation) return;
+    const auto messages = device.validationMessages();
+    for (const std::string& message : messages) err << "glint: validation: " << message << '\n';
+    if (!messages.empty()) throw Error(ErrorKind::Device, "the validation layer found faults (listed above)");
+}
 
 Drawing::Drawing(Backend backend, const DeviceChoice& choice, std::ostream* warnings)
     : backend_(backend), choice_(choice), warnings_(warnings) {
@@ -76,6 +111,15 @@ void Drawing::reload(const Request& expected, bool cameraAlone) {
     if (backend_ == Backend::Gpu) return;
     reference::setEye(*truth_, loaded_->scene.camera.eye);
     truthCamera_ = reference::truthCamera(*loaded_, expected);
+}
+
+Picture Drawing::draw(const Request& request, const std::optional<converge::Job>& job,
+                      std::optional<converge::Result>& converged) {
+    return whole([&] {
+        if (!job) return draw(request);
+        converged = converge::converge([&](const Request& r) { return draw(r); }, *job);
+        return std::move(converged->picture);
+    });
 }
 
 Picture Drawing::draw(const Request& request) {

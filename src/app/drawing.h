@@ -1,4 +1,4 @@
-// Renders a scene on a device or with the reference.
+// Opens devices, and renders a scene on a device or with the reference.
 #pragma once
 
 #include <future>
@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/options.h"
+#include "converge/converge.h"
 #include "core/error.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
@@ -17,6 +18,16 @@
 #include "trace/request.h"
 
 namespace glint::app {
+
+// Opens the device that was chosen. If there is none at all and `hostWould` do the same work, the error says
+// so. Throws Error(Device) too if the validation layer was asked for and is not there.
+gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms = true);
+
+// The error with the advice to use --backend cpu, if no device can be used.
+Error withAdvice(const Error& error);
+
+// Prints what the validation layer said; throws Error(Device) if it said anything.
+void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err);
 
 // A device that failed, where --fallback had the reference draw on.
 struct FailedDevice {
@@ -52,6 +63,10 @@ class Drawing {
 
     // A picture of the scene that was loaded, by its camera.
     Picture draw(const Request& request);
+
+    // The same with whole(). With a job it draws as often as the job's error takes, and sets `converged`.
+    Picture draw(const Request& request, const std::optional<converge::Job>& job,
+                 std::optional<converge::Result>& converged);
 
     // Runs `work`, which calls draw(). If the device fails and --fallback allows it, the partial result is
     // dropped and `work` starts again on the reference: a result comes from one backend only.

@@ -36,21 +36,6 @@ double roundingOf(const LoadedScene& loaded, const Request& request, Backend bac
                                  backend == Backend::Cpu ? 0x1p-53 : verify::kFloatUnit);
 }
 
-const char* limitOf(converge::Stop stop) {
-    switch (stop) {
-        case converge::Stop::Samples:
-            return "--max-spp";
-        case converge::Stop::Seconds:
-            return "--max-seconds";
-        case converge::Stop::Fixed:
-            return "more would not help: cuts and rounding alone exceed the target";
-        case converge::Stop::Reached:
-        case converge::Stop::Interrupted:
-            break;
-    }
-    return "";
-}
-
 // Kernels without reflections do not count what is missing.
 void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded, const Request& request) {
     const auto reflects = [](const Material& m) {
@@ -147,69 +132,6 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
         progress.update(last);
     };
     return job;
-}
-
-nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& result) {
-    const converge::Target defaults;
-    const converge::ErrorBudget& budget = result.budget;
-    return {{"asked", *target.error},
-            {"confidence", target.confidence.value_or(defaults.confidence)},
-            {"reached", result.reached()},
-            {"stopped", nameOf(result.stop)},
-            {"bound", budget.total()},
-            {"sampling", budget.sampling},
-            {"estimate", result.estimate},
-            {"rounding", budget.rounding},
-            {"cut", budget.cut},
-            {"maxDepth", budget.depth},
-            {"maxDepthCounts", budget.depthCounts},
-            {"unseen", result.unseen},
-            {"samplesPerPixel", result.samplesPerPixel},
-            {"rounds", result.rounds}};
-}
-
-PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& result) {
-    const nlohmann::json json = errorJson(target, result);
-    PictureNotes notes;
-    for (const auto& [key, value] : json.items()) {
-        const std::string name = "glint.error." + key;
-        if (value.is_string())
-            notes.emplace_back(name, value.get<std::string>());
-        else if (value.is_boolean())
-            notes.emplace_back(name, value.get<bool>() ? 1.0 : 0.0);
-        else if (std::isfinite(value.get<double>()))
-            notes.emplace_back(name, value.get<double>());
-    }
-    return notes;
-}
-
-std::string errorSummary(const ErrorTarget& target, const converge::Result& result) {
-    const converge::Target defaults;
-    const converge::ErrorBudget& budget = result.budget;
-    std::string text =
-        "error (rmse): at most " + format("%.3g", budget.total()) + " with confidence " +
-        describe(target.confidence.value_or(defaults.confidence)) + "; sampling " +
-        format("%.2g", budget.sampling) + " (about " + format("%.2g", result.estimate) + "), rounding " +
-        format("%.1g", budget.rounding) + ", cut " + format("%.1g", budget.cut) + ", maxDepth " +
-        format("%.1g", budget.depth) + (budget.depthCounts ? "; " : " (not counted); ") +
-        counted(result.samplesPerPixel, "sample") + " per pixel, " + counted(result.rounds, "round");
-    // The bound allows for details of full scale; brighter ones are reported apart.
-    if (std::isfinite(result.unseen) && result.unseen > budget.total())
-        text +=
-            "\nnot counted: a highlight as bright as the scene allows that all samples missed might add " +
-            format("%.2g", result.unseen);
-    return text;
-}
-
-void warnAboutError(const ErrorTarget& target, const converge::Result& result, const std::string& start,
-                    std::ostream& err) {
-    if (result.reached() || result.stop == converge::Stop::Interrupted) return;
-    // Few pixels with any error tell too little to bound it.
-    const bool bounded = std::isfinite(result.budget.total());
-    err << start << "target " << format("%.3g", *target.error) << " not reached: "
-        << (bounded ? "error is at most " + format("%.3g", result.budget.total()) : "the error has no bound")
-        << " after " << counted(result.samplesPerPixel, "sample") << " per pixel (" << limitOf(result.stop)
-        << (bounded ? ")" : "); too few pixels show any error") << '\n';
 }
 
 }  // namespace glint::app

@@ -1,14 +1,11 @@
-// `glint render --error`: its options and its results.
+// `glint render --error`: its options, and the job for it.
 #pragma once
 
-#include <iosfwd>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "app/options.h"
 #include "converge/converge.h"
-#include "core/image.h"
 #include "core/progress.h"
 #include "pack/loaded_scene.h"
 #include "trace/request.h"
@@ -37,14 +34,5 @@ void checkErrorTarget(const ErrorTarget& target, const SceneOptions& scene, cons
 // error. `progress` must outlive the job.
 converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request,
                     Progress& progress);
-
-// For --stats json: numbers that are not finite are null.
-nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& result);
-// The same for an image's file: glint.error.asked and so on; true is 1, null is left out.
-PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& result);
-std::string errorSummary(const ErrorTarget& target, const converge::Result& result);
-// Prints a warning with the reason if the target was not reached.
-void warnAboutError(const ErrorTarget& target, const converge::Result& result, const std::string& start,
-                    std::ostream& err);
 
 }  // namespace glint::app

@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/common.h"
+#include "app/drawing.h"
 #include "app/loading.h"
 #include "core/error.h"
 #include "core/text_file.h"

@@ -125,7 +125,7 @@ void checkScene(const std::filesystem::path& scene) {
     checkFile(scene);
 }
 
-Request requestOf(const LoadedScene& loaded, const SceneOptions& options) {
+Request requestOf(const LoadedScene& loaded, const SceneOptions& options, bool untilError) {
     ImageSettings image = loaded.scene.image;
     if (options.size) {
         image.width = options.size->width;
@@ -140,7 +140,7 @@ Request requestOf(const LoadedScene& loaded, const SceneOptions& options) {
     if (options.seed) image.seed = *options.seed;
     if (options.adaptive) image.adaptive = options.adaptive;
     // --error ignores the scene's number of samples.
-    if (options.untilError)
+    if (untilError)
         image.samplesPerPixel = std::max(image.samplesPerPixel, static_cast<int>(leastSamples(image.filter)));
     if (const std::string wrong = samplingConflict(image); !wrong.empty())
         throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);

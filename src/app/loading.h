@@ -54,8 +54,8 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
 void checkScene(const std::filesystem::path& scene);
 
 // The whole image of the scene, with the wishes of the command line. Throws Error(Argument) for sampler,
-// samples and filter that contradict each other.
-Request requestOf(const LoadedScene& loaded, const SceneOptions& options);
+// samples and filter that contradict each other. `untilError`: --error chooses the number of samples.
+Request requestOf(const LoadedScene& loaded, const SceneOptions& options, bool untilError = false);
 
 // The depth of the request or, without one, of the scene.
 int depthOf(const LoadedScene& loaded, const Request& request);

@@ -102,7 +102,6 @@ struct SceneOptions {
     std::optional<FilterChoice> filter;
     std::optional<uint32_t> seed;
     std::optional<AdaptiveSampling> adaptive;
-    bool untilError = false;            // --error chooses the number of samples
     std::optional<double> time;         // of the animation, seconds; empty: the scene as its file says it
     std::shared_ptr<FileSource> files;  // that the scene is read from; empty: the file system's
 };

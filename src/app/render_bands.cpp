@@ -48,15 +48,15 @@ void add(Outcome& outcome, Picture& band) {
 }
 
 // An interrupt left the rows from `y` on undrawn.
-void fillRest(const Request& request, const RenderCommand& command, int y, PictureRows& file,
-              PictureHash& hash) {
+void fillRest(const Request& request, const RenderCommand& command, const Outcome& outcome, int y,
+              PictureRows& file, PictureHash& hash) {
     const Region region = regionOf(request);
     if (y == region.y1) return;
     Request row = request;
     row.region = {region.x0, y, region.x1, y + 1};
     const Picture blank = blankPicture(row);
     hash.fill(region.y1 - y, blank.color);
-    file.fill(layersOf(blank, command));
+    file.fill(layersOf(blank, command, outcome.output));
 }
 
 }  // namespace
@@ -90,12 +90,12 @@ int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output
 }
 
 void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
-               const Request& request, const std::filesystem::path& output, int rows, Outcome& outcome) {
+               const Request& request, int rows, Outcome& outcome) {
     const Region region = regionOf(request);
     outcome.picture.region = region;
     outcome.picture.samplesPerPixel = request.samples.count();
     outcome.bands.emplace();
-    PictureRows file(output, region.width(), region.height(), makeLayers(Picture(), command.aovs));
+    PictureRows file(outcome.output, region.width(), region.height(), makeLayers(Picture(), command.aovs));
     PictureHash hash;
     double writeSeconds = 0;
     bool alike = !command.quiet;  // all bands so far lack the same
@@ -107,8 +107,8 @@ void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene
         part.progress = [&](double done) { request.progress(from + (to - from) * done); };
         Picture band = drawing.whole([&] { return drawing.draw(part); });
         if (alike) {
-            const auto advice =
-                pictureAdvice(band, loaded.scene, loaded.packed, request, scaleOf(output, command.exposure));
+            const auto advice = pictureAdvice(band, loaded.scene, loaded.packed, request,
+                                              scaleOf(outcome.output, command.exposure));
             alike = advice && (y == region.y0 || advice == outcome.bands->advice);
             outcome.bands->advice = alike ? advice : std::nullopt;
         }
@@ -116,11 +116,11 @@ void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene
         if (!outcome.picture.complete && outcome.bands->done == 0) return;
         const Stopwatch writing;
         hash.add(band.color);
-        file.add(layersOf(band, command));
+        file.add(layersOf(band, command, outcome.output));
         writeSeconds += writing.seconds();
         if (!band.complete) {
             const Stopwatch filling;
-            fillRest(request, command, part.region.y1, file, hash);
+            fillRest(request, command, outcome, part.region.y1, file, hash);
             writeSeconds += filling.seconds();
             break;
         }

@@ -20,6 +20,6 @@ int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output
 // Draws and writes the picture; `outcome` gets all but what is known of a drawing later. An interrupted one
 // is blank from where it was interrupted, and is not written if that is everywhere.
 void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
-               const Request& request, const std::filesystem::path& output, int rows, Outcome& outcome);
+               const Request& request, int rows, Outcome& outcome);
 
 }  // namespace glint::app

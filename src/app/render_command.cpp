@@ -51,37 +51,12 @@ std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene)
     throw Error(ErrorKind::Argument, name + ": is read by the scene; name another file with --output");
 }
 
-float scaleOf(const std::filesystem::path& output, std::optional<double> exposure) {
-    if (output == "-" || lowerExtension(output) == ".png")
-        return static_cast<float>(std::exp2(exposure.value_or(0)));
-    if (exposure && isWritableImagePath(output))
-        throw Error(ErrorKind::Argument,
-                    "--exposure: " + output.string() + " holds linear floats, which need none; use .png");
-    return 0;
-}
-
-void expose(std::vector<Layer>& layers, float scale) {
-    if (scale == 0 || scale == 1) return;
-    for (Layer& layer : layers)
-        if (layer.name == "color")
-            for (size_t i = 0; i < layer.image.pixels.size(); ++i)
-                if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
-}
-
-std::vector<Layer> layersOf(const Picture& picture, const RenderCommand& command) {
-    std::vector<Layer> layers = makeLayers(picture, command.aovs);
-    expose(layers, scaleOf(outputOf(command), command.exposure));
-    return layers;
-}
-
 uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data) {
     return 4 * sizeof(float) + 1 + (data ? sizeof(PixelData) : 0) + aovs.size() * 3 * sizeof(float);
 }
 
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded) {
-    SceneOptions wishes = command.scene;
-    wishes.untilError = command.target.error.has_value();
-    Request request = requestOf(loaded, wishes);
+    Request request = requestOf(loaded, command.scene, command.target.error.has_value());
     request.region = command.crop.value_or(Region{0, 0, request.width, request.height});
     if (request.region.x1 > request.width || request.region.y1 > request.height)
         throw Error(ErrorKind::Argument, "--crop: reaches beyond the picture of " +
@@ -145,18 +120,14 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.flag("-q,--quiet", "print only errors, and the output of --stats", c.quiet);
 }
 
-// Throws for a render that was cut short, once what there is has been written.
+// Throws for a render that was cut short and whose finished part has been written.
 void checkComplete(const Outcome& outcome) {
-    if (outcome.picture.complete) return;
-    const double share = outcome.doneShare();
-    if (share == 0)
-        throw Error(ErrorKind::Interrupted,
-                    "interrupted before any part of the picture was finished; nothing written");
-    if (!outcome.files.empty()) {
-        throw Error(ErrorKind::Interrupted, "interrupted: " + outcome.files.front().string() + " holds the " +
-                                                format("%.3g", 100 * share) +
+    const std::string start = "interrupted: " + outcome.files.front().string() + " holds the ";
+    if (!outcome.picture.complete)
+        throw Error(ErrorKind::Interrupted, start + format("%.3g", 100 * outcome.doneShare()) +
                                                 " % of the picture that was finished");
-    }
+    if (outcome.converged && outcome.converged->stop == converge::Stop::Interrupted)
+        throw Error(ErrorKind::Interrupted, start + "samples of all rounds that were finished");
 }
 
 // Ways to draw a picture in pieces; each goes alone.
@@ -193,59 +164,36 @@ void check(const RenderCommand& command, const std::ostream& out) {
     if (!command.output.empty() && !command.output.has_filename()) makeFolder(command.output);
 }
 
-void writePicture(Outcome& outcome, const RenderCommand& command, const std::filesystem::path& output,
-                  std::ostream& out) {
-    blackenNotFinite(outcome.picture);
-    const Stopwatch writing;
-    outcome.hash = pictureHash(outcome.picture.color);
-    const std::vector<Layer> layers = layersOf(outcome.picture, command);
-    if (output == "-") {
-        const Image& image = layers.front().image;
-        const auto bytes = encodePng(image.width, image.height, image.channels, quantizeColor(image));
-        out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-        outcome.files = {"standard output"};
-    } else {
-        outcome.files = writeLayers(output, layers, notesOf(outcome, command));
-    }
-    outcome.writeSeconds = writing.seconds();
-}
-
 ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     if (command.output != "-") checkPicturePath(outputOf(command));
     Drawing drawing(command.backend, command.device, command.quiet ? nullptr : &err);
     const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
-    const std::filesystem::path output = outputOf(command, loaded.scene);
     Request request = requestOf(command, loaded);
-    const int bandRows = bandRowsOf(command, output, request.region, availableMemory());
-
-    installInterruptHandler();
     Outcome outcome;
     outcome.request = request;
+    outcome.output = outputOf(command, loaded.scene);
+    const int bandRows = bandRowsOf(command, outcome.output, request.region, availableMemory());
+    installInterruptHandler();
     {
-        Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err,
-                          isTerminal(err));
+        Progress progress = progressOf("render", command.shownProgress(), err);
         request.progress = [&](double fraction) { progress.update(fraction); };
         std::optional<converge::Job> job;
         if (command.target.error) job = jobOf(command.target, loaded, command.backend, request, progress);
         // The number of samples for an error target is unknown.
         drawing.load(loaded, request, job ? 0 : cameraRaysOf(request));
         if (bandRows > 0)
-            drawBands(drawing, command, loaded, request, output, bandRows, outcome);
+            drawBands(drawing, command, loaded, request, bandRows, outcome);
         else
-            outcome.picture = drawPicture(drawing, request, job, outcome);
+            outcome.picture = drawing.draw(request, job, outcome.converged);
     }
     outcome.drawn = drawing.facts();
-    if (!command.quiet) warnAboutPicture(outcome, command, loaded, err);
-    if (outcome.doneShare() == 0) checkComplete(outcome);
-    if (!outcome.bands) writePicture(outcome, command, output, out);
+    warnAboutPicture(outcome, command, loaded, err);
+    writePicture(outcome, command, out);
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, loaded, out);
     drawing.reportValidation(err);
     checkComplete(outcome);
-    if (outcome.converged && outcome.converged->stop == converge::Stop::Interrupted)
-        throw Error(ErrorKind::Interrupted, "interrupted: " + outcome.files.front().string() +
-                                                " holds the samples of all rounds that were finished");
     const bool missed = outcome.converged && !outcome.converged->reached();
     return missed && command.target.strict ? ExitCode::Difference : ExitCode::Done;
 }

@@ -35,6 +35,8 @@ struct RenderCommand {
     bool json = false;       // --stats
     ProgressMode progress = ProgressMode::Auto;
     bool quiet = false;
+
+    ProgressMode shownProgress() const { return quiet ? ProgressMode::None : progress; }
 };
 
 bool needsData(const RenderCommand& command);
@@ -45,14 +47,6 @@ std::filesystem::path outputOf(const RenderCommand& command);
 // The same, but no file that the scene was read from: a texture often has its model's name. A default name
 // becomes NAME.render.png; throws Error(Argument) for a given one.
 std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene);
-
-// Factor of the colours in an 8-bit file, 2^exposure; 0 for files with floats. Throws Error(Argument) if
-// `exposure` is given for these.
-float scaleOf(const std::filesystem::path& output, std::optional<double> exposure);
-
-// Multiplies the layer "color" by `scale`, unless it is 0.
-void expose(std::vector<Layer>& layers, float scale);
-std::vector<Layer> layersOf(const Picture& picture, const RenderCommand& command);
 
 // Bytes for the image and a copy of each layer for the file. Further memory of the device or the encoder is
 // bounded or smaller.

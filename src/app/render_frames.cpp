@@ -11,7 +11,6 @@
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
-#include "core/picture_hash.h"
 #include "core/stopwatch.h"
 
 namespace glint::app {
@@ -149,14 +148,15 @@ bool FrameRenderer::drawOne(const Frame& frame, double from, double to, Progress
     loaded_ = true;
     Outcome outcome;
     outcome.request = request;
-    outcome.picture = drawPicture(drawing_, request, job, outcome);
+    outcome.output = frame.path;
+    outcome.picture = drawing_.draw(request, job, outcome.converged);
     const bool cut = outcome.converged && outcome.converged->stop == converge::Stop::Interrupted;
     if (!outcome.picture.complete || cut) return false;  // half a frame would pass for a whole one next time
-    if (!command_.quiet) warnAboutPicture(outcome, command_, loaded, err_);
+    warnAboutPicture(outcome, command_, loaded, err_);
     missed_ = missed_ || (outcome.converged && !outcome.converged->reached());
-    blackenNotFinite(outcome.picture);
-    drawn.hash = pictureHash(outcome.picture.color);
-    drawn.files = writeLayers(frame.path, layersOf(outcome.picture, command_), notesOf(outcome, command_));
+    writePicture(outcome, command_, out_);
+    drawn.hash = outcome.hash;
+    drawn.files = outcome.files;
     drawn.seconds = watch.seconds();
     drawn_.push_back(std::move(drawn));
     return true;
@@ -166,8 +166,8 @@ bool FrameRenderer::draw(const std::vector<Frame>& frames) {
     if (frames.empty()) return true;
     open(frames.front());
     installInterruptHandler();
-    Progress progress("render " + counted(frames.size(), "frame"),
-                      command_.quiet ? ProgressMode::None : command_.progress, err_, isTerminal(err_));
+    Progress progress =
+        progressOf("render " + counted(frames.size(), "frame"), command_.shownProgress(), err_);
     const auto count = static_cast<double>(frames.size());
     for (size_t i = 0; i < frames.size(); ++i) {
         const auto done = static_cast<double>(i);

@@ -8,12 +8,100 @@
 #include "app/common.h"
 #include "app/loading.h"
 #include "app/picture_advice.h"
+#include "core/codecs.h"
+#include "core/error.h"
+#include "core/image_io.h"
+#include "core/picture_hash.h"
+#include "core/quantize.h"
+#include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "pack/scene_arrays.h"
 #include "scene/sampling.h"
 
 namespace glint::app {
 
 namespace {
+
+const char* limitOf(converge::Stop stop) {
+    switch (stop) {
+        case converge::Stop::Samples:
+            return "--max-spp";
+        case converge::Stop::Seconds:
+            return "--max-seconds";
+        case converge::Stop::Fixed:
+            return "more would not help: cuts and rounding alone exceed the target";
+        case converge::Stop::Reached:
+        case converge::Stop::Interrupted:
+            break;
+    }
+    return "";
+}
+
+// Numbers that are not finite become null.
+nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& result) {
+    const converge::Target defaults;
+    const converge::ErrorBudget& budget = result.budget;
+    return {{"asked", *target.error},
+            {"confidence", target.confidence.value_or(defaults.confidence)},
+            {"reached", result.reached()},
+            {"stopped", nameOf(result.stop)},
+            {"bound", budget.total()},
+            {"sampling", budget.sampling},
+            {"estimate", result.estimate},
+            {"rounding", budget.rounding},
+            {"cut", budget.cut},
+            {"maxDepth", budget.depth},
+            {"maxDepthCounts", budget.depthCounts},
+            {"unseen", result.unseen},
+            {"samplesPerPixel", result.samplesPerPixel},
+            {"rounds", result.rounds}};
+}
+
+// The same for an image's file: glint.error.asked and so on; true is 1, null is left out.
+PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& result) {
+    const nlohmann::json json = errorJson(target, result);
+    PictureNotes notes;
+    for (const auto& [key, value] : json.items()) {
+        const std::string name = "glint.error." + key;
+        if (value.is_string())
+            notes.emplace_back(name, value.get<std::string>());
+        else if (value.is_boolean())
+            notes.emplace_back(name, value.get<bool>() ? 1.0 : 0.0);
+        else if (std::isfinite(value.get<double>()))
+            notes.emplace_back(name, value.get<double>());
+    }
+    return notes;
+}
+
+std::string errorSummary(const ErrorTarget& target, const converge::Result& result) {
+    const converge::Target defaults;
+    const converge::ErrorBudget& budget = result.budget;
+    std::string text =
+        "error (rmse): at most " + format("%.3g", budget.total()) + " with confidence " +
+        describe(target.confidence.value_or(defaults.confidence)) + "; sampling " +
+        format("%.2g", budget.sampling) + " (about " + format("%.2g", result.estimate) + "), rounding " +
+        format("%.1g", budget.rounding) + ", cut " + format("%.1g", budget.cut) + ", maxDepth " +
+        format("%.1g", budget.depth) + (budget.depthCounts ? "; " : " (not counted); ") +
+        counted(result.samplesPerPixel, "sample") + " per pixel, " + counted(result.rounds, "round");
+    // The bound allows for details of full scale; brighter ones are reported apart.
+    if (std::isfinite(result.unseen) && result.unseen > budget.total())
+        text +=
+            "\nnot counted: a highlight as bright as the scene allows that all samples missed might add " +
+            format("%.2g", result.unseen);
+    return text;
+}
+
+// Prints a warning with the reason if the target was not reached.
+void warnAboutError(const ErrorTarget& target, const converge::Result& result, const std::string& start,
+                    std::ostream& err) {
+    if (result.reached() || result.stop == converge::Stop::Interrupted) return;
+    // Few pixels with any error tell too little to bound it.
+    const bool bounded = std::isfinite(result.budget.total());
+    err << start << "target " << format("%.3g", *target.error) << " not reached: "
+        << (bounded ? "error is at most " + format("%.3g", result.budget.total()) : "the error has no bound")
+        << " after " << counted(result.samplesPerPixel, "sample") << " per pixel (" << limitOf(result.stop)
+        << (bounded ? ")" : "); too few pixels show any error") << '\n';
+}
 
 // Below half a step of an 8-bit picture nothing is seen; with the sRGB curve's slope of up to 12.92 the steps
 // of dark colours are smaller, but there a loss of this size is one of a bright branch.
@@ -170,15 +258,6 @@ double Outcome::doneShare() const {
     return static_cast<double>(std::count(picture.done.begin(), picture.done.end(), 1)) / pixels;
 }
 
-Picture drawPicture(Drawing& drawing, const Request& request, const std::optional<converge::Job>& job,
-                    Outcome& outcome) {
-    return drawing.whole([&] {
-        if (!job) return drawing.draw(request);
-        outcome.converged = converge::converge([&](const Request& r) { return drawing.draw(r); }, *job);
-        return std::move(outcome.converged->picture);
-    });
-}
-
 nlohmann::json fallbackJson(const FailedDevice& failed) {
     return {{"device", failed.name}, {"reason", failed.reason}};
 }
@@ -193,6 +272,7 @@ void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostr
 
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err) {
+    if (command.quiet) return;
     const Picture& picture = outcome.picture;
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
     warnOfNotFinite(picture, start, err);
@@ -202,12 +282,54 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
     if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
     const auto advice = outcome.bands ? outcome.bands->advice
                                       : pictureAdvice(picture, loaded.scene, loaded.packed, outcome.request,
-                                                      scaleOf(outputOf(command), command.exposure));
+                                                      scaleOf(outcome.output, command.exposure));
     if (advice) err << start << *advice << '\n';
 }
 
-PictureNotes notesOf(const Outcome& outcome, const RenderCommand& command) {
-    return outcome.converged ? errorNotes(command.target, *outcome.converged) : PictureNotes{};
+float scaleOf(const std::filesystem::path& output, std::optional<double> exposure) {
+    if (output == "-" || lowerExtension(output) == ".png")
+        return static_cast<float>(std::exp2(exposure.value_or(0)));
+    if (exposure && isWritableImagePath(output))
+        throw Error(ErrorKind::Argument,
+                    "--exposure: " + output.string() + " holds linear floats, which need none; use .png");
+    return 0;
+}
+
+void expose(std::vector<Layer>& layers, float scale) {
+    if (scale == 0 || scale == 1) return;
+    for (Layer& layer : layers)
+        if (layer.name == "color")
+            for (size_t i = 0; i < layer.image.pixels.size(); ++i)
+                if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
+}
+
+std::vector<Layer> layersOf(const Picture& picture, const RenderCommand& command,
+                            const std::filesystem::path& output) {
+    std::vector<Layer> layers = makeLayers(picture, command.aovs);
+    expose(layers, scaleOf(output, command.exposure));
+    return layers;
+}
+
+void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& out) {
+    if (outcome.doneShare() == 0)
+        throw Error(ErrorKind::Interrupted,
+                    "interrupted before any part of the picture was finished; nothing written");
+    if (outcome.bands) return;
+    blackenNotFinite(outcome.picture);
+    const Stopwatch writing;
+    outcome.hash = pictureHash(outcome.picture.color);
+    const std::vector<Layer> layers = layersOf(outcome.picture, command, outcome.output);
+    if (outcome.output == "-") {
+        const Image& image = layers.front().image;
+        const auto bytes = encodePng(image.width, image.height, image.channels, quantizeColor(image));
+        out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        outcome.files = {"standard output"};
+    } else {
+        outcome.files =
+            writeLayers(outcome.output, layers,
+                        outcome.converged ? errorNotes(command.target, *outcome.converged) : PictureNotes{});
+    }
+    outcome.writeSeconds = writing.seconds();
 }
 
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,

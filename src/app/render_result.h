@@ -33,22 +33,30 @@ struct Outcome {
 
     double doneShare() const;  // of the pixels
     DrawingFacts drawn;
-    std::vector<std::filesystem::path> files;
-    std::string hash;  // of the picture, as it is written
+    std::filesystem::path output;              // the file asked for
+    std::vector<std::filesystem::path> files;  // that were written
+    std::string hash;                          // of the picture, as it is written
     double writeSeconds = 0, totalSeconds = 0;
     int ranks = 0;  // of MPI; 0: rendered by one process
 };
 
-// Draws the request as it is, or as often as the error asked for takes; Outcome::converged is of the latter.
-Picture drawPicture(Drawing& drawing, const Request& request, const std::optional<converge::Job>& job,
-                    Outcome& outcome);
-
-// Notes for the image file: with --error, the target and the result.
-PictureNotes notesOf(const Outcome& outcome, const RenderCommand& command);
-
-// Warnings about what the picture shows, or lacks.
+// Warnings about what the picture shows or lacks, unless --quiet.
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err);
+
+// Factor of the colours in an 8-bit file, 2^exposure; 0 for files with floats. Throws Error(Argument) if
+// `exposure` is given for these.
+float scaleOf(const std::filesystem::path& output, std::optional<double> exposure);
+
+// Multiplies the layer "color" by `scale`, unless it is 0.
+void expose(std::vector<Layer>& layers, float scale);
+// The layers for an output file.
+std::vector<Layer> layersOf(const Picture& picture, const RenderCommand& command,
+                            const std::filesystem::path& output);
+
+// Writes the image, unless it is in bands, and sets hash, files and seconds. Throws Error(Interrupted) if
+// nothing is done.
+void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& out);
 
 // The summary, or with --stats JSON; with --quiet nothing else.
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,

@@ -92,10 +92,6 @@ bool goesByRows(const RenderCommand& command, const UnitRenderer& units,
                      availableMemory());
 }
 
-ProgressMode progressOf(const RenderCommand& command) {
-    return command.quiet ? ProgressMode::None : command.progress;
-}
-
 // Enough units for each rank that all ranks finish at about the same time.
 int leastUnits(const farm::Transport& transport) {
     constexpr int kUnitsOfRank = 8;
@@ -137,8 +133,7 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     ranks.begin(header, windowOf(header, unit, rows),
                 [&](const farm::UnitResult& result) { picture->add(result); });
     {
-        Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err,
-                          isTerminal(err));
+        Progress progress = progressOf("render", command.shownProgress(), err);
         while (const auto part = ranks.next([&] { progress.update(ranks.share()); })) {
             const auto show = [&](double done) { progress.update(ranks.share() + done / header.parts); };
             const auto result = units->draw(*part, show, [&] { return ranks.failed(); });
@@ -199,7 +194,7 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
     installInterruptHandler();
     std::optional<farm::UnitResult> result;
     {
-        Progress progress("render", progressOf(command), err, isTerminal(err));
+        Progress progress = progressOf("render", command.shownProgress(), err);
         result = units.draw(command.part->number, [&](double share) { progress.update(share); });
     }
     if (!result)
@@ -230,7 +225,7 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
     farm::Checkpoint checkpoint(command.checkpoint, header, add);
     installInterruptHandler();
     {
-        Progress progress("render", progressOf(command), err, isTerminal(err));
+        Progress progress = progressOf("render", command.shownProgress(), err);
         const double pixels = static_cast<double>(header.region.width()) * header.region.height();
         for (int part = 1; part <= header.parts; ++part) {
             if (there[static_cast<size_t>(part)]) continue;

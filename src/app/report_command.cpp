@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/common.h"
+#include "app/drawing.h"
 #include "app/loading.h"
 #include "core/available_memory.h"
 #include "core/error.h"
@@ -165,7 +166,7 @@ ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err)
         scene.camera = command.camera;
         subjects.push_back({path, command.camera, loadAndPack(scene, err)});
     }
-    Progress progress("report", command.progress, err, isTerminal(err));
+    Progress progress = progressOf("report", command.progress, err);
     options.progress = [&](double fraction) {
         progress.update(std::max(fraction, std::min(watch.seconds() / budget, 0.99)));
     };

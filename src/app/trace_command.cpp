@@ -2,6 +2,7 @@
 
 #include "app/commands.h"
 #include "app/common.h"
+#include "app/drawing.h"
 #include "app/loading.h"
 #include "app/ray_file.h"
 #include "core/error.h"

@@ -177,9 +177,9 @@ void UnitRenderer::complete(Outcome& outcome, const std::vector<farm::Producer>&
     if (uploaded_) outcome.drawn = drawing_.facts();
     outcome.request = request_;
     outcome.picture.samplesPerPixel = request_.samples.count();
-    if (command_.quiet) return;
     warnAboutPicture(outcome, command_, loaded_, err);
-    warnOfMixedBits(producers, "glint: warning: " + command_.scene.scene.string() + ": ", err);
+    if (!command_.quiet)
+        warnOfMixedBits(producers, "glint: warning: " + command_.scene.scene.string() + ": ", err);
 }
 
 bool needsRows(const farm::UnitHeader& header, const std::filesystem::path& output, uint64_t heldBytes,
@@ -241,6 +241,7 @@ Outcome UnitPicture::write() {
         throw Error(ErrorKind::Failed, "the parts leave some of the picture's pixels out");
     const Stopwatch writing;
     Outcome outcome;
+    outcome.output = output_;
     if (file_) {
         outcome.picture.region = header_.region;
         outcome.bands = bands_;

@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/common.h"
+#include "app/drawing.h"
 #include "app/loading.h"
 #include "app/verify_report.h"
 #include "core/available_memory.h"
@@ -135,7 +136,7 @@ class SceneVerifier {
         tracing.also = alsoFor(loaded, options);
         tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
         render::Renderer renderer(device_, loaded.packed, tracing);
-        Progress progress("verify " + path.filename().string(), command_.progress, err_, isTerminal(err_));
+        Progress progress = progressOf("verify " + path.filename().string(), command_.progress, err_);
         options.progress = [&](double fraction) { progress.update(fraction); };
         return verify::verify(renderer, loaded.packed, cameraOf(loaded, options), options, &loaded.scene);
     }

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "app/common.h"
+#include "app/loading.h"
 #include "core/error.h"
 #include "report/run.h"
 #include "support.h"
