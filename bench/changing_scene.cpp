@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "bvh/refit.h"
+#include "bvh/flatten.h"
 #include "core/error.h"
 #include "glint/glint.h"
 #include "pack/moving_scene.h"

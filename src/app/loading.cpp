@@ -9,8 +9,8 @@
 #include "core/near_names.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
-#include "pack/camera_change.h"
 #include "pack/pack_samples.h"
+#include "pack/packed_scene.h"
 #include "scene/sampling.h"
 
 namespace glint::app {

@@ -8,8 +8,8 @@
 
 #include "app/options.h"
 #include "import/scene_reader.h"
+#include "pack/build_tree.h"
 #include "pack/loaded_scene.h"
-#include "pack/tree_memory.h"
 #include "trace/request.h"
 
 namespace glint::app {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "app/option_values.h"
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "core/file_source.h"
 #include "core/progress.h"
 #include "render/traversal_choice.h"

@@ -1,4 +1,4 @@
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 
 #include <algorithm>
 #include <atomic>
@@ -98,8 +98,6 @@ Builder::Builder(const std::vector<Box>& boxes, const BvhOptions& options, const
 void Builder::checkOptions(const std::vector<Box>& boxes) {
     if (options_.maxLeafSize < 1 || options_.maxLeafSize > shared::kMaxLeafSize)
         throw std::invalid_argument("buildBvh: maxLeafSize must be in [1, 8]");
-    if (options_.bins < 2 || options_.bins > sah::kMaxBins)
-        throw std::invalid_argument("buildBvh: bins must be in [2, 64]");
     if (options_.groups != nullptr && !options_.groups->empty()) {
         if (options_.groups->size() != boxes.size())
             throw std::invalid_argument("buildBvh: there must be one group per box");
@@ -178,13 +176,13 @@ std::vector<Range> Builder::splitLevel(const std::vector<Range>& level) {
     std::vector<Chunk> chunks;
     std::vector<sah::Binning> binnings;
     for (uint32_t r = 0; r < level.size(); ++r) {
-        binnings.emplace_back(level[r].bounds.centroids, options_.bins);
+        binnings.emplace_back(level[r].bounds.centroids, sah::kMaxBins);
         for (uint32_t begin = level[r].begin; begin < level[r].end; begin += kChunk)
             chunks.push_back({r, begin, std::min(level[r].end, begin + kChunk)});
     }
     std::vector<sah::BinSet> sets(chunks.size());
     const auto fill = [&](size_t i) {
-        sets[i].clear(options_.bins);
+        sets[i].clear(sah::kMaxBins);
         sets[i].add(&items_[chunks[i].begin], &items_[chunks[i].end - 1] + 1, binnings[chunks[i].range]);
     };
     parallelFor(context_, chunks.size(), fill);
@@ -195,7 +193,7 @@ std::vector<Range> Builder::splitLevel(const std::vector<Range>& level) {
                                             [](const Chunk& c, size_t range) { return c.range < range; });
         sah::BinSet& set = sets[static_cast<size_t>(first - chunks.begin())];
         for (auto c = first + 1; c != chunks.end() && c->range == r; ++c)
-            set.add(sets[static_cast<size_t>(c - chunks.begin())], options_.bins);
+            set.add(sets[static_cast<size_t>(c - chunks.begin())], sah::kMaxBins);
         split(level[r], plan(level[r], binnings[r], set), binnings[r], children[2 * r], children[2 * r + 1]);
     };
     parallelFor(context_, level.size(), splitOne);
@@ -259,7 +257,7 @@ void Builder::join(std::vector<Subtree>& subtrees) {
 
 // Fewer bins for few boxes: measured like kMaxSorted, 0.1 % dearer trees in 10 % less time.
 uint32_t Builder::binsFor(uint32_t count) const {
-    return std::min(options_.bins, std::max(4u, count / 2));
+    return std::min(sah::kMaxBins, std::max(4u, count / 2));
 }
 
 uint32_t Builder::capacity(uint32_t levels) const {

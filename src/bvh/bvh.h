@@ -1,4 +1,5 @@
-// A binary bounding volume hierarchy over boxes. Knows nothing of primitives.
+// A binary bounding volume hierarchy over boxes, built by the binned surface area heuristic: I. Wald, "On
+// fast Construction of SAH-based Bounding Volume Hierarchies", 2007. Knows nothing of primitives.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/context.h"
 #include "core/enum_names.h"
 
 namespace glint {
@@ -32,15 +34,14 @@ enum class BuildQuality { Fast, Default, High };
 constexpr auto entriesOf(BuildQuality) {
     return std::to_array<EnumEntry<BuildQuality>>(
         {{BuildQuality::Fast, "fast", "binned"},
-         {BuildQuality::Default, "default", "split and improved where that is cheap"},
-         {BuildQuality::High, "high", "split and improved everywhere"}});
+         {BuildQuality::Default, "default", "long triangles split if that is much of the cost"},
+         {BuildQuality::High, "high", "long triangles split everywhere"}});
 }
 
 struct BvhOptions {
     uint32_t maxLeafSize = 4;  // 1..shared::kMaxLeafSize
     uint32_t maxLevels =
         48;  // levels below the root; SAH gives way to median splits where needed to stay within
-    uint32_t bins = 16;
     // Cost of a node, in primitive tests. Measured on the mountain of 524 k triangles: packets trace a tenth
     // faster with 2 than with 1.5, single rays are equal; 2 to 5 differ by noise (docs/lab/traversal.md).
     double traversalCost = 2;
@@ -61,5 +62,11 @@ struct Bvh {
     std::vector<uint32_t> order;  // indices of boxes in leaf order, each box once
     uint32_t depth = 0;           // levels below the root
 };
+
+// Builds a tree over `boxes` (each finite and not empty; zero-thickness is fine). The result does not depend
+// on the number of threads. Identical centroids are split by index, so that the leaf size always holds.
+// Throws std::invalid_argument for options out of range, and where maxLevels levels cannot hold that many
+// boxes in leaves of maxLeafSize; kMaxBvhDepth levels hold any number up to 2^31.
+Bvh buildBvh(const std::vector<Box>& boxes, const BvhOptions& options = {}, const Context& context = {});
 
 }  // namespace glint

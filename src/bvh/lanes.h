@@ -3,12 +3,15 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #else
 #include <cstring>
 #endif
+
+#include "bvh/bvh.h"
 
 namespace glint {
 
@@ -94,5 +97,31 @@ inline glm::vec3 toVec3(Lanes a) {
     a.store(f);
     return {f[0], f[1], f[2]};
 }
+
+// A box in two registers, not empty unless it is the default. Words that are stored one by one and then
+// copied two at a time make the processor wait, which a box that is read right after it was written would do
+// at every node.
+struct LaneBox {
+    Lanes lo = Lanes::all(std::numeric_limits<float>::max());
+    Lanes hi = Lanes::all(-std::numeric_limits<float>::max());
+
+    static LaneBox of(const Box& box) {
+        return {Lanes::of(box.lo.x, box.lo.y, box.lo.z), Lanes::of(box.hi.x, box.hi.y, box.hi.z)};
+    }
+    void include(Lanes a, Lanes b) {
+        lo = min(lo, a);
+        hi = max(hi, b);
+    }
+    void include(const LaneBox& b) { include(b.lo, b.hi); }
+    Box box() const { return {toVec3(lo), toVec3(hi)}; }
+    // Half the surface area of a non-empty box. Infinite or NaN beyond 1e38, which no comparison below
+    // prefers.
+    double halfArea() const {
+        alignas(16) float d[4];
+        (hi - lo).store(d);
+        const double x = d[0], y = d[1], z = d[2];
+        return x * y + (x + y) * z;
+    }
+};
 
 }  // namespace glint

@@ -1,9 +1,10 @@
-// Sizes of vectors.
+// Sizes and directions of vectors.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <optional>
 
 namespace glint {
 
@@ -14,6 +15,14 @@ inline double greatestMagnitude(const glm::dvec3& v) {
 
 inline bool isFinite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// v / |v|, for any finite vector but 0: scaled first, so that its square neither overflows nor vanishes.
+inline std::optional<glm::dvec3> unitVector(const glm::dvec3& v) {
+    const double largest = greatestMagnitude(v);
+    if (!isFinite(v) || largest == 0) return std::nullopt;
+    const glm::dvec3 scaled = v / largest;
+    return scaled / glm::length(scaled);
 }
 
 }  // namespace glint

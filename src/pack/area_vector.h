@@ -29,7 +29,7 @@ inline glm::dvec3 areaVector(const glm::vec3& v0, const glm::vec3& v1, const glm
 }
 
 // The unit normal of such a triangle; false if it has none, or a corner is not finite. Needs no scaling
-// (unit_vector.h): components of area vectors are 0 or from 2^-298 to 2^259, whose squares double can hold.
+// (unitVector): components of area vectors are 0 or from 2^-298 to 2^259, whose squares double can hold.
 inline bool triangleNormal(const glm::vec3& v0, const glm::vec3& v1, const glm::vec3& v2, glm::vec3& normal) {
     const glm::dvec3 n = areaVector(v0, v1, v2);
     const double square = n.x * n.x + n.y * n.y + n.z * n.z;

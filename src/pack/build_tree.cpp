@@ -1,8 +1,12 @@
 #include "pack/build_tree.h"
 
-#include "bvh/reinsert.h"
+#include <array>
+#include <span>
+#include <utility>
+
+#include "bvh/bvh.h"
+#include "core/content_hash.h"
 #include "pack/presplit.h"
-#include "pack/tree_memory.h"
 
 namespace glint {
 namespace {
@@ -18,12 +22,6 @@ constexpr double kMuchEmptiness = 6;
 // arches; 0.08 in a shader ball of 64 k triangles, whose splitting took six times as long as its tree and was
 // no use.
 constexpr double kMuchOfAll = 0.2;
-
-// By default, subtrees are reinserted in trees of so many nodes at most, which takes some milliseconds, and
-// where nothing was split only a tree so much cheaper is kept: gains of less in the expected cost were none
-// in counted tests (docs/lab/building.md).
-constexpr size_t kQuickNodes = 1u << 15;
-constexpr double kWorthReinserting = 0.95;
 
 bool mayGrow(const Primitives& primitives) {
     const double grown = (1 + kSplitBudget) * primitives.counts[shared::kKindTriangle];
@@ -55,7 +53,85 @@ void trySplits(Primitives& primitives, const Scene& scene, const Frame& frame, c
     primitives = std::move(split);
 }
 
+bool maySplit(const TreeOptions& options) {
+    return options.split && options.quality != BuildQuality::Fast;
+}
+
+Tree freshTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options,
+               const Context& context) {
+    Tree tree = plainTree(primitives, options, context);
+    if (maySplit(options) && mayGrow(primitives)) trySplits(primitives, scene, frame, options, context, tree);
+    return tree;
+}
+
+template <typename T>
+uint64_t hashOf(const std::vector<T>& items) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return contentHash(std::span(reinterpret_cast<const uint8_t*>(items.data()), items.size() * sizeof(T)));
+}
+
+// Hash of the triangles' corners, which splitting reads; in pieces, since together they would take half as
+// much memory as the BVH.
+uint64_t hashOfCorners(const Primitives& primitives, const Scene& scene) {
+    constexpr size_t kPiece = 4096;
+    std::vector<glm::dvec3> corners;
+    std::vector<uint64_t> hashes;
+    const auto close = [&] {
+        hashes.push_back(hashOf(corners));
+        corners.clear();
+    };
+    for (size_t i = 0; i < primitives.sources.size(); ++i) {
+        if (primitives.kinds[i] != shared::kKindTriangle) continue;
+        const Primitives::Source source = primitives.sources[i];
+        const auto vertices = TriangleSource(scene.objects[source.object]).vertices(source.face);
+        corners.insert(corners.end(), vertices.begin(), vertices.end());
+        if (corners.size() >= kPiece) close();
+    }
+    close();
+    return hashOf(hashes);
+}
+
+// Hash of everything that the BVH depends on.
+uint64_t treeKey(const Primitives& primitives, const Scene& scene, const Frame& frame,
+                 const TreeOptions& options) {
+    const BvhOptions& bvh = options.bvh;
+    const std::array<double, 9> numbers = {static_cast<double>(bvh.maxLeafSize),
+                                           static_cast<double>(bvh.maxLevels),
+                                           bvh.traversalCost,
+                                           static_cast<double>(bvh.soloGroup),
+                                           bvh.groups ? 1.0 : 0.0,
+                                           static_cast<double>(options.quality) + (options.split ? 10 : 0),
+                                           frame.origin.x,
+                                           frame.origin.y,
+                                           frame.origin.z};
+    std::vector<uint64_t> hashes = {hashOf(primitives.boxes), hashOf(primitives.kinds),
+                                    hashOf(primitives.sources),
+                                    hashOf(std::vector(numbers.begin(), numbers.end()))};
+    if (maySplit(options)) hashes.push_back(hashOfCorners(primitives, scene));
+    return hashOf(hashes);
+}
+
 }  // namespace
+
+void TreeMemory::begin() {
+    std::erase_if(entries_, [](const auto& entry) { return !entry.second.used; });
+    for (auto& [key, entry] : entries_) entry.used = false;
+}
+
+const TreeMemory::Entry* TreeMemory::find(uint64_t key) {
+    const std::lock_guard lock(mutex_);
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) return nullptr;
+    found->second.used = true;
+    return &found->second;
+}
+
+void TreeMemory::keep(uint64_t key, Entry entry) {
+    const std::lock_guard lock(mutex_);
+    entry.used = true;
+    ++built_;
+    entries_.insert_or_assign(key, std::move(entry));
+}
 
 double expectedCost(const Bvh& bvh, double traversalCost) {
     if (bvh.nodes.empty()) return 0;
@@ -69,28 +145,6 @@ double expectedCost(const Bvh& bvh, double traversalCost) {
     }
     return cost;
 }
-
-namespace {
-
-Tree freshTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options,
-               const Context& context) {
-    Tree tree = plainTree(primitives, options, context);
-    if (options.quality == BuildQuality::Fast) return tree;
-    if (options.split && mayGrow(primitives)) trySplits(primitives, scene, frame, options, context, tree);
-    const bool high = options.quality == BuildQuality::High;
-    if (!high && tree.bvh.nodes.size() > kQuickNodes) return tree;
-    ReinsertionOptions reinsertion;
-    reinsertion.maxLevels = options.bvh.maxLevels;
-    reinsertion.iterations = high ? 8 : 3;
-    reinsertion.batch = high ? 0.1 : 0.05;
-    Tree candidate = tree;
-    reinsertSubtrees(candidate.bvh, reinsertion, context);
-    candidate.cost = expectedCost(candidate.bvh, options.bvh.traversalCost);
-    const bool keep = high || tree.splitTriangles > 0 || candidate.cost < kWorthReinserting * tree.cost;
-    return keep ? candidate : tree;
-}
-
-}  // namespace
 
 Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options,
                const Context& context) {

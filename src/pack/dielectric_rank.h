@@ -3,34 +3,10 @@
 
 #include <cstdint>
 #include <set>
-#include <vector>
 
 #include "pack/scene_arrays.h"
 
 namespace glint {
-
-namespace detail {
-
-// Calls visit(kind, index) for each primitive of the tree with this root.
-template <class Nodes, class Visit>
-void visitLeaves(const Nodes& nodes, uint32_t root, const Visit& visit) {
-    std::vector<uint32_t> pending{root};
-    while (!pending.empty()) {
-        const uint32_t child = pending.back();
-        pending.pop_back();
-        if (child == shared::kNone) continue;
-        if (!(child & shared::kLeafFlag)) {
-            pending.push_back(nodes[child].child0);
-            pending.push_back(nodes[child].child1);
-            continue;
-        }
-        const uint32_t first = child & shared::kLeafFirstMask;
-        const uint32_t last = first + (child >> shared::kLeafCountShift & shared::kLeafCountMask);
-        for (uint32_t i = first; i <= last; ++i) visit(kindOfLeaf(child), i);
-    }
-}
-
-}  // namespace detail
 
 // Sets kDielectricRank in the ids of primitives whose material is a dielectric. Where an instance has a
 // material of its own, idBase has the bit and its primitives have not.
@@ -51,7 +27,7 @@ void rankDielectrics(Arrays& scene, const Nodes& nodes) {
         if (instance.material == shared::kNone) continue;
         instance.idBase |= rankOf(instance.material);
         if (!seen.insert(instance.root).second) continue;
-        detail::visitLeaves(nodes, instance.root, [&](shared::PrimitiveKind kind, uint32_t index) {
+        visitLeaves(nodes, instance.root, [&](shared::PrimitiveKind kind, uint32_t index) {
             const auto clear = [&](auto& array) {
                 if constexpr (requires { array[index].id; }) array[index].id &= ~shared::kDielectricRank;
             };

@@ -1,14 +1,18 @@
-// A box in world coordinates, and the planes near it.
+// Boxes in world coordinates: of the objects of a scene, and the origin that they suggest.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <limits>
+#include <vector>
+
+#include "core/context.h"
+#include "scene/scene.h"
 
 namespace glint {
 
-double largestComponent(const glm::dvec3& v);  // in magnitude
-// The plane's point nearest to `from`. normal: unit.
-glm::dvec3 nearestOnPlane(const glm::dvec3& from, const glm::dvec3& point, const glm::dvec3& normal);
+class PrimitiveNumbers;
 
 // A box in world coordinates.
 struct Extent {
@@ -27,5 +31,24 @@ struct Extent {
 // lies 16 times farther from the extent's centre than it need, the plane's point nearest the centre. normal:
 // unit.
 glm::dvec3 planeAnchor(const glm::dvec3& point, const glm::dvec3& normal, const Extent& extent);
+
+// Bounds of the finite geometry, and of most of it.
+struct Geometry {
+    Extent extent;
+    glm::dvec3 middle{0};  // the median, axis by axis, of the centres of the nearer half of the objects
+    double reach = 0;      // half of all objects lie no farther from there in any axis, with all their parts
+};
+
+// The corners of the box around an instance, in the world (Instances::corners).
+using CornersOf = std::function<std::vector<glm::dvec3>(uint32_t object)>;
+// Bounds of each object, empty for planes. `corners` may be empty if there are no instances.
+std::vector<Extent> objectExtents(const Scene& scene, const PrimitiveNumbers& numbers,
+                                  const CornersOf& corners, const Context& context);
+Geometry geometryOf(const Scene& scene, std::vector<Extent> objects);
+// With the camera.
+Extent withCamera(const Extent& geometry, const Scene& scene);
+glm::dvec3 originOf(const Geometry& geometry, const glm::dvec3& eye);
+// looksFrom: how far the eye is from the middle.
+glm::dvec3 originOf(const glm::dvec3& middle, double reach, double looksFrom);
 
 }  // namespace glint

@@ -1,4 +1,4 @@
-#include "pack/features.h"
+#include "pack/pack_geometry.h"
 
 #include <algorithm>
 #include <atomic>

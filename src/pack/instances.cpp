@@ -9,8 +9,7 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "pack/kind_packer.h"
-#include "pack/object_extents.h"
+#include "pack/extent.h"
 #include "pack/pack_geometry.h"
 #include "pack/pack_textures.h"
 #include "pack/primitives.h"

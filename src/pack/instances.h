@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
 

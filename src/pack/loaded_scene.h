@@ -14,6 +14,8 @@ struct LoadedScene {
 };
 
 // The scene's camera for an image of the request's size.
-shared::Camera cameraOf(const LoadedScene& loaded, const Request& request);
+inline shared::Camera cameraOf(const LoadedScene& loaded, const Request& request) {
+    return packCamera(loaded.scene.camera, request.width, request.height, loaded.packed.origin);
+}
 
 }  // namespace glint

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
-#include "pack/kind_packer.h"
 #include "pack/packed_scene.h"
+#include "pack/primitives.h"
 #include "pack/scene_arrays.h"
 
 namespace glint {
@@ -68,20 +68,8 @@ class MediaFinder {
     };
 
     void addTree(uint32_t root, const Place& place) {
-        std::vector<uint32_t> pending{root};
-        while (!pending.empty()) {
-            const uint32_t child = pending.back();
-            pending.pop_back();
-            if (child == shared::kNone) continue;
-            if ((child & shared::kLeafFlag) == 0) {
-                pending.push_back(scene_.nodes[child].child0);
-                pending.push_back(scene_.nodes[child].child1);
-                continue;
-            }
-            const uint32_t first = child & shared::kLeafFirstMask;
-            const uint32_t count = (child >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
-            for (uint32_t i = first; i < first + count; ++i) addPrimitive(kindOfLeaf(child), i, place);
-        }
+        visitLeaves(scene_.nodes, root,
+                    [&](shared::PrimitiveKind kind, uint32_t i) { addPrimitive(kind, i, place); });
     }
 
     uint32_t materialOf(shared::PrimitiveKind kind, uint32_t i) const {

@@ -5,16 +5,15 @@
 #include <limits>
 #include <span>
 
-#include "bvh/refit.h"
+#include "bvh/flatten.h"
 #include "core/parallel.h"
 #include "pack/area_vector.h"
-#include "pack/features.h"
+#include "pack/extent.h"
 #include "pack/instances.h"
-#include "pack/kind_packer.h"
-#include "pack/object_extents.h"
 #include "pack/pack_geometry.h"
-#include "pack/pack_shading.h"
+#include "pack/packed_scene.h"
 #include "pack/primitives.h"
+#include "pack/request_environment.h"
 
 namespace glint {
 namespace {
@@ -55,7 +54,7 @@ PackOptions optionsFor(const Scene& scene, bool split) {
 MovingScene::MovingScene(const Scene& placed, bool split, const Context& context) : eye_(placed.camera.eye) {
     const PackOptions options = optionsFor(placed, split);
     const PrimitiveNumbers numbers(placed);
-    instances_ = std::make_unique<Instances>(placed, numbers, options, context);
+    instances_.emplace(placed, numbers, options, context);
     packed_ = packPlaced(placed, numbers, *instances_, options, context);
     builtCost_ = packed_.statistics.sahCost;
     for (const Object& object : placed.objects) {
@@ -65,18 +64,6 @@ MovingScene::MovingScene(const Scene& placed, bool split, const Context& context
     if (packed_.statistics.droppedZeroArea + packed_.statistics.droppedNotFinite > 0)
         findDropped(placed, numbers);
 }
-
-MovingScene::~MovingScene() = default;
-MovingScene::MovingScene(const MovingScene& other)
-    : packed_(other.packed_),
-      instances_(std::make_unique<Instances>(*other.instances_)),
-      kinds_(other.kinds_),
-      shared_(other.shared_),
-      vertices_(other.vertices_),
-      extents_(other.extents_),
-      dropped_(other.dropped_),
-      eye_(other.eye_),
-      builtCost_(other.builtCost_) {}
 
 void MovingScene::findDropped(const Scene& scene, const PrimitiveNumbers& numbers) {
     for (uint32_t object = 0; object < scene.objects.size(); ++object) {

@@ -2,23 +2,19 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "pack/extent.h"
+#include "pack/instances.h"
 #include "pack/packed_scene.h"
 
 namespace glint {
-
-class Instances;
-class PrimitiveNumbers;
 
 class MovingScene {
   public:
     // Packs a scene that is placed (scene/placement.h), as packScene does.
     explicit MovingScene(const Scene& placed, bool split = true, const Context& context = {});
-    ~MovingScene();
-    MovingScene(const MovingScene& other);
-    MovingScene& operator=(const MovingScene&) = delete;
 
     const PackedScene& packed() const { return packed_; }
 
@@ -60,7 +56,7 @@ class MovingScene {
     void findDropped(const Scene& scene, const PrimitiveNumbers& numbers);
 
     PackedScene packed_;
-    std::unique_ptr<Instances> instances_;
+    std::optional<Instances> instances_;
     std::vector<uint8_t> kinds_;                       // of each object
     std::vector<std::shared_ptr<const Mesh>> shared_;  // of each object, the mesh that it is an instance of
     std::vector<Vertices> vertices_;                   // of each object

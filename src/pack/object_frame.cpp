@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "pack/unit_vector.h"
+#include "core/vectors.h"
 #include "scene/polygon_plane.h"
 
 namespace glint {

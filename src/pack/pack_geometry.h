@@ -1,7 +1,7 @@
 // The primitives and the tree of a scene, or of a prototype of its instances; internal to the packing.
 #pragma once
 
-#include <atomic>
+#include <functional>
 #include <vector>
 
 #include "pack/packed_scene.h"
@@ -9,26 +9,10 @@
 
 namespace glint {
 
-// Which materials something packed has; may be used by many threads.
-class Materials {
-  public:
-    explicit Materials(size_t count) : used_(count) {}
-    bool used(size_t material) const { return used_[material].load(std::memory_order_relaxed); }
-    void use(size_t material) {
-        // Read first: many threads writing the same byte would pass its cache line around.
-        if (!used(material)) used_[material].store(true, std::memory_order_relaxed);
-    }
-
-  private:
-    std::vector<std::atomic<bool>> used_;
-};
-
 // Fills the arrays of nodes and of what is in the tree, the bounds, the statistics and the warnings.
 void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxLevels,
                   const PackOptions& options, const Context& context, PackedScene& packed,
                   Materials& materials);
-
-struct Extent;
 
 // The planes, anew. extent: with the camera.
 void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Extent& extent,
@@ -40,5 +24,13 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
 
 // True if light passes through some material.
 bool anyTransmits(const Scene& scene);
+
+// Features of the arrays and of the materials in use. packTextures has added its own; packScene adds those of
+// the camera and of shadows.
+SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used,
+                         const Context& context);
+
+// True if a triangle is so narrow that rounding may report a hit behind a ray's origin.
+bool haveSlivers(const std::vector<shared::Triangle>& triangles, const Context& context);
 
 }  // namespace glint

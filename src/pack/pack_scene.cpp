@@ -1,25 +1,79 @@
 #include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
 
-#include "bvh/flatten.h"
-#include "core/stopwatch.h"
+#include "core/vectors.h"
 #include "pack/build_tree.h"
-#include "pack/camera_change.h"
-#include "pack/collect_primitives.h"
 #include "pack/dielectric_rank.h"
-#include "pack/features.h"
+#include "pack/extent.h"
 #include "pack/instances.h"
-#include "pack/leaf_order.h"
-#include "pack/object_extents.h"
 #include "pack/pack_geometry.h"
-#include "pack/pack_shading.h"
 #include "pack/pack_textures.h"
 #include "pack/packed_scene.h"
 #include "pack/primitives.h"
-#include "pack/tree_memory.h"
-#include "pack/unit_vector.h"
+#include "pack/request_environment.h"
 #include "scene/placement.h"
 
 namespace glint {
+namespace {
+
+shared::Material roundMaterial(const Material& material) {
+    shared::Material out;
+    out.ambient = glm::vec3(material.ambient);
+    out.diffuse = glm::vec3(material.diffuse);
+    out.specular = glm::vec3(material.specular);
+    out.shininess = static_cast<float>(material.shininess);
+    out.mirror = glm::vec3(material.mirror);
+    return out;
+}
+
+shared::Optics roundOptics(const Material& material) {
+    // exp(-120) is no normal float: nothing gets through.
+    constexpr double kOpaque = 120;
+    shared::Optics out;
+    out.transmission = glm::vec3(material.transmission);
+    out.ior = static_cast<float>(material.ior);
+    out.attenuation = glm::vec3(material.attenuation);
+    out.rank = shared::kRankOfZero + static_cast<uint32_t>(material.priority);
+    for (int i = 0; i < 3; ++i) {
+        const double part = material.transmission[i];
+        out.density[i] = static_cast<float>(part > 0 ? std::min(-std::log(part), kOpaque) : kOpaque);
+    }
+    return out;
+}
+
+// 1 - cos, without its cancellation for small angles.
+float oneMinusCosine(double degrees) {
+    const double half = std::sin(degrees * (std::numbers::pi / 360));
+    return static_cast<float>(2 * half * half);
+}
+
+}  // namespace
+
+shared::Light packLight(const Light& light, const glm::dvec3& origin) {
+    shared::Light out;
+    if (const auto* point = std::get_if<PointLight>(&light)) {
+        out.position = glm::vec3(point->position - origin);
+        out.kind =
+            point->falloff == Falloff::InverseSquare ? shared::kLightPointInverseSquare : shared::kLightPoint;
+        out.intensity = glm::vec3(point->intensity);
+    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
+        out.position = glm::vec3(spot->position - origin);
+        out.kind =
+            spot->falloff == Falloff::InverseSquare ? shared::kLightSpotInverseSquare : shared::kLightSpot;
+        out.intensity = glm::vec3(spot->intensity);
+        out.axis = glm::vec3(unitVector(spot->direction).value());
+        out.inner = oneMinusCosine(spot->angle);
+        out.outer = oneMinusCosine(spot->angle + spot->penumbra);
+    } else {
+        const auto& directional = std::get<DirectionalLight>(light);
+        out.position = glm::vec3(unitVector(-directional.direction).value());
+        out.kind = shared::kLightDirectional;
+        out.intensity = glm::vec3(directional.intensity);
+    }
+    return out;
+}
 
 void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Extent& extent,
                 PackedScene& packed) {
@@ -39,6 +93,16 @@ void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Exten
     checkLimit("planes", packed.planes.size(), shared::kMaxPlanes);
 }
 
+void setEye(PackedScene& packed, const glm::dvec3& eye) {
+    if (!packed.features.transmission) return;
+    const glm::uvec4 media = mediaAt(packed, eye - packed.origin);
+    shared::Environment& environment = packed.environment;
+    environment.eyeMedium0 = media.x;
+    environment.eyeMedium1 = media.y;
+    environment.eyeMedium2 = media.z;
+    environment.eyeMedium3 = media.w;
+}
+
 namespace {
 
 std::vector<Extent> extentsOf(const Scene& scene, const PrimitiveNumbers& numbers, const Instances& instances,
@@ -47,63 +111,26 @@ std::vector<Extent> extentsOf(const Scene& scene, const PrimitiveNumbers& number
     return objectExtents(scene, numbers, corners, context);
 }
 
-// A leaf of polygons must not take more trips than one polygon may: the device cannot stop within a leaf.
-void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& packed) {
-    uint32_t trips = 0;
-    for (const Object& object : scene.objects)
-        if (const auto* polygon = std::get_if<PolygonShape>(&object.shape))
-            trips = std::max(trips, polygonTrips(polygon->vertices.size()));
-    if (trips == 0) return;
-    options.maxLeafSize = std::clamp(shared::kMaxPolygonTrips / trips, 1u, options.maxLeafSize);
-    // Two more for each polygon: the end of its loop and that of the leaf.
-    packed.polygonTripsPerLeaf = options.maxLeafSize * (trips + 2);
-}
-
-// Parts of the packing time until the primitives are collected, and until their BVH is built.
-constexpr double kCollected = 0.1, kBuilt = 0.9;
-
-void fillStatistics(const Tree& tree, PackStatistics& statistics) {
-    statistics.depth = tree.bvh.depth;
-    statistics.sahCost = tree.cost;
-    statistics.splitTriangles = tree.splitTriangles;
-    for (const BvhNode& node : tree.bvh.nodes) statistics.leaves += node.count > 0;
+// Rounds materials, optics, lights and what is the same for all rays. The tree and the planes are packed
+// already.
+void packShading(const Scene& scene, PackedScene& packed) {
+    for (const Material& material : scene.materials) {
+        packed.materials.push_back(roundMaterial(material));
+        if (material.transmission == Color(0)) continue;
+        packed.optics.push_back(roundOptics(material));
+        packed.materials.back().medium = static_cast<uint32_t>(packed.optics.size());
+    }
+    for (const Light& light : scene.lights) packed.lights.push_back(packLight(light, packed.origin));
+    shared::Environment& environment = packed.environment;
+    environment.background = glm::vec3(scene.background);
+    environment.ambient = glm::vec3(scene.ambient);
+    environment.root = packed.nodes.empty() ? shared::kNone : 0;
+    environment.planeCount = static_cast<uint32_t>(packed.planes.size());
+    environment.lightCount = static_cast<uint32_t>(packed.lights.size());
+    environment.maxDepth = static_cast<uint32_t>(scene.maxDepth);
 }
 
 }  // namespace
-
-void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxLevels,
-                  const PackOptions& pack, const Context& context, PackedScene& packed,
-                  Materials& materials) {
-    Primitives primitives =
-        collectPrimitives(scene, numbers, frame, context, packed.statistics, packed.warnings);
-    TreeOptions tree;
-    tree.quality = pack.quality;
-    tree.split = pack.split;
-    tree.memory = pack.memory;
-    BvhOptions& options = tree.bvh;
-    options.maxLevels = maxLevels;
-    const auto kinds = std::count_if(primitives.counts.begin(), primitives.counts.end(),
-                                     [](uint32_t count) { return count > 0; });
-    if (kinds > 1) options.groups = &primitives.kinds;
-    if (primitives.counts[shared::kKindInstance] > 0) {
-        options.groups = &primitives.kinds;
-        options.soloGroup = shared::kKindInstance;
-    }
-    limitPolygonTrips(scene, options, packed);
-    const Stopwatch stopwatch;
-    Tree built = buildTree(primitives, scene, frame, tree, context.part(kCollected, kBuilt));
-    packed.statistics.buildSeconds = stopwatch.seconds();
-    Bvh& bvh = built.bvh;
-    primitives.boxes = {};
-    packed.nodes = flattenBvh(bvh, primitives.kinds, context);
-    fillStatistics(built, packed.statistics);
-    if (!bvh.nodes.empty()) {
-        packed.boundsLo = bvh.nodes[0].box.lo;
-        packed.boundsHi = bvh.nodes[0].box.hi;
-    }
-    bvh.nodes = {};
-    writeInLeafOrder({scene, numbers, frame, packed, materials}, primitives, bvh.order, context);
-}
 
 bool anyTransmits(const Scene& scene) {
     const auto transmits = [](const Material& m) { return m.transmission != Color(0); };
@@ -167,6 +194,52 @@ PackedScene packScene(const Scene& given, const PackOptions& wanted, const Conte
     const PrimitiveNumbers numbers(scene);
     Instances instances(scene, numbers, options, context);
     return packPlaced(scene, numbers, instances, options, context);
+}
+
+namespace {
+
+template <typename Rounded>
+bool sameBits(const Rounded& a, const Rounded& b) {
+    return std::memcmp(&a, &b, sizeof(Rounded)) == 0;
+}
+
+bool looksTheSame(const Object& object, const Frame& before, const Frame& after, const Extent& extentBefore,
+                  const Extent& extentAfter) {
+    if (const auto* plane = std::get_if<PlaneShape>(&object.shape)) {
+        const auto normal = unitVector(plane->normal);
+        return normal && planeAnchor(plane->point, *normal, extentBefore) ==
+                             planeAnchor(plane->point, *normal, extentAfter);
+    }
+    const shared::PrimitiveKind kind = kindOf(object);
+    if (kind == shared::PrimitiveKind::Sphere) {
+        const auto& sphere = std::get<SphereShape>(object.shape);
+        return sameBits(roundSphere(sphere, before), roundSphere(sphere, after));
+    }
+    if (kind == shared::PrimitiveKind::Cuboid)
+        return sameBits(roundCuboid(object, before), roundCuboid(object, after));
+    if (kind == shared::PrimitiveKind::Quadric)
+        return sameBits(roundQuadric(object, before), roundQuadric(object, after));
+    return true;
+}
+
+}  // namespace
+
+bool keepsArrays(const PackedScene& packed, const Scene& scene, const Camera& camera) {
+    const Camera& old = scene.camera;
+    if (camera.projection != old.projection || (camera.lensRadius > 0) != (old.lensRadius > 0)) return false;
+    Extent before;
+    before.lo = packed.geometryLo;
+    before.hi = packed.geometryHi;
+    if (before.empty()) return false;  // nothing but planes: packed in no time
+    const Geometry geometry{before, packed.geometryMiddle, packed.geometryReach};
+    if (originOf(geometry, camera.eye) != packed.origin) return false;
+    Extent after = before;
+    before.include(old.eye);
+    after.include(camera.eye);
+    const Frame frameBefore{packed.origin, old.eye, nullptr}, frameAfter{packed.origin, camera.eye, nullptr};
+    return std::all_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
+        return looksTheSame(object, frameBefore, frameAfter, before, after);
+    });
 }
 
 }  // namespace glint

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "core/context.h"
 #include "scene/scene.h"
 #include "shared/layout.h"
@@ -60,8 +60,6 @@ struct PackStatistics {
     uint32_t droppedNotFinite =
         0;  // triangles and polygons with a vertex that is not finite, or overflows fp32
 };
-
-class TreeMemory;
 
 // Nothing changes a packed scene: what may vary from picture to picture is in a Request (trace/request.h).
 struct PackedScene {
@@ -117,7 +115,7 @@ struct PackOptions {
     // Triangles may stand in the tree more than once, where that makes it cheaper; false for a caller that
     // counts them.
     bool split = true;
-    TreeMemory* memory = nullptr;  // trees of the scene before, see pack/tree_memory.h
+    TreeMemory* memory = nullptr;  // trees of the scene before, see pack/build_tree.h
 };
 
 // Flattens a valid scene: places its objects (scene/placement.h), rounds to fp32 relative to the origin,
@@ -127,19 +125,22 @@ struct PackOptions {
 // naming the array, its size and the limit.
 PackedScene packScene(const Scene& scene, const PackOptions& options = {}, const Context& context = {});
 
+// True if packScene would make the same arrays for `camera` as it made in `packed` for `scene`, which is
+// placed (scene/placement.h): the camera determines the local origin and the anchors of planes and of huge
+// spheres and quadrics next to the eye. May be false for equal arrays.
+bool keepsArrays(const PackedScene& packed, const Scene& scene, const Camera& camera);
+// Sets what of the arrays follows the eye all the same: the media that it is in.
+void setEye(PackedScene& packed, const glm::dvec3& eye);
+
+// A valid light, rounded, relative to `origin`.
+shared::Light packLight(const Light& light, const glm::dvec3& origin);
+
 // The media that contain `point` (local): of each dielectric material as often as its surfaces go round the
 // point, which their solid angle tells (A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle",
 // IEEE Trans. Biomed. Eng. 30(2), 1983), so surfaces must be closed and wound outwards; a plane has its
 // inside below. Numbers as in shared::Material::medium; ordered from the material of the largest box to that
 // of the smallest, those of planes first, and cut off at kMaxMedia.
 glm::uvec4 mediaAt(const PackedScene& scene, const glm::dvec3& point);
-
-// The greatest radiance, in any channel, that a ray of the tree can bring with environment.maxDepth rays
-// after it: the greatest of the background and, for each material, of ambient light, all `lights` unshadowed
-// and head on, and the branches. kInfinity if there is none: a light that falls off touches a box of the BVH,
-// or the sum overflows.
-float radianceBound(const PackedScene& scene, const shared::Environment& environment,
-                    const std::vector<shared::Light>& lights);
 
 // The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are
 // computed in double.

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "pack/primitives.h"
 
 namespace glint {

@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "core/error.h"
+#include "scene/placement.h"
 
 namespace glint {
 
@@ -41,6 +43,25 @@ void setRounded(Box& box, int axis, double center, double extent, double margin)
     constexpr float kInf = std::numeric_limits<float>::infinity();
     box.lo[axis] = std::nextafter(static_cast<float>(center - extent - margin), -kInf);
     box.hi[axis] = std::nextafter(static_cast<float>(center + extent + margin), kInf);
+}
+
+const KindPacker& packerOf(shared::PrimitiveKind kind) {
+    switch (kind) {
+#define GLINT_CASE(number, Kind, kinds, one, many) \
+    case shared::PrimitiveKind::Kind:              \
+        return packerOf##Kind();
+        GLINT_PRIMITIVES(GLINT_CASE, GLINT_CASE)
+#undef GLINT_CASE
+    }
+    throw std::logic_error("no such kind of primitive");
+}
+
+shared::PrimitiveKind kindOf(const Object& object) {
+    if (object.transform && !takesTransform(object.shape)) return shared::PrimitiveKind::Instance;
+    for (uint32_t kind = 0; kind < shared::kKindCount; ++kind)
+        if (packerOf(static_cast<shared::PrimitiveKind>(kind)).packs(object.shape))
+            return static_cast<shared::PrimitiveKind>(kind);
+    throw std::logic_error("a shape that no kind of primitive packs");
 }
 
 }  // namespace glint

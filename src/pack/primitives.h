@@ -3,13 +3,16 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
+#include "pack/extent.h"
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
 #include "shared/layout.h"
@@ -128,6 +131,17 @@ Box discBox(const shared::Disc& disc);
 // How far a disc reaches from its centre along each axis. normal: any length but zero.
 glm::dvec3 discExtent(const glm::dvec3& normal, double radius);
 
+// World box of the clipped surface: exact for the named forms, of a general quadric that of its clipping box.
+Extent quadricExtent(const Object& object);
+
+// The object's geometry rounded to fp32: everything of shared::Quadric but its ids and material. The surface
+// is what the rounded numbers say; it differs from the exact one by 2^-24 of the distance from `point` and of
+// the object's size.
+shared::Quadric roundQuadric(const Object& object, const Frame& frame);
+
+// Encloses the rounded quadric.
+Box quadricBox(const Object& object, const Frame& frame, const shared::Quadric& rounded);
+
 // Its own vertices without the repetitions of the device's array; nothing if one of them is not finite or
 // beyond fp32.
 std::optional<std::vector<glm::vec3>> roundPolygon(const PolygonShape& polygon, const glm::dvec3& origin);
@@ -151,5 +165,98 @@ struct Primitives {
 
 // Throws Error(Scene) if count passes limit; `what` is the array's name.
 void checkLimit(const char* what, uint64_t count, uint64_t limit);
+
+// ---- A kind of primitive: one packer for each of shaders/shared/primitives.h, in a file of
+// src/pack/primitives/
+
+// Which materials something packed has; may be used by many threads.
+class Materials {
+  public:
+    explicit Materials(size_t count) : used_(count) {}
+    bool used(size_t material) const { return used_[material].load(std::memory_order_relaxed); }
+    void use(size_t material) {
+        // Read first: many threads writing the same byte would pass its cache line around.
+        if (!used(material)) used_[material].store(true, std::memory_order_relaxed);
+    }
+
+  private:
+    std::vector<std::atomic<bool>> used_;
+};
+
+// Outcome for a primitive: absent without a warning, kept, or dropped with a warning.
+enum class Fate : uint8_t { Absent, Kept, NoArea, NotFinite };
+
+// Rows that primitives have in further arrays; where the next ones begin.
+struct FurtherRows {
+    uint32_t normals = 0, polygonVertices = 0, attributes = 0;
+};
+
+// The scene on its way into the arrays.
+struct Packing {
+    const Scene& scene;
+    const PrimitiveNumbers& numbers;
+    const Frame& frame;
+    PackedScene& packed;
+    Materials& materials;
+
+    const Object& objectOf(Primitives::Source source) const { return scene.objects[source.object]; }
+    // Id, object and material of a primitive that is an object by itself.
+    template <class Primitive>
+    void identify(Primitives::Source source, Primitive& primitive) const {
+        primitive.id = numbers.firstId(source.object);
+        primitive.object = source.object;
+        primitive.material = objectOf(source).material;
+        materials.use(primitive.material);
+    }
+};
+
+class KindPacker {
+  public:
+    virtual ~KindPacker() = default;
+
+    // True for the shapes that become primitives of this kind, where no transform makes them instances.
+    virtual bool packs(const Shape& shape) const = 0;
+
+    // ---- On the way in. `face`: of a mesh, else 0.
+
+    virtual Fate judge(const Object&, uint32_t /*face*/, const Frame&) const { return Fate::Kept; }
+    // Takes in where the faces from begin to end are in the world.
+    virtual void extend(const Object& object, uint32_t begin, uint32_t end, Extent& extent) const = 0;
+    // Box of a kept primitive: contains the rounded primitive and everything that the device's test may
+    // accept.
+    virtual Box box(const Object& object, uint32_t face, const Frame& frame) const = 0;
+    // Adds the rows that the primitive will have in further arrays.
+    virtual void count(const Packing&, Primitives::Source, FurtherRows&) const {}
+    // Writes the primitive to place `slot` of its array, and its further rows from `next` on, which moves
+    // behind them.
+    virtual void write(const Packing& packing, Primitives::Source source, uint32_t slot,
+                       FurtherRows& next) const = 0;
+
+    // ---- Of a packed primitive, in its own coordinates
+
+    // Balls that together reach as far as it does: visit(centre, radius). None of what has no end.
+    using VisitBall = std::function<void(const glm::dvec3& center, double radius)>;
+    virtual void balls(const PackedScene&, uint32_t /*index*/, const VisitBall&) const {}
+    // How often its surface goes round the point, which closed surfaces together do a whole number of times:
+    // 1 or 0 for a solid by itself, the sum of windingOf for a part of a surface. Not of triangles, which
+    // mediaAt knows.
+    virtual double windings(const PackedScene&, uint32_t /*index*/, const glm::dvec3& /*point*/) const {
+        return 0;
+    }
+};
+
+// The solid angle of a triangle, seen from 0, over that of the whole sphere; positive if its outer side is
+// turned away (A. van Oosterom, J. Strackee 1983, see mediaAt).
+double windingOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+
+const KindPacker& packerOf(shared::PrimitiveKind kind);
+
+// Kind of the object's primitives: instances if its shape cannot absorb its transform.
+shared::PrimitiveKind kindOf(const Object& object);
+
+// Defined with the kind: const KindPacker& packerOfTriangle(), ...
+#define GLINT_PACKER(number, Kind, kinds, one, many) const KindPacker& packerOf##Kind();
+GLINT_PRIMITIVES(GLINT_PACKER, GLINT_PACKER)
+#undef GLINT_PACKER
 
 }  // namespace glint

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <stdexcept>
+#include <vector>
 
 #include "pack/packed_scene.h"
 
@@ -73,6 +74,25 @@ inline shared::PrimitiveKind kindOfLeaf(uint32_t leaf) {
 }
 inline shared::PrimitiveKind kindOfPrimitive(uint32_t primitive) {
     return static_cast<shared::PrimitiveKind>(primitive >> shared::kPrimitiveKindShift);
+}
+
+// Calls visit(kind, index) for each primitive of the tree with this root.
+template <class Nodes, class Visit>
+void visitLeaves(const Nodes& nodes, uint32_t root, const Visit& visit) {
+    std::vector<uint32_t> pending{root};
+    while (!pending.empty()) {
+        const uint32_t child = pending.back();
+        pending.pop_back();
+        if (child == shared::kNone) continue;
+        if (!(child & shared::kLeafFlag)) {
+            pending.push_back(nodes[child].child0);
+            pending.push_back(nodes[child].child1);
+            continue;
+        }
+        const uint32_t first = child & shared::kLeafFirstMask;
+        const uint32_t last = first + (child >> shared::kLeafCountShift & shared::kLeafCountMask);
+        for (uint32_t i = first; i <= last; ++i) visit(kindOfLeaf(child), i);
+    }
 }
 
 }  // namespace glint

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/stopwatch.h"
-#include "pack/pack_shading.h"
+#include "pack/packed_scene.h"
 #include "verify/stiffness.h"
 
 namespace glint::view {

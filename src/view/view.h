@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "core/available_memory.h"
 #include "gpu/swapchain.h"
 #include "scene/frame_model.h"

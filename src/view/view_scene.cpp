@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/available_memory.h"
-#include "pack/camera_change.h"
-#include "pack/kind_packer.h"
+#include "pack/packed_scene.h"
+#include "pack/primitives.h"
 #include "pack/scene_arrays.h"
 
 namespace glint::view {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "import/scene_reader.h"
+#include "pack/build_tree.h"
 #include "pack/packed_scene.h"
-#include "pack/tree_memory.h"
 #include "scene/scene.h"
 #include "view/camera_control.h"
 #include "view/settings.h"
@@ -30,7 +30,7 @@ struct ViewScene {
 // Applies the values that the command line gives.
 Scene withOverrides(Scene scene, const Loading& loading);
 
-// `memory`: of trees, may be null; see pack/tree_memory.h.
+// `memory`: of trees, may be null; see pack/build_tree.h.
 std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path, Scene scene,
                                                BuildQuality quality, TreeMemory* memory = nullptr);
 

@@ -1,7 +1,7 @@
 // The heuristic's choices of cuts and of leaves.
 #include <gtest/gtest.h>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "trees.h"
 
 namespace glint::builder_quality_test {

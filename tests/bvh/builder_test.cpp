@@ -1,4 +1,4 @@
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 
 #include <gtest/gtest.h>
 

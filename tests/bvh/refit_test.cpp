@@ -1,4 +1,3 @@
-#include "bvh/refit.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 
 namespace glint::test {
 

@@ -1,9 +1,9 @@
 // Scenes packed one after the other: the arrays are those of a scene that is packed by itself.
 #include <cstring>
 
-#include "pack/camera_change.h"
+#include "pack/build_tree.h"
+#include "pack/packed_scene.h"
 #include "pack/scene_arrays.h"
-#include "pack/tree_memory.h"
 #include "scene/placement.h"
 #include "support/support.h"
 

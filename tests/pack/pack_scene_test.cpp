@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "pack/packed_scene.h"
 #include "support/scene_maker.h"
 

@@ -1,5 +1,5 @@
 // Packing of quadrics: extents by hand, boxes that hold the surface, anchors next to the eye.
-#include "pack/quadrics.h"
+#include "pack/primitives.h"
 
 #include <gtest/gtest.h>
 

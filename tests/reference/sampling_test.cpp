@@ -10,9 +10,8 @@
 #include <numbers>
 #include <set>
 
-#include "pack/filter_table.h"
+#include "pack/pack_samples.h"
 #include "pack/packed_scene.h"
-#include "pack/sample_points.h"
 #include "reference/tracer.h"
 #include "shared/shading.h"
 

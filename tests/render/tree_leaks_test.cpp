@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "bvh/builder.h"
+#include "bvh/bvh.h"
 #include "support.h"
 
 namespace glint::render::test::tree_leaks_test {

@@ -258,11 +258,11 @@ TEST_F(Shell, LettersAreSharpAtTwiceTheSize) {
 }
 
 TEST_F(Shell, BuildQualityIsUsed) {
-    const std::string knot = glint::test::sourcePath("scenes/knot.json");
+    const std::string hall = glint::test::sourcePath("scenes/arcade.json");
     std::set<std::string> costs;
-    for (const char* quality : {"default", "high"}) {
+    for (const char* quality : {"fast", "default"}) {
         const Ran ran =
-            runView({knot, "--size", size_, "--build-quality", quality}, parseScript("print tree", "tree"));
+            runView({hall, "--size", size_, "--build-quality", quality}, parseScript("print tree", "tree"));
         ASSERT_EQ(ran.code, 0) << ran.err;
         costs.insert(printed(ran, "tree").at(0));
     }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pack/kind_packer.h"
+#include "pack/primitives.h"
 #include "scene/transform.h"
 
 namespace glint {

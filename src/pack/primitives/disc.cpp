@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "pack/kind_packer.h"
-#include "pack/unit_vector.h"
+#include "core/vectors.h"
+#include "pack/primitives.h"
 
 namespace glint {
 

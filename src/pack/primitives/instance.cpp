@@ -1,6 +1,6 @@
 #include "pack/instances.h"
 
-#include "pack/kind_packer.h"
+#include "pack/primitives.h"
 
 namespace glint {
 namespace {

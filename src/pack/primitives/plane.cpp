@@ -1,4 +1,4 @@
-#include "pack/kind_packer.h"
+#include "pack/primitives.h"
 
 namespace glint {
 namespace {

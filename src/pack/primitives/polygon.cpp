@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "pack/area_vector.h"
-#include "pack/kind_packer.h"
+#include "pack/primitives.h"
 #include "scene/limits.h"
 #include "scene/polygon_plane.h"
 

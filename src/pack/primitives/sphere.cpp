@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "pack/kind_packer.h"
+#include "pack/primitives.h"
 
 namespace glint {
 

@@ -1,7 +1,7 @@
+#include "core/vectors.h"
 #include "pack/area_vector.h"
-#include "pack/kind_packer.h"
 #include "pack/pack_textures.h"
-#include "pack/unit_vector.h"
+#include "pack/primitives.h"
 
 namespace glint {
 
