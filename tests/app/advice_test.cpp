@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::app::test::advice_test {
-namespace {
-
 constexpr const char* kBall = R"("objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}])";
 
 struct Nothing {
@@ -241,5 +239,4 @@ TEST_F(ClippedAdvice, NotFiniteIsCountedAndShownBlack) {
     EXPECT_EQ(first, std::pair(y, x));
 }
 
-}  // namespace
 }  // namespace glint::app::test::advice_test

@@ -8,8 +8,6 @@
 #include "support.h"
 
 namespace glint::app::test::bands_test {
-namespace {
-
 class Bands : public FolderTest {
   protected:
     void SetUp() override { writeSmallScene("a.json"); }
@@ -174,5 +172,4 @@ TEST_F(Bands, WhatIsNotFinishedLeavesNoFile) {
               "null.pfm: is no regular file, which a picture in bands goes into");
 }
 
-}  // namespace
 }  // namespace glint::app::test::bands_test

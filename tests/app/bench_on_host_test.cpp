@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::app::test::bench_on_host_test {
-namespace {
-
 TEST(Bench, NamesOfFeaturesAreThoseOfInfo) {
     SceneFeatures features;
     features.quadrics = features.alphaMask = true;
@@ -62,5 +60,4 @@ TEST_F(BenchOnHost, PicturesThatDoNotFitAreRefusedBeforehand) {
     EXPECT_TRUE(ran.err.ends_with(" fits)\n")) << ran.err;
 }
 
-}  // namespace
 }  // namespace glint::app::test::bench_on_host_test

@@ -2,8 +2,6 @@
 #include "support.h"
 
 namespace glint::app::test::camera_test {
-namespace {
-
 const std::string kRest = R"("ambient": 0.3, "lights": [{"type": "point", "position": [1, 6, 4]}],
     "objects": [{"type": "sphere", "center": [0.5, 0, 0], "radius": 1}])";
 
@@ -70,5 +68,4 @@ TEST_F(CameraOption, PartsKnowTheirCamera) {
     EXPECT_HAS(merged.err, "camera");
 }
 
-}  // namespace
 }  // namespace glint::app::test::camera_test

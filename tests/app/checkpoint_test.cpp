@@ -9,8 +9,6 @@
 #include "support.h"
 
 namespace glint::app::test::checkpoint_test {
-namespace {
-
 using namespace std::chrono_literals;
 class Checkpoints : public FolderTest {
   protected:
@@ -86,5 +84,4 @@ TEST_F(Checkpoints, AnInterruptedProcessReportsItsUnits) {
     EXPECT_EQ(readBytes("all.pfm"), whole_);
 }
 
-}  // namespace
 }  // namespace glint::app::test::checkpoint_test

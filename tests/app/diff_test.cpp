@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::app::test::diff_test {
-namespace {
-
 class Diff : public FolderTest {
   protected:
     // a is 0 everywhere; b has the sample 0.5 in pixel (1, 0) and 0.25 in pixel (0, 1), both in the green
@@ -101,5 +99,4 @@ TEST_F(Diff, PngAndFloatPicturesCompareLinearly) {
     EXPECT_EQ(runGlint({"diff", "q.png", "q.exr"}).code, 5);
 }
 
-}  // namespace
 }  // namespace glint::app::test::diff_test

@@ -10,8 +10,6 @@
 #include "support.h"
 
 namespace glint::app::test::error_target_test {
-namespace {
-
 class ErrorTarget : public FolderTest {
   protected:
     void SetUp() override {
@@ -189,5 +187,4 @@ TEST_F(ErrorTarget, WhatNoSampleMendsIsRefused) {
     EXPECT_HAS(none.err, "--error cannot bound reflections at maxDepth 0");
 }
 
-}  // namespace
 }  // namespace glint::app::test::error_target_test

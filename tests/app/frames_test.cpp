@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::app::test::frames_test {
-namespace {
-
 const char* const kTracks = R"(
     {"target": "/camera/eye", "times": [0, 1], "values": [[0, 0, 5], [1, 0, 5]]},
     {"target": "/objects/1/radius", "times": [0.5, 1], "values": [0.5, 1]})";
@@ -149,5 +147,4 @@ TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {
     EXPECT_EQ(one.err, "glint: warning: a.json: has no animation; --time changes nothing\n");
 }
 
-}  // namespace
 }  // namespace glint::app::test::frames_test

@@ -7,8 +7,6 @@
 #include "support/environment.h"
 
 namespace glint::app::test::gpu_bench_test {
-namespace {
-
 nlohmann::json bench(std::vector<std::string> more) {
     const Ran ran = runGlint({"bench", "a.json", "--repeat", "2", "--stats", "json"}, more);
     EXPECT_EQ(ran.code, 0) << ran.err;
@@ -128,5 +126,4 @@ TEST_F(GpuBench, EveryWalkDrawsTheSameBits) {
     EXPECT_FALSE(bench({}).contains("walks"));
 }
 
-}  // namespace
 }  // namespace glint::app::test::gpu_bench_test

@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::app::test::gpu_methods_test {
-namespace {
-
 std::vector<std::vector<double>> rows(const std::string& csv) {
     std::vector<std::vector<double>> table;
     std::istringstream lines(csv);
@@ -103,5 +101,4 @@ TEST_F(Methods, StatisticsSayWhichWasUsed) {
     EXPECT_EQ(runGlint({"info", "a.json", "--sphere", "round"}).code, 2);
 }
 
-}  // namespace
 }  // namespace glint::app::test::gpu_methods_test

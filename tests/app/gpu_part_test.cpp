@@ -2,8 +2,6 @@
 #include "support.h"
 
 namespace glint::app::test::gpu_part_test {
-namespace {
-
 class GpuPart : public FolderTest {
   protected:
     // The bytes of the picture in parts, merged, against those of one run.
@@ -54,5 +52,4 @@ TEST_F(GpuPart, FramesHaveTheBitsOfTheirMoments) {
     }
 }
 
-}  // namespace
 }  // namespace glint::app::test::gpu_part_test

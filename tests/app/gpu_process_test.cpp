@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::app::test::gpu_process_test {
-namespace {
-
 class GpuProcess : public FolderTest {
   protected:
     void SetUp() override {
@@ -92,5 +90,4 @@ TEST_F(GpuProcess, ValidationWithoutItsLayerDrawsNothing) {
     }
 }
 
-}  // namespace
 }  // namespace glint::app::test::gpu_process_test

@@ -10,16 +10,11 @@
 #include "render_cases.h"
 
 namespace glint::app::test::render_cases {
-namespace {
-
 INSTANTIATE_TEST_SUITE_P(Gpu, RenderEither, ::testing::Values("gpu"));
 
-}  // namespace
 }  // namespace glint::app::test::render_cases
 
 namespace glint::app::test::gpu_render_test {
-namespace {
-
 class GpuRender : public FolderTest {
   protected:
     void SetUp() override {
@@ -189,5 +184,4 @@ TEST_F(GpuRender, EmptyScene) {
     for (const float sample : image.pixels) ASSERT_EQ(sample, 0.5f);
 }
 
-}  // namespace
 }  // namespace glint::app::test::gpu_render_test

@@ -13,8 +13,6 @@
 #include "support.h"
 
 namespace glint::app::test::gpu_report_test {
-namespace {
-
 class GpuReport : public FolderTest {
   protected:
     void SetUp() override {
@@ -303,5 +301,4 @@ TEST_F(GpuReport, RefusesAFolderThatHoldsSomethingElse) {
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out"}));
 }
 
-}  // namespace
 }  // namespace glint::app::test::gpu_report_test

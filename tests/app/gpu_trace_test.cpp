@@ -5,8 +5,6 @@
 #include "trace_cases.h"
 
 namespace glint::app::test::trace_test {
-namespace {
-
 INSTANTIATE_TEST_SUITE_P(Gpu, Trace, ::testing::Values("gpu"));
 
 // The numbers of a line of hits; empty fields are NaN.
@@ -69,5 +67,4 @@ TEST_F(GpuTrace, MissingDeviceLeavesStandardOutputEmpty) {
     }
 }
 
-}  // namespace
 }  // namespace glint::app::test::trace_test

@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::app::test::gpu_verify_test {
-namespace {
-
 class GpuVerify : public FolderTest {};
 
 TEST_F(GpuVerify, PassesAndWritesNothing) {
@@ -155,5 +153,4 @@ TEST_F(GpuVerify, AMissingSceneIsNoticedFirst) {
     EXPECT_EQ(names(), (std::set<std::string>{"a.json"}));
 }
 
-}  // namespace
 }  // namespace glint::app::test::gpu_verify_test

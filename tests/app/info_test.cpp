@@ -2,8 +2,6 @@
 #include "support.h"
 
 namespace glint::app::test::info_test {
-namespace {
-
 class Info : public FolderTest {};
 
 TEST_F(Info, EmptyScene) {
@@ -88,5 +86,4 @@ TEST_F(Info, IsTheSameEveryTimeButForTheBuildTime) {
     EXPECT_EQ(withoutTime(), withoutTime());
 }
 
-}  // namespace
 }  // namespace glint::app::test::info_test

@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::app::test::options_test {
-namespace {
-
 struct Value {
     const char* command;
     const char* option;
@@ -128,5 +126,4 @@ TEST(Options, TextInMessagesIsOneShortLine) {
     EXPECT_EQ(quoted("\xc3\xa4"), "\"\xc3\xa4\"");
 }
 
-}  // namespace
 }  // namespace glint::app::test::options_test

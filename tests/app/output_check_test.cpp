@@ -11,8 +11,6 @@
 #include "support.h"
 
 namespace glint::app::test::output_check_test {
-namespace {
-
 std::string messageOf(const std::function<void()>& call) {
     return errorOf(ErrorKind::Failed, call);
 }
@@ -111,5 +109,4 @@ TEST_F(OutputCheck, HugePictureIsRefused) {
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
-}  // namespace
 }  // namespace glint::app::test::output_check_test

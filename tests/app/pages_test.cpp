@@ -8,8 +8,6 @@
 #include "support.h"
 
 namespace glint::app::test::pages_test {
-namespace {
-
 std::string textOf(const std::string& path) {
     const auto bytes = readBytes(path);
     return {bytes.begin(), bytes.end()};
@@ -102,5 +100,4 @@ TEST(Version, SaysWhatWasBuiltIn) {
     EXPECT_EQ(alone.err, "glint: --verbose requires --version\n");
 }
 
-}  // namespace
 }  // namespace glint::app::test::pages_test

@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::app::test::part_test {
-namespace {
-
 class Part : public FolderTest {
   protected:
     void SetUp() override {
@@ -126,5 +124,4 @@ TEST_F(Part, MoreThanThereAreTiles) {
     EXPECT_EQ(readBytes("all.pfm"), readBytes("whole.pfm"));
 }
 
-}  // namespace
 }  // namespace glint::app::test::part_test

@@ -13,8 +13,6 @@
 #include "support.h"
 
 namespace glint::app::test::process_test {
-namespace {
-
 class Process : public FolderTest {
   protected:
     void SetUp() override {
@@ -330,5 +328,4 @@ TEST_F(Process, WithoutVulkanLoader) {
                    "mesa-vulkan-drivers");
 }
 
-}  // namespace
 }  // namespace glint::app::test::process_test

@@ -8,8 +8,6 @@
 #include "support.h"
 
 namespace glint::app::test::ray_file_test {
-namespace {
-
 std::vector<WorldRay> parse(const std::string& text) {
     std::istringstream in(text);
     return parseRays(in, "r.csv");
@@ -125,5 +123,4 @@ TEST_F(RayFileOnDisk, WithoutRaysThereIsAHeaderAndAWarning) {
     EXPECT_EQ(ran.code, 0);
 }
 
-}  // namespace
 }  // namespace glint::app::test::ray_file_test

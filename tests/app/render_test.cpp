@@ -6,16 +6,11 @@
 #include "render_cases.h"
 
 namespace glint::app::test::render_cases {
-namespace {
-
 INSTANTIATE_TEST_SUITE_P(Host, RenderEither, ::testing::Values("cpu"));
 
-}  // namespace
 }  // namespace glint::app::test::render_cases
 
 namespace glint::app::test::render_test {
-namespace {
-
 class Render : public FolderTest {
   protected:
     void SetUp() override {
@@ -248,5 +243,4 @@ TEST_F(Render, ItsOwnTextureIsNotReplaced) {
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "link.png", "m.png", "sub"}));
 }
 
-}  // namespace
 }  // namespace glint::app::test::render_test

@@ -2,8 +2,6 @@
 #include "support.h"
 
 namespace glint::app::test::report_options_test {
-namespace {
-
 TEST(ReportArguments, AreChecked) {
     const std::pair<std::vector<std::string>, std::string> cases[] = {
         {{"report"}, "report: SCENE is missing; see glint report --help"},
@@ -30,5 +28,4 @@ TEST(ReportArguments, AreChecked) {
     }
 }
 
-}  // namespace
 }  // namespace glint::app::test::report_options_test

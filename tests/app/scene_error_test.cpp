@@ -2,8 +2,6 @@
 #include "support.h"
 
 namespace glint::app::test::scene_error_test {
-namespace {
-
 struct Bad {
     const char* name;
     const char* file;
@@ -114,5 +112,4 @@ TEST_F(SceneFile, TexturesAndMissingMaterialFilesAreWarnings) {
     EXPECT_EQ(runGlint({"render", "b.obj", "--backend", "cpu", "--size", "16x12", "-q"}).err, "");
 }
 
-}  // namespace
 }  // namespace glint::app::test::scene_error_test

@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::app::test::stats_test {
-namespace {
-
 class Stats : public FolderTest {
   protected:
     void SetUp() override {
@@ -88,5 +86,4 @@ TEST_F(Stats, SummaryNamesFileSizeAndTimes) {
     EXPECT_EQ(ran.err, "");
 }
 
-}  // namespace
 }  // namespace glint::app::test::stats_test

@@ -1,9 +1,6 @@
 #include "trace_cases.h"
 
 namespace glint::app::test::trace_test {
-namespace {
-
 INSTANTIATE_TEST_SUITE_P(Host, Trace, ::testing::Values("cpu"));
 
-}  // namespace
 }  // namespace glint::app::test::trace_test

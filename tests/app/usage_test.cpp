@@ -3,8 +3,6 @@
 #include "support.h"
 
 namespace glint::app::test::usage_test {
-namespace {
-
 struct Case {
     const char* name;
     std::vector<std::string> args;
@@ -247,5 +245,4 @@ TEST(Help, VersionIsOneLine) {
     EXPECT_EQ(ran.out.find('\n'), ran.out.size() - 1);
 }
 
-}  // namespace
 }  // namespace glint::app::test::usage_test

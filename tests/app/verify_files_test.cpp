@@ -4,8 +4,6 @@
 #include "support.h"
 
 namespace glint::app::test::verify_files_test {
-namespace {
-
 std::vector<SceneResult> someResults() {
     return {{.scene = "a.json", .message = "ok", .details = "a.json: ok\n", .seconds = 0.5},
             {.scene = "b<\x01>.json",
@@ -53,5 +51,4 @@ TEST(VerifyFiles, BytesThatAreNotUtf8AreReplaced) {
     EXPECT_HAS(junitText(results), "name=\"?.json\"");
 }
 
-}  // namespace
 }  // namespace glint::app::test::verify_files_test

@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::app::test::verify_report_test {
-namespace {
-
 std::string reportText(const verify::Report& report, const verify::Options& options = {}) {
     std::ostringstream out;
     printReport("a.json", report, options, glm::dvec3(100, 0, 0), out);
@@ -180,5 +178,4 @@ TEST(VerifyReport, WithoutPixels) {
     EXPECT_HAS(reportText({}), "0 pixels; beyond their predicted error");
 }
 
-}  // namespace
 }  // namespace glint::app::test::verify_report_test

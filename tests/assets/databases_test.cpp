@@ -8,8 +8,6 @@
 #include "support/support.h"
 
 namespace glint::test::databases_test {
-namespace {
-
 class Databases : public WorkingFolderTest {
   protected:
     // The part of the picture that is covered, with nx x nx rays.
@@ -34,5 +32,4 @@ TEST_F(Databases, AsManyRaysHitAsTheirAuthorCounted) {
     EXPECT_EQ(coverage("rings.nff"), 1);
 }
 
-}  // namespace
 }  // namespace glint::test::databases_test

@@ -6,8 +6,6 @@
 #include "support/support.h"
 
 namespace glint::test::gltf_test {
-namespace {
-
 using glm::dvec3;
 using glm::uvec3;
 
@@ -89,5 +87,4 @@ TEST(GltfAssets, TheBoxIsTheSameInBothContainers) {
     EXPECT_EQ(std::get<ImageTexture>(binary.textures[0].source).wrapV, Wrap::Repeat);
 }
 
-}  // namespace
 }  // namespace glint::test::gltf_test

@@ -10,8 +10,6 @@
 
 namespace glint::test::models_test {
 
-namespace {
-
 using glm::dvec3;
 
 struct Model {
@@ -81,8 +79,6 @@ std::string modelName(const testing::TestParamInfo<Model>& tested) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Asset, testing::ValuesIn(kModels), modelName);
-
-}  // namespace
 
 TEST(Assets, BunnyIsTheSameInObjAndPly) {
     const auto obj = assetPath("meshes/stanford-bunny.obj"), ply = assetPath("meshes/bun_zipper.ply");

@@ -6,8 +6,6 @@
 #include "support/support.h"
 
 namespace glint::test::nff_test {
-namespace {
-
 struct Database {
     const char* name;
     size_t objects, spheres, triangles, cylinders, polygons, lights;
@@ -45,5 +43,4 @@ TEST(NffAssets, HaveTheObjectsOfTheirAuthor) {
     }
 }
 
-}  // namespace
 }  // namespace glint::test::nff_test

@@ -6,8 +6,6 @@
 #include "bench/write.h"
 
 namespace glint::bench::test::bench_test {
-namespace {
-
 const bench::Program kProgram = {"1.2", "abc"};
 
 bench::Result someResult() {
@@ -110,5 +108,4 @@ TEST(Bench, WalksHaveALineEach) {
     EXPECT_FALSE(json[1]["perSecond"].contains("refracted"));
 }
 
-}  // namespace
 }  // namespace glint::bench::test::bench_test

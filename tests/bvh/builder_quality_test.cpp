@@ -5,8 +5,6 @@
 #include "trees.h"
 
 namespace glint::builder_quality_test {
-namespace {
-
 using namespace test;
 
 // One box of 1000 far away: the cheapest cut by far leaves it alone at the root.
@@ -42,5 +40,4 @@ TEST(BuilderQuality, TraversalCostSetsLeafSize) {
     EXPECT_LE(buildBvh(boxes, options).nodes.size(), 2 * (boxes.size() / 4) - 1);
 }
 
-}  // namespace
 }  // namespace glint::builder_quality_test

@@ -9,8 +9,6 @@
 #include "trees.h"
 
 namespace glint::builder_test {
-namespace {
-
 using namespace test;
 
 void expectEqual(const Bvh& a, const Bvh& b) {
@@ -165,5 +163,4 @@ TEST(Builder, OneGroupIsNoGroup) {
     expectEqual(buildBvh(boxes), buildBvh(boxes, options));
 }
 
-}  // namespace
 }  // namespace glint::builder_test

@@ -7,8 +7,6 @@
 #include "trees.h"
 
 namespace glint::flatten_test {
-namespace {
-
 using namespace test;
 using shared::kLeafFlag;
 using shared::kNone;
@@ -205,5 +203,4 @@ TEST(Flatten, KindsHaveArraysOfTheirOwn) {
     EXPECT_EQ(next[shared::kKindTriangle], 1000 - spheres);
 }
 
-}  // namespace
 }  // namespace glint::flatten_test

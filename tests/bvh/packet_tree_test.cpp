@@ -10,8 +10,6 @@
 #include "trees.h"
 
 namespace glint::packet_tree_test {
-namespace {
-
 using namespace test;
 using shared::kLeafFlag;
 using shared::kNone;
@@ -164,5 +162,4 @@ TEST(PacketTree, NoOtherCollapseHasLessArea) {
     }
 }
 
-}  // namespace
 }  // namespace glint::packet_tree_test

@@ -6,8 +6,6 @@
 #include "trees.h"
 
 namespace glint::refit_test {
-namespace {
-
 using namespace test;
 
 // The tree with the boxes that its nodes have once the boxes it was made of are others.
@@ -85,5 +83,4 @@ TEST(RefitTest, NodesHaveTheBoxesThatANewTreeWouldStore) {
     }
 }
 
-}  // namespace
 }  // namespace glint::refit_test

@@ -10,8 +10,6 @@
 #include <vector>
 
 namespace glint::converge::bounds_test {
-namespace {
-
 TEST(BoundsTest, QuantilesAreThoseOfTheTables) {
     EXPECT_NEAR(normalQuantile(0.025), 1.959964, 1e-6);
     EXPECT_NEAR(normalQuantile(0.5), 0, 1e-9);
@@ -122,5 +120,4 @@ TEST(BoundsTest, WhatIsNotFiniteIsLeftOut) {
     EXPECT_DOUBLE_EQ(meanSquareOf(a, b).value, 0.25);
 }
 
-}  // namespace
 }  // namespace glint::converge::bounds_test

@@ -12,8 +12,6 @@
 #include "known_film.h"
 
 namespace glint::converge::converge_test {
-namespace {
-
 double realizedOf(const Film& film, const Picture& picture) {
     double squares = 0;
     for (int y = 0; y < kSide; ++y) {
@@ -209,5 +207,4 @@ TEST(ConvergeTest, PiecesOfASequenceAreTheSequence) {
     }
 }
 
-}  // namespace
 }  // namespace glint::converge::converge_test

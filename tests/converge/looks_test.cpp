@@ -4,8 +4,6 @@
 #include "falling_film.h"
 
 namespace glint::converge::looks_test {
-namespace {
-
 void expectKept(size_t pixels, double power, double floor) {
     constexpr int kTrials = 800;
     const Trials trials = trialsOf(pixels, power, floor, kTrials);
@@ -34,5 +32,4 @@ TEST(LooksTest, FewSamplesMoreThanTheFewestAreTaken) {
     EXPECT_LT(trials.samples, 1.35);
 }
 
-}  // namespace
 }  // namespace glint::converge::looks_test

@@ -8,8 +8,6 @@
 #include "known_film.h"
 
 namespace glint::converge::slow_test {
-namespace {
-
 // Means over a thousand pictures of pixels that are 1 in 30 % of the samples: their difference from 0.3, and
 // the standard error of that.
 struct Drift {
@@ -70,5 +68,4 @@ TEST(ConvergeSlow, StoppingHardlyBiasesAPicture) {
     expectLittle(jobOf(0.05), kSide);
 }
 
-}  // namespace
 }  // namespace glint::converge::slow_test

@@ -10,8 +10,6 @@
 #include "support/support.h"
 
 namespace glint::available_memory_test {
-namespace {
-
 constexpr uint64_t kMebibyte = uint64_t{1} << 20;
 
 // A machine of folders and files.
@@ -70,5 +68,4 @@ TEST_F(AvailableMemory, IsLessWithLittleAddressSpace) {
     EXPECT_EQ(available, limit.rlim_cur - 10000 * page);
 }
 
-}  // namespace
 }  // namespace glint::available_memory_test

@@ -5,8 +5,6 @@
 #include <vector>
 
 namespace glint::context_test {
-namespace {
-
 TEST(Context, GrantsAllByDefault) {
     const Context context;
     EXPECT_FALSE(context.isCancelled());
@@ -54,5 +52,4 @@ TEST(Context, AnAccountCountsChargesUntilTheirEnd) {
     EXPECT_EQ(account->held, 0u);
 }
 
-}  // namespace
 }  // namespace glint::context_test

@@ -16,8 +16,6 @@
 #endif
 
 namespace glint::decode_test {
-namespace {
-
 using test::errorOf;
 using test::pngBytes;
 using test::readBytes;
@@ -316,5 +314,4 @@ TEST_F(Decode, MessagesForTruncatedFiles) {
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": the file is truncated");
 }
 
-}  // namespace
 }  // namespace glint::decode_test

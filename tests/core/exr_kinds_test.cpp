@@ -19,8 +19,6 @@
 #include "support/support.h"
 
 namespace glint::exr_kinds_test {
-namespace {
-
 using test::errorOf;
 
 class ExrKinds : public test::FolderTest {};
@@ -257,5 +255,4 @@ TEST_F(ExrFloats, KeepTheirBits) {
     }
 }
 
-}  // namespace
 }  // namespace glint::exr_kinds_test

@@ -4,8 +4,6 @@
 #include "support/support.h"
 
 namespace glint::hostile_test {
-namespace {
-
 TEST(HostilePictures, AreRefused) {
     size_t count = 0;
     for (const auto& entry :
@@ -18,5 +16,4 @@ TEST(HostilePictures, AreRefused) {
     EXPECT_GE(count, 64u);
 }
 
-}  // namespace
 }  // namespace glint::hostile_test

@@ -7,8 +7,6 @@
 #include "support/support.h"
 
 namespace glint::image_diff_test {
-namespace {
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kInfinityF = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -153,5 +151,4 @@ TEST(DifferenceImage, MarksWhatIsNotFiniteInOneOnly) {
     EXPECT_EQ(difference.pixels, (std::vector<float>{kInfinityF, kInfinityF, kInfinityF, 0, 0, 0}));
 }
 
-}  // namespace
 }  // namespace glint::image_diff_test

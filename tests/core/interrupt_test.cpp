@@ -6,8 +6,6 @@
 #include <csignal>
 
 namespace glint::interrupt_test {
-namespace {
-
 class Interrupt : public ::testing::Test {
   protected:
     void SetUp() override {
@@ -66,5 +64,4 @@ TEST_F(Interrupt, IgnoredSignalsStayIgnored) {
     EXPECT_FALSE(interrupted());
 }
 
-}  // namespace
 }  // namespace glint::interrupt_test

@@ -12,8 +12,6 @@
 #include "support/support.h"
 
 namespace glint::jpeg_kinds_test {
-namespace {
-
 struct Kind {
     J_COLOR_SPACE given = JCS_RGB;
     J_COLOR_SPACE stored = JCS_YCbCr;
@@ -86,5 +84,4 @@ TEST(JpegKinds, ScansWithoutEndAreRefused) {
     EXPECT_THROW(decodeJpeg(file), CodecError);
 }
 
-}  // namespace
 }  // namespace glint::jpeg_kinds_test

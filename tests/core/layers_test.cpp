@@ -13,8 +13,6 @@
 #include "support/support.h"
 
 namespace glint::layers_test {
-namespace {
-
 using test::errorOf;
 using test::readPng;
 
@@ -185,5 +183,4 @@ TEST_F(Layers, LayersThatDoNotFit) {
     EXPECT_TRUE(names().empty());
 }
 
-}  // namespace
 }  // namespace glint::layers_test

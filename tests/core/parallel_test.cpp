@@ -11,8 +11,6 @@
 #include <vector>
 
 namespace glint::parallel_test {
-namespace {
-
 TEST(ParallelFor, EveryIndexOnce) {
     for (unsigned threads : {0u, 1u, 2u, 7u}) {
         std::vector<std::atomic<int>> visits(10'000);
@@ -113,5 +111,4 @@ TEST(DefaultThreadCount, FollowsTheAffinityMask) {
     sched_setaffinity(0, sizeof(all), &all);
 }
 
-}  // namespace
 }  // namespace glint::parallel_test

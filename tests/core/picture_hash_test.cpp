@@ -7,8 +7,6 @@
 #include <cmath>
 
 namespace glint::picture_hash_test {
-namespace {
-
 Image ramp() {
     Image image(3, 2, 4);
     for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = 0.25f * static_cast<float>(i);
@@ -53,5 +51,4 @@ TEST(PictureHash, OrderOfPixelsCounts) {
     EXPECT_NE(pictureHash(turned), pictureHash(ramp()));
 }
 
-}  // namespace
 }  // namespace glint::picture_hash_test

@@ -7,8 +7,6 @@
 #include "support/support.h"
 
 namespace glint::png_kinds_test {
-namespace {
-
 using Bytes8 = std::vector<uint8_t>;
 
 void append32(Bytes8& file, uint32_t number) {
@@ -95,5 +93,4 @@ TEST(PngKinds, SizesAreLookedAtBeforeMemoryIsTaken) {
     EXPECT_THROW(decodePng(bytesOf({8000, 8000, 8, 6, 1, {0, 1, 2, 3, 4}})), CodecError);
 }
 
-}  // namespace
 }  // namespace glint::png_kinds_test

@@ -10,8 +10,6 @@
 #include "support/support.h"
 
 namespace glint::progress_test {
-namespace {
-
 class ProgressTest : public ::testing::Test {
   protected:
     Progress::Clock clock() {
@@ -189,5 +187,4 @@ TEST_F(ProgressTest, UpdatesFromManyThreadsGiveWholeLines) {
     EXPECT_GT(count, 5);
 }
 
-}  // namespace
 }  // namespace glint::progress_test

@@ -8,8 +8,6 @@
 #include <limits>
 
 namespace glint::quantize_test {
-namespace {
-
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -102,5 +100,4 @@ TEST(QuantizeData, RangeBeyondFloat) {
     EXPECT_EQ(quantizeData(image), (std::vector<uint8_t>{0, 128, 255}));
 }
 
-}  // namespace
 }  // namespace glint::quantize_test

@@ -9,8 +9,6 @@
 #include "support/support.h"
 
 namespace glint::round_trip_test {
-namespace {
-
 using test::errorOf;
 using test::readBytes;
 using test::readPng;
@@ -212,5 +210,4 @@ TEST_F(RoundTrip, PicturesThatCannotBeWritten) {
     EXPECT_TRUE(names().empty());
 }
 
-}  // namespace
 }  // namespace glint::round_trip_test

@@ -6,8 +6,6 @@
 #include <glm/glm.hpp>
 
 namespace glint::rounding_test {
-namespace {
-
 struct Floats {
     glm::vec3 origin, direction;
 };
@@ -42,5 +40,4 @@ TEST(Rounding, ToFloatAndBackIsKept) {
     EXPECT_TRUE(roundTrip({1e6 + 1 / 3.0, 1e-6, 0.7}, {-1 / 3.0, 7.3, 1e3 + 1 / 7.0}));
 }
 
-}  // namespace
 }  // namespace glint::rounding_test

@@ -8,8 +8,6 @@
 #include "support/support.h"
 
 namespace glint::similarity_test {
-namespace {
-
 struct Pair {
     Image a, b;
 };
@@ -71,5 +69,4 @@ TEST(StructuralSimilarity, OfFlatPicturesByHand) {
     EXPECT_THROW(structuralSimilarity(black, Image(12, 11, 3)), Error);
 }
 
-}  // namespace
 }  // namespace glint::similarity_test

@@ -10,8 +10,6 @@
 #include "support/support.h"
 
 namespace glint::write_failure_test {
-namespace {
-
 namespace fs = std::filesystem;
 using test::errorOf;
 using test::readBytes;
@@ -213,5 +211,4 @@ TEST_F(WriteFiles, EmptyAndLargeTextsComeBackWhole) {
     }
 }
 
-}  // namespace
 }  // namespace glint::write_failure_test

@@ -5,8 +5,6 @@
 #include "support.h"
 
 namespace glint::farm::test::checkpoint_test {
-namespace {
-
 using glint::test::errorOf;
 using glint::test::readBytes;
 using glint::test::writeBytes;
@@ -74,5 +72,4 @@ TEST_F(Checkpoints, HaveOneWriter) {
     EXPECT_TRUE(names().empty());
 }
 
-}  // namespace
 }  // namespace glint::farm::test::checkpoint_test

@@ -5,8 +5,6 @@
 #include "support.h"
 
 namespace glint::farm::test::cut_test {
-namespace {
-
 // How often each pixel of the region is in a part.
 std::vector<int> coverage(const std::vector<std::vector<Region>>& cut, const Region& whole) {
     std::vector<int> times(static_cast<size_t>(whole.width()) * whole.height());
@@ -94,5 +92,4 @@ TEST(Cut, GreatPicturesHaveGreaterTiles) {
     EXPECT_EQ(map.costs.size(), size_t{1} << 20);
 }
 
-}  // namespace
 }  // namespace glint::farm::test::cut_test

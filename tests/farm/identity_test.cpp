@@ -3,8 +3,6 @@
 #include "support.h"
 
 namespace glint::farm::test::identity_test {
-namespace {
-
 const Identity kHere = {{{"glint", "1"}, {"file a.obj", "12"}, {"size", "4x3"}}};
 
 TEST(Identity, NamesTheFirstFactThatDiffers) {
@@ -29,5 +27,4 @@ TEST(Identity, NamesTheFirstFactThatDiffers) {
     EXPECT_NE(difference(there, kHere), "");
 }
 
-}  // namespace
 }  // namespace glint::farm::test::identity_test

@@ -10,8 +10,6 @@
 #include "support.h"
 
 namespace glint::farm::test::merge_test {
-namespace {
-
 using glint::test::errorOf;
 
 const std::vector<Aov> kAll = {Aov::Depth,      Aov::Radiance, Aov::Alpha,    Aov::Position,
@@ -148,5 +146,4 @@ TEST(PartNames, AreShort) {
     EXPECT_EQ(namesOfParts({1, 3, 4, 5, 6, 9}, 9), "parts 1, 3 to 6, 9 of 9");
 }
 
-}  // namespace
 }  // namespace glint::farm::test::merge_test

@@ -11,8 +11,6 @@
 #include "support.h"
 
 namespace glint::farm::test::ranks_test {
-namespace {
-
 using glint::test::errorOf;
 
 class Net {
@@ -187,5 +185,4 @@ TEST_F(Ranks, AnotherImageIsRefused) {
     thread.join();
 }
 
-}  // namespace
 }  // namespace glint::farm::test::ranks_test

@@ -7,8 +7,6 @@
 #include "support/support.h"
 
 namespace glint::farm::test::scene_stream_test {
-namespace {
-
 using glint::test::errorOf;
 using glint::test::writeText;
 
@@ -98,5 +96,4 @@ TEST_F(SceneStream, LargeFilesGoInPieces) {
     EXPECT_EQ(replayed()->read("large", {}), text);
 }
 
-}  // namespace
 }  // namespace glint::farm::test::scene_stream_test

@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::farm::test::unit_file_test {
-namespace {
-
 using glint::test::errorOf;
 using glint::test::writeBytes;
 
@@ -120,5 +118,4 @@ TEST_F(UnitFiles, UnfinishedFilesHoldTheirWholeUnits) {
     }
 }
 
-}  // namespace
 }  // namespace glint::farm::test::unit_file_test

@@ -7,8 +7,6 @@
 #include "support/environment.h"
 
 namespace glint::app::test::fallback_test {
-namespace {
-
 using glint::test::ScopedEnvironment;
 
 class Fallback : public FolderTest {
@@ -200,5 +198,4 @@ TEST_F(Fallback, OtherFaultsStayWhatTheyAre) {
     EXPECT_EQ(render("vkQueueSubmit 2", {"--fallback", "cpu", "-q"}).err, "");
 }
 
-}  // namespace
 }  // namespace glint::app::test::fallback_test

@@ -13,8 +13,6 @@
 #include "failing_new.h"
 
 namespace glint::app::test::host_memory_test {
-namespace {
-
 using glint::test::readText;
 
 constexpr int kFinished = 255;  // the exit code of a child in which nothing failed any more
@@ -127,5 +125,4 @@ TEST_F(HostMemory, LargePiecesMayBeRefusedForGood) {
               "");
 }
 
-}  // namespace
 }  // namespace glint::app::test::host_memory_test

@@ -5,8 +5,6 @@
 #include "gpu_fixture.h"
 
 namespace glint::gpu::assisted_test {
-namespace {
-
 constexpr const char* kSetting = "VK_LAYER_ENABLES";
 
 class AssistedTest : public testing::TestWithParam<Access> {
@@ -66,5 +64,4 @@ TEST_P(AssistedTest, ReadsUpToTheEndAreNot) {
     for (const std::string& message : messages(16)) ADD_FAILURE() << message;
 }
 
-}  // namespace
 }  // namespace glint::gpu::assisted_test

@@ -4,8 +4,6 @@
 #include "gpu_fixture.h"
 
 namespace glint::gpu::buffer_test {
-namespace {
-
 enum class Path { Mapped, Staged };
 
 // Each memory kind, mapped directly and through staging.
@@ -157,5 +155,4 @@ TEST_F(BufferTest, ADeviceWithoutTheMemoryType) {
               "array \"image\" needs 64 bytes, but this device has no device-local memory for it");
 }
 
-}  // namespace
 }  // namespace glint::gpu::buffer_test

@@ -6,8 +6,6 @@
 #include "support/environment.h"
 
 namespace glint::gpu::choose_device_test {
-namespace {
-
 DeviceInfo made(uint32_t index, const std::string& name, const std::string& type,
                 const std::string& refused = "") {
     DeviceInfo device;
@@ -161,5 +159,4 @@ TEST(LeastLimits, AreEnoughAndNoMoreThanTheDeviceHas) {
     EXPECT_EQ(least.subgroupSize, 1u);
 }
 
-}  // namespace
 }  // namespace glint::gpu::choose_device_test

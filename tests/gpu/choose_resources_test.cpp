@@ -4,8 +4,6 @@
 #include "gpu/device_state.h"
 
 namespace glint::gpu::choose_resources_test {
-namespace {
-
 VkQueueFamilyProperties family(VkQueueFlags flags, uint32_t timestampBits) {
     VkQueueFamilyProperties properties{};
     properties.queueFlags = flags;
@@ -124,5 +122,4 @@ TEST(Fits, UpToTheSmallestOfTheLimits) {
     EXPECT_FALSE(fits(0, TexelBuffer, limits(1024, 0, 1024))) << "the device has no texel buffers";
 }
 
-}  // namespace
 }  // namespace glint::gpu::choose_resources_test

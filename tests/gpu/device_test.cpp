@@ -10,8 +10,6 @@
 #include "support/environment.h"
 
 namespace glint::gpu::device_test {
-namespace {
-
 using glint::test::ScopedEnvironment;
 
 TEST(ListDevices, FindsTheDriversDevice) {
@@ -211,5 +209,4 @@ TEST_F(GpuTest, MovesWithoutDisturbingItsBuffers) {
     EXPECT_EQ(read(device_, buffer, 16), counting(16, 5));
 }
 
-}  // namespace
 }  // namespace glint::gpu::device_test

@@ -3,8 +3,6 @@
 #include "gpu_fixture.h"
 
 namespace glint::gpu::failure_test {
-namespace {
-
 class FailureTest : public GpuTest {
   protected:
     DeviceState& state() { return device_.state(); }
@@ -147,5 +145,4 @@ TEST_F(FailureTest, TimestampsMayWrap) {
     EXPECT_NEAR(submission.submit().device, 15 * 83.333e-9, 1e-15);
 }
 
-}  // namespace
 }  // namespace glint::gpu::failure_test

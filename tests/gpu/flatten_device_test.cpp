@@ -4,8 +4,6 @@
 #include "gpu_fixture.h"
 
 namespace glint::gpu::flatten_device_test {
-namespace {
-
 using uint = uint32_t;
 using glm::uvec3;
 #define GLINT_INOUT(T) T&
@@ -27,5 +25,4 @@ TEST_F(FlattenDevice, CallsStructuresAndLoopsComputeTheSame) {
     for (uint32_t seed = 0; seed < kSeeds; ++seed) ASSERT_EQ(values[seed], twisted(seed)) << seed;
 }
 
-}  // namespace
 }  // namespace glint::gpu::flatten_device_test

@@ -11,8 +11,6 @@
 #include "twists_flat.spv.h"
 
 namespace glint::gpu::flatten_test {
-namespace {
-
 using namespace spirv;
 
 struct Left {
@@ -108,5 +106,4 @@ TEST(Flatten, RefusesWhatIsNoModule) {
     EXPECT_THROW(flatten({}), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace glint::gpu::flatten_test

@@ -1,8 +1,6 @@
 #include "gpu_fixture.h"
 
 namespace glint::gpu::kernel_test {
-namespace {
-
 class KernelTest : public GpuTest, public testing::WithParamInterface<Access> {
   protected:
     // What `kernel` makes of 0, 1, 2, ... with this push constant.
@@ -159,5 +157,4 @@ TEST_F(OneKernelTest, LimitsAreChecked) {
     EXPECT_EQ(message(), "kernel \"big\": needs 2 texel buffers, but this device has at most 1");
 }
 
-}  // namespace
 }  // namespace glint::gpu::kernel_test

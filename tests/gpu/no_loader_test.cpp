@@ -5,8 +5,6 @@
 #include "gpu/device.h"
 
 namespace glint::gpu::no_loader_test {
-namespace {
-
 const std::string kMessage =
     "no Vulkan loader (libvulkan.so.1) found: install libvulkan1 and a driver such as mesa-vulkan-drivers";
 
@@ -27,5 +25,4 @@ TEST(NoLoader, IsReportedEveryTimeWithThePackages) {
     expectNoLoader([] { Device device; });
 }
 
-}  // namespace
 }  // namespace glint::gpu::no_loader_test

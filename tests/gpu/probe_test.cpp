@@ -10,8 +10,6 @@
 #include "gpu/probe_cases.h"
 
 namespace glint::gpu::probe_test {
-namespace {
-
 using Change = std::function<void(ProbeCase&)>;
 
 float flushed(float x) {
@@ -112,5 +110,4 @@ TEST(Probe, TextSaysWhoseTheBitsAre) {
     EXPECT_NE(Arithmetic({false, true, true, true}).text().find("are its own"), std::string::npos);
 }
 
-}  // namespace
 }  // namespace glint::gpu::probe_test

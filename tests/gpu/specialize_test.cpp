@@ -10,8 +10,6 @@
 #include "specialized.h"
 
 namespace glint::gpu::specialize_test {
-namespace {
-
 constexpr uint32_t kOpDecorate = 71, kSpecId = 1;
 
 size_t specIdsIn(std::span<const uint32_t> words) {
@@ -112,5 +110,4 @@ TEST(Specialize, RefusesWhatIsNoModule) {
     EXPECT_THROW(specialize(cut, {}), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace glint::gpu::specialize_test

@@ -3,8 +3,6 @@
 #include "gpu_fixture.h"
 
 namespace glint::gpu::submission_test {
-namespace {
-
 class SubmissionTest : public GpuTest {};
 
 // 0, 1, 2, ... through: add 1 to all, reverse the texels, triple all. Each step reads what another invocation
@@ -145,5 +143,4 @@ TEST_F(SubmissionTest, DeviceTimeIsZeroWithoutTimestamps) {
     EXPECT_GT(times.wall, 0.0);
 }
 
-}  // namespace
 }  // namespace glint::gpu::submission_test

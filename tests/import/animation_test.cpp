@@ -5,8 +5,6 @@
 #include "support.h"
 
 namespace glint::test::animation_test {
-namespace {
-
 using glm::dvec3;
 using Change = SceneReader::Change;
 
@@ -166,5 +164,4 @@ TEST_F(AnimationFile, AMomentAtFaultIsNotTaken) {
     }
 }
 
-}  // namespace
 }  // namespace glint::test::animation_test

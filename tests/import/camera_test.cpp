@@ -9,8 +9,6 @@
 #include "support.h"
 
 namespace glint::test::camera_test {
-namespace {
-
 using glm::dvec3;
 
 const char* const kTwo = R"({"camera": {"eye": [0, 0, 9]}, "cameras": {
@@ -229,5 +227,4 @@ TEST_F(Cameras, WritingRefusesWhatItCannotKeep) {
     EXPECT_EQ(error("{}", {named("\xff", 3)}), "s.json: its cameras cannot be written; paste them by hand");
 }
 
-}  // namespace
 }  // namespace glint::test::camera_test

@@ -9,8 +9,6 @@
 
 namespace glint::test::docs_test {
 
-namespace {
-
 std::string page() {
     return readWholeFile(glint::test::sourcePath("docs/reference/scene-format.md"));
 }
@@ -35,8 +33,6 @@ std::vector<std::string> examples() {
     EXPECT_FALSE(inside);
     return found;
 }
-
-}  // namespace
 
 TEST(SceneFormatPage, ExamplesAreAcceptedByParserAndSchema) {
     const TemporaryFolder folder;

@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::test::gltf_animation_test {
-namespace {
-
 using glm::dvec3;
 using Change = SceneReader::Change;
 
@@ -175,5 +173,4 @@ TEST_F(GltfAnimation, NodesThatShowNothingAreNoAnimation) {
     EXPECT_EQ(warningOf(text), "the animation moves nothing that is shown");
 }
 
-}  // namespace
 }  // namespace glint::test::gltf_animation_test

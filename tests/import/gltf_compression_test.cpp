@@ -16,8 +16,6 @@
 
 namespace glint::test::gltf_compression_test {
 
-namespace {
-
 // A square of two triangles.
 const std::vector<float> kSquare = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
 const std::vector<uint32_t> kCorners = {0, 1, 2, 0, 2, 3};
@@ -101,8 +99,6 @@ void expectDamageIsSurvived(const std::string& data, const Make& make) {
         }
     }
 }
-
-}  // namespace
 
 #if GLINT_MESHOPT
 

@@ -7,8 +7,6 @@
 
 namespace glint::test::gltf_error_test {
 
-namespace {
-
 std::string error(const std::string& bytes, const char* name = "a.gltf") {
     const TemporaryFolder folder;
     const auto path = folder.write(name, bytes);
@@ -50,8 +48,6 @@ const std::string kEverything =
        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}],
        "extensionsUsed": ["KHR_lights_punctual"],
        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}})";
-
-}  // namespace
 
 TEST(GltfErrors, Containers) {
     const std::string glb = everything().binary(kEverything);

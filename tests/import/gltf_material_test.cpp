@@ -10,8 +10,6 @@
 
 namespace glint::test::gltf_material_test {
 
-namespace {
-
 Scene load(const std::string& bytes) {
     const TemporaryFolder folder;
     Scene scene = loadScene(folder.write("a.gltf", bytes));
@@ -65,8 +63,6 @@ Scene textured(const std::string& members, const std::string& picture, const std
 const Mesh& meshOf(const Scene& scene) {
     return *std::get<MeshShape>(scene.objects.at(0).shape).mesh;
 }
-
-}  // namespace
 
 std::string specularGlossiness(const std::string& members) {
     return R"("extensions": {"KHR_materials_pbrSpecularGlossiness": {)" + members + "}}";

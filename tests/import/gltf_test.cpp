@@ -9,8 +9,6 @@
 
 namespace glint::test::gltf_test {
 
-namespace {
-
 using glm::dvec2;
 using glm::dvec3;
 using glm::uvec3;
@@ -46,8 +44,6 @@ Scene drawn(int mode, const std::vector<uint16_t>& indices = {}) {
         primitive += ", \"indices\": " + std::to_string(maker.add(indices, 5123, "SCALAR", indices.size()));
     return load(maker.text(R"("nodes": [{"mesh": 0}], "meshes": [{"primitives": [)" + primitive + "}]}]"));
 }
-
-}  // namespace
 
 TEST(Gltf, ATriangle) {
     const Scene scene = load(triangleGltf());

@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::test::group_test {
-namespace {
-
 using glm::dmat3;
 using glm::dvec3;
 
@@ -154,5 +152,4 @@ TEST(Placement, InverseAndLoss) {
     EXPECT_NEAR(transformLoss(rotation({0, 0, 1}, 45).linear, dvec3(1)), 2, 1e-12);
 }
 
-}  // namespace
 }  // namespace glint::test::group_test

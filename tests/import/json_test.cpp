@@ -4,13 +4,9 @@
 
 namespace glint::test::json_test {
 
-namespace {
-
 std::string syntaxErrorOf(const std::string& text) {
     return errorOf([&] { parseJson(text, "a.json"); });
 }
-
-}  // namespace
 
 TEST(Json, KeepsOrderTypesAndComments) {
     const JsonValue root = parseJson(

@@ -8,8 +8,6 @@
 
 namespace glint::test::nff_test {
 
-namespace {
-
 using glm::dvec3;
 
 const std::string kView = "v\nfrom 0 -4 1\nat 0 0 0.5\nup 0 0 1\nangle 45\nhither 0.5\nresolution 513 513\n";
@@ -35,8 +33,6 @@ std::vector<std::string> warnings(const std::string& text) {
         if (line.starts_with(path.string())) line = line.substr(path.string().size());
     return lines;
 }
-
-}  // namespace
 
 TEST(Nff, View) {
     const Scene scene = load(kView + "b 0.1 0.2 0.3\ns 0 0 0 1\n");

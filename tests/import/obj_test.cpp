@@ -5,8 +5,6 @@
 
 namespace glint::test::obj_test {
 
-namespace {
-
 using glm::dvec3;
 using glm::uvec3;
 
@@ -31,8 +29,6 @@ void expectNear(const Color& a, const Color& b) {
 }
 
 const std::string kFour = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-
-}  // namespace
 
 TEST(Obj, Cube) {
     const Mesh mesh = import(kCubeObj).mesh;
@@ -282,8 +278,6 @@ TEST(Obj, MaterialsWarnOfWhatIsNotDrawn) {
     EXPECT_EQ(imported.mesh.materials, (std::vector<uint32_t>{2, 0, 2, 2}));
 }
 
-namespace {
-
 // A square with the only material of an MTL file of this text.
 struct Painted {
     Material material;
@@ -306,8 +300,6 @@ Painted paint(const std::string& lines) {
 
 using Lines = std::vector<std::string>;
 const Lines kInvisible{"material \"m\": d, Tr or Tf would make it invisible; drawn opaque"};
-
-}  // namespace
 
 // Tr 1 and d 0 alone hide a surface altogether; exporters write them of opaque ones.
 TEST(Obj, MaterialsThatWouldBeInvisibleAreOpaque) {

@@ -8,8 +8,6 @@
 
 namespace glint::test::parse_error_test {
 
-namespace {
-
 struct Case {
     const char* name;
     const char* text;
@@ -337,8 +335,6 @@ INSTANTIATE_TEST_SUITE_P(Values, ParseError, testing::ValuesIn(kValues), caseNam
 INSTANTIATE_TEST_SUITE_P(Shapes, ParseError, testing::ValuesIn(kShapes), caseName);
 INSTANTIATE_TEST_SUITE_P(CamerasAndSpots, ParseError, testing::ValuesIn(kCamerasAndSpots), caseName);
 INSTANTIATE_TEST_SUITE_P(Transforms, ParseError, testing::ValuesIn(kTransforms), caseName);
-
-}  // namespace
 
 TEST(ParseErrorText, ControlCharactersStayOutOfMessages) {
     EXPECT_EQ(parseErrorOf(R"({"a\nb\u001b[31m": 1})").substr(0, 26), "s.json: /a?b?[31m: unknown");

@@ -6,16 +6,12 @@
 
 namespace glint::test::parse_test {
 
-namespace {
-
 using glm::dvec3;
 
 template <typename T>
 const T& shape(const Scene& scene, size_t index) {
     return std::get<T>(scene.objects.at(index).shape);
 }
-
-}  // namespace
 
 TEST(Parse, EmptySceneHasTheDocumentedDefaults) {
     const Scene scene = parse("{}");

@@ -8,8 +8,6 @@
 
 namespace glint::test::ply_test {
 
-namespace {
-
 using glm::dvec3;
 using glm::uvec3;
 
@@ -78,8 +76,6 @@ std::string binarySquare(bool big) {
     }
     return bytes;
 }
-
-}  // namespace
 
 TEST(Ply, AsciiWithNormalsQuadsAndExtras) {
     const ImportedMesh imported =

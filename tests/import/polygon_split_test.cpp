@@ -11,8 +11,6 @@
 
 namespace glint::polygon_split_test {
 
-namespace {
-
 using Points = std::vector<glm::dvec3>;
 using Triangles = std::vector<std::array<uint32_t, 3>>;
 
@@ -77,8 +75,6 @@ Points spiral(int steps) {
     outer.insert(outer.end(), inner.rbegin(), inner.rend());
     return outer;
 }
-
-}  // namespace
 
 TEST(PolygonSplit, ConvexPolygonsBecomeFans) {
     const Points quad = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};

@@ -11,8 +11,6 @@
 
 namespace glint::test::schema_test {
 
-namespace {
-
 using nlohmann::json;
 
 // Where the schema describes the objects of each key table.
@@ -71,8 +69,6 @@ std::string parseError(const std::string& text) {
     const std::string error = errorOf([&] { parseScene(text, "s.json", glint::test::sourcePath("scenes")); });
     return error == "no error" ? "" : error;
 }
-
-}  // namespace
 
 TEST(Schema, HasTheParsersKeysAndNoOthers) {
     const json schema = loadSceneSchema();

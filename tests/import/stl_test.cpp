@@ -8,8 +8,6 @@
 
 namespace glint::test::stl_test {
 
-namespace {
-
 using glm::dvec3;
 
 template <typename T>
@@ -75,8 +73,6 @@ double signedVolume(const Mesh& mesh) {
         volume += glm::dot(mesh.positions[c.x], glm::cross(mesh.positions[c.y], mesh.positions[c.z])) / 6;
     return volume;
 }
-
-}  // namespace
 
 TEST(Stl, BinaryVerticesAreWelded) {
     Folder f;

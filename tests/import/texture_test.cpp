@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::test::texture_test {
-namespace {
-
 // A folder with tiny.png, 2 x 1 texels: sRGB codes 188 and 0.
 class TextureFilesTest : public testing::Test {
   protected:
@@ -175,5 +173,4 @@ TEST_F(TextureFilesTest, MirroredMeshesKeepTheirCoordinates) {
     EXPECT_EQ(scene.objects[0].applied.linear[0][0], -1);
 }
 
-}  // namespace
 }  // namespace glint::test::texture_test

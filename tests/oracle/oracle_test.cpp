@@ -12,8 +12,6 @@
 #include "tally.h"
 
 namespace glint::oracle::oracle_test {
-namespace {
-
 using glm::dvec3;
 
 constexpr double kUlp = 0x1p-51;  // of numbers near 1, twice: the oracle rounds towards zero
@@ -197,5 +195,4 @@ TEST(Tally, CountsAndQuantiles) {
     EXPECT_NEAR(Tally::quantile(tally.tErrors, 1), 0.099, 1e-12);
 }
 
-}  // namespace
 }  // namespace glint::oracle::oracle_test

@@ -10,8 +10,6 @@
 #include "tally.h"
 
 namespace glint::oracle::reference_test {
-namespace {
-
 using glint::test::Random;
 using glint::test::SceneMaker;
 using glm::dvec3;
@@ -176,5 +174,4 @@ TEST(ReferenceByOracle, Polygons) {
     expectRight(tally, "polygons");
 }
 
-}  // namespace
 }  // namespace glint::oracle::reference_test

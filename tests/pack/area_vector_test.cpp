@@ -7,8 +7,6 @@
 #include <random>
 
 namespace glint::area_vector_test {
-namespace {
-
 constexpr float kUlp = std::numeric_limits<float>::epsilon();
 
 TEST(AreaVector, RightTriangle) {
@@ -81,5 +79,4 @@ TEST(AreaVector, EndsOfTheRange) {
     EXPECT_EQ(areaVector({-most, 0, 0}, {most, 0, 0}, {-most, most, 0}), glm::dvec3(0, 0, 2 * m * m));
 }
 
-}  // namespace
 }  // namespace glint::area_vector_test

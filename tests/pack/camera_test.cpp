@@ -6,8 +6,6 @@
 #include "pack/packed_scene.h"
 
 namespace glint::camera_test {
-namespace {
-
 // As shared/layout.h defines the camera ray of a film point.
 glm::dvec3 direction(const shared::Camera& c, double x, double y) {
     return glm::normalize(glm::dvec3(c.center) + (x - c.halfWidth) * glm::dvec3(c.stepX) +
@@ -214,5 +212,4 @@ TEST(PackCamera, ObliquePerspective) {
     expectNear(packCamera(camera, 10, 10, glm::dvec3(0)).stepY, packed.stepY, kRounding);
 }
 
-}  // namespace
 }  // namespace glint::camera_test

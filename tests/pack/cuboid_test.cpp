@@ -8,8 +8,6 @@
 #include "support/scene_maker.h"
 
 namespace glint::cuboid_test {
-namespace {
-
 using namespace test;
 using glm::dmat3;
 using glm::dvec3;
@@ -108,5 +106,4 @@ TEST(PackCuboid, TheEyeInsideIsInItsMedium) {
     }
 }
 
-}  // namespace
 }  // namespace glint::cuboid_test

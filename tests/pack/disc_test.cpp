@@ -9,8 +9,6 @@
 #include "support/scene_maker.h"
 
 namespace glint::disc_test {
-namespace {
-
 using namespace test;
 
 TEST(PackDisc, RoundsAndNumbers) {
@@ -88,5 +86,4 @@ TEST(PackDisc, CountsForTheLocalFrame) {
     EXPECT_EQ(packed.discs[0].center.x + packed.origin.x, 1e7);
 }
 
-}  // namespace
 }  // namespace glint::disc_test

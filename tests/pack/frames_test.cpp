@@ -8,8 +8,6 @@
 #include "support/support.h"
 
 namespace glint::test::frames_test {
-namespace {
-
 template <typename T>
 bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
@@ -139,5 +137,4 @@ TEST(Frames, TheOriginGoesWithTheEye) {
     EXPECT_EQ(packScene(other).origin, glm::dvec3(0));
 }
 
-}  // namespace
 }  // namespace glint::test::frames_test

@@ -8,8 +8,6 @@
 #include "support/scene_maker.h"
 
 namespace glint::origin_test {
-namespace {
-
 using namespace test;
 
 // Of extent 4 around `offset`, with one of everything. All coordinates are multiples of 1/4.
@@ -208,5 +206,4 @@ TEST(PlaneAnchor, FarPlaneStaysFar) {
     EXPECT_EQ(packScene(scene).planes[1].point, glm::vec3(0, 1e7, 0));
 }
 
-}  // namespace
 }  // namespace glint::origin_test

@@ -6,8 +6,6 @@
 #include "support/scene_maker.h"
 
 namespace glint::pack_limits_test {
-namespace {
-
 using namespace test;
 
 void expectSceneError(const Scene& scene, const std::string& array, uint64_t count, uint64_t limit) {
@@ -188,5 +186,4 @@ TEST(PackFeatures, MaterialsInUse) {
     }
 }
 
-}  // namespace
 }  // namespace glint::pack_limits_test

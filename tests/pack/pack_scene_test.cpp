@@ -13,8 +13,6 @@
 #include "support/scene_maker.h"
 
 namespace glint::pack_scene_test {
-namespace {
-
 using namespace test;
 using shared::kNone;
 
@@ -371,5 +369,4 @@ TEST(PackScene, ThreadsDoNotChangeThePacking) {
     EXPECT_TRUE(same(one.spheres, four.spheres));
 }
 
-}  // namespace
 }  // namespace glint::pack_scene_test

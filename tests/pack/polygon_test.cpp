@@ -9,8 +9,6 @@
 #include "support/scene_maker.h"
 
 namespace glint::polygon_test {
-namespace {
-
 using namespace test;
 
 PolygonShape ring(uint32_t corners, const glm::dvec3& center, double radius) {
@@ -120,5 +118,4 @@ TEST(PackPolygon, LeavesStayWithinTheTrips) {
     EXPECT_EQ(packScene(Scene{}).polygonTripsPerLeaf, 0u);
 }
 
-}  // namespace
 }  // namespace glint::polygon_test

@@ -11,8 +11,6 @@
 #include "support/scene_maker.h"
 
 namespace glint::presplit_test {
-namespace {
-
 using namespace test;
 
 const Box kRoot{glm::vec3(-10), glm::vec3(10)};
@@ -130,5 +128,4 @@ TEST(BuildTree, QualityNeverCostsMore) {
     }
 }
 
-}  // namespace
 }  // namespace glint::presplit_test

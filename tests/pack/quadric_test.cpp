@@ -10,8 +10,6 @@
 #include "support/scene_maker.h"
 
 namespace glint::test::quadric_test {
-namespace {
-
 using glm::dvec3;
 
 Object objectOf(const Shape& shape, std::optional<Affine> transform = {}) {
@@ -147,5 +145,4 @@ TEST(RoundQuadric, LongPipesAreMeasuredFromTheEyesPlace) {
     EXPECT_EQ(roundQuadric(objectOf(shape), {dvec3(0), {600, 0, 100}}).point, glm::vec3(100, 0, 0));
 }
 
-}  // namespace
 }  // namespace glint::test::quadric_test

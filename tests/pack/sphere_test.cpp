@@ -7,8 +7,6 @@
 #include "pack/primitives.h"
 
 namespace glint::sphere_test {
-namespace {
-
 constexpr long double operator""_l(long double x) {
     return x;
 }
@@ -109,5 +107,4 @@ TEST(PackSphere, BoxesHoldSpheresOfAllSizes) {
     }
 }
 
-}  // namespace
 }  // namespace glint::sphere_test

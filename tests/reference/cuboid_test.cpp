@@ -5,8 +5,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::cuboid_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -122,5 +120,4 @@ TEST(ReferenceCuboid, CoordinatesOfFaces) {
     EXPECT_EQ(uvAt({1, 0, 0.25}, {0, -1, 0}), glm::dvec2(0.25, 0.25));
 }
 
-}  // namespace
 }  // namespace glint::reference::test::cuboid_test

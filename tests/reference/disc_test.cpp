@@ -4,8 +4,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::disc_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -71,5 +69,4 @@ TEST(ReferenceDisc, SurfaceAndSource) {
     EXPECT_EQ(next->id, 1u);
 }
 
-}  // namespace
 }  // namespace glint::reference::test::disc_test

@@ -4,8 +4,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::jitter_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -145,5 +143,4 @@ TEST_F(ReferenceJitter, CameraRaysMoveWithWhatTheyWereComputedFrom) {
     }
 }
 
-}  // namespace
 }  // namespace glint::reference::test::jitter_test

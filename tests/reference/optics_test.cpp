@@ -12,8 +12,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::optics_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -150,5 +148,4 @@ TEST(OpticsTest, FadingThroughABall) {
     }
 }
 
-}  // namespace
 }  // namespace glint::reference::test::optics_test

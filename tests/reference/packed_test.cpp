@@ -5,8 +5,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::packed_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -105,5 +103,4 @@ TEST(ReferencePacked, ObjectsAreNamedByTheirOrder) {
     EXPECT_GT(spheres, 10);
 }
 
-}  // namespace
 }  // namespace glint::reference::test::packed_test

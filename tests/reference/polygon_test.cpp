@@ -7,8 +7,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::polygon_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -138,5 +136,4 @@ TEST(ReferencePolygon, PlaneAndSource) {
     EXPECT_FALSE(tracer.closest(ray, hit->primitive));
 }
 
-}  // namespace
 }  // namespace glint::reference::test::polygon_test

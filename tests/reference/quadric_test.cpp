@@ -8,8 +8,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::quadric_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -187,5 +185,4 @@ TEST(ReferenceQuadric, TransformedSphereIsAnEllipsoid) {
     }
 }
 
-}  // namespace
 }  // namespace glint::reference::test::quadric_test

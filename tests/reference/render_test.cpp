@@ -10,8 +10,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::render_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec2;
@@ -280,5 +278,4 @@ TEST_F(ReferenceRender, WithoutDataOnlyColorAndAlpha) {
     EXPECT_FALSE(draw(request).data.empty());
 }
 
-}  // namespace
 }  // namespace glint::reference::test::render_test

@@ -16,8 +16,6 @@
 #include "shared/shading.h"
 
 namespace glint::reference::sampling_test {
-namespace {
-
 ImageSettings settingsOf(Sampler sampler, Filter filter, double radius, int spp) {
     ImageSettings image;
     image.sampler = sampler;
@@ -310,5 +308,4 @@ TEST(Sampling, NeedsMore) {
     EXPECT_FALSE(needsMore(dark, 0.081));
 }
 
-}  // namespace
 }  // namespace glint::reference::sampling_test

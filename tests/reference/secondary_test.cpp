@@ -6,8 +6,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::secondary_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -229,5 +227,4 @@ TEST(ReferenceLeaks, ContactPointIsFinite) {
     }
 }
 
-}  // namespace
 }  // namespace glint::reference::test::secondary_test

@@ -6,8 +6,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::shading_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -263,5 +261,4 @@ TEST(ReferencePathHash, CostAddsUp) {
     EXPECT_EQ(traceScene(maker, kDown).cost, 2u);
 }
 
-}  // namespace
 }  // namespace glint::reference::test::shading_test

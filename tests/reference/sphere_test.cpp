@@ -4,8 +4,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::sphere_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -141,5 +139,4 @@ TEST(ReferenceSphere, SurfaceLiesOnTheSphere) {
     EXPECT_GT(seen[1], 100);
 }
 
-}  // namespace
 }  // namespace glint::reference::test::sphere_test

@@ -7,8 +7,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::spot_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -118,5 +116,4 @@ TEST(ReferenceSpot, JitterFindsTheEdge) {
     EXPECT_LT(edge, 56);
 }
 
-}  // namespace
 }  // namespace glint::reference::test::spot_test

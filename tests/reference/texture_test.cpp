@@ -10,8 +10,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::texture_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec2;
@@ -266,5 +264,4 @@ TEST(Texture, MaterialIsMultipliedWithTexturesAndVertexColors) {
     EXPECT_TRUE(holeAt(widened(scene), surface));
 }
 
-}  // namespace
 }  // namespace glint::reference::test::texture_test

@@ -6,8 +6,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::traversal_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -317,5 +315,4 @@ TEST(ReferenceTraversal, NestedAndExponentialScenes) {
     }
 }
 
-}  // namespace
 }  // namespace glint::reference::test::traversal_test

@@ -4,8 +4,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::triangle_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -103,5 +101,4 @@ TEST(ReferenceTriangle, SourceNeverHitsItself) {
     EXPECT_FALSE(tracer.occluded(ray, 0));
 }
 
-}  // namespace
 }  // namespace glint::reference::test::triangle_test

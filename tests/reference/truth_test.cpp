@@ -12,8 +12,6 @@
 #include "support/support.h"
 
 namespace glint::reference::test::truth_test {
-namespace {
-
 using glm::dvec3;
 
 Tracer truthTracer(const Scene& scene, const dvec3& origin = dvec3(0)) {
@@ -153,5 +151,4 @@ TEST(Truth, CameraIsThePackedOneUnrounded) {
     }
 }
 
-}  // namespace
 }  // namespace glint::reference::test::truth_test

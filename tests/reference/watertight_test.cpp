@@ -5,8 +5,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::watertight_test {
-namespace {
-
 using namespace glint::test;
 
 using glm::dvec3;
@@ -79,5 +77,4 @@ TEST(ReferenceWatertight, CubeCornersAndEdges) {
     }
 }
 
-}  // namespace
 }  // namespace glint::reference::test::watertight_test

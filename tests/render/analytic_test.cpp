@@ -4,8 +4,6 @@
 #include "support.h"
 
 namespace glint::render::test::analytic_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -255,5 +253,4 @@ TEST_F(AnalyticTest, ManyRaysComeBackInOrder) {
     for (uint32_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].t, 1.0f + static_cast<float>(i));
 }
 
-}  // namespace
 }  // namespace glint::render::test::analytic_test

@@ -11,8 +11,6 @@
 #include "support.h"
 
 namespace glint::render::test::arithmetic_test {
-namespace {
-
 struct Operands {
     float a, b, c, unused;
 };
@@ -217,5 +215,4 @@ TEST_F(ArithmeticTest, PowersAtTheEnds) {
     EXPECT_EQ(results[3].power, 1.0f);
 }
 
-}  // namespace
 }  // namespace glint::render::test::arithmetic_test

@@ -5,8 +5,6 @@
 #include "support.h"
 
 namespace glint::render::test::box_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -104,5 +102,4 @@ TEST_F(BoxTest, NoRayGetsThroughAWall) {
     EXPECT_EQ(misses(renderer.trace(rays, true)), 0u);
 }
 
-}  // namespace
 }  // namespace glint::render::test::box_test

@@ -9,8 +9,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::cameras_test {
-namespace {
-
 using glm::dvec3;
 
 constexpr double kUnit = 0x1p-24;
@@ -137,5 +135,4 @@ TEST_F(CameraTest, AParallelCameraNeedsAPipelineWithOne) {
     EXPECT_NEAR(draw(device(), c, full).at(3, 3).depth, 10, kRounding);
 }
 
-}  // namespace
 }  // namespace glint::render::test::cameras_test

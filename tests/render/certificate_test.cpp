@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::verify::certificate_test {
-namespace {
-
 using glm::dvec3;
 using render::test::Case;
 
@@ -335,5 +333,4 @@ TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
     EXPECT_FALSE(report.passed());
 }
 
-}  // namespace
 }  // namespace glint::verify::certificate_test

@@ -4,8 +4,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::far_scene_test {
-namespace {
-
 using glm::dvec3;
 
 class FarSceneTest : public RenderTest {
@@ -61,5 +59,4 @@ TEST_F(FarSceneTest, CrumbsKeepTheirShape) {
     EXPECT_EQ(report.representation->explained + report.representation->unexplained, 0u);
 }
 
-}  // namespace
 }  // namespace glint::render::test::far_scene_test

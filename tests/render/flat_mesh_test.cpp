@@ -9,8 +9,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::flat_mesh_test {
-namespace {
-
 using glm::dvec3;
 
 std::shared_ptr<const Mesh> flatGrid(uint32_t count, double cell, const dvec3& from) {
@@ -127,5 +125,4 @@ TEST_F(FlatMeshTest, NeighboursThatAreMetAreUnexplained) {
     EXPECT_FALSE(broken.passed());
 }
 
-}  // namespace
 }  // namespace glint::render::test::flat_mesh_test

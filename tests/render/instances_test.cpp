@@ -12,8 +12,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::instances_test {
-namespace {
-
 using glm::dmat3;
 using glm::dvec3;
 
@@ -354,5 +352,4 @@ TEST_F(InstanceTest, TwoBillionTriangles) {
     EXPECT_THROW(packScene(scene), Error);
 }
 
-}  // namespace
 }  // namespace glint::render::test::instances_test

@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::render::test::layout_test {
-namespace {
-
 // Every word that a test writes is another normal float, so that no move may change it.
 class WordSource {
   public:
@@ -103,5 +101,4 @@ TEST_F(LoaderTest, LoadersReadWhatCppWrote) {
     for (size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(words[i], expected[i]) << owner[i];
 }
 
-}  // namespace
 }  // namespace glint::render::test::layout_test

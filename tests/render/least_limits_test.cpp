@@ -8,8 +8,6 @@
 #include "support/support.h"
 
 namespace glint::render::test::least_limits_test {
-namespace {
-
 class LeastLimits : public RenderTest {
   protected:
     static gpu::Device leastDevice() {
@@ -56,5 +54,4 @@ TEST_F(LeastLimits, WhatDoesNotFitIsRefusedWithBothFigures) {
         << message;
 }
 
-}  // namespace
 }  // namespace glint::render::test::least_limits_test

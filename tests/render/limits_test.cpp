@@ -9,8 +9,6 @@
 #include "support/support.h"
 
 namespace glint::render::test::limits_test {
-namespace {
-
 gpu::DeviceInfo deviceWith(uint64_t storageRange, uint64_t texels, bool llvmpipe, uint32_t images = 1000) {
     gpu::DeviceInfo device;
     device.llvmpipe = llvmpipe;
@@ -145,5 +143,4 @@ TEST_F(LimitsTest, ArrayBeyondTheStorageRangeIsRendered) {
     }())));
 }
 
-}  // namespace
 }  // namespace glint::render::test::limits_test

@@ -11,8 +11,6 @@
 #include "support.h"
 
 namespace glint::render::test::lint_test {
-namespace {
-
 using Words = std::span<const uint32_t>;
 using Found = std::set<std::string>;
 
@@ -67,5 +65,4 @@ TEST(Lint, ThereIsArithmeticToMark) {
         EXPECT_TRUE(variedByDrivers(words).contains("unmarked")) << name;
 }
 
-}  // namespace
 }  // namespace glint::render::test::lint_test

@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::render::test::live_paths_test {
-namespace {
-
 // ---- the rule ----
 
 shared::Dispatch told(const LivePaths& live) {
@@ -187,5 +185,4 @@ TEST_F(LivePathsImageTest, ScatteredPathsShareAWorkgroup) {
     EXPECT_EQ(found.times.invocations, all + depth * 64);
 }
 
-}  // namespace
 }  // namespace glint::render::test::live_paths_test

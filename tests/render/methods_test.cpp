@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::render::test::methods_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -222,5 +220,4 @@ TEST_F(MethodsTest, PadsDoNotChangeWhatIsHitAwayFromEdges) {
     }
 }
 
-}  // namespace
 }  // namespace glint::render::test::methods_test

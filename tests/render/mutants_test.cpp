@@ -10,8 +10,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::mutants_test {
-namespace {
-
 // The sphere nearer to the light than to the floor casts the one shadow, the sphere above the light none.
 const char* const kLampScene = R"({
   "camera": {"eye": [0, 3, 7], "target": [0, 1, 0], "fovY": 50},
@@ -355,5 +353,4 @@ TEST_F(VerdictTest, TheLimbOfAPipeAlongTheDiagonalsIsExplained) {
     expectExplained(kPipe);
 }
 
-}  // namespace
 }  // namespace glint::render::test::mutants_test

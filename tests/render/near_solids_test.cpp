@@ -4,8 +4,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::near_solids_test {
-namespace {
-
 using glm::dvec3;
 
 class NearSolidsTest : public RenderTest {
@@ -80,5 +78,4 @@ TEST_F(NearSolidsTest, Needles) {
     }
 }
 
-}  // namespace
 }  // namespace glint::render::test::near_solids_test

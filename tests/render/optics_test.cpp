@@ -8,8 +8,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::optics_test {
-namespace {
-
 using glm::dvec3;
 
 class OpticsTest : public RenderTest {
@@ -440,5 +438,4 @@ TEST_F(OpticsTest, MediaAtAPoint) {
     EXPECT_EQ(mediaAt(packed, {2.2, 0.2, 0.01}), glm::uvec4(1, 0, 0, 0));
 }
 
-}  // namespace
 }  // namespace glint::render::test::optics_test

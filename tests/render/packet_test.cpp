@@ -6,8 +6,6 @@
 #include "render/path_limits.h"
 
 namespace glint::render::test::packet_test {
-namespace {
-
 using glm::dvec3;
 
 // ---- the rule ----
@@ -307,5 +305,4 @@ TEST_F(PacketTest, RaysThatLeaveANeedleReachTheWall) {
     EXPECT_TRUE(sameBits(picture, draw(device(), c, with(Traversal::Lane))));
 }
 
-}  // namespace
 }  // namespace glint::render::test::packet_test

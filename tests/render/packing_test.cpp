@@ -10,8 +10,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::packing_test {
-namespace {
-
 using glm::vec3;
 
 using Break = std::function<void(PackedScene&, shared::Camera&)>;
@@ -282,5 +280,4 @@ TEST_F(RenderTest, RoundingExplainsFacetsOfGlass) {
     EXPECT_GT(report.representation->explained, report.allowedExplained()) << "more than moved rays predict";
 }
 
-}  // namespace
 }  // namespace glint::render::test::packing_test

@@ -13,8 +13,6 @@
 #include "support.h"
 
 namespace glint::render::test::path_test {
-namespace {
-
 using gpu::Access;
 
 constexpr uint32_t kPairs = 6;
@@ -214,5 +212,4 @@ TEST_F(PathTest, EndedPathsHaveNoNumberToFollow) {
     }
 }
 
-}  // namespace
 }  // namespace glint::render::test::path_test

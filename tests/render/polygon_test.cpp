@@ -8,8 +8,6 @@
 #include "support.h"
 
 namespace glint::render::test::polygon_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -193,5 +191,4 @@ TEST_F(PolygonTest, MoreEdgesThanLavapipeAllows) {
     EXPECT_EQ(found(ignorant.trace(rays, false)) < 64, endsLoops(device()));
 }
 
-}  // namespace
 }  // namespace glint::render::test::polygon_test

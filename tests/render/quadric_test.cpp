@@ -5,8 +5,6 @@
 #include "support.h"
 
 namespace glint::render::test::quadric_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -145,5 +143,4 @@ TEST_F(QuadricTest, HugeCylinderUnderTheEye) {
     }
 }
 
-}  // namespace
 }  // namespace glint::render::test::quadric_test

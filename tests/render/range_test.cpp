@@ -5,8 +5,6 @@
 #include "support.h"
 
 namespace glint::render::test::range_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -101,5 +99,4 @@ TEST_F(RangeTest, GreatAndSmallTogether) {
     EXPECT_NEAR(ground.t, 4, 8 * kUnit * 4);
 }
 
-}  // namespace
 }  // namespace glint::render::test::range_test

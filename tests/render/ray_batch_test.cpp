@@ -8,8 +8,6 @@
 #include "support.h"
 
 namespace glint::render::test::ray_batch_test {
-namespace {
-
 using glm::dvec3;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -202,5 +200,4 @@ TEST(LocalRay, IsScaledExactlyAndOnlyWhereItMustBe) {
     EXPECT_EQ(localRay({{0, 0, 0}, {kInfinity, 0, 0}}, {0, 0, 0}).exponent, 0);
 }
 
-}  // namespace
 }  // namespace glint::render::test::ray_batch_test

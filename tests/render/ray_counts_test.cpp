@@ -2,8 +2,6 @@
 #include "support.h"
 
 namespace glint::render::test::ray_counts_test {
-namespace {
-
 class RayCountsTest : public RenderTest {
   protected:
     static RayCounts counted(const Case& c, uint32_t tripBudget = 0) {
@@ -59,5 +57,4 @@ TEST_F(RayCountsTest, RaysLeaveABallThatIsAlone) {
     EXPECT_EQ(hidden, 0u);
 }
 
-}  // namespace
 }  // namespace glint::render::test::ray_counts_test

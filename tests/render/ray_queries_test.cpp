@@ -10,8 +10,6 @@
 #include "support.h"
 
 namespace glint::render::test::ray_queries_test {
-namespace {
-
 using glm::dvec3;
 
 constexpr uint32_t kCells = 64;
@@ -158,5 +156,4 @@ TEST_F(RayQueriesTest, CountsManySheets) {
     EXPECT_TRUE(ask(queries, RayTask::Ask::Count, rays) == expected);
 }
 
-}  // namespace
 }  // namespace glint::render::test::ray_queries_test

@@ -10,8 +10,6 @@
 #include "support.h"
 
 namespace glint::render::test::request_test {
-namespace {
-
 class RequestTest : public RenderTest {};
 
 struct Wish {
@@ -175,5 +173,4 @@ TEST_F(RequestTest, WithoutShadowsBothTracersAgree) {
     }
 }
 
-}  // namespace
 }  // namespace glint::render::test::request_test

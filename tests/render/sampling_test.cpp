@@ -9,8 +9,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::sampling_test {
-namespace {
-
 class Sampling : public RenderTest {};
 
 Request settingsOf(const Case& c, const ImageSettings& image) {
@@ -204,5 +202,4 @@ TEST_F(Sampling, ManySamplesAreManySubmissions) {
     EXPECT_LE(renderer.times().submissions, before + 2);
 }
 
-}  // namespace
 }  // namespace glint::render::test::sampling_test

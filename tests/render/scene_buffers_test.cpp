@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::render::test::scene_buffers_test {
-namespace {
-
 class SceneBuffersTest : public RenderTest {
   protected:
     static std::vector<uint32_t> words(const gpu::Buffer& buffer, uint64_t first, size_t count) {
@@ -65,5 +63,4 @@ TEST_F(SceneBuffersTest, AbsentArraysAreZerosInOneBufferToo) {
     EXPECT_TRUE(allZero(words(buffers.at(3), 0, buffers.at(3).size() / 4)));
 }
 
-}  // namespace
 }  // namespace glint::render::test::scene_buffers_test

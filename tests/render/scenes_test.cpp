@@ -7,8 +7,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::scenes_test {
-namespace {
-
 using glm::dvec3;
 
 class SceneTest : public RenderTest, public testing::WithParamInterface<std::string> {
@@ -73,5 +71,4 @@ TEST_P(SceneTest, AgreesWithTheReference) {
 INSTANTIATE_TEST_SUITE_P(All, SceneTest, testing::ValuesIn(sceneNames()),
                          [](const auto& p) { return p.param; });
 
-}  // namespace
 }  // namespace glint::render::test::scenes_test

@@ -2,8 +2,6 @@
 #include "support.h"
 
 namespace glint::render::test::shadow_test {
-namespace {
-
 // Objects far from the origin, thin walls: tests/stability/leaks_test.cpp.
 class ShadowTest : public RenderTest {};
 
@@ -92,5 +90,4 @@ TEST_F(ShadowTest, LightThatAddsNothingTakesNoRay) {
     EXPECT_NE(lit, unlit);
 }
 
-}  // namespace
 }  // namespace glint::render::test::shadow_test

@@ -4,8 +4,6 @@
 #include "support.h"
 
 namespace glint::render::test::spheres_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -71,5 +69,4 @@ TEST_F(SphereTest, InsideAndOutside) {
     EXPECT_EQ(hitOf({0, 0, 0}, 1, rayOf({0, 0, 1}, {0, 0, -1})), 2);
 }
 
-}  // namespace
 }  // namespace glint::render::test::spheres_test

@@ -2,8 +2,6 @@
 #include "support.h"
 
 namespace glint::render::test::split_test {
-namespace {
-
 using glm::dvec3;
 
 // A closed box from `from` to `to`, square of the given thickness: 12 triangles as long as the box.
@@ -74,5 +72,4 @@ TEST_F(SplitTest, SamePictureAsWithout) {
     EXPECT_EQ(draw(device(), whole).color.pixels, draw(device(), split).color.pixels);
 }
 
-}  // namespace
 }  // namespace glint::render::test::split_test

@@ -6,8 +6,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::spots_test {
-namespace {
-
 using glm::dvec3;
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -126,5 +124,4 @@ TEST_F(SpotTest, SharpRimsAreExplained) {
     EXPECT_TRUE(report.passed()) << report.explained() << " explained pixels";
 }
 
-}  // namespace
 }  // namespace glint::render::test::spots_test

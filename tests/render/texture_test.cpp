@@ -6,8 +6,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::texture_test {
-namespace {
-
 using glm::dvec2;
 using glm::dvec3;
 using glm::vec3;
@@ -443,5 +441,4 @@ TEST_F(TextureTest, ScenesWithoutTexturesLeaveThemOut) {
     EXPECT_FALSE(packed.features.checkers);
 }
 
-}  // namespace
 }  // namespace glint::render::test::texture_test

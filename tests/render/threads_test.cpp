@@ -8,8 +8,6 @@
 #include "support/support.h"
 
 namespace glint::render::test::threads_test {
-namespace {
-
 std::string bytesOf(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -39,5 +37,4 @@ TEST(Threads, PicturesDoNotDependOnTheirNumber) {
     }
 }
 
-}  // namespace
 }  // namespace glint::render::test::threads_test

@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::render::test::traversal_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -232,5 +230,4 @@ std::string nameOf(const testing::TestParamInfo<Subject>& info) {
 
 INSTANTIATE_TEST_SUITE_P(All, TraversalTest, testing::ValuesIn(subjects()), nameOf);
 
-}  // namespace
 }  // namespace glint::render::test::traversal_test

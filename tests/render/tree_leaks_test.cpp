@@ -10,8 +10,6 @@
 #include "support.h"
 
 namespace glint::render::test::tree_leaks_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -168,5 +166,4 @@ TEST_F(TreeLeaksTest, TightBoxesLeak) {
     }
 }
 
-}  // namespace
 }  // namespace glint::render::test::tree_leaks_test

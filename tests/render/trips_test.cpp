@@ -11,8 +11,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::trips_test {
-namespace {
-
 using glm::dvec3;
 
 // Enough primitives in boxes that all coincide for more trips than lavapipe allows: every leaf of four costs
@@ -219,5 +217,4 @@ TEST_F(TripTest, TwoHundredReflectionsAgreeWithTheReference) {
     EXPECT_EQ(deepest, 200u);
 }
 
-}  // namespace
 }  // namespace glint::render::test::trips_test

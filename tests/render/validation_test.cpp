@@ -5,8 +5,6 @@
 #include "support.h"
 
 namespace glint::render::test::validation_test {
-namespace {
-
 class ValidationTest : public testing::TestWithParam<gpu::Access> {};
 
 TEST_P(ValidationTest, LayerIsSilent) {
@@ -86,5 +84,4 @@ TEST(AssistedRenderTest, AttributesOfTheLastTriangleAreInTheArray) {
     for (const std::string& message : device.validationMessages()) ADD_FAILURE() << message;
 }
 
-}  // namespace
 }  // namespace glint::render::test::validation_test

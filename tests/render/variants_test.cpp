@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::render::test::variants_test {
-namespace {
-
 class VariantTest : public RenderTest, public testing::WithParamInterface<std::string> {
   protected:
     Case case_ = fileCase(GetParam(), 96, 72);
@@ -163,5 +161,4 @@ TEST_F(PictureTest, CancelledRenderKeepsFinishedSlices) {
     EXPECT_EQ(progress, 1.0);
 }
 
-}  // namespace
 }  // namespace glint::render::test::variants_test

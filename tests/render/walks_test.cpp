@@ -2,8 +2,6 @@
 #include "hard_rays.h"
 
 namespace glint::render::test::walks_test {
-namespace {
-
 using glm::dvec3;
 
 class WalkTest : public RenderTest {
@@ -96,5 +94,4 @@ TEST_F(WalkTest, FindsTheSameInInstances) {
     for (const uint32_t budget : {5u, 30u}) expectSameTrace(c, rays, budget);
 }
 
-}  // namespace
 }  // namespace glint::render::test::walks_test

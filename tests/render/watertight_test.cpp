@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::render::test::watertight_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 
@@ -141,5 +139,4 @@ TEST_F(WatertightTest, DistantGrids) {
     }
 }
 
-}  // namespace
 }  // namespace glint::render::test::watertight_test

@@ -9,8 +9,6 @@
 #include "support.h"
 
 namespace glint::render::test::whole_paths_test {
-namespace {
-
 // ---- the rule ----
 
 TEST(WholePathsRuleTest, RaysOfAPathAreOneAndOneToEachLightForEachHit) {
@@ -299,5 +297,4 @@ TEST_F(WholePathsTest, CancelledPicturesAreIncomplete) {
     EXPECT_FALSE(drawn(c, request, WholePaths::On).picture.complete);
 }
 
-}  // namespace
 }  // namespace glint::render::test::whole_paths_test

@@ -16,8 +16,6 @@
 #include "report/write.h"
 
 namespace glint::report::test::report_test {
-namespace {
-
 // Two pixels of 3 channels; the differences are chosen, so every measure follows by hand.
 TEST(ReportMeasures, FollowFromTheirDefinitions) {
     Image picture(2, 1, 4);
@@ -360,5 +358,4 @@ TEST(ReportWriting, DevicesAreCompared) {
         EXPECT_EQ(alone.find(empty), std::string::npos) << empty;
 }
 
-}  // namespace
 }  // namespace glint::report::test::report_test

@@ -9,8 +9,6 @@
 
 namespace glint::test::frame_model_test {
 
-namespace {
-
 using glm::dvec3;
 
 // A point in the picture: x and y are -1..1 from edge to edge, z is the distance along the view.
@@ -54,8 +52,6 @@ void expectFits(const Scene& scene, const std::vector<dvec3>& points) {
     EXPECT_LT(greatest, 1.0);
     EXPECT_GT(greatest, 0.85);
 }
-
-}  // namespace
 
 TEST(FrameModel, BoxesOfAnyShapeSizeAndPlaceFill) {
     for (const dvec3& size : {dvec3(1), dvec3(10, 1, 1), dvec3(1, 10, 1), dvec3(1, 1, 10), dvec3(1, 1, 0)}) {

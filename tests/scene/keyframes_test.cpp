@@ -5,8 +5,6 @@
 #include <cmath>
 
 namespace glint::test::keyframes_test {
-namespace {
-
 using Value = std::vector<double>;
 
 Keyframes numbers(Interpolation interpolation, Value times, Value values) {
@@ -77,5 +75,4 @@ TEST(Keyframes, CubicRotationsHaveLengthOne) {
     EXPECT_EQ(valueAt(k, 0), (Value{0, 0, 0, 1}));
 }
 
-}  // namespace
 }  // namespace glint::test::keyframes_test

@@ -9,13 +9,9 @@
 
 namespace glint::test::polygon_plane_test {
 
-namespace {
-
 using glm::dvec3;
 
 const std::vector<dvec3> kL = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
-
-}  // namespace
 
 TEST(PolygonPlane, ConcaveReversedAndFarAway) {
     const auto plane = polygonPlane(kL);

@@ -9,8 +9,6 @@
 
 namespace glint::transform_test {
 
-namespace {
-
 using glm::dvec3;
 
 dvec3 apply(const Affine& t, const dvec3& p) {
@@ -37,8 +35,6 @@ const Affine kShear = [] {
     return t;
 }();
 const Affine kMirror = scaling({-1, 1, 1});
-
-}  // namespace
 
 TEST(Transform, QuarterTurnsAreExactAndCounterClockwise) {
     const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);

@@ -7,8 +7,6 @@
 
 namespace glint::test::validate_test {
 
-namespace {
-
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 const double kInf = std::numeric_limits<double>::infinity();
 
@@ -37,8 +35,6 @@ std::string errorAfter(const Change& change) {
     change(scene);
     return errorOf(ErrorKind::Scene, [&] { validateScene(scene, "s"); });
 }
-
-}  // namespace
 
 TEST(Validate, AcceptsAValidScene) {
     EXPECT_EQ(errorAfter([](Scene&) {}), "no error");

@@ -8,8 +8,6 @@
 #include "reference/tracer.h"
 
 namespace glint::stability::catalogue_test {
-namespace {
-
 using glm::dvec3;
 using glm::vec3;
 using render::test::draw;
@@ -137,5 +135,4 @@ TEST_F(CatalogueTest, SmallestAndWidestPictures) {
     }
 }
 
-}  // namespace
 }  // namespace glint::stability::catalogue_test

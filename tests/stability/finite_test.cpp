@@ -6,8 +6,6 @@
 #include "../render/support.h"
 
 namespace glint::stability::finite_test {
-namespace {
-
 using render::test::Case;
 using render::test::draw;
 using render::test::textCase;
@@ -110,5 +108,4 @@ TEST_F(FiniteTest, TooMuchIsCountedAndNamed) {
     EXPECT_EQ(picture.notFinite, count);
 }
 
-}  // namespace
 }  // namespace glint::stability::finite_test

@@ -10,8 +10,6 @@
 #include "reference/render.h"
 
 namespace glint::stability::growth_test {
-namespace {
-
 using glm::dvec2;
 using glm::dvec3;
 
@@ -188,5 +186,4 @@ INSTANTIATE_TEST_SUITE_P(Traps, GrowthTest,
                                          Trap{6, 0.13348, 4, 12}),
                          [](const auto& p) { return "bounces" + std::to_string(p.param.bounces); });
 
-}  // namespace
 }  // namespace glint::stability::growth_test

@@ -10,8 +10,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::stability::intervals_test {
-namespace {
-
 using glint::test::Random;
 using glm::dvec3;
 using glm::vec3;
@@ -129,5 +127,4 @@ TEST_F(IntervalTest, OfQuadrics) {
     expectEnds(quadrics);
 }
 
-}  // namespace
 }  // namespace glint::stability::intervals_test

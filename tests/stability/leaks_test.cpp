@@ -10,8 +10,6 @@
 #include "reference/render.h"
 
 namespace glint::stability::leaks_test {
-namespace {
-
 class LeakTest : public render::test::RenderTest {
   protected:
     Subject subject() const { return {&device(), {}}; }
@@ -89,5 +87,4 @@ TEST_F(LeakTest, ThinGapsStayDark) {
     }
 }
 
-}  // namespace
 }  // namespace glint::stability::leaks_test

@@ -9,8 +9,6 @@
 #include "no_contraction.h"
 
 namespace glint::stability::mutants_test {
-namespace {
-
 using glm::dvec3;
 
 class MutantsTest : public render::test::RenderTest {
@@ -92,5 +90,4 @@ TEST_F(MutantsTest, RawHitPointsShadeThemselves) {
     }
 }
 
-}  // namespace
 }  // namespace glint::stability::mutants_test

@@ -8,8 +8,6 @@
 #include "checks.h"
 
 namespace glint::stability::primitives_test {
-namespace {
-
 using glm::dvec3;
 
 enum class Side { Device, Reference };
@@ -224,5 +222,4 @@ TEST_F(BoxTest, NoBoxIsMissed) {
     }
 }
 
-}  // namespace
 }  // namespace glint::stability::primitives_test

@@ -12,8 +12,6 @@
 #include "support/packed_scene_maker.h"
 
 namespace glint::stability::quadric_sides_test {
-namespace {
-
 using glint::test::Random;
 using glm::dmat3;
 using glm::dvec3;
@@ -229,5 +227,4 @@ TEST_F(QuadricSideTest, WhoeverComesInSeesTheOutside) {
     }
 }
 
-}  // namespace
 }  // namespace glint::stability::quadric_sides_test

@@ -3,13 +3,10 @@
 #include "closed_meshes.h"
 
 namespace glint::stability::slow_test {
-namespace {
-
 class SlowLeakTest : public render::test::RenderTest {};
 
 TEST_F(SlowLeakTest, AHundredMillionAimedRays) {
     expectNoLeaks({&device(), {}}, 100000000);
 }
 
-}  // namespace
 }  // namespace glint::stability::slow_test

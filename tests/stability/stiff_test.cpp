@@ -13,8 +13,6 @@
 #include "verify/verify.h"
 
 namespace glint::stability::stiff_test {
-namespace {
-
 using render::test::Case;
 using render::test::draw;
 using render::test::fileCase;
@@ -166,5 +164,4 @@ TEST_F(FarTest, AMillimetreAtFourThousandKilometres) {
     }
 }
 
-}  // namespace
 }  // namespace glint::stability::stiff_test

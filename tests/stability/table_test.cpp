@@ -7,8 +7,6 @@
 #include "support/support.h"
 
 namespace glint::stability::table_test {
-namespace {
-
 using glint::test::readText;
 
 // The last cells of each row of the table by its case.
@@ -64,5 +62,4 @@ TEST(Catalogue, EveryTestNamedExists) {
     EXPECT_GT(named, 80u);
 }
 
-}  // namespace
 }  // namespace glint::stability::table_test

@@ -6,8 +6,6 @@
 #include "support.h"
 
 namespace glint::view::test::animation_test {
-namespace {
-
 using Json = nlohmann::json;
 
 class Animation : public FolderTest {
@@ -115,5 +113,4 @@ TEST_F(Animation, KeepsItsMoment) {
     EXPECT_EQ(readBytes("other.png"), readBytes("b.png"));
 }
 
-}  // namespace
 }  // namespace glint::view::test::animation_test

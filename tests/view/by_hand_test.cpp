@@ -10,8 +10,6 @@
 #include "support.h"
 
 namespace glint::view::test::by_hand_test {
-namespace {
-
 using Json = nlohmann::json;
 
 // Ctrl+click on a slider, and a number.
@@ -194,5 +192,4 @@ TEST_F(ByHand, TheWipeIsDraggedAndAPictureNamed) {
     EXPECT_EQ(readBytes("chosen.exr"), readBytes("own.exr"));
 }
 
-}  // namespace
 }  // namespace glint::view::test::by_hand_test

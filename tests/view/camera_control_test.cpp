@@ -10,8 +10,6 @@
 #include "import/load.h"
 
 namespace glint::view::camera_control_test {
-namespace {
-
 constexpr double kPi = glm::pi<double>();
 
 Camera cameraAt(const glm::dvec3& eye) {
@@ -194,5 +192,4 @@ TEST(CameraControl, JsonHoldsEveryDigit) {
               2);
 }
 
-}  // namespace
 }  // namespace glint::view::camera_control_test

@@ -7,8 +7,6 @@
 #include "support.h"
 
 namespace glint::view::test::cameras_test {
-namespace {
-
 class Cameras : public FolderTest {
   protected:
     void SetUp() override {
@@ -125,5 +123,4 @@ TEST_F(Cameras, OfGltfAreChosen) {
     EXPECT_EQ(readBytes("flat.png"), readBytes("rendered.png"));
 }
 
-}  // namespace
 }  // namespace glint::view::test::cameras_test

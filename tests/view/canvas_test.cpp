@@ -5,8 +5,6 @@
 #include "core/quantize.h"
 
 namespace glint::view::canvas_test {
-namespace {
-
 Canvas canvasOf(int width, int height, std::initializer_list<uint32_t> greys) {
     Canvas canvas(width, height);
     size_t i = 0;
@@ -62,5 +60,4 @@ TEST(Canvas, ImageGivesTheBytesBack) {
     }
 }
 
-}  // namespace
 }  // namespace glint::view::canvas_test

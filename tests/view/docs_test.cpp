@@ -4,8 +4,6 @@
 #include "view/keys.h"
 
 namespace glint::view::docs_test {
-namespace {
-
 std::string page() {
     return glint::test::readText(glint::test::sourcePath("docs/guide/window.md"));
 }
@@ -27,5 +25,4 @@ TEST(ViewerPage, NamesEveryLayer) {
         expectRow(text, std::string(entry.name), std::string(entry.help));
 }
 
-}  // namespace
 }  // namespace glint::view::docs_test

@@ -8,8 +8,6 @@
 #include "view/error_goal.h"
 
 namespace glint::view::test::goal_test {
-namespace {
-
 using converge::kSide;
 
 // In bands of ten rows, as the window draws.
@@ -83,5 +81,4 @@ TEST(ErrorGoal, SaysWhatNoSampleMends) {
     EXPECT_NE(inWords(flat.facts(), {.error = 0.02}).find("with depth 0"), std::string::npos);
 }
 
-}  // namespace
 }  // namespace glint::view::test::goal_test

@@ -14,8 +14,6 @@
 #include "view/jobs.h"
 
 namespace glint::view::test::hand_test {
-namespace {
-
 class Hand : public FolderTest {
   protected:
     void SetUp() override {
@@ -223,5 +221,4 @@ TEST_F(Hand, QuittingTwiceDropsTheSave) {
     EXPECT_FALSE(std::filesystem::exists("scene-view-001.png"));
 }
 
-}  // namespace
 }  // namespace glint::view::test::hand_test

@@ -9,8 +9,6 @@
 #include "view/session.h"
 
 namespace glint::view::layers_test {
-namespace {
-
 Picture pictureOf(int width, int height) {
     Picture picture;
     picture.region = {0, 0, width, height};
@@ -120,5 +118,4 @@ TEST(Layers, ProgressiveSamplesAreHaltons) {
     }
 }
 
-}  // namespace
 }  // namespace glint::view::layers_test

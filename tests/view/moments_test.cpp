@@ -9,8 +9,6 @@
 #include "support/support.h"
 
 namespace glint::view::moments_test {
-namespace {
-
 const char* const kScene = R"({"camera": {"eye": [0, 1, 6]}, "ambient": 0.5,
   "lights": [{"type": "point", "position": [0, 5, 0]}],
   "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}, "blue": {"diffuse": [0.1, 0.1, 0.8]}},
@@ -106,5 +104,4 @@ TEST_F(MomentsTest, EditsStayWhileTheRestMoves) {
     EXPECT_EQ(later.edits, SceneEdits::of(later.scene->scene));
 }
 
-}  // namespace
 }  // namespace glint::view::moments_test

@@ -10,8 +10,6 @@
 #include "x_client.h"
 
 namespace glint::view::test::newcomer_test {
-namespace {
-
 class Newcomer : public FolderTest {
   protected:
     void SetUp() override {
@@ -115,5 +113,4 @@ TEST_F(Newcomer, HintsLeadThroughTheFirstSteps) {
     EXPECT_EQ(ran.code, 0) << ran.err;
 }
 
-}  // namespace
 }  // namespace glint::view::test::newcomer_test

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 namespace glint::view::pace_test {
-namespace {
-
 constexpr double kFull = 960 * 540;
 
 // A device that traces a pixel in `secondsPerPixel`: the scale that the pace comes to.
@@ -69,5 +67,4 @@ TEST(Pace, FollowsRaysThroughGlass) {
     EXPECT_EQ(pace.depth(2, 1e6, true), 2);
 }
 
-}  // namespace
 }  // namespace glint::view::pace_test

@@ -15,8 +15,6 @@
 #include "view/settings.h"
 
 namespace glint::view::test::parts_test {
-namespace {
-
 Camera cameraAt(double x) {
     Camera camera;
     camera.eye = {x, 0, 5};
@@ -224,5 +222,4 @@ TEST_F(FileList, FoldersThenWhatCanBeOpened) {
     EXPECT_TRUE(listFiles("nowhere").empty());
 }
 
-}  // namespace
 }  // namespace glint::view::test::parts_test

@@ -8,8 +8,6 @@
 #include "view/messages.h"
 
 namespace glint::view::test::recent_test {
-namespace {
-
 namespace fs = std::filesystem;
 using glint::test::ScopedEnvironment;
 using glint::test::writeText;
@@ -121,5 +119,4 @@ TEST_F(Recent, HintsGoOnceFollowed) {
     EXPECT_FALSE(nowhere.wanted(Hint::Pick));
 }
 
-}  // namespace
 }  // namespace glint::view::test::recent_test

@@ -4,8 +4,6 @@
 #include "support.h"
 
 namespace glint::view::test::reload_test {
-namespace {
-
 class Reload : public FolderTest {};
 
 std::string moved(const std::string& scene) {
@@ -85,5 +83,4 @@ TEST_F(Reload, FollowsMeshesAndTheirMaterials) {
     EXPECT_NE(readBytes("tall.png"), readBytes("green.png"));
 }
 
-}  // namespace
 }  // namespace glint::view::test::reload_test

@@ -8,8 +8,6 @@
 #include "support.h"
 
 namespace glint::view::scene_files_test {
-namespace {
-
 class SceneFiles : public test::FolderTest {};
 
 TEST_F(SceneFiles, AreThoseThatTheSceneWasReadFrom) {
@@ -36,5 +34,4 @@ TEST_F(SceneFiles, ReportsAChangeOnceItIsOver) {
     EXPECT_TRUE(watch.changed());
 }
 
-}  // namespace
 }  // namespace glint::view::scene_files_test

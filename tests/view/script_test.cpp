@@ -6,8 +6,6 @@
 #include "view/keys.h"
 
 namespace glint::view::test::script_test {
-namespace {
-
 std::string messageOf(const std::string& script) {
     return glint::test::errorOf(ErrorKind::Argument, [&] { parseScript(script, "s.txt"); });
 }
@@ -54,5 +52,4 @@ TEST(Keys, FlyingTakesItsKeysFromTheOthers) {
     EXPECT_TRUE(isFlyKey('W') && isFlyKey('Q') && !isFlyKey('F') && !isFlyKey(key::kF1));
 }
 
-}  // namespace
 }  // namespace glint::view::test::script_test

@@ -10,8 +10,6 @@
 #include "view/display.h"
 
 namespace glint::view::test::settings_test {
-namespace {
-
 class Settings : public FolderTest {
   protected:
     // The view after `script` has the bytes of `scene` rendered.
@@ -107,5 +105,4 @@ TEST_F(Settings, Shadows) {
     EXPECT_GT(same, 20000);
 }
 
-}  // namespace
 }  // namespace glint::view::test::settings_test

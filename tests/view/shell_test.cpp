@@ -11,8 +11,6 @@
 #include "support.h"
 
 namespace glint::view::test::shell_test {
-namespace {
-
 class Shell : public FolderTest {
   protected:
     nlohmann::json scene_ = nlohmann::json::parse(sceneText());
@@ -288,5 +286,4 @@ TEST_F(Shell, ThePickIsATreeOfRays) {
     EXPECT_NEAR(sum, 100, 1.5);  // each is rounded to a tenth
 }
 
-}  // namespace
 }  // namespace glint::view::test::shell_test

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 namespace glint::view::timeline_test {
-namespace {
-
 Timeline twoSeconds(double start = 0) {
     Timeline t;
     t.follow(AnimationSpan{.framesPerSecond = 24, .tracks = 1, .start = start, .end = start + 2});
@@ -120,5 +118,4 @@ TEST(TimelineTest, WithoutAnAnimationNothingMoves) {
     EXPECT_FALSE(gone.advance(1));
 }
 
-}  // namespace
 }  // namespace glint::view::timeline_test

@@ -8,8 +8,6 @@
 #include "support.h"
 
 namespace glint::view::test::until_test {
-namespace {
-
 class Until : public FolderTest {
   protected:
     const std::vector<std::string> asked_ = {"--error", "0.01", "--within-depth"};
@@ -72,5 +70,4 @@ TEST_F(Until, WhatSaysNothingWithoutItIsRefused) {
     }
 }
 
-}  // namespace
 }  // namespace glint::view::test::until_test

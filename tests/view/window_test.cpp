@@ -20,8 +20,6 @@
 #include "view/view_scene.h"
 
 namespace glint::view::test::window_test {
-namespace {
-
 class Window : public FolderTest {};
 
 TEST_F(Window, OpensDrawsAndCloses) {
@@ -310,5 +308,4 @@ TEST_F(Window, WithoutADisplayNamesRender) {
     EXPECT_NE(ran.err.find("no display"), std::string::npos) << ran.err;
 }
 
-}  // namespace
 }  // namespace glint::view::test::window_test
