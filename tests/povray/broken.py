@@ -39,7 +39,7 @@ BROKEN = [
     ("a radius x 1.001", "spheres", scale("/objects/1/radius", 1.001)),
     ("a mirror x 1.001", "spheres", scale("/materials/mirror/mirror", 1.001)),
     ("ambient light x 1.001", "spheres", scale("/ambient", 1.001)),
-    ("diffuse x 1.001", "knot", scale("/materials/clay/diffuse", 1.001)),
+    ("diffuse x 1.001", "spheres", scale("/materials/red/diffuse", 1.001)),
     ("index 1.501", "glass", put("/materials/glass/ior", 1.501)),
     ("1 - 0.001 of what passes", "glass", scale("/materials/glass/transmission", 0.999)),
     ("one reflection fewer", "glass", put("/maxDepth", 4)),

@@ -12,7 +12,6 @@ class Mesh:
     normals: list = dataclasses.field(default_factory=list)
     coordinates: list = dataclasses.field(default_factory=list)
     materials: dict = dataclasses.field(default_factory=dict)
-    outlines: list = dataclasses.field(default_factory=list)  # (face of the file, three indices of vertices)
 
 
 def read_ply(path):
@@ -60,7 +59,7 @@ def read_mtl(path):
 
 
 def read_obj(path):
-    mesh, material, faces = Mesh([], []), None, 0
+    mesh, material = Mesh([], []), None
     for line in path.read_text().splitlines():
         key, *rest = line.split() or [""]
         if key == "v" and len(rest) > 3:
@@ -77,8 +76,6 @@ def read_obj(path):
             for i in range(1, len(corners) - 1):
                 v, t, n = zip(corners[0], corners[i], corners[i + 1])
                 mesh.faces.append((v, None if None in n else n, None if None in t else t, material))
-                mesh.outlines.append((faces, v))
-            faces += 1
     return mesh
 
 

@@ -24,8 +24,8 @@ def load(path):
     return json.loads(text)
 
 
-def camera(c, size, shift):
-    """POV-Ray's film goes through location + direction, its edges half of `right` and `up` away. `shift`: the film's, in pixels."""
+def camera(c, size):
+    """POV-Ray's film goes through location + direction, its edges half of `right` and `up` away."""
     known = {"type", "eye", "target", "up", "fovY", "height", "window", "planeNormal"}
     if set(c) - known:
         raise Refused(f"camera: {', '.join(sorted(set(c) - known))}")
@@ -40,7 +40,7 @@ def camera(c, size, shift):
     parallel = c.get("type", "perspective") == "orthographic"
     tall = c.get("height", 4) if parallel else 2 * math.tan(math.radians(c.get("fovY", 40)) / 2)
     left, right, bottom, top = c.get("window") or [-tall * width / height / 2, tall * width / height / 2, -tall / 2, tall / 2]
-    middle = (left + right) / 2 * u + (bottom + top) / 2 * v + shift[0] * (right - left) / width * u - shift[1] * (top - bottom) / height * v
+    middle = (left + right) / 2 * u + (bottom + top) / 2 * v
     unit_of = SCALE if parallel else 1  # a perspective film may stand at any distance
     location = SCALE * (eye + middle) if parallel else SCALE * eye
     return (f"camera {{ {'orthographic ' if parallel else ''}location {vector(location)} direction {vector(view if parallel else view + middle)} "
@@ -96,7 +96,7 @@ class Translation:
             self.count += 1
 
 
-def translate(scene, folder, size, kind="colour", channel=None, shift=(0.0, 0.0)):
+def translate(scene, folder, size, kind="colour", channel=None):
     """The scene as POV-Ray reads it.
 
     kind: "colour"; "objects", each a flat red of its number. channel: the one that the image is right in, where POV-Ray knows numbers and
@@ -107,7 +107,7 @@ def translate(scene, folder, size, kind="colour", channel=None, shift=(0.0, 0.0)
     out = ["#version 3.7;\n", f"global_settings {{ assumed_gamma 1 adc_bailout 0 max_trace_level {scene.get('maxDepth', 5) + 1} }}\n"]
     if kind == "colour":
         out.append(f"background {{ {rgb(colour(scene.get('background', 0)))} }}\n")
-    out.append(camera(scene.get("camera", {}), size, shift))
+    out.append(camera(scene.get("camera", {}), size))
     if kind == "colour":
         out += map(lamp, scene.get("lights", []))
     translation = Translation(scene, folder, kind, channel)
