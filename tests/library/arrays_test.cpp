@@ -92,10 +92,7 @@ TEST_F(LibraryArrays, IntervalsAndBroadcasts) {
     glint_rays rays = raysFrom(origin, directions);
     rays.t_min = viewOf(tMin);
     rays.t_max = viewOf(tMax);
-    std::vector<uint8_t> hit(4, 9);
-    const glint_out out = outOf(hit);
-    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
-    EXPECT_EQ(hit, (std::vector<uint8_t>{0, 0, 1, 1}));  // tMin < t <= tMax
+    EXPECT_EQ(any(rays), (std::vector<uint8_t>{0, 0, 1, 1}));  // tMin < t <= tMax
     // Behind the origin, or nowhere: the square is at t = -2 of the ray that turns its back on it.
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<F3> away = {{0, 0, 1}, {0, 0, -1}, {0, 0, -1}, {0, 0, -1}};
@@ -103,8 +100,7 @@ TEST_F(LibraryArrays, IntervalsAndBroadcasts) {
     rays.directions = viewOf(away);
     rays.t_min = viewOf(from);
     rays.t_max = viewOf(to);
-    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
-    EXPECT_EQ(hit, std::vector<uint8_t>(4, 0));
+    EXPECT_EQ(any(rays), std::vector<uint8_t>(4, 0));
 }
 
 // Of every kind, whatever t_min: rays that turn their backs on it, and from inside only what lies ahead.
@@ -126,16 +122,9 @@ TEST_F(LibraryArrays, NothingIsMetBehindTheOrigin) {
         const std::vector<double> from(2, -9);
         glint_rays rays = raysFrom(origins, directions);
         rays.t_min = viewOf(from);
-        std::vector<uint8_t> any(2, 9), hit(2, 9);
-        std::vector<uint32_t> crossed(2, 99);
-        const glint_out anyOut = outOf(any), crossedOut = outOf(crossed);
-        GLINT_INIT(glint_hits, hits);
-        hits.hit = outOf(hit);
-        ASSERT_EQ(glint_query_any(scene(), &rays, &anyOut, nullptr), GLINT_OK) << glint_last_error();
-        ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
-        ASSERT_EQ(glint_query_count(scene(), &rays, &crossedOut, nullptr), GLINT_OK) << glint_last_error();
-        EXPECT_EQ(any, (std::vector<uint8_t>{0, 1})) << object;
-        EXPECT_EQ(hit, (std::vector<uint8_t>{0, 1})) << object;
+        const std::vector<uint32_t> crossed = counts(rays);
+        EXPECT_EQ(any(rays), (std::vector<uint8_t>{0, 1})) << object;
+        EXPECT_EQ(closest(rays).hit, (std::vector<uint8_t>{0, 1})) << object;
         EXPECT_EQ(crossed[0], 0u) << object;
         EXPECT_GT(crossed[1], 0u) << object;
     }

@@ -22,32 +22,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const size_t kCertifiedRays = kOnDevice ? 2'000 : 200;  // rays of each aim at each mesh
 
 // Rays, what is asked of them, and what was answered.
-struct Asked {
+struct Asked : Found {
     std::vector<D3> origins, directions;
     std::vector<double> tMin, tMax;  // or none
-    std::vector<uint8_t> sure, hit;
-    std::vector<double> t, lower, upper;
-    std::vector<uint32_t> geometry, primitive;
 
     void ask(const glint_scene* scene) {
-        const size_t count = origins.size();
-        GLINT_INIT(glint_rays, rays);
-        rays.origins = viewOf(origins);
-        rays.directions = viewOf(directions);
+        glint_rays rays = raysFrom(origins, directions);
         if (!tMin.empty()) rays.t_min = viewOf(tMin);
         if (!tMax.empty()) rays.t_max = viewOf(tMax);
-        sure.resize(count);
-        hit.resize(count);
-        for (auto* list : {&t, &lower, &upper}) list->resize(count);
-        for (auto* list : {&geometry, &primitive}) list->resize(count);
-        GLINT_INIT(glint_hits, hits);
-        hits.sure = outOf(sure);
-        hits.hit = outOf(hit);
-        hits.t = outOf(t);
-        hits.t_lower = outOf(lower);
-        hits.t_upper = outOf(upper);
-        hits.geometry = outOf(geometry);
-        hits.primitive = outOf(primitive);
+        const glint_hits hits = outputs(origins.size(), true);
         ASSERT_EQ(glint_query_closest(scene, &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
     }
     void add(const D3& origin, const D3& direction) {
@@ -268,11 +251,7 @@ TEST_F(LibraryCertain, OrdinaryRaysAgreeWithOrdinaryAnswers) {
     }
     rays.ask(scene());
     EXPECT_EQ(std::accumulate(rays.sure.begin(), rays.sure.end(), size_t{0}), rays.sure.size());
-    glint_rays given = raysFrom(rays.origins, rays.directions);
-    std::vector<double> t(rays.t.size());
-    GLINT_INIT(glint_hits, hits);
-    hits.t = outOf(t);
-    ASSERT_EQ(glint_query_closest(scene(), &given, &hits, nullptr), GLINT_OK);
+    const std::vector<double> t = closest(raysFrom(rays.origins, rays.directions)).t;
     size_t far = 0, hit = 0;
     for (size_t i = 0; i < t.size(); ++i) {
         hit += rays.hit[i];
@@ -314,9 +293,7 @@ TEST_F(LibraryCertain, OtherSurfaces) {
 // are of what it was rounded to.
 TEST_F(LibraryCertain, LargeSpheresAreNotMissed) {
     const double radius = 1e6, height = 999999.97;
-    const std::vector<D3> centers = {{0, height, 0}};
-    const std::vector<double> radii = {radius};
-    addSpheres(scene(), centers, radii);
+    addSpheres(scene(), {{0, height, 0}}, {radius});
     commit();
     Asked rays;
     for (int i = -500; i <= 500; ++i) rays.add({0, i * 1e-3, 0}, {0, 0, 1});

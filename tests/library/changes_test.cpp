@@ -14,20 +14,14 @@ namespace {
 constexpr uint32_t kSide = 48;  // squares along a side of the sheet
 
 struct Answers {
-    std::vector<double> t;
-    std::vector<uint32_t> geometry, primitive, crossings;
-    std::vector<D3> normal;
+    Found closest;
+    std::vector<uint32_t> crossings;
     std::vector<uint8_t> any;
     bool operator==(const Answers&) const = default;
 };
 
 class LibraryChanges : public LibraryTest {
   protected:
-    void TearDown() override {
-        glint_scene_release(anew_);
-        LibraryTest::TearDown();
-    }
-
     // A sheet in waves.
     static std::vector<D3> sheet(double phase, double height = 0.3) {
         std::vector<D3> vertices;
@@ -39,22 +33,12 @@ class LibraryChanges : public LibraryTest {
             }
         return vertices;
     }
-    static std::vector<U3> squares() {
-        std::vector<U3> corners;
-        for (uint32_t y = 0; y < kSide; ++y)
-            for (uint32_t x = 0; x < kSide; ++x) {
-                const uint32_t a = y * (kSide + 1) + x, b = a + kSide + 1;
-                corners.push_back({a, a + 1, b + 1});
-                corners.push_back({a, b + 1, b});
-            }
-        return corners;
-    }
     static std::array<double, 12> placed(double x, double y, double z, double turn = 0) {
         return {std::cos(turn), -std::sin(turn), 0, x, std::sin(turn), std::cos(turn), 0, y, 0, 0, 1, z};
     }
 
     // Rays from above a sheet, moved by `by`.
-    static Answers ask(const glint_scene* scene, const D3& by = {0, 0, 0}) {
+    Answers ask(const D3& by = {0, 0, 0}) {
         constexpr size_t kRays = 3000;
         static const auto rays = [] {
             std::mt19937 random(3);
@@ -71,24 +55,8 @@ class LibraryChanges : public LibraryTest {
         std::vector<D3> origins = rays.first;
         for (D3& origin : origins)
             for (size_t k = 0; k < 3; ++k) origin[k] += by[k];
-        glint_rays asked = raysFrom(origins, rays.second);
-        Answers a{std::vector<double>(kRays),   std::vector<uint32_t>(kRays), std::vector<uint32_t>(kRays),
-                  std::vector<uint32_t>(kRays), std::vector<D3>(kRays),       std::vector<uint8_t>(kRays)};
-        GLINT_INIT(glint_hits, hits);
-        hits.t = outOf(a.t);
-        hits.geometry = outOf(a.geometry);
-        hits.primitive = outOf(a.primitive);
-        hits.normal = outOf(a.normal);
-        const glint_out any = outOf(a.any), crossings = outOf(a.crossings);
-        EXPECT_EQ(glint_query_closest(scene, &asked, &hits, nullptr), GLINT_OK) << glint_last_error();
-        EXPECT_EQ(glint_query_any(scene, &asked, &any, nullptr), GLINT_OK) << glint_last_error();
-        EXPECT_EQ(glint_query_count(scene, &asked, &crossings, nullptr), GLINT_OK) << glint_last_error();
-        return a;
-    }
-    uint32_t refits() {
-        GLINT_INIT(glint_scene_info, info);
-        EXPECT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK) << glint_last_error();
-        return info.refits;
+        const glint_rays asked = raysFrom(origins, rays.second);
+        return {closest(asked), counts(asked), any(asked)};
     }
     void setVertices(uint32_t mesh, const std::vector<D3>& vertices) {
         const glint_view view = viewOf(vertices);
@@ -98,40 +66,32 @@ class LibraryChanges : public LibraryTest {
     // fill(scene) makes the scene from nothing, as it is now.
     template <class Fill>
     void expectAsAnew(const Fill& fill, uint32_t expectedRefits, const D3& by = {0, 0, 0}) {
-        EXPECT_EQ(refits(), expectedRefits);
-        glint_scene_release(anew_);
-        ASSERT_EQ(glint_scene_create(device(), &anew_), GLINT_OK);
-        fill(anew_);
-        ASSERT_EQ(glint_scene_commit(anew_), GLINT_OK) << glint_last_error();
-        const Answers expected = ask(anew_, by), found = ask(scene(), by);
+        EXPECT_EQ(info().refits, expectedRefits);
+        const Answers found = ask(by);
+        glint_scene* const changed = scene();
+        glint_scene_retain(changed);
+        useScene(nullptr);
+        fill(scene());
+        commit();
+        const Answers expected = ask(by);
+        useScene(changed);
         size_t hits = 0;
         for (const uint8_t one : expected.any) hits += one;
         EXPECT_GT(hits, 500u);
-        EXPECT_EQ(found.t, expected.t);
+        EXPECT_EQ(found.closest.t, expected.closest.t);
         EXPECT_TRUE(found == expected);
     }
-    static uint32_t add(glint_scene* to, const std::vector<D3>& vertices, const std::vector<U3>& corners) {
-        GLINT_INIT(glint_triangles, triangles);
-        triangles.vertices = viewOf(vertices);
-        triangles.indices = viewOf(corners);
-        uint32_t geometry = GLINT_NONE;
-        EXPECT_EQ(glint_scene_add_triangles(to, &triangles, &geometry), GLINT_OK) << glint_last_error();
-        return geometry;
-    }
-
-  private:
-    glint_scene* anew_ = nullptr;
 };
 
 TEST_F(LibraryChanges, VerticesAreFollowedBitForBit) {
-    const std::vector<U3> corners = squares();
-    add(scene(), sheet(0), corners);
+    const std::vector<U3> corners = gridCorners(kSide);
+    addMesh(sheet(0), corners);
     commit();
     for (uint32_t step = 1; step <= 5; ++step) {
         const std::vector<D3> vertices = sheet(0.2 * step);
         setVertices(0, vertices);
         commit();
-        expectAsAnew([&](glint_scene* to) { add(to, vertices, corners); }, step);
+        expectAsAnew([&](glint_scene* to) { test::addMesh(to, vertices, corners); }, step);
     }
 }
 
@@ -139,40 +99,40 @@ TEST_F(LibraryChanges, VerticesAreFollowedBitForBit) {
 TEST_F(LibraryChanges, ATreeThatFitsNoMoreIsBuiltAnew) {
     std::vector<D3> vertices, torn;
     const std::vector<D3> places = sheet(0);
-    std::vector<U3> corners = squares();
+    std::vector<U3> corners = gridCorners(kSide);
     for (const U3& corner : corners)
         for (const uint32_t vertex : corner) vertices.push_back(places[vertex]);
     std::shuffle(corners.begin(), corners.end(), std::mt19937(1));
     for (const U3& corner : corners)
         for (const uint32_t vertex : corner) torn.push_back(places[vertex]);
     for (uint32_t i = 0; i < corners.size(); ++i) corners[i] = {3 * i, 3 * i + 1, 3 * i + 2};
-    add(scene(), vertices, corners);
+    addMesh(vertices, corners);
     commit();
     setVertices(0, vertices);
     commit();
-    EXPECT_EQ(refits(), 1u);
+    EXPECT_EQ(info().refits, 1u);
     setVertices(0, torn);
     commit();
-    expectAsAnew([&](glint_scene* to) { add(to, torn, corners); }, 0);
+    expectAsAnew([&](glint_scene* to) { test::addMesh(to, torn, corners); }, 0);
     for (uint32_t step = 1; step <= 3; ++step) {
         for (D3& vertex : torn) vertex[2] += 0.01;
         setVertices(0, torn);
         commit();
-        expectAsAnew([&](glint_scene* to) { add(to, torn, corners); }, step);
+        expectAsAnew([&](glint_scene* to) { test::addMesh(to, torn, corners); }, step);
     }
 }
 
 // Two instances of 4,608 triangles share them; a third object is too small for that and is baked. A plane and
 // a sphere stand by.
 TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
-    const std::vector<U3> corners = squares();
+    const std::vector<U3> corners = gridCorners(kSide);
     const std::vector<D3> small = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1.2}};
     const auto fill = [&](glint_scene* to, double at) {
-        add(to, sheet(0), corners);
+        test::addMesh(to, sheet(0), corners);
         uint32_t instance = 0;
         ASSERT_EQ(glint_scene_add_instance(to, 0, placed(1, 0.5 * at, 1 + at, 0.3).data(), &instance),
                   GLINT_OK);
-        add(to, small, {{0, 1, 2}});
+        test::addMesh(to, small, {{0, 1, 2}});
         ASSERT_EQ(glint_scene_set_transform(to, 2, placed(at, 0, 0, at).data()), GLINT_OK);
         addJson(to, R"({"materials": {"m": {}}, "camera": {"eye": [0, 0, 20],
             "target": [0, 0, 0]}, "objects": [
@@ -181,9 +141,7 @@ TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
     };
     fill(scene(), 0);
     commit();
-    GLINT_INIT(glint_scene_info, info);
-    ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
-    ASSERT_EQ(info.triangles, 2 * corners.size() + 1);
+    ASSERT_EQ(info().triangles, 2 * corners.size() + 1);
     for (uint32_t step = 1; step <= 4; ++step) {
         const double at = 0.1 * step;
         ASSERT_EQ(glint_scene_set_transform(scene(), 1, placed(1, 0.5 * at, 1 + at, 0.3).data()), GLINT_OK);
@@ -195,9 +153,9 @@ TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
 
 // What the trees cannot follow is still right: a sphere moves, a mesh changes that instances share.
 TEST_F(LibraryChanges, WhateverElseChangesIsBuiltAnew) {
-    const std::vector<U3> corners = squares();
+    const std::vector<U3> corners = gridCorners(kSide);
     const auto fill = [&](glint_scene* to, double at) {
-        add(to, sheet(at), corners);
+        test::addMesh(to, sheet(at), corners);
         uint32_t instance = 0;
         ASSERT_EQ(glint_scene_add_instance(to, 0, placed(1, 0, 1).data(), &instance), GLINT_OK);
         addSpheres(to, {{2, 2, 2}}, {0.5});
@@ -212,39 +170,37 @@ TEST_F(LibraryChanges, WhateverElseChangesIsBuiltAnew) {
 }
 
 TEST_F(LibraryChanges, TrianglesWithoutAreaComeAndGo) {
-    const std::vector<U3> corners = squares();
-    add(scene(), sheet(0), corners);
+    const std::vector<U3> corners = gridCorners(kSide);
+    addMesh(sheet(0), corners);
     commit();
     std::vector<D3> pinched = sheet(0.1);
     pinched[20] = pinched[21];
     for (const auto& [vertices, warnings] : {std::pair(pinched, 1u), std::pair(sheet(0.2), 0u)}) {
         setVertices(0, vertices);
         commit();
-        expectAsAnew([&, &given = vertices](glint_scene* to) { add(to, given, corners); }, 0);
-        GLINT_INIT(glint_scene_info, info);
-        ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
-        EXPECT_EQ(info.warnings, warnings);
+        expectAsAnew([&, &given = vertices](glint_scene* to) { test::addMesh(to, given, corners); }, 0);
+        EXPECT_EQ(info().warnings, warnings);
     }
 }
 
 // Those that are left out stay so while the others move.
 TEST_F(LibraryChanges, TrianglesLeftOutAreNoHindrance) {
-    const std::vector<U3> corners = squares();
+    const std::vector<U3> corners = gridCorners(kSide);
     std::vector<D3> pinched = sheet(0);
     pinched[20] = pinched[21];
-    add(scene(), pinched, corners);
+    addMesh(pinched, corners);
     commit();
     for (D3& vertex : pinched) vertex[2] *= 1.25;
     setVertices(0, pinched);
     commit();
-    expectAsAnew([&](glint_scene* to) { add(to, pinched, corners); }, 1);
+    expectAsAnew([&](glint_scene* to) { test::addMesh(to, pinched, corners); }, 1);
 }
 
 TEST_F(LibraryChanges, BadVerticesAreRefusedAndTheSceneStays) {
-    const std::vector<U3> corners = squares();
-    add(scene(), sheet(0), corners);
+    const std::vector<U3> corners = gridCorners(kSide);
+    addMesh(sheet(0), corners);
     commit();
-    const Answers before = ask(scene());
+    const Answers before = ask();
     std::vector<D3> vertices = sheet(1);
     vertices[7][1] = std::numeric_limits<double>::quiet_NaN();
     glint_view view = viewOf(vertices);
@@ -257,22 +213,22 @@ TEST_F(LibraryChanges, BadVerticesAreRefusedAndTheSceneStays) {
     EXPECT_EQ(glint_scene_set_vertices(scene(), 0, &view), GLINT_ERROR_ARGUMENT);
     EXPECT_STREQ(glint_last_error(),
                  "glint_scene_set_vertices: the mesh has 2401 vertices, but 2400 were given");
-    EXPECT_TRUE(ask(scene()) == before);
+    EXPECT_TRUE(ask() == before);
     commit();
-    EXPECT_TRUE(ask(scene()) == before);
+    EXPECT_TRUE(ask() == before);
     // Beyond what a scene may have: found by the commit, which leaves what queries see.
     vertices = sheet(1);
     vertices[7][1] = 1e300;
     setVertices(0, vertices);
     EXPECT_EQ(glint_scene_commit(scene()), GLINT_ERROR_SCENE);
-    EXPECT_TRUE(ask(scene()) == before);
+    EXPECT_TRUE(ask() == before);
 }
 
 // Coordinates start from elsewhere now and then: the trees stay, and no digits are lost.
 TEST_F(LibraryChanges, AMeshThatMovesFarIsNeverBuiltAnew) {
-    const std::vector<U3> corners = squares();
+    const std::vector<U3> corners = gridCorners(kSide);
     const std::vector<D3> first = sheet(0);
-    add(scene(), first, corners);
+    addMesh(first, corners);
     commit();
     D3 by = {0, 0, 0};
     for (uint32_t step = 1; step <= 60; ++step) {
@@ -285,14 +241,14 @@ TEST_F(LibraryChanges, AMeshThatMovesFarIsNeverBuiltAnew) {
         setVertices(0, vertices);
         commit();
         if (step % 6 == 0 || step == 40 || step == 50)
-            expectAsAnew([&](glint_scene* to) { add(to, vertices, corners); }, step, by);
+            expectAsAnew([&](glint_scene* to) { test::addMesh(to, vertices, corners); }, step, by);
     }
 }
 
 // So it is with instances, planes, lights and triangles without area; not with a sphere. (From so far away
 // that the text's camera, which stays, sees nothing of them.)
 TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
-    const std::vector<U3> corners = squares();
+    const std::vector<U3> corners = gridCorners(kSide);
     constexpr double kFar = 1e5;
     const std::string beside = R"({"lights": [{"type": "point", "position": [1, 2, 9]}],
         "objects": [{"type": "plane", "point": [0, 0, -3], "normal": [0, 0, 1]}]})";
@@ -303,7 +259,7 @@ TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
     const auto fill = [&](glint_scene* to, double at, bool ball) {
         std::vector<D3> vertices = sheet(0);
         vertices[20] = vertices[21];
-        add(to, vertices, corners);
+        test::addMesh(to, vertices, corners);
         uint32_t instance = 0;
         ASSERT_EQ(glint_scene_add_instance(to, 0, placed(0, 0, 0).data(), &instance), GLINT_OK);
         place(to, at);
@@ -328,13 +284,13 @@ TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
 TEST_F(LibraryChanges, EightThreadsAskWhileOneChanges) {
     constexpr uint32_t kVersions = 60;
     constexpr double kStep = 1;
-    const std::vector<U3> corners = squares();
+    const std::vector<U3> corners = gridCorners(kSide);
     const auto flat = [](uint32_t version) {
         std::vector<D3> vertices = sheet(0, 0);
         for (D3& vertex : vertices) vertex[2] = kStep * version;
         return vertices;
     };
-    add(scene(), flat(0), corners);
+    addMesh(flat(0), corners);
     commit();
     const glint_scene* const asked = scene();
     std::atomic<bool> done = false;
@@ -375,7 +331,7 @@ TEST_F(LibraryChanges, EightThreadsAskWhileOneChanges) {
     }
     for (const std::string& what : wrong) EXPECT_EQ(what, "");
     EXPECT_GT(calls, 8u);
-    EXPECT_EQ(refits(), kVersions);
+    EXPECT_EQ(info().refits, kVersions);
 }
 
 }  // namespace

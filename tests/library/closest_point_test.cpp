@@ -24,23 +24,11 @@ double distanceToTriangle(const dvec3& p, const dvec3 (&corner)[3]) {
 
 class LibraryClosestPoint : public LibraryTest {
   protected:
-    struct Found {
-        std::vector<double> distance;
-        std::vector<D3> point, normal;
-        std::vector<uint32_t> geometry, primitive;
-        std::vector<uint8_t> hit;
-    };
+    // t is the distance.
     Found closest(const std::vector<D3>& points) {
-        const size_t n = points.size();
-        Found found{std::vector<double>(n),   std::vector<D3>(n),       std::vector<D3>(n),
-                    std::vector<uint32_t>(n), std::vector<uint32_t>(n), std::vector<uint8_t>(n)};
-        GLINT_INIT(glint_hits, hits);
-        hits.t = outOf(found.distance);
-        hits.point = outOf(found.point);
-        hits.normal = outOf(found.normal);
-        hits.geometry = outOf(found.geometry);
-        hits.primitive = outOf(found.primitive);
-        hits.hit = outOf(found.hit);
+        Found found;
+        glint_hits hits = found.outputs(points.size());
+        hits.origin = {};
         const glint_view given = viewOf(points);
         EXPECT_EQ(glint_query_closest_point(scene(), &given, &hits, nullptr), GLINT_OK) << glint_last_error();
         return found;
@@ -69,8 +57,8 @@ TEST_F(LibraryClosestPoint, IsRightOnACube) {
         const dvec3 p = vectorOf(points[i]), onCube = glm::clamp(p, dvec3(-1), dvec3(1));
         const double inside = 1 - std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         const double expected = inside > 0 ? inside : glm::length(p - onCube);
-        EXPECT_NEAR(found.distance[i], expected, slack(glm::length(p) + 2)) << i;
-        EXPECT_NEAR(glm::length(vectorOf(found.point[i]) - p), found.distance[i], 1e-12 * (1 + expected));
+        EXPECT_NEAR(found.t[i], expected, slack(glm::length(p) + 2)) << i;
+        EXPECT_NEAR(glm::length(vectorOf(found.point[i]) - p), found.t[i], 1e-12 * (1 + expected));
         if (inside < 0) {
             EXPECT_LE(glm::length(vectorOf(found.point[i]) - onCube), slack(8 * glm::length(p))) << i;
         }
@@ -86,7 +74,7 @@ TEST_F(LibraryClosestPoint, IsRightOnSpheres) {
     for (size_t i = 0; i < points.size(); ++i) {
         const double a = std::abs(glm::length(vectorOf(points[i])) - 1);
         const double b = std::abs(glm::length(vectorOf(points[i]) - dvec3(5, 0, 0)) - 2);
-        EXPECT_NEAR(found.distance[i], std::min(a, b), slack(8)) << i;
+        EXPECT_NEAR(found.t[i], std::min(a, b), slack(8)) << i;
         if (std::abs(a - b) > slack(8)) {
             EXPECT_EQ(found.geometry[i], a < b ? 0u : 1u) << i;
         }
@@ -129,7 +117,7 @@ TEST_F(LibraryClosestPoint, AgreesWithBruteForce) {
                 for (size_t k = 0; k < mesh.corners.size(); ++k) least = std::min(least, distance(g, k));
             // Vertices are rounded to fp32 about the scene's own origin.
             const double rounding = 0x1p-20 * (place == 0 ? 20 : 2000);
-            EXPECT_NEAR(found.distance[i], least, rounding) << i << " at " << place;
+            EXPECT_NEAR(found.t[i], least, rounding) << i << " at " << place;
             EXPECT_NEAR(distance(found.geometry[i] == geometry ? 0 : 1, found.primitive[i]), least, rounding);
         }
     }
@@ -147,7 +135,7 @@ TEST_F(LibraryClosestPoint, IsRightWhereAllTrianglesCount) {
         least =
             std::min(least, distanceToTriangle(dvec3(0), {vectorOf(vertices[c[0]]), vectorOf(vertices[c[1]]),
                                                           vectorOf(vertices[c[2]])}));
-    EXPECT_NEAR(closest({{0, 0, 0}}).distance[0], least, 0x1p-22);  // vertices are fp32
+    EXPECT_NEAR(closest({{0, 0, 0}}).t[0], least, 0x1p-22);  // vertices are fp32
 }
 
 TEST_F(LibraryClosestPoint, HasLimitsThatItNames) {
@@ -158,7 +146,7 @@ TEST_F(LibraryClosestPoint, HasLimitsThatItNames) {
     const Found found = closest({{nan, 0, 0}, {1e19, 0, 0}, {1e17, 0, 0}});
     EXPECT_EQ(found.hit, (std::vector<uint8_t>{0, 0, 1}));
     EXPECT_EQ(found.primitive[0], GLINT_NONE);
-    EXPECT_EQ(found.distance[2], 1e17);
+    EXPECT_EQ(found.t[2], 1e17);
     addJson(scene(), R"({"materials": {"m": {}}, "objects": [{"type": "disc",
                                        "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "material": "m"}]})");
     commit();

@@ -32,10 +32,7 @@ class LibraryCrossings : public LibraryTest {
                 directions[i][k] = to[k] - from[k];
             }
         }
-        glint_rays rays = raysFrom(origins, directions);
-        std::vector<uint32_t> crossings(count, 99);
-        const glint_out out = outOf(crossings);
-        EXPECT_EQ(glint_query_count(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+        const std::vector<uint32_t> crossings = counts(raysFrom(origins, directions));
         size_t wrong = 0, some = 0;
         for (size_t i = 0; i < count; ++i) {
             wrong += crossings[i] % 2 != inside[i];
@@ -187,39 +184,28 @@ TEST_F(LibraryCrossings, ListsGoInAndOut) {
         origins.push_back({8 * out[0], 8 * out[1], 8 * out[2]});
         directions.push_back({to[0] - 8 * out[0], to[1] - 8 * out[1], to[2] - 8 * out[2]});
     }
-    glint_rays rays = raysFrom(origins, directions);
-    std::vector<uint32_t> counts(origins.size());
-    const glint_out countOut = outOf(counts);
-    ASSERT_EQ(glint_query_count(scene(), &rays, &countOut, nullptr), GLINT_OK) << glint_last_error();
-    std::vector<uint64_t> offsets(origins.size() + 1);
-    const glint_out offsetOut = outOf(offsets);
-    uint64_t total = 0;
-    ASSERT_EQ(glint_query_all(scene(), &rays, &offsetOut, nullptr, &total, nullptr), GLINT_OK)
-        << glint_last_error();
-    ASSERT_GT(total, 5000u);
-    std::vector<double> t(total);
-    std::vector<D3> normal(total);
-    GLINT_INIT(glint_hits, hits);
-    hits.t = outOf(t);
-    hits.normal = outOf(normal);
-    ASSERT_EQ(glint_query_all(scene(), &rays, &offsetOut, &hits, &total, nullptr), GLINT_OK)
-        << glint_last_error();
+    const glint_rays rays = raysFrom(origins, directions);
+    const std::vector<uint32_t> crossings = counts(rays);
+    Listed all = list(rays);
+    ASSERT_GT(all.t.size(), 5000u);
     size_t turns = 0;
-    for (size_t i = 0; i < counts.size(); ++i) {
-        ASSERT_EQ(offsets[i + 1] - offsets[i], counts[i]);
-        for (uint64_t k = offsets[i]; k < offsets[i + 1]; ++k) {
-            if (k > offsets[i]) {
-                EXPECT_LE(t[k - 1], t[k]);
+    for (size_t i = 0; i < crossings.size(); ++i) {
+        ASSERT_EQ(all.offsets[i + 1] - all.offsets[i], crossings[i]);
+        for (uint64_t k = all.offsets[i]; k < all.offsets[i + 1]; ++k) {
+            if (k > all.offsets[i]) {
+                EXPECT_LE(all.t[k - 1], all.t[k]);
             }
-            const double side = normal[k][0] * directions[i][0] + normal[k][1] * directions[i][1] +
-                                normal[k][2] * directions[i][2];
-            turns += (side > 0) != ((k - offsets[i]) % 2 == 1);
+            const double side = glm::dot(vectorOf(all.normal[k]), vectorOf(directions[i]));
+            turns += (side > 0) != ((k - all.offsets[i]) % 2 == 1);
         }
     }
     EXPECT_EQ(turns, 0u);
+    GLINT_INIT(glint_hits, hits);
+    hits.t = outOf(all.t);
     hits.t.count = 7;
+    uint64_t total = 0;
     EXPECT_EQ(glint_query_all(scene(), &rays, nullptr, &hits, &total, nullptr), GLINT_ERROR_CAPACITY);
-    EXPECT_EQ(total, t.size());
+    EXPECT_EQ(total, all.t.size());
 }
 
 // Rays that end at corners of triangles: rounding decides whether they are met, and lists are as long as they
@@ -240,26 +226,14 @@ TEST_F(LibraryCrossings, ListsEndAtCorners) {
     glint_rays rays = raysFrom(origins, directions);
     const std::vector<double> ends(origins.size(), 1);
     rays.t_max = viewOf(ends);
-    std::vector<uint64_t> offsets(origins.size() + 1);
-    const glint_out offsetOut = outOf(offsets);
-    uint64_t total = 0;
-    ASSERT_EQ(glint_query_all(scene(), &rays, &offsetOut, nullptr, &total, nullptr), GLINT_OK)
-        << glint_last_error();
-    ASSERT_GT(total, origins.size());
-    std::vector<double> t(total);
-    std::vector<uint32_t> geometry(total), primitive(total);
-    GLINT_INIT(glint_hits, hits);
-    hits.t = outOf(t);
-    hits.geometry = outOf(geometry);
-    hits.primitive = outOf(primitive);
-    ASSERT_EQ(glint_query_all(scene(), &rays, &offsetOut, &hits, &total, nullptr), GLINT_OK)
-        << glint_last_error();
+    const Listed all = list(rays);
+    ASSERT_GT(all.t.size(), origins.size());
     size_t wrong = 0;
     for (size_t i = 0; i < origins.size(); ++i) {
         std::set<uint32_t> met;
-        for (uint64_t k = offsets[i]; k < offsets[i + 1]; ++k)
-            wrong += !(t[k] > 0 && t[k] <= 1) || geometry[k] != 0 || primitive[k] >= vertices.size() / 3 ||
-                     !met.insert(primitive[k]).second;
+        for (uint64_t k = all.offsets[i]; k < all.offsets[i + 1]; ++k)
+            wrong += !(all.t[k] > 0 && all.t[k] <= 1) || all.geometry[k] != 0 ||
+                     all.primitive[k] >= vertices.size() / 3 || !met.insert(all.primitive[k]).second;
     }
     EXPECT_EQ(wrong, 0u);
 }
@@ -298,10 +272,7 @@ TEST_F(LibraryCrossings, ManySheets) {
         }
         glint_rays rays = raysFrom(origins, directions);
         rays.t_max = viewOf(ends);
-        std::vector<uint32_t> counts(origins.size());
-        const glint_out out = outOf(counts);
-        ASSERT_EQ(glint_query_count(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
-        EXPECT_EQ(counts, expected) << sheets;
+        EXPECT_EQ(counts(rays), expected) << sheets;
     }
 }
 
@@ -309,37 +280,25 @@ TEST_F(LibraryCrossings, ManySheets) {
 TEST_F(LibraryCrossings, SplitTrianglesCountOnce) {
     load("arcade.json");
     Random random(31);
-    GLINT_INIT(glint_scene_info, info);
-    ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
+    const glint_scene_info box = info();
     std::vector<D3> origins, directions;
     for (int i = 0; i < 1000; ++i) {
         D3 from, to;
         for (int k = 0; k < 3; ++k) {
-            from[k] = info.lower[k] + random.uniform() * (info.upper[k] - info.lower[k]);
-            to[k] = info.lower[k] + random.uniform() * (info.upper[k] - info.lower[k]) - from[k];
+            from[k] = box.lower[k] + random.uniform() * (box.upper[k] - box.lower[k]);
+            to[k] = box.lower[k] + random.uniform() * (box.upper[k] - box.lower[k]) - from[k];
         }
         origins.push_back(from);
         directions.push_back(to);
     }
-    glint_rays rays = raysFrom(origins, directions);
-    uint64_t total = 0;
-    std::vector<uint64_t> offsets(origins.size() + 1);
-    const glint_out out = outOf(offsets);
-    ASSERT_EQ(glint_query_all(scene(), &rays, &out, nullptr, &total, nullptr), GLINT_OK)
-        << glint_last_error();
-    std::vector<uint32_t> geometry(total), primitive(total);
-    GLINT_INIT(glint_hits, hits);
-    hits.geometry = outOf(geometry);
-    hits.primitive = outOf(primitive);
-    ASSERT_EQ(glint_query_all(scene(), &rays, &out, &hits, &total, nullptr), GLINT_OK) << glint_last_error();
+    const Listed all = list(raysFrom(origins, directions));
     size_t twice = 0;
     for (size_t i = 0; i < origins.size(); ++i) {
-        std::vector<std::pair<uint32_t, uint32_t>> seen;
-        for (uint64_t k = offsets[i]; k < offsets[i + 1]; ++k) seen.emplace_back(geometry[k], primitive[k]);
-        std::sort(seen.begin(), seen.end());
-        twice += std::adjacent_find(seen.begin(), seen.end()) != seen.end();
+        std::set<std::pair<uint32_t, uint32_t>> seen;
+        for (uint64_t k = all.offsets[i]; k < all.offsets[i + 1]; ++k)
+            twice += !seen.emplace(all.geometry[k], all.primitive[k]).second;
     }
-    EXPECT_GT(total, 1000u);
+    EXPECT_GT(all.t.size(), 1000u);
     EXPECT_EQ(twice, 0u);
 }
 

@@ -9,42 +9,10 @@
 namespace glint::library::test {
 namespace {
 
-struct NearestHits {
-    std::vector<uint8_t> hit, sure;
-    std::vector<double> t, lower, upper;
-    std::vector<glm::dvec3> normals, points;
-};
+class LibraryExtremes : public LibraryTest {};
 
-class LibraryExtremes : public LibraryTest {
-  protected:
-    // Nearest hits; `sure` and bounds where they are certified.
-    NearestHits answers(const std::vector<D3>& origins, const std::vector<D3>& directions,
-                        bool certified = true) {
-        const size_t count = origins.size();
-        NearestHits all;
-        for (auto* flags : {&all.hit, &all.sure}) flags->resize(count);
-        for (auto* numbers : {&all.t, &all.lower, &all.upper}) numbers->resize(count);
-        std::vector<D3> normals(count), points(count);
-        glint_rays rays = raysFrom(origins, directions);
-        GLINT_INIT(glint_hits, hits);
-        hits.hit = outOf(all.hit);
-        hits.t = outOf(all.t);
-        hits.normal = outOf(normals);
-        hits.point = outOf(points);
-        if (certified) {
-            hits.sure = outOf(all.sure);
-            hits.t_lower = outOf(all.lower);
-            hits.t_upper = outOf(all.upper);
-        }
-        EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
-        for (const D3& v : normals) all.normals.emplace_back(v[0], v[1], v[2]);
-        for (const D3& v : points) all.points.emplace_back(v[0], v[1], v[2]);
-        return all;
-    }
-};
-
-bool isNumber(const glm::dvec3& v) {
-    return std::isfinite(v.x + v.y + v.z);
+bool isNumber(const D3& v) {
+    return std::isfinite(v[0] + v[1] + v[2]);
 }
 
 // Directions whose squares double cannot hold: a sphere is not missed for sure.
@@ -58,7 +26,7 @@ TEST_F(LibraryExtremes, SpheresAreMetByDirectionsOfAnyLength) {
         origins.push_back({1.25, 0, 5});
         directions.insert(directions.end(), 2, {0, 0, -length});
     }
-    const NearestHits all = answers(origins, directions);
+    const Found all = closest(raysFrom(origins, directions), true);
     for (size_t i = 0; i < lengths.size(); ++i) {
         const double t = (5 - std::sqrt(1 - 0.0625)) / lengths[i];
         EXPECT_EQ(all.hit[2 * i], 1) << lengths[i];
@@ -81,10 +49,11 @@ TEST_F(LibraryExtremes, NeedlesHaveNormals) {
             commit();
             const glm::dvec3 normal = glm::normalize(glm::cross(-tip, wide));
             const glm::dvec3 from = (wide + 1e-17 * tip) / 3.0 + normal;
-            const NearestHits all = answers({{from.x, from.y, from.z}}, {{-normal.x, -normal.y, -normal.z}});
+            const std::vector<D3> origins = {arrayOf(from)}, directions = {arrayOf(-normal)};
+            const Found all = closest(raysFrom(origins, directions), true);
             ASSERT_EQ(all.hit[0], 1) << tip.x << " " << along;
-            EXPECT_LT(glm::length(all.normals[0] - normal), 1e-6) << tip.x << " " << along;
-            EXPECT_TRUE(isNumber(all.points[0]));
+            EXPECT_LT(glm::length(vectorOf(all.normal[0]) - normal), 1e-6) << tip.x << " " << along;
+            EXPECT_TRUE(isNumber(all.point[0]));
         }
     }
 }
@@ -99,10 +68,10 @@ TEST_F(LibraryExtremes, RaysFromBeyondAllScenesMiss) {
         directions.push_back({-far, -2 * far, -3 * far});
     }
     for (const bool certified : {false, true}) {
-        const NearestHits all = answers(origins, directions, certified);
+        const Found all = closest(raysFrom(origins, directions), certified);
         for (size_t i = 0; i < origins.size(); ++i) {
             EXPECT_EQ(all.hit[i], 0) << origins[i][0];
-            EXPECT_TRUE(isNumber(all.points[i]) && isNumber(all.normals[i])) << origins[i][0];
+            EXPECT_TRUE(isNumber(all.point[i]) && isNumber(all.normal[i])) << origins[i][0];
         }
     }
 }
@@ -113,13 +82,9 @@ TEST_F(LibraryExtremes, DirectionsThatAreTooShortAreNone) {
     commit();
     const std::vector<D3> origins(3, D3{0, 0, 5}),
         directions = {{0, 0, -1e-289}, {0, 0, -1e-300}, {0, 0, -5e-324}};
-    std::vector<uint8_t> any(3);
-    glint_rays rays = raysFrom(origins, directions);
-    const glint_out anyOut = outOf(any);
-    ASSERT_EQ(glint_query_any(scene(), &rays, &anyOut, nullptr), GLINT_OK) << glint_last_error();
-    EXPECT_EQ(any, (std::vector<uint8_t>{1, 0, 0}));
+    EXPECT_EQ(any(raysFrom(origins, directions)), (std::vector<uint8_t>{1, 0, 0}));
     for (const bool certified : {false, true}) {
-        const NearestHits all = answers(origins, directions, certified);
+        const Found all = closest(raysFrom(origins, directions), certified);
         EXPECT_EQ(all.hit, (std::vector<uint8_t>{1, 0, 0})) << certified;
         EXPECT_NEAR(all.t[0] / 5e289, 1, 1e-6) << certified;
         if (certified) {

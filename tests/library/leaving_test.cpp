@@ -8,11 +8,8 @@ using glm::dvec3;
 
 class LibraryLeaving : public LibraryTest {
   protected:
-    struct Left {
-        std::vector<D3> origins, points, normals;
-    };
     // Hits of rays from `distance` around `center`, aimed at places within `spread` of it.
-    Left hitsAround(const dvec3& center, double distance, double spread) {
+    Found hitsAround(const dvec3& center, double distance, double spread) {
         Random random(5);
         std::vector<D3> from, along;
         for (int i = 0; i < 500; ++i) {
@@ -22,17 +19,9 @@ class LibraryLeaving : public LibraryTest {
         }
         return hitsOf(from, along);
     }
-    Left hitsOf(const std::vector<D3>& from, const std::vector<D3>& along) {
-        Left left{std::vector<D3>(from.size()), std::vector<D3>(from.size()), std::vector<D3>(from.size())};
-        glint_rays rays = raysFrom(from, along);
-        GLINT_INIT(glint_hits, hits);
-        std::vector<uint8_t> hit(from.size());
-        hits.hit = outOf(hit);
-        hits.origin = outOf(left.origins);
-        hits.point = outOf(left.points);
-        hits.normal = outOf(left.normals);
-        EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
-        EXPECT_EQ(std::count(hit.begin(), hit.end(), 1), static_cast<ptrdiff_t>(hit.size()));
+    Found hitsOf(const std::vector<D3>& from, const std::vector<D3>& along) {
+        const Found left = closest(raysFrom(from, along));
+        EXPECT_EQ(left.hit, std::vector<uint8_t>(from.size(), 1));
         return left;
     }
     // Share of the rays that hit anything: 20 from each origin, over the hemisphere about side * normal.
@@ -48,9 +37,7 @@ class LibraryLeaving : public LibraryTest {
         }
         glint_rays rays = raysFrom(from, along);
         rays.flags = GLINT_RAYS_LEAVE;
-        std::vector<uint8_t> hit(from.size());
-        const glint_out out = outOf(hit);
-        EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+        const std::vector<uint8_t> hit = any(rays);
         return static_cast<double>(std::count(hit.begin(), hit.end(), 1)) / static_cast<double>(hit.size());
     }
     // A ball of triangles, and with sphere a primitive.
@@ -80,12 +67,12 @@ TEST_F(LibraryLeaving, ConvexBallsHideNothingFromTheirSurface) {
             useScene(nullptr);
             addBall(isSphere, center, radius);
             commit();
-            const Left left = hitsAround(dvec3(center), 3 * radius, 0.4 * radius);
-            EXPECT_EQ(occluded(left.origins, left.normals), 0) << isSphere << " " << center << " " << radius;
+            const Found left = hitsAround(dvec3(center), 3 * radius, 0.4 * radius);
+            EXPECT_EQ(occluded(left.origin, left.normal), 0) << isSphere << " " << center << " " << radius;
             std::vector<D3> inside;
-            for (size_t i = 0; i < left.origins.size(); ++i)
-                inside.push_back(arrayOf(2.0 * vectorOf(left.points[i]) - vectorOf(left.origins[i])));
-            EXPECT_EQ(occluded(inside, left.normals, -1), 1) << isSphere << " " << center << " " << radius;
+            for (size_t i = 0; i < left.origin.size(); ++i)
+                inside.push_back(arrayOf(2.0 * vectorOf(left.point[i]) - vectorOf(left.origin[i])));
+            EXPECT_EQ(occluded(inside, left.normal, -1), 1) << isSphere << " " << center << " " << radius;
         }
     }
 }
@@ -109,13 +96,13 @@ TEST_F(LibraryLeaving, TwinsInOnePlaneAreNotHit) {
             from.push_back(arrayOf(start));
             along.push_back(arrayOf(vectorOf(at(0.3 * random.uniform(), 0.3 * random.uniform())) - start));
         }
-        const Left left = hitsOf(from, along);
-        const std::vector<D3> up(left.origins.size(), arrayOf(n));
-        EXPECT_EQ(occluded(left.origins, up), 0) << place;
+        const Found left = hitsOf(from, along);
+        const std::vector<D3> up(left.origin.size(), arrayOf(n));
+        EXPECT_EQ(occluded(left.origin, up), 0) << place;
         // A lid far above rounding and far wider than high is met.
         addMesh<double>({at(-1e4, -1e4, 0.01), at(1e4, -1e4, 0.01), at(0, 2e4, 0.01)});
         commit();
-        EXPECT_GT(occluded(left.origins, up), 0.99) << place;
+        EXPECT_GT(occluded(left.origin, up), 0.99) << place;
     }
 }
 

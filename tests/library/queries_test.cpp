@@ -14,28 +14,11 @@ namespace {
 // More than a piece of the device's holds; the reference is asked for less, which it answers in blocks.
 const size_t kMany = kOnDevice ? 150'001 : 5'001;
 
-struct Cast {
+struct Cast : Found {
     std::vector<D3> origins, directions;
-    std::vector<double> t;
-    std::vector<uint32_t> geometry, primitive;
-    std::vector<D3> normal;
 
-    glint_rays rays() const {
-        glint_rays rays = raysFrom(origins, directions);
-        return rays;
-    }
-    glint_hits hits() {
-        t.assign(origins.size(), -1);
-        geometry.assign(origins.size(), 77);
-        primitive.assign(origins.size(), 77);
-        normal.assign(origins.size(), D3{});
-        GLINT_INIT(glint_hits, hits);
-        hits.t = outOf(t);
-        hits.geometry = outOf(geometry);
-        hits.primitive = outOf(primitive);
-        hits.normal = outOf(normal);
-        return hits;
-    }
+    glint_rays rays() const { return raysFrom(origins, directions); }
+    glint_hits hits() { return outputs(origins.size()); }
 };
 
 // From a sphere around the scene's box to points in it.
@@ -81,12 +64,7 @@ class LibraryQueries : public LibraryTest {
     // Those besides the nearest hits, which are the cast's.
     Answers answers(Cast& cast) {
         closest(cast);
-        Answers all{std::vector<uint8_t>(cast.t.size(), 9), std::vector<uint32_t>(cast.t.size(), 99)};
-        const glint_rays rays = cast.rays();
-        const glint_out hit = outOf(all.hit), crossed = outOf(all.crossed);
-        EXPECT_EQ(glint_query_any(scene(), &rays, &hit, nullptr), GLINT_OK) << glint_last_error();
-        EXPECT_EQ(glint_query_count(scene(), &rays, &crossed, nullptr), GLINT_OK) << glint_last_error();
-        return all;
+        return {any(cast.rays()), counts(cast.rays())};
     }
 };
 
@@ -161,7 +139,7 @@ TEST_F(LibraryQueries, NamesAreTheSameByThemselves) {
         std::array<std::vector<uint32_t>, 3> alone, with;
         for (auto* names : {&alone, &with}) {
             glint_hits hits = cast.hits();
-            if (names == &alone) hits.t = hits.normal = glint_out{};
+            if (names == &alone) hits.hit = hits.t = hits.normal = hits.point = hits.origin = glint_out{};
             for (auto& one : *names) one.assign(cast.t.size(), 77);
             hits.geometry = outOf((*names)[0]);
             hits.primitive = outOf((*names)[1]);
@@ -182,10 +160,7 @@ TEST_F(LibraryQueries, PiecesAndNeighboursChangeNothing) {
     EXPECT_EQ(many.t, coherent.t);
     EXPECT_EQ(many.geometry, coherent.geometry);
     EXPECT_EQ(many.primitive, coherent.primitive);
-    std::vector<uint8_t> hit(many.t.size(), 9);
-    const glint_rays rays = many.rays();
-    const glint_out out = outOf(hit);
-    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    const std::vector<uint8_t> hit = any(many.rays());
     size_t differ = 0;
     for (size_t i = 0; i < hit.size(); ++i) differ += (hit[i] == 1) != (many.geometry[i] != GLINT_NONE);
     EXPECT_EQ(differ, 0u);
@@ -271,12 +246,7 @@ TEST_F(LibraryQueries, BothTypesAreReadAlike) {
                 {static_cast<float>(three[0]), static_cast<float>(three[1]), static_cast<float>(three[2])});
         }
     }
-    std::vector<double> t(origins.size());
-    glint_rays rays = raysFrom(origins, directions);
-    GLINT_INIT(glint_hits, hits);
-    hits.t = outOf(t);
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
-    EXPECT_EQ(t, wide.t);
+    EXPECT_EQ(LibraryTest::closest(raysFrom(origins, directions)).t, wide.t);
 }
 
 TEST_F(LibraryQueries, CancelledAndReported) {

@@ -12,14 +12,8 @@ class LibraryScene : public LibraryTest {
     // t and geometry of the nearest hit of a ray along -z.
     std::pair<double, uint32_t> below(double x, double y, double z = 100) {
         const std::vector<D3> origins = {{x, y, z}}, directions = {{0, 0, -1}};
-        glint_rays rays = raysFrom(origins, directions);
-        std::vector<double> t(1, -1);
-        std::vector<uint32_t> geometry(1);
-        GLINT_INIT(glint_hits, hits);
-        hits.t = outOf(t);
-        hits.geometry = outOf(geometry);
-        EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
-        return {t[0], geometry[0]};
+        const Found found = closest(raysFrom(origins, directions));
+        return {found.t[0], found.geometry[0]};
     }
     // fp32 keeps 24 of t's binary digits at the least where nothing cancels.
     void expectBelow(std::array<double, 2> at, double t, uint32_t geometry) {
@@ -53,13 +47,11 @@ TEST_F(LibraryScene, GeometriesAreNumberedAsTheyCome) {
     EXPECT_EQ(glint_scene_find_material(scene(), "red", &material), GLINT_OK);
     EXPECT_EQ(material, 0u);
     EXPECT_EQ(glint_scene_find_material(scene(), "blue", &material), GLINT_ERROR_ARGUMENT);
-    GLINT_INIT(glint_scene_info, info);
-    ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
-    EXPECT_EQ(info.geometries, 5u);
-    EXPECT_EQ(info.triangles, 2u);
+    EXPECT_EQ(info().geometries, 5u);
+    EXPECT_EQ(info().triangles, 2u);
     // Boxes are rounded outwards.
-    EXPECT_NEAR(info.lower[0], 0, 1e-4);
-    EXPECT_NEAR(info.upper[0], 41, 1e-4);
+    EXPECT_NEAR(info().lower[0], 0, 1e-4);
+    EXPECT_NEAR(info().upper[0], 41, 1e-4);
 }
 
 // fp64 and a million units from 0: what is rounded is the distance from the scene's own origin.
@@ -101,9 +93,7 @@ TEST_F(LibraryScene, InstancesAndTransforms) {
 
 TEST_F(LibraryScene, FilesAndTheirFaults) {
     load("knot.json");
-    GLINT_INIT(glint_scene_info, info);
-    ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
-    EXPECT_GT(info.triangles, 1000u);
+    EXPECT_GT(info().triangles, 1000u);
     glint_scene* none = scene();
     EXPECT_EQ(glint_scene_load(device(), "/no/such/file.json", &none), GLINT_ERROR_SCENE);
     EXPECT_EQ(none, nullptr);
@@ -176,18 +166,11 @@ TEST_F(LibraryScene, DegenerateTrianglesKeepTheirNumbers) {
                     {0, 1, 0}});
     commit();
     const std::vector<D3> origins = {{0.2, 0.2, 1}}, directions = {{0, 0, -1}};
-    glint_rays rays = raysFrom(origins, directions);
-    std::vector<uint32_t> primitive(1);
-    GLINT_INIT(glint_hits, hits);
-    hits.primitive = outOf(primitive);
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
-    EXPECT_EQ(primitive[0], 2u);
-    GLINT_INIT(glint_scene_info, info);
-    ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
-    EXPECT_GE(info.warnings, 1u);
+    EXPECT_EQ(closest(raysFrom(origins, directions)).primitive[0], 2u);
+    EXPECT_GE(info().warnings, 1u);
     const char* text = nullptr;
     EXPECT_EQ(glint_scene_warning(scene(), 0, &text), GLINT_OK);
-    EXPECT_EQ(glint_scene_warning(scene(), info.warnings, &text), GLINT_ERROR_ARGUMENT);
+    EXPECT_EQ(glint_scene_warning(scene(), info().warnings, &text), GLINT_ERROR_ARGUMENT);
 }
 
 TEST_F(LibraryScene, DevicesAndVersions) {

@@ -61,13 +61,7 @@ class LibrarySettings : public testing::Test {
     }
     glint_status fill() {
         const std::vector<F3> vertices = sheet(1);
-        std::vector<U3> corners;
-        for (uint32_t y = 0; y < 40; ++y)
-            for (uint32_t x = 0; x < 40; ++x) {
-                const uint32_t a = 41 * y + x, b = a + 41;
-                corners.push_back({a, a + 1, b + 1});
-                corners.push_back({a, b + 1, b});
-            }
+        const std::vector<U3> corners = gridCorners(40);
         GLINT_INIT(glint_triangles, triangles);
         triangles.vertices = viewOf(vertices);
         triangles.indices = viewOf(corners);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -66,6 +67,67 @@ glint_rays raysFrom(const Origins& origins, const Directions& directions) {
     return rays;
 }
 
+// The hits of rays, in arrays of their own.
+struct Found {
+    std::vector<uint8_t> hit, sure;
+    std::vector<double> t, lower, upper;
+    std::vector<uint32_t> geometry, primitive;
+    std::vector<D3> point, normal, origin;
+    bool operator==(const Found&) const = default;
+
+    // Outputs for `count` rays; certified: with sure and the bounds of t.
+    glint_hits outputs(size_t count, bool certified = false) {
+        GLINT_INIT(glint_hits, hits);
+        // Filled with what no query answers.
+        const auto room = [count](auto& values, auto unlikely) {
+            values.assign(count, unlikely);
+            return outOf(values);
+        };
+        hits.hit = room(hit, uint8_t{9});
+        hits.t = room(t, -1.0);
+        hits.geometry = room(geometry, 77u);
+        hits.primitive = room(primitive, 77u);
+        hits.point = room(point, D3{-1});
+        hits.normal = room(normal, D3{-9});
+        hits.origin = room(origin, D3{-1});
+        if (!certified) return hits;
+        hits.sure = room(sure, uint8_t{9});
+        hits.t_lower = room(lower, -1.0);
+        hits.t_upper = room(upper, -1.0);
+        return hits;
+    }
+};
+// All hits of rays: those of ray i are from offsets[i] to offsets[i + 1].
+struct Listed {
+    std::vector<uint64_t> offsets;
+    std::vector<double> t;
+    std::vector<uint32_t> geometry, primitive;
+    std::vector<D3> normal;
+};
+
+// Returns the number of the mesh. The triangles are consecutive vertices, or by indices.
+template <class T>
+uint32_t addMesh(glint_scene* scene, const std::vector<std::array<T, 3>>& vertices,
+                 const std::vector<U3>& corners = {}) {
+    GLINT_INIT(glint_triangles, triangles);
+    triangles.vertices = viewOf(vertices);
+    if (!corners.empty()) triangles.indices = viewOf(corners);
+    uint32_t geometry = GLINT_NONE;
+    EXPECT_EQ(glint_scene_add_triangles(scene, &triangles, &geometry), GLINT_OK) << glint_last_error();
+    return geometry;
+}
+// The triangles of side x side squares, whose vertices are given row by row.
+inline std::vector<U3> gridCorners(uint32_t side) {
+    std::vector<U3> corners;
+    for (uint32_t y = 0; y < side; ++y) {
+        for (uint32_t x = 0; x < side; ++x) {
+            const uint32_t a = y * (side + 1) + x, b = a + side + 1;
+            corners.push_back({a, a + 1, b + 1});
+            corners.push_back({a, b + 1, b});
+        }
+    }
+    return corners;
+}
 // Returns the number of the first sphere.
 inline uint32_t addSpheres(glint_scene* scene, const std::vector<D3>& centers,
                            const std::vector<double>& radii) {
@@ -122,18 +184,60 @@ class LibraryTest : public testing::Test {
     }
     void commit() { ASSERT_EQ(glint_scene_commit(scene()), GLINT_OK) << glint_last_error(); }
 
-    // A mesh of these corners, consecutive or by indices.
     template <class T>
     uint32_t addMesh(const std::vector<std::array<T, 3>>& vertices, const std::vector<U3>& corners = {}) {
-        GLINT_INIT(glint_triangles, triangles);
-        triangles.vertices = viewOf(vertices);
-        if (!corners.empty()) triangles.indices = viewOf(corners);
-        uint32_t geometry = GLINT_NONE;
-        EXPECT_EQ(glint_scene_add_triangles(scene(), &triangles, &geometry), GLINT_OK) << glint_last_error();
-        return geometry;
+        return test::addMesh(scene(), vertices, corners);
+    }
+    glint_scene_info info() {
+        GLINT_INIT(glint_scene_info, info);
+        EXPECT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK) << glint_last_error();
+        return info;
+    }
+
+    Found closest(const glint_rays& rays, bool certified = false) {
+        Found found;
+        const glint_hits hits = found.outputs(countOf(rays), certified);
+        EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        return found;
+    }
+    std::vector<uint8_t> any(const glint_rays& rays) {
+        std::vector<uint8_t> hit(countOf(rays), 9);
+        const glint_out out = outOf(hit);
+        EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+        return hit;
+    }
+    std::vector<uint32_t> counts(const glint_rays& rays) {
+        std::vector<uint32_t> crossings(countOf(rays), 99);
+        const glint_out out = outOf(crossings);
+        EXPECT_EQ(glint_query_count(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+        return crossings;
+    }
+    Listed list(const glint_rays& rays) {
+        Listed listed;
+        listed.offsets.resize(countOf(rays) + 1);
+        const glint_out offsets = outOf(listed.offsets);
+        uint64_t total = 0;
+        EXPECT_EQ(glint_query_all(scene(), &rays, &offsets, nullptr, &total, nullptr), GLINT_OK)
+            << glint_last_error();
+        listed.t.resize(total);
+        listed.geometry.resize(total);
+        listed.primitive.resize(total);
+        listed.normal.resize(total);
+        GLINT_INIT(glint_hits, hits);
+        hits.t = outOf(listed.t);
+        hits.geometry = outOf(listed.geometry);
+        hits.primitive = outOf(listed.primitive);
+        hits.normal = outOf(listed.normal);
+        EXPECT_EQ(glint_query_all(scene(), &rays, &offsets, &hits, &total, nullptr), GLINT_OK)
+            << glint_last_error();
+        return listed;
     }
 
   private:
+    static size_t countOf(const glint_rays& rays) {
+        return std::max(rays.origins.count, rays.directions.count);
+    }
+
     inline static glint_device* device_ = nullptr;
     glint_scene* scene_ = nullptr;
 };
