@@ -1,7 +1,8 @@
 // Files from elsewhere: all the kinds a reader meets, and damaged ones.
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
+#include <sys/stat.h>
+#include <webp/encode.h>
 #include <algorithm>
 #include <cmath>
 
@@ -12,10 +13,10 @@
 #include "support/support.h"
 
 #if GLINT_WEBP
-#include <webp/encode.h>
 #endif
 
 namespace glint::decode_test {
+
 using test::errorOf;
 using test::pngBytes;
 using test::readBytes;
@@ -312,6 +313,21 @@ TEST_F(Decode, MessagesForTruncatedFiles) {
     bytes.resize(bytes.size() / 2);
     writeBytes(path, bytes);
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": the file is truncated");
+}
+
+// Pictures that crashed, hung or bloated stb_image 2.27 and tinyexr 1.0.1, found by fuzzing and by hand: each
+// is refused.
+
+TEST(HostilePictures, AreRefused) {
+    size_t count = 0;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(test::sourcePath("tests/hostile/pictures"))) {
+        SCOPED_TRACE(entry.path().filename().string());
+        const std::string message = test::errorOf(ErrorKind::Failed, [&] { readImage(entry.path()); });
+        EXPECT_NE(message, "no error");
+        ++count;
+    }
+    EXPECT_GE(count, 64u);
 }
 
 }  // namespace glint::decode_test
