@@ -10,21 +10,21 @@ constexpr const char* kBall = R"("objects": [{"type": "sphere", "center": [0, 0,
 
 struct Nothing {
     const char* name;
-    std::string rest;  // of the scene
-    std::vector<std::string> options;
+    std::string rest;    // of the scene
     std::string advice;  // empty: none
+    const char* options = "";
 };
 
 class Advice : public FolderTest, public ::testing::WithParamInterface<Nothing> {};
 
 TEST_P(Advice, NamesTheReason) {
     writeText("a.json", sceneText(16, 12, GetParam().rest));
-    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu"}, GetParam().options);
+    const Ran ran = runGlint("render a.json --backend cpu", GetParam().options);
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err,
               GetParam().advice.empty() ? "" : "glint: warning: a.json: " + GetParam().advice + "\n");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "a.png"}));
-    EXPECT_EQ(runGlint({"render", "a.json", "--backend", "cpu", "--quiet"}, GetParam().options).err, "");
+    EXPECT_EQ(runGlint("render a.json --backend cpu --quiet", GetParam().options).err, "");
 }
 
 // sceneText's camera stands at (0, 0, 5) and looks along -z.
@@ -39,111 +39,75 @@ std::string onlyBlack(const std::string& reason) {
 }
 
 const Nothing kCases[] = {
-    {"fine", R"("ambient": 0.5, )" + std::string(kBall), {}, ""},
-    {"empty", R"("objects": [])", {}, onlyBackground("the scene has no objects")},
-    {"behind",
-     ballAt("[0, 0, 20]"),
-     {},
+    {"fine", R"("ambient": 0.5, )" + std::string(kBall), ""},
+    {"empty", R"("objects": [])", onlyBackground("the scene has no objects")},
+    {"behind", ballAt("[0, 0, 20]"),
      onlyBackground("everything lies behind the camera; check its eye and target")},
-    {"aside",
-     ballAt("[90, 0, 0]"),
-     {},
+    {"aside", ballAt("[90, 0, 0]"),
      onlyBackground("the camera looks past the objects; glint info tells where they are")},
-    {"planeAlone",
-     R"("objects": [{"type": "plane", "point": [0, 0, 9], "normal": [0, 0, 1]}])",
-     {},
+    {"planeAlone", R"("objects": [{"type": "plane", "point": [0, 0, 9], "normal": [0, 0, 1]}])",
      onlyBackground("the camera looks past the objects; glint info tells where they are")},
-    {"crop",
-     ballAt("[0, 0, 0]"),
-     {"--crop", "0,0,2,2"},
-     onlyBackground("there is nothing else in this --crop")},
-    {"noLight", kBall, {}, onlyBlack("the scene has neither lights nor ambient light")},
+    {"crop", ballAt("[0, 0, 0]"), onlyBackground("there is nothing else in this --crop"), "--crop 0,0,2,2"},
+    {"noLight", kBall, onlyBlack("the scene has neither lights nor ambient light")},
     {"darkLight",
      R"("lights": [{"type": "point", "position": [0, 0, 5], "intensity": 0}], )" + std::string(kBall),
-     {},
      onlyBlack("all its lights have the intensity 0, and there is no ambient light")},
-    {"lightBehind",
-     R"("lights": [{"type": "point", "position": [0, 0, -5]}], )" + std::string(kBall),
-     {},
+    {"lightBehind", R"("lights": [{"type": "point", "position": [0, 0, -5]}], )" + std::string(kBall),
      onlyBlack("all lights are behind the surfaces that are seen")},
     {"allInShadow",
      R"("lights": [{"type": "point", "position": [0, 0, 9]}], "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]},
         {"type": "disc", "center": [0, 0, 7], "normal": [0, 0, 1], "radius": 6}])",
-     {},
      onlyBlack("all that is seen lies in shadow")},
     {"blackMaterial",
      R"("lights": [{"type": "point", "position": [0, 0, 5]}], "materials": {"soot": {"diffuse": 0}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "soot"}])",
-     {},
      onlyBlack("the materials of what is seen are black")},
     {"insideASphere",
      R"("lights": [{"type": "point", "position": [0, 90, 5]}], "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
-     {},
      onlyBlack("the camera is inside /objects/0, and no light is in there with it")},
-    {"insideASphereOfAmbientLight",
-     R"("ambient": 0.5, "lights": [{"type": "point", "position": [0, 90, 5]}],
+    {"insideASphereOfAmbientLight", R"("ambient": 0.5, "lights": [{"type": "point", "position": [0, 90, 5]}],
         "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
-     {},
      "the camera is inside /objects/0, and no light is in there with it"},
     {"insideASphereWithALamp",
      R"("lights": [{"type": "point", "position": [0, 1, 5]}], "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
-     {},
      ""},
     {"insideWithCompany",
      R"("ambient": 0.5, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 30},
         {"type": "sphere", "center": [0, 0, 0], "radius": 1}])",
-     {},
      ""},
-    {"blackButFramed",
-     R"("background": [1, 0, 0], )" + std::string(kBall),
-     {"--spp", "4"},
-     onlyBlack("the scene has neither lights nor ambient light")},
-    {"rimAlone",
-     R"("background": [1, 0, 0], "ambient": 0.5, )" + std::string(kBall),
-     {"--size", "1x1", "--spp", "16"},
-     ""},
-    {"blackRimAlone",
-     std::string(kBall),
-     {"--size", "1x1", "--spp", "16"},
-     onlyBlack("the scene has neither lights nor ambient light")},
+    {"blackButFramed", R"("background": [1, 0, 0], )" + std::string(kBall),
+     onlyBlack("the scene has neither lights nor ambient light"), "--spp 4"},
+    {"rimAlone", R"("background": [1, 0, 0], "ambient": 0.5, )" + std::string(kBall), "",
+     "--size 1x1 --spp 16"},
+    {"blackRimAlone", std::string(kBall), onlyBlack("the scene has neither lights nor ambient light"),
+     "--size 1x1 --spp 16"},
     {"glassWithoutDepth",
      R"("maxDepth": 1, "lights": [{"type": "point", "position": [0, 0, 5]}], "materials": {"glass": {"transmission": 1}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "glass"}])",
-     {},
      onlyBlack("what is seen shows only reflections and refractions, and maxDepth is 1; use --max-depth 5")},
     {"mirrorOfThePlainBackground",
      R"("background": [0.25, 0.5, 0.75], "materials": {"m": {"diffuse": 0, "mirror": 1}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}])",
-     {},
      "the objects look like the plain background, which they reflect or let pass; change the background or "
-     "the "
-     "materials"},
+     "the materials"},
     {"tooDark",
      R"("lights": [{"type": "point", "position": [0, 0, 601], "falloff": "inverseSquare"}], )" +
          std::string(kBall),
-     {},
-     "everything in the image is too dark for 8 bits; the brightest value is 1.94e-06: use --exposure 18, "
-     "or a "
-     "format with floats such as .exr"},
+     "everything in the image is too dark for 8 bits; the brightest value is 1.94e-06: use --exposure 18, or "
+     "a format with floats such as .exr"},
     {"darkButExposed",
      R"("lights": [{"type": "point", "position": [0, 0, 601], "falloff": "inverseSquare"}], )" +
          std::string(kBall),
-     {"--exposure", "18"},
-     ""},
+     "", "--exposure 18"},
     {"tooBright",
      R"("lights": [{"type": "point", "position": [0, 0, 601], "intensity": 50000}], "ambient": 100, )" +
          std::string(kBall),
-     {},
-     "everything in the image is too bright for 8 bits; the brightest value is 3.5e+04: use --exposure "
-     "-16, "
-     "or a "
-     "format with floats such as .exr"},
+     "everything in the image is too bright for 8 bits; the brightest value is 3.5e+04: use --exposure -16, "
+     "or a format with floats such as .exr"},
     {"onlyOneChannel",
      R"("lights": [{"type": "point", "position": [0, 0, 5], "intensity": [0, 0, 0.1]}], )" +
          std::string(kBall),
-     {},
-     ""},
-};
+     ""}};
 INSTANTIATE_TEST_SUITE_P(All, Advice, ::testing::ValuesIn(kCases),
                          [](const auto& test) { return test.param.name; });
 
@@ -154,11 +118,11 @@ TEST_F(ClippedAdvice, NearAndFar) {
         writeText("a.json",
                   R"({"image": {"width": 16, "height": 12}, "ambient": 1, "camera": {"eye": [0, 0, 5], )" +
                       limits + R"(}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
-        return runGlint({"render", "a.json", "--backend", "cpu"}).err;
+        return runGlint("render a.json --backend cpu").err;
     };
     EXPECT_EQ(advice("\"far\": 3.5"),
-              "glint: warning: a.json: the image shows only background: everything is farther away than "
-              "the camera's far\n");
+              "glint: warning: a.json: the image shows only background: everything is farther away than the "
+              "camera's far\n");
     EXPECT_EQ(advice("\"near\": 8"),
               "glint: warning: a.json: the image shows only background: everything is nearer than the "
               "camera's near\n");
@@ -172,8 +136,8 @@ TEST_F(ClippedAdvice, NearAndFar) {
     writeText("a.json",
               R"({"image": {"width": 16, "height": 12}, "ambient": 1, "camera": {"eye": [0, 0, 5], "far": 4},
               "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}, {"type": "sphere", "center": [90, 0, 0], "radius": 3}]})");
-    EXPECT_TRUE(runGlint({"render", "a.json", "--backend", "cpu"})
-                    .err.ends_with("farther away than the camera's far\n"));
+    EXPECT_TRUE(
+        runGlint("render a.json --backend cpu").err.ends_with("farther away than the camera's far\n"));
     // In front of the eye as it looks, behind the turned image plane: the eye is at (0, 0, 5), the plane's
     // normal (0, 3, 1), and of the view direction (0, 2, -5) upwards.
     EXPECT_TRUE(advice(R"("target": [0, 2, 0], "up": [0, 0, 1], "planeNormal": [0, 3, 1])")
@@ -187,10 +151,9 @@ TEST_F(ClippedAdvice, InsideAMesh) {
               "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n");
     writeText("a.json", sceneText(16, 12, R"("lights": [{"type": "point", "position": [0, 9, 9]}],
         "meshes": {"m": {"file": "a.obj"}}, "objects": [{"type": "mesh", "mesh": "m", "transform": [{"translate": [0, 0, 4.5]}]}])"));
-    EXPECT_EQ(runGlint({"render", "a.json", "--backend", "cpu"}).err,
+    EXPECT_EQ(runGlint("render a.json --backend cpu").err,
               "glint: warning: a.json: everything in the image is black: the camera is inside /objects/0, "
-              "and no light is in "
-              "there with it\n");
+              "and no light is in there with it\n");
 }
 
 TEST_F(ClippedAdvice, AllTrianglesDropped) {
@@ -198,11 +161,11 @@ TEST_F(ClippedAdvice, AllTrianglesDropped) {
     writeText("a.json",
               sceneText(16, 12,
                         R"("meshes": {"m": {"file": "a.obj"}}, "objects": [{"type": "mesh", "mesh": "m"}])"));
-    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu"});
+    const Ran ran = runGlint("render a.json --backend cpu");
     EXPECT_EQ(ran.code, 0);
-    EXPECT_TRUE(ran.err.ends_with(
-        "glint: warning: a.json: the image shows only background: nothing is left of its objects (see "
-        "the warnings above)\n"))
+    EXPECT_TRUE(
+        ran.err.ends_with("glint: warning: a.json: the image shows only background: nothing is left of its "
+                          "objects (see the warnings above)\n"))
         << ran.err;
 }
 
@@ -216,7 +179,7 @@ TEST_F(ClippedAdvice, NotFiniteIsCountedAndShownBlack) {
         "camera": {"eye": [0, 0, 1e-10], "target": [0, 0, 0], "up": [0, 1, 0], "fovY": 60},
         "lights": [{"type": "point", "position": [0, 0, 1e-11], "intensity": 1e18, "falloff": "inverseSquare"}],
         "objects": [{"type": "disc", "center": [0, 0, 0], "normal": [0, 0, 1], "radius": 1, "material": "red"}]})");
-    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-o", "a.pfm", "--stats", "json"});
+    const Ran ran = runGlint("render a.json --backend cpu -o a.pfm --stats json");
     EXPECT_EQ(ran.code, 0);
     const auto stats = nlohmann::json::parse(ran.out);
     const uint64_t count = stats["notFinite"];

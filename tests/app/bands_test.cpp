@@ -8,11 +8,9 @@
 #include "support.h"
 
 namespace glint::app::test::bands_test {
-class Bands : public FolderTest {
+class Bands : public SmallSceneTest {
   protected:
-    void SetUp() override { writeSmallScene("a.json"); }
-
-    static nlohmann::json render(const std::string& output, std::vector<std::string> more) {
+    static nlohmann::json render(const std::string& output, Words more) {
         const Ran ran =
             runGlint({"render", "a.json", "--backend", "cpu", "-o", output, "--stats", "json"}, more);
         EXPECT_EQ(ran.code, 0) << ran.err;
@@ -28,10 +26,10 @@ class Bands : public FolderTest {
     }
 
     // In bands of every height, the last one shorter or not.
-    static void compare(const std::string& kind, const std::vector<std::string>& options, bool sameBytes) {
+    static void compare(const std::string& kind, const Words& options, bool sameBytes) {
         const auto whole = render("whole" + kind, options);
         for (const int rows : {1, 8, 16, 40, 1000}) {
-            std::vector<std::string> more = options;
+            Words more = options;
             more.insert(more.end(), {"--band-rows", std::to_string(rows)});
             const auto bands = render("bands" + kind, more);
             EXPECT_EQ(bands.at("hash"), whole.at("hash")) << kind << rows;
@@ -55,16 +53,16 @@ const std::string kLayers = "color,alpha,depth,position,normal,uv,object,primiti
 
 TEST_F(Bands, EveryFormatHasTheSamePixels) {
     compare(".png", {}, false);
-    compare(".png", {"--aov", "color,alpha"}, false);
-    compare(".png", {"--aov", "alpha"}, false);
+    compare(".png", "--aov color,alpha", false);
+    compare(".png", "--aov alpha", false);
     compare(".exr", {"--aov", kLayers}, true);
     compare(".pfm", {"--aov", kLayers}, true);
 }
 
 TEST_F(Bands, SamplesAndCropsToo) {
-    compare(".exr", {"--spp", "4", "--sampler", "jittered", "--adaptive", "12,0.05"}, true);
-    const auto whole = render("whole.pfm", {"--crop", "5,3,50,30"});
-    const auto bands = render("bands.pfm", {"--crop", "5,3,50,30", "--band-rows", "8"});
+    compare(".exr", "--spp 4 --sampler jittered --adaptive 12,0.05", true);
+    const auto whole = render("whole.pfm", "--crop 5,3,50,30");
+    const auto bands = render("bands.pfm", "--crop 5,3,50,30 --band-rows 8");
     EXPECT_EQ(readBytes("whole.pfm"), readBytes("bands.pfm"));
     EXPECT_EQ(bands.at("bands"), 4);
 }
@@ -73,30 +71,30 @@ TEST_F(Bands, SamplesAndCropsToo) {
 TEST_F(Bands, AdviceIsOfTheWholePicture) {
     writeText("empty.json",
               sceneText(32, 32, R"("objects": [{"type": "sphere", "center": [0, 0, 50], "radius": 1}])"));
-    const Ran whole = runGlint({"render", "empty.json", "--backend", "cpu"});
-    const Ran bands = runGlint({"render", "empty.json", "--backend", "cpu", "--band-rows", "8"});
+    const Ran whole = runGlint("render empty.json --backend cpu");
+    const Ran bands = runGlint("render empty.json --backend cpu --band-rows 8");
     EXPECT_HAS(whole.err, "shows only background");
     EXPECT_EQ(bands.err, whole.err);
     writeText(
         "low.json",
         sceneText(32, 32,
                   R"("ambient": 1, "objects": [{"type": "sphere", "center": [0, -4, 0], "radius": 1}])"));
-    EXPECT_EQ(runGlint({"render", "low.json", "--backend", "cpu", "--band-rows", "8"}).err, "");
+    EXPECT_EQ(runGlint("render low.json --backend cpu --band-rows 8").err, "");
 }
 
 TEST_F(Bands, WhereThereCanBeNone) {
-    const auto message = [](std::vector<std::string> more) {
-        const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "--band-rows", "8"}, more);
+    const auto message = [](Words more) {
+        const Ran ran = runGlint("render a.json --backend cpu --band-rows 8", more);
         EXPECT_EQ(ran.code, 2);
         return ran.err;
     };
     const std::string where =
         "glint: --band-rows: bands go into .png (layers color and alpha alone), .exr and .pfm, and not with "
         "--error\n";
-    EXPECT_EQ(message({"-o", "a.hdr"}), where);
-    EXPECT_EQ(message({"-o", "a.png", "--aov", "color,depth"}), where);
-    EXPECT_EQ(message({"-o", "a.png", "--error", "0.1"}), where);
-    EXPECT_EQ(message({"--part", "1/2"}), "glint: --part: not together with --band-rows\n");
+    EXPECT_EQ(message("-o a.hdr"), where);
+    EXPECT_EQ(message("-o a.png --aov color,depth"), where);
+    EXPECT_EQ(message("-o a.png --error 0.1"), where);
+    EXPECT_EQ(message("--part 1/2"), "glint: --part: not together with --band-rows\n");
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 

@@ -22,8 +22,7 @@ TEST_F(BenchOnHost, CountsEveryRayOfThePicture) {
              {"type": "point", "position": [0, 0, -4], "intensity": 1}],
   "materials": {"m": {"diffuse": 0.5}},
   "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "m"}])"));
-    const Ran ran = runGlint(
-        {"bench", "a.json", "a.json", "--backend", "cpu", "--repeat", "2", "--spp", "4", "--stats", "json"});
+    const Ran ran = runGlint("bench a.json a.json --backend cpu --repeat 2 --spp 4 --stats json");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const nlohmann::json json = nlohmann::json::parse(ran.out);
     EXPECT_EQ(json["version"], GLINT_VERSION);
@@ -44,7 +43,7 @@ TEST_F(BenchOnHost, CountsEveryRayOfThePicture) {
 }
 
 TEST_F(BenchOnHost, SceneAtFault) {
-    const Ran ran = runGlint({"bench", "no.json", "--backend", "cpu"});
+    const Ran ran = runGlint("bench no.json --backend cpu");
     EXPECT_EQ(ran.code, 3);
     EXPECT_EQ(ran.err, "glint: no.json: no such file\n");
     EXPECT_EQ(ran.out, "");
@@ -53,7 +52,7 @@ TEST_F(BenchOnHost, SceneAtFault) {
 // 65536^2 pixels times 17 bytes are beyond this machine.
 TEST_F(BenchOnHost, PicturesThatDoNotFitAreRefusedBeforehand) {
     writeSmallScene("a.json");
-    const Ran ran = runGlint({"bench", "a.json", "--backend", "cpu", "--size", "65536x65536"});
+    const Ran ran = runGlint("bench a.json --backend cpu --size 65536x65536");
     EXPECT_EQ(ran.code, 1);
     EXPECT_TRUE(ran.err.starts_with("glint: a picture of 65536x65536 pixels takes 68.0 GiB of memory, "))
         << ran.err;

@@ -17,55 +17,45 @@ class CameraOption : public FolderTest {
                   R"({"image": {"width": 32, "height": 24}, "camera": {"eye": [5, 1, 0], "fovY": 30}, )" +
                       kRest + "}");
     }
-    static Ran onHost(std::vector<std::string> args) {
-        args.insert(args.end(), {"--backend", "cpu"});
+    static Ran onHost(Words args) {
+        args += "--backend cpu";
         return runGlint(args);
     }
 };
 
 TEST_F(CameraOption, DrawsWhatThatCameraSees) {
-    ASSERT_EQ(onHost({"render", "two.json", "-q", "-o", "a.pfm", "--camera", "side"}).code, 0);
-    ASSERT_EQ(onHost({"render", "side.json", "-q", "-o", "b.pfm"}).code, 0);
-    ASSERT_EQ(onHost({"render", "two.json", "-q", "-o", "c.pfm"}).code, 0);
+    ASSERT_EQ(onHost("render two.json -q -o a.pfm --camera side").code, 0);
+    ASSERT_EQ(onHost("render side.json -q -o b.pfm").code, 0);
+    ASSERT_EQ(onHost("render two.json -q -o c.pfm").code, 0);
     EXPECT_EQ(readBytes("a.pfm"), readBytes("b.pfm"));
     EXPECT_NE(readBytes("a.pfm"), readBytes("c.pfm"));
 }
 
 TEST_F(CameraOption, TracesItsPixels) {
-    const Ran side = onHost({"trace", "two.json", "--pixel", "16,12", "--camera", "side"});
+    const Ran side = onHost("trace two.json --pixel 16,12 --camera side");
     EXPECT_EQ(side.code, 0);
-    EXPECT_EQ(side.out, onHost({"trace", "side.json", "--pixel", "16,12"}).out);
-    EXPECT_NE(side.out, onHost({"trace", "two.json", "--pixel", "16,12"}).out);
+    EXPECT_EQ(side.out, onHost("trace side.json --pixel 16,12").out);
+    EXPECT_NE(side.out, onHost("trace two.json --pixel 16,12").out);
 }
 
 TEST_F(CameraOption, InfoListsThem) {
-    const Ran ran = runGlint({"info", "two.json", "--camera", "far"});
+    const Ran ran = runGlint("info two.json --camera far");
     EXPECT_EQ(ran.code, 0);
     EXPECT_HAS(ran.out, "  camera        perspective\n  cameras       \"side\", \"far\"\n");
-    EXPECT_LACKS(runGlint({"info", "side.json"}).out, "cameras");
+    EXPECT_LACKS(runGlint("info side.json").out, "cameras");
 }
 
 TEST_F(CameraOption, AnUnknownNameIsAnErrorOfTheCommandLine) {
     for (const std::string command : {"render", "trace", "info", "bench"}) {
-        std::vector<std::string> args = {command, "two.json", "--camera", "sid"};
-        if (command == "trace") args.insert(args.end(), {"--pixel", "1,1"});
+        Words args = {command, "two.json", "--camera", "sid"};
+        if (command == "trace") args += "--pixel 1,1";
         const Ran ran = command == "info" ? runGlint(args) : onHost(args);
         EXPECT_EQ(ran.code, 2) << command;
         EXPECT_EQ(ran.err, "glint: two.json: no camera \"sid\" (there are \"side\", \"far\")\n") << command;
     }
-    EXPECT_EQ(runGlint({"info", "side.json", "--camera", "x"}).err,
+    EXPECT_EQ(runGlint("info side.json --camera x").err,
               "glint: side.json: no camera \"x\" (none in it has a name)\n");
-    EXPECT_EQ(runGlint({"info", "two.json", "--camera", ""}).err, "glint: --camera: the name is empty\n");
-}
-
-// Parts of pictures of two cameras make no picture.
-TEST_F(CameraOption, PartsKnowTheirCamera) {
-    ASSERT_EQ(onHost({"render", "two.json", "-q", "--part", "1/2", "-o", "1.part"}).code, 0);
-    ASSERT_EQ(onHost({"render", "two.json", "-q", "--part", "2/2", "-o", "2.part", "--camera", "side"}).code,
-              0);
-    const Ran merged = runGlint({"merge", "1.part", "2.part", "-o", "m.pfm"});
-    EXPECT_NE(merged.code, 0);
-    EXPECT_HAS(merged.err, "camera");
+    EXPECT_EQ(runGlint("info two.json --camera ''").err, "glint: --camera: the name is empty\n");
 }
 
 }  // namespace glint::app::test::camera_test

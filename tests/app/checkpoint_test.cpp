@@ -15,14 +15,13 @@ class Checkpoints : public FolderTest {
     void SetUp() override {
         FolderTest::SetUp();
         writeSmallScene("a.json");
-        ASSERT_EQ(runGlint(with({"-o", "whole.pfm", "-q"})).code, 0);
+        ASSERT_EQ(runGlint(with("-o whole.pfm -q")).code, 0);
         whole_ = readBytes("whole.pfm");
     }
     // A second or so of work in 16 units.
-    static std::vector<std::string> with(std::vector<std::string> more) {
-        std::vector<std::string> args = {"render", "a.json",  "--backend", "cpu",
-                                         "--size", "256x192", "--spp",     "24"};
-        args.insert(args.end(), more.begin(), more.end());
+    static Words with(Words more) {
+        Words args = "render a.json --backend cpu --size 256x192 --spp 24";
+        args += more;
         return args;
     }
     std::vector<uint8_t> whole_;
@@ -30,7 +29,7 @@ class Checkpoints : public FolderTest {
 
 // Killed at any moment and started again until it is done.
 TEST_F(Checkpoints, AKilledProcessIsResumed) {
-    const std::vector<std::string> args = with({"--checkpoint", "c.part", "-o", "all.pfm", "-q"});
+    const Words args = with("--checkpoint c.part -o all.pfm -q");
     int kills = 0;
     for (; kills < 50; ++kills) {
         Child child(args);
@@ -60,7 +59,7 @@ TEST_F(Checkpoints, AnInterruptedProcessReportsItsUnits) {
     int code = 0;
     // On a busy machine the child may be done before this process gets its turn to interrupt it.
     for (int trial = 0; trial < 20 && code == 0; ++trial) {
-        Child child(with({"--checkpoint", "c.part", "-o", "all.pfm", "-q"}));
+        Child child(with("--checkpoint c.part -o all.pfm -q"));
         const Stopwatch watch;
         const auto held = [] {
             std::error_code missing;
@@ -74,13 +73,12 @@ TEST_F(Checkpoints, AnInterruptedProcessReportsItsUnits) {
     }
     EXPECT_EQ(code, 130);
     EXPECT_TRUE(said.starts_with("glint: interrupted: c.part holds ")) << said;
-    const Ran other = runGlint(with({"--checkpoint", "c.part", "-o", "all.pfm", "--max-depth", "1"}));
+    const Ran other = runGlint(with("--checkpoint c.part -o all.pfm --max-depth 1"));
     EXPECT_EQ(other.code, 1);
     EXPECT_EQ(other.err,
               "glint: c.part: is a checkpoint of another picture: maxDepth is 5 there and 1 here; remove it, "
-              "or give "
-              "another name\n");
-    EXPECT_EQ(runGlint(with({"--checkpoint", "c.part", "-o", "all.pfm", "-q"})).code, 0);
+              "or give another name\n");
+    EXPECT_EQ(runGlint(with("--checkpoint c.part -o all.pfm -q")).code, 0);
     EXPECT_EQ(readBytes("all.pfm"), whole_);
 }
 

@@ -37,7 +37,7 @@ void drain(int& fd, std::string& text) {
 
 }  // namespace
 
-Child::Child(std::vector<std::string> args, const Environment& environment, bool terminal) {
+Child::Child(Words args, const Environment& environment, bool terminal) {
     std::vector<char*> argv = {const_cast<char*>(GLINT_PROGRAM)};
     for (std::string& arg : args) argv.push_back(arg.data());
     argv.push_back(nullptr);

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "support.h"
+
 namespace glint::app::test {
 
 class Child {
@@ -15,7 +17,7 @@ class Child {
 
     // Starts glint with its output in pipes or, with `terminal`, on a pseudo-terminal (all of it then is
     // err()).
-    explicit Child(std::vector<std::string> args, const Environment& environment = {}, bool terminal = false);
+    explicit Child(Words args, const Environment& environment = {}, bool terminal = false);
     ~Child();  // kills what still runs
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;

@@ -22,7 +22,7 @@ class Diff : public FolderTest {
 };
 
 TEST_F(Diff, EqualPictures) {
-    const Ran ran = runGlint({"diff", "b.pfm", "b.pfm"});
+    const Ran ran = runGlint("diff b.pfm b.pfm");
     EXPECT_EQ(ran.out,
               "RMSE 0, PSNR inf dB, relMSE 0, SSIM -, max 0, mean 0\n"
               "0 of 4 pixels (0.0000 %) differ by more than 0, 0 not finite in one picture only\n");
@@ -33,25 +33,25 @@ TEST_F(Diff, EqualPictures) {
 // RMSE = sqrt((0.5^2 + 0.25^2) / 12) = 0.161374; PSNR = 20 log10(1 / RMSE) = 15.84 dB; mean B - A = 0.75
 // / 12; against black, relMSE = 100 RMSE^2. SSIM has windows of 11 x 11 pixels.
 TEST_F(Diff, NumbersFollowTheirDefinitions) {
-    const Ran ran = runGlint({"diff", "a.pfm", "b.pfm"});
+    const Ran ran = runGlint("diff a.pfm b.pfm");
     EXPECT_EQ(ran.out,
               "RMSE 0.161374, PSNR 15.84 dB, relMSE 2.604, SSIM -, max 0.5, mean 0.0625\n"
               "2 of 4 pixels (50.0000 %) differ by more than 0, 0 not finite in one picture only\n"
               "  pixel 1,0: 0.5\n"
               "  pixel 0,1: 0.25\n");
     EXPECT_EQ(ran.code, 5);
-    EXPECT_HAS(runGlint({"diff", "b.pfm", "a.pfm"}).out, "mean -0.0625");
+    EXPECT_HAS(runGlint("diff b.pfm a.pfm").out, "mean -0.0625");
 }
 
 TEST_F(Diff, ToleranceDecidesTheExitCode) {
-    EXPECT_EQ(runGlint({"diff", "a.pfm", "b.pfm", "--tolerance", "0.5"}).code, 0);
-    const Ran ran = runGlint({"diff", "a.pfm", "b.pfm", "--tolerance", "0.25"});
+    EXPECT_EQ(runGlint("diff a.pfm b.pfm --tolerance 0.5").code, 0);
+    const Ran ran = runGlint("diff a.pfm b.pfm --tolerance 0.25");
     EXPECT_EQ(ran.code, 5);
     EXPECT_HAS(ran.out, "1 of 4 pixels (25.0000 %) differ by more than 0.25");
 }
 
 TEST_F(Diff, DifferencePictureIsTheAbsoluteDifference) {
-    const Ran ran = runGlint({"diff", "b.pfm", "a.pfm", "-o", "d.pfm"});
+    const Ran ran = runGlint("diff b.pfm a.pfm -o d.pfm");
     EXPECT_EQ(ran.code, 5);
     EXPECT_HAS(ran.out, "wrote d.pfm\n");
     const Image d = readImage("d.pfm");
@@ -83,8 +83,8 @@ TEST_F(Diff, NotFinitePictures) {
     Image n(2, 2, 3);
     n.at(0, 0, 0) = std::numeric_limits<float>::quiet_NaN();
     writeImage("n.pfm", n);
-    EXPECT_EQ(runGlint({"diff", "n.pfm", "n.pfm"}).code, 0);
-    const Ran ran = runGlint({"diff", "a.pfm", "n.pfm", "--tolerance", "1000", "-o", "d.pfm"});
+    EXPECT_EQ(runGlint("diff n.pfm n.pfm").code, 0);
+    const Ran ran = runGlint("diff a.pfm n.pfm --tolerance 1000 -o d.pfm");
     EXPECT_EQ(ran.code, 5);
     EXPECT_HAS(ran.out, "1 not finite in one picture only\n");
     EXPECT_HAS(ran.out, "max inf");
@@ -95,8 +95,8 @@ TEST_F(Diff, NotFinitePictures) {
 TEST_F(Diff, PngAndFloatPicturesCompareLinearly) {
     writeImage("q.png", Image(2, 2, 3, 0.25f));
     writeImage("q.exr", Image(2, 2, 3, 0.25f));
-    EXPECT_EQ(runGlint({"diff", "q.png", "q.exr", "--tolerance", "0.002"}).code, 0);
-    EXPECT_EQ(runGlint({"diff", "q.png", "q.exr"}).code, 5);
+    EXPECT_EQ(runGlint("diff q.png q.exr --tolerance 0.002").code, 0);
+    EXPECT_EQ(runGlint("diff q.png q.exr").code, 5);
 }
 
 }  // namespace glint::app::test::diff_test

@@ -10,20 +10,13 @@
 #include "support.h"
 
 namespace glint::app::test::error_target_test {
-class ErrorTarget : public FolderTest {
+class ErrorTarget : public SmallSceneTest {
   protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        writeSmallScene("a.json");
-    }
-
-    static Ran render(std::vector<std::string> options) {
-        return runGlint({"render", "a.json", "--backend", "cpu", "--size", "32x24"}, options);
-    }
+    static Ran render(Words options) { return runGlint("render a.json --backend cpu --size 32x24", options); }
 };
 
 TEST_F(ErrorTarget, IsReachedAndTold) {
-    const Ran ran = render({"--error", "0.02", "--within-depth", "--stats", "json", "-q"});
+    const Ran ran = render("--error 0.02 --within-depth --stats json -q");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const nlohmann::json stats = nlohmann::json::parse(ran.out);
     const nlohmann::json& error = stats.at("error");
@@ -32,14 +25,14 @@ TEST_F(ErrorTarget, IsReachedAndTold) {
     EXPECT_GT(error.at("sampling").get<double>(), 0);
     EXPECT_GT(error.at("rounding").get<double>(), 0);
     EXPECT_EQ(stats.at("samplesTaken").at("min"), error.at("samplesPerPixel"));
-    const Ran again = render({"--error", "0.02", "--within-depth", "-q", "-o", "again.png"});
+    const Ran again = render("--error 0.02 --within-depth -q -o again.png");
     EXPECT_EQ(readBytes("a.png"), readBytes("again.png"));
 }
 
 // As attributes that --stats has too. An EXR without --error has none: its bytes are those of any other way
 // to draw it.
 TEST_F(ErrorTarget, IsInTheHeaderOfAnExr) {
-    const Ran ran = render({"--error", "0.02", "--within-depth", "--stats", "json", "-q", "-o", "a.exr"});
+    const Ran ran = render("--error 0.02 --within-depth --stats json -q -o a.exr");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const nlohmann::json stats = nlohmann::json::parse(ran.out);
     const auto header = [](const std::string& file) {
@@ -54,12 +47,12 @@ TEST_F(ErrorTarget, IsInTheHeaderOfAnExr) {
             << key;
     EXPECT_EQ(told.typedAttribute<Imf::DoubleAttribute>("glint.error.reached").value(), 1);
     EXPECT_EQ(told.typedAttribute<Imf::StringAttribute>("glint.error.stopped").value(), "reached");
-    ASSERT_EQ(render({"-q", "-o", "b.exr"}).code, 0);
+    ASSERT_EQ(render("-q -o b.exr").code, 0);
     EXPECT_EQ(header("b.exr").findTypedAttribute<Imf::DoubleAttribute>("glint.error.asked"), nullptr);
 }
 
 TEST_F(ErrorTarget, SummaryNamesTheParts) {
-    const Ran ran = render({"--error", "0.02", "--within-depth"});
+    const Ran ran = render("--error 0.02 --within-depth");
     EXPECT_HAS(ran.out, "error (rmse): at most 0.0");
     EXPECT_HAS(ran.out, "(not counted)");
 }
@@ -74,46 +67,44 @@ TEST_F(ErrorTarget, SummaryDoesNotRoundTheConfidence) {
 
 // The scene has a sample for each pixel, which is too few for the filter, and --spp is not for --error.
 TEST_F(ErrorTarget, FiltersTakeTheSamplesThatTheyNeed) {
-    const Ran ran = render({"--error", "0.1", "--within-depth", "--filter", "mitchell", "--stats", "json"});
+    const Ran ran = render("--error 0.1 --within-depth --filter mitchell --stats json");
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_GE(nlohmann::json::parse(ran.out)["error"]["samplesPerPixel"], 8) << "two replicates of 4";
 }
 
 // Two replicates of one pixel that errs have no quantile.
 TEST_F(ErrorTarget, OfTooFewPixelsNothingIsPromised) {
-    const Ran one = render({"--error", "0.01", "--crop", "16,12,17,13"});
+    const Ran one = render("--error 0.01 --crop 16,12,17,13");
     EXPECT_EQ(one.code, 2);
     EXPECT_HAS(one.err, "--error cannot bound the error of a single pixel");
     writeText("a.json", sceneText(2, 1, R"("background": 0.5, "ambient": 1,
         "objects": [{"type": "sphere", "center": [3, 0, 0], "radius": 2}])"));
-    const Ran two =
-        runGlint({"render", "a.json", "--backend", "cpu", "--error", "0.0001", "--max-spp", "64"});
+    const Ran two = runGlint("render a.json --backend cpu --error 0.0001 --max-spp 64");
     EXPECT_EQ(two.code, 0);
     EXPECT_HAS(two.err,
-               "target 0.0001 not reached: the error has no bound after 64 samples per pixel "
-               "(--max-spp); too few pixels");
+               "target 0.0001 not reached: the error has no bound after 64 samples per pixel (--max-spp); "
+               "too few pixels");
 }
 
 // What all samples may have missed is counted up to full scale, and told beyond it.
 TEST_F(ErrorTarget, HighlightsThatNobodySawAreTold) {
     // Nothing but sky.
-    const auto drawn = [&](const std::string& sky, std::vector<std::string> options) {
+    const auto drawn = [&](const std::string& sky, Words options) {
         writeText("a.json", sceneText(32, 24, R"("background": )" + sky + R"(, "objects": [
                       {"type": "sphere", "center": [0, 1000, 0], "radius": 1}])"));
-        return runGlint({"render", "a.json", "--backend", "cpu", "--error", "0.5"}, options).out;
+        return runGlint("render a.json --backend cpu --error 0.5", options).out;
     };
     const std::string note = "not counted: a highlight as bright as the scene allows";
     EXPECT_LACKS(drawn("0.5", {}), note);
     EXPECT_HAS(drawn("500", {}), note);
     const auto unseen = [&](const std::string& sky) {
-        return nlohmann::json::parse(drawn(sky, {"--stats", "json"}))["error"]["unseen"].get<double>();
+        return nlohmann::json::parse(drawn(sky, "--stats json"))["error"]["unseen"].get<double>();
     };
     EXPECT_NEAR(unseen("500") / unseen("5"), 100, 0.01);
 }
 
 TEST_F(ErrorTarget, LayersHoldSamplesAndErrors) {
-    const Ran ran =
-        render({"--error", "0.05", "--within-depth", "--aov", "color,error,samples", "-o", "a.pfm", "-q"});
+    const Ran ran = render("--error 0.05 --within-depth --aov color,error,samples -o a.pfm -q");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const Image errors = readImage("a.error.pfm"), samples = readImage("a.samples.pfm");
     bool differs = false;
@@ -128,33 +119,33 @@ TEST_F(ErrorTarget, LayersHoldSamplesAndErrors) {
 }
 
 TEST_F(ErrorTarget, WhatIsNotReachedIsSaidAndStrictFails) {
-    const std::vector<std::string> few = {"--error", "0.0001", "--max-spp", "8", "--within-depth"};
+    const Words few = "--error 0.0001 --max-spp 8 --within-depth";
     const Ran lenient = render(few);
     EXPECT_EQ(lenient.code, 0);
     EXPECT_HAS(lenient.err, "after 8 samples per pixel (--max-spp)");
-    std::vector<std::string> strict = few;
+    Words strict = few;
     strict.push_back("--strict");
     EXPECT_EQ(render(strict).code, 5);
     EXPECT_TRUE(std::filesystem::exists("a.png"));
 }
 
 TEST_F(ErrorTarget, OptionsThatContradictAreRefused) {
-    const std::vector<std::vector<std::string>> wrong = {{"--error", "0"},
-                                                         {"--error", "-1"},
-                                                         {"--error", "nan"},
-                                                         {"--error", "0.01", "--confidence", "1"},
-                                                         {"--error", "0.01", "--confidence", "0.4"},
-                                                         {"--error", "0.01", "--spp", "4"},
-                                                         {"--error", "0.01", "--adaptive", "16"},
-                                                         {"--error", "0.01", "--sampler", "grid"},
-                                                         {"--error", "0.01", "--measure", "rmse"},
-                                                         {"--error", "0.01", "--max-seconds", "0"},
-                                                         {"--confidence", "0.9"},
-                                                         {"--max-spp", "9"},
-                                                         {"--max-seconds", "9"},
-                                                         {"--within-depth"},
-                                                         {"--strict"},
-                                                         {"--aov", "error"}};
+    const std::vector<Words> wrong = {"--error 0",
+                                      "--error -1",
+                                      "--error nan",
+                                      "--error 0.01 --confidence 1",
+                                      "--error 0.01 --confidence 0.4",
+                                      "--error 0.01 --spp 4",
+                                      "--error 0.01 --adaptive 16",
+                                      "--error 0.01 --sampler grid",
+                                      "--error 0.01 --measure rmse",
+                                      "--error 0.01 --max-seconds 0",
+                                      "--confidence 0.9",
+                                      "--max-spp 9",
+                                      "--max-seconds 9",
+                                      "--within-depth",
+                                      "--strict",
+                                      "--aov error"};
     for (const auto& options : wrong) {
         const Ran ran = render(options);
         EXPECT_EQ(ran.code, 2) << options.front();
@@ -178,11 +169,11 @@ TEST_F(ErrorTarget, WhatNoSampleMendsIsRefused) {
         "lights": [{"type": "point", "position": [0, 0, 1]}],
         "objects": [{"type": "plane", "point": [0, 0, -3], "normal": [0, 0, 1], "material": "m"},
                     {"type": "plane", "point": [0, 0, 7], "normal": [0, 0, -1], "material": "m"}])"));
-    const Ran ran = render({"--error", "0.001"});
+    const Ran ran = render("--error 0.001");
     EXPECT_EQ(ran.code, 2);
     EXPECT_HAS(ran.err, "beyond maxDepth may add");
     EXPECT_HAS(ran.err, "would do; --within-depth");
-    const Ran none = render({"--error", "0.001", "--max-depth", "0"});
+    const Ran none = render("--error 0.001 --max-depth 0");
     EXPECT_EQ(none.code, 2);
     EXPECT_HAS(none.err, "--error cannot bound reflections at maxDepth 0");
 }

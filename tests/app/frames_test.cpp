@@ -22,18 +22,17 @@ class Frames : public FolderTest {
             "animation": {"framesPerSecond": 4, "tracks": [)") +
                                           kTracks + "]}"));
     }
-    static Ran frames(const std::string& range, std::vector<std::string> more = {}) {
-        std::vector<std::string> args = {"render", "a.json", "--backend", "cpu", "--frames", range};
-        if (std::find(more.begin(), more.end(), "-o") == more.end())
-            args.insert(args.end(), {"-o", "f.##.pfm"});
-        args.insert(args.end(), more.begin(), more.end());
+    static Ran frames(const std::string& range, Words more = {}) {
+        Words args = {"render", "a.json", "--backend", "cpu", "--frames", range};
+        if (std::find(more.begin(), more.end(), "-o") == more.end()) args += "-o f.##.pfm";
+        args += more;
         return runGlint(args);
     }
 };
 
 // A frame has the bytes of its moment drawn by itself, whatever was drawn before it.
 TEST_F(Frames, AreTheMomentsOfTheScene) {
-    ASSERT_EQ(frames("0:4", {"-q"}).code, 0);
+    ASSERT_EQ(frames("0:4", "-q").code, 0);
     EXPECT_EQ(names(),
               (std::set<std::string>{"a.json", "f.00.pfm", "f.01.pfm", "f.02.pfm", "f.03.pfm", "f.04.pfm"}));
     std::set<std::vector<uint8_t>> different;
@@ -62,13 +61,13 @@ TEST_F(Frames, OfGltf) {
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}, {"mesh": 0}],
         "animations": [{"samplers": [{"input": 1, "output": 2}],
                         "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}]}]})");
-    const std::vector<std::string> common = {"m.gltf", "--backend", "cpu", "-q", "--size", "32x24"};
-    const auto render = [&](std::vector<std::string> args) {
+    const Words common = "m.gltf --backend cpu -q --size 32x24";
+    const auto render = [&](Words args) {
         args.insert(args.begin(), "render");
         args.insert(args.begin() + 1, common.begin(), common.end());
         EXPECT_EQ(runGlint(args).code, 0);
     };
-    render({"--frames", "0:3", "--fps", "3", "-o", "f.#.pfm"});
+    render("--frames 0:3 --fps 3 -o f.#.pfm");
     std::set<std::vector<uint8_t>> different;
     for (int frame = 0; frame <= 3; ++frame) {
         render({"--time", std::to_string(frame / 3.0), "-o", "one.pfm"});
@@ -80,27 +79,26 @@ TEST_F(Frames, OfGltf) {
 }
 
 TEST_F(Frames, ThoseThatAreThereStay) {
-    ASSERT_EQ(frames("1:2", {"-q"}).code, 0);
+    ASSERT_EQ(frames("1:2", "-q").code, 0);
     const auto before = readBytes("f.02.pfm");
     writeText("f.01.pfm", "mine");
     const Ran more = frames("1:3");
     EXPECT_EQ(more.code, 0);
-    EXPECT_TRUE(
-        more.out.starts_with("wrote 1 frame, f.03.pfm\n2 frames were there already (--overwrite draws them "
-                             "again)\ndevice: "))
+    EXPECT_TRUE(more.out.starts_with(
+        "wrote 1 frame, f.03.pfm\n2 frames were there already (--overwrite draws them again)\ndevice: "))
         << more.out;
     EXPECT_EQ(glint::test::readText("f.01.pfm"), "mine");
     const Ran none = frames("1:3");
     EXPECT_EQ(none.code, 0);
     EXPECT_TRUE(none.out.starts_with("3 frames were there already")) << none.out;
-    EXPECT_EQ(frames("1:2", {"-q", "--overwrite"}).code, 0);
+    EXPECT_EQ(frames("1:2", "-q --overwrite").code, 0);
     EXPECT_NE(glint::test::readText("f.01.pfm"), "mine");
     EXPECT_EQ(readBytes("f.02.pfm"), before);
 }
 
 // The camera alone moves until half a second; a layer that is missing makes the frame incomplete.
 TEST_F(Frames, StatsSayWhatChanged) {
-    const auto json = nlohmann::json::parse(frames("0:3", {"--stats", "json", "--aov", "color,depth"}).out);
+    const auto json = nlohmann::json::parse(frames("0:3", "--stats json --aov color,depth").out);
     ASSERT_EQ(json["frames"].size(), 4u);
     EXPECT_EQ(json["frames"][1]["changed"], "camera");
     EXPECT_EQ(json["frames"][2]["changed"], "camera");
@@ -109,40 +107,36 @@ TEST_F(Frames, StatsSayWhatChanged) {
     EXPECT_EQ(json["frames"][3]["files"], nlohmann::json({"f.03.pfm", "f.03.depth.pfm"}));
     EXPECT_EQ(json["treesBuilt"], 2);
     std::filesystem::remove("f.02.depth.pfm");
-    EXPECT_EQ(nlohmann::json::parse(frames("0:3", {"--stats", "json", "--aov", "color,depth"}).out)["there"],
-              3);
+    EXPECT_EQ(nlohmann::json::parse(frames("0:3", "--stats json --aov color,depth").out)["there"], 3);
 }
 
 TEST_F(Frames, RateAndNames) {
-    ASSERT_EQ(frames("2", {"-q", "--fps", "8", "-o", "one.pfm"}).code, 0);
-    ASSERT_EQ(frames("1:1", {"-q", "-o", "two.pfm"}).code, 0);
+    ASSERT_EQ(frames("2", "-q --fps 8 -o one.pfm").code, 0);
+    ASSERT_EQ(frames("1:1", "-q -o two.pfm").code, 0);
     EXPECT_EQ(readBytes("one.pfm"), readBytes("two.pfm"));
     const auto error = [](const Ran& ran) {
         EXPECT_EQ(ran.code, 2);
         return ran.err;
     };
-    EXPECT_EQ(
-        error(frames("0:2", {"-o", "f.pfm"})),
-        "glint: f.pfm: the name of several frames has # in the place of each digit of their number, such as "
-        "frame.####.png\n");
+    EXPECT_EQ(error(frames("0:2", "-o f.pfm")),
+              "glint: f.pfm: the name of several frames has # in the place of each digit of their number, "
+              "such as frame.####.png\n");
     EXPECT_EQ(error(frames("3:2")),
               "glint: --frames: expected A:B with 0 <= A <= B, such as 0:240, or one number, got \"3:2\"\n");
-    EXPECT_EQ(error(frames("0:2", {"--time", "1"})),
-              "glint: --time: --frames says which moments are drawn\n");
-    EXPECT_EQ(
-        error(frames("0:2", {"--part", "1/2"})),
-        "glint: --part: not together with --frames; frames are pieces already, give each machine frames of "
-        "its own\n");
-    EXPECT_EQ(error(runGlint({"render", "a.json", "--overwrite"})), "glint: --overwrite requires --frames\n");
+    EXPECT_EQ(error(frames("0:2", "--time 1")), "glint: --time: --frames says which moments are drawn\n");
+    EXPECT_EQ(error(frames("0:2", "--part 1/2")),
+              "glint: --part: not together with --frames; frames are pieces already, give each machine "
+              "frames of its own\n");
+    EXPECT_EQ(error(runGlint("render a.json --overwrite")), "glint: --overwrite requires --frames\n");
 }
 
 TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {
     writeSmallScene("a.json");
-    const Ran ran = frames("0:1", {"--size", "8x6"});
+    const Ran ran = frames("0:1", "--size 8x6");
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "glint: warning: a.json: has no animation; all frames are the same picture\n");
     EXPECT_EQ(readBytes("f.00.pfm"), readBytes("f.01.pfm"));
-    const Ran one = runGlint({"render", "a.json", "--backend", "cpu", "--size", "8x6", "--time", "1"});
+    const Ran one = runGlint("render a.json --backend cpu --size 8x6 --time 1");
     EXPECT_EQ(one.code, 0);
     EXPECT_EQ(one.err, "glint: warning: a.json: has no animation; --time changes nothing\n");
 }

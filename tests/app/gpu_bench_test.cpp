@@ -7,8 +7,8 @@
 #include "support/environment.h"
 
 namespace glint::app::test::gpu_bench_test {
-nlohmann::json bench(std::vector<std::string> more) {
-    const Ran ran = runGlint({"bench", "a.json", "--repeat", "2", "--stats", "json"}, more);
+nlohmann::json bench(Words more) {
+    const Ran ran = runGlint("bench a.json --repeat 2 --stats json", more);
     EXPECT_EQ(ran.code, 0) << ran.err;
     return nlohmann::json::parse(ran.out)["scenes"][0];
 }
@@ -27,7 +27,7 @@ TEST_F(GpuBench, CountsTheReferencesRays) {
   "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "glass"},
               {"type": "sphere", "center": [-2, 0, -1], "radius": 1, "material": "chrome"},
               {"type": "plane", "point": [0, -1, 0], "normal": [0, 1, 0], "material": "chrome"}])"));
-    const nlohmann::json device = bench({}), host = bench({"--backend", "cpu"});
+    const nlohmann::json device = bench({}), host = bench("--backend cpu");
     EXPECT_EQ(device["rays"]["primary"]["number"], 64 * 48);
     double sum = 0;
     for (const char* key : {"primary", "shadow", "mirrored", "refracted"}) {
@@ -73,8 +73,7 @@ TEST_F(GpuBench, WholePathsDrawTheSameBitsInOneKernel) {
   "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
   "materials": {"chrome": {"diffuse": 0.1, "mirror": 0.9}},
   "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0.3, "material": "chrome"}])"));
-    const nlohmann::json steps = bench({"--traversal", "lane"}),
-                         whole = bench({"--traversal", "lane", "--whole-paths"});
+    const nlohmann::json steps = bench("--traversal lane"), whole = bench("--traversal lane --whole-paths");
     EXPECT_EQ(whole["picture"], steps["picture"]);
     EXPECT_EQ(whole["rays"]["all"]["number"], steps["rays"]["all"]["number"]);
     EXPECT_GT(whole["seconds"]["trace"]["median"].get<double>(), 0);
@@ -91,7 +90,7 @@ TEST_F(GpuBench, MoreCodeDrawsTheSameBits) {
     const nlohmann::json pruned = bench({});
     EXPECT_EQ(pruned["features"], (std::vector<std::string>{"triangles", "pointLights"}));
     EXPECT_TRUE(pruned["also"].empty());
-    const nlohmann::json with = bench({"--with", "discs,mirrors"});
+    const nlohmann::json with = bench("--with discs,mirrors");
     EXPECT_EQ(with["also"], (std::vector<std::string>{"discs", "mirrors"})) << "in the order of `features`";
     EXPECT_EQ(with["picture"], pruned["picture"]);
     EXPECT_EQ(with["rays"]["all"]["number"], pruned["rays"]["all"]["number"]);
@@ -112,7 +111,7 @@ TEST_F(GpuBench, EveryWalkDrawsTheSameBits) {
   "materials": {"m": {"diffuse": 0.5, "mirror": 0.5}},
   "objects": [)" + triangles +
                             R"({"type": "sphere", "center": [0, 0, -1], "radius": 0.9, "material": "m"}])"));
-    const nlohmann::json all = bench({"--traversal", "all"});
+    const nlohmann::json all = bench("--traversal all");
     std::set<std::string> ways;
     for (const nlohmann::json& walk : all["walks"]) {
         ways.insert(walk["traversal"].get<std::string>());

@@ -22,8 +22,8 @@ std::vector<std::vector<double>> rows(const std::string& csv) {
 
 class Methods : public FolderTest {
   protected:
-    static std::vector<std::vector<double>> trace(std::vector<std::string> options) {
-        const Ran ran = runGlint({"trace", "a.json", "--rays", "r.csv"}, options);
+    static std::vector<std::vector<double>> trace(Words options) {
+        const Ran ran = runGlint("trace a.json --rays r.csv", options);
         EXPECT_EQ(ran.code, 0) << ran.err;
         return rows(ran.out);
     }
@@ -79,9 +79,8 @@ TEST_F(Methods, ExerciseTwoTheTriangle) {
 
 TEST_F(Methods, VerifyHoldsEachAgainstItsOwnReference) {
     writeSmallScene("a.json");
-    for (const std::vector<std::string>& choice : {std::vector<std::string>{"barycentric", "algebraic"},
-                                                   {"projection", "geometric"},
-                                                   {"planar3d", "robust"}}) {
+    for (const Words& choice :
+         {Words{"barycentric", "algebraic"}, {"projection", "geometric"}, {"planar3d", "robust"}}) {
         const Ran ran = runGlint({"verify", "a.json", "--intersector", choice[0], "--sphere", choice[1]});
         EXPECT_EQ(ran.code, 0) << choice[0] << ran.out << ran.err;
         EXPECT_HAS(ran.out, " 0 unexplained");
@@ -90,15 +89,14 @@ TEST_F(Methods, VerifyHoldsEachAgainstItsOwnReference) {
 
 TEST_F(Methods, StatisticsSayWhichWasUsed) {
     writeSmallScene("a.json");
-    const Ran ran = runGlint(
-        {"render", "a.json", "--intersector", "projection", "--sphere", "geometric", "--stats", "json"});
+    const Ran ran = runGlint("render a.json --intersector projection --sphere geometric --stats json");
     EXPECT_EQ(ran.code, 0) << ran.err;
     EXPECT_HAS(ran.out, "\"intersector\": \"projection\"");
     EXPECT_HAS(ran.out, "\"sphere\": \"geometric\"");
     EXPECT_EQ(
-        runGlint({"render", "a.json", "--intersector", "best"}).err,
+        runGlint("render a.json --intersector best").err,
         "glint: --intersector: expected watertight, barycentric, projection or planar3d, got \"best\"\n");
-    EXPECT_EQ(runGlint({"info", "a.json", "--sphere", "round"}).code, 2);
+    EXPECT_EQ(runGlint("info a.json --sphere round").code, 2);
 }
 
 }  // namespace glint::app::test::gpu_methods_test

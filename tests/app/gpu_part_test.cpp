@@ -5,9 +5,9 @@ namespace glint::app::test::gpu_part_test {
 class GpuPart : public FolderTest {
   protected:
     // The bytes of the picture in parts, merged, against those of one run.
-    static void compare(const std::string& scene, const std::vector<std::string>& options, int parts) {
+    static void compare(const std::string& scene, const Words& options, int parts) {
         ASSERT_EQ(runGlint({"render", scene, "-q", "-o", "whole.exr"}, options).code, 0);
-        std::vector<std::string> merge = {"merge", "-q", "-o", "all.exr"};
+        Words merge = "merge -q -o all.exr";
         for (int k = 1; k <= parts; ++k) {
             const std::string name = std::to_string(k) + ".part";
             ASSERT_EQ(runGlint({"render", scene, "-q", "-o", name, "--part",
@@ -33,19 +33,19 @@ TEST_F(GpuPart, EveryLayerHasTheBitsOfOneRun) {
 
 TEST_F(GpuPart, GlassAndInstances) {
     for (const char* scene : {"scenes/glass.json", "scenes/instances.json", "scenes/lens.json"})
-        compare(glint::test::sourcePath(scene), {"--size", "80x60"}, 3);
+        compare(glint::test::sourcePath(scene), "--size 80x60", 3);
 }
 
 // Frames keep kernels, arrays and trees of the frames before them, and have the bits of their moments alone.
 TEST_F(GpuPart, FramesHaveTheBitsOfTheirMoments) {
     const std::string scene = glint::test::sourcePath("scenes/turntable.json");
-    const std::vector<std::string> size = {"--size", "48x30", "-q"};
+    const Words size = "--size 48x30 -q";
     ASSERT_EQ(runGlint({"render", scene, "--frames", "0:47", "--fps", "24", "-o", "f.##.pfm"}, size).code, 0);
     // At multiples of 1/8 s, which the six digits of to_string hold.
     for (const int frame : {0, 9, 30, 45}) {
-        std::vector<std::string> one = {"render", scene, "-o", "one.pfm", "--time"};
+        Words one = {"render", scene, "-o", "one.pfm", "--time"};
         one.push_back(std::to_string(frame / 24.0));
-        one.insert(one.end(), size.begin(), size.end());
+        one += size;
         ASSERT_EQ(runGlint(one).code, 0);
         const std::string name = std::string("f.") + (frame < 10 ? "0" : "") + std::to_string(frame) + ".pfm";
         EXPECT_EQ(readBytes("one.pfm"), readBytes(name)) << frame;

@@ -7,18 +7,11 @@
 #include "support.h"
 
 namespace glint::app::test::gpu_process_test {
-class GpuProcess : public FolderTest {
-  protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        writeSmallScene("a.json");
-    }
-};
+using GpuProcess = SmallSceneTest;
 
 TEST_F(GpuProcess, InterruptSavesTheFinishedPart) {
     for (const int signal : {SIGINT, SIGTERM}) {
-        Child child({"render", "a.json", "--size", "2000x2000", "--spp", "32", "-o", "out.png", "--progress",
-                     "plain"});
+        Child child("render a.json --size 2000x2000 --spp 32 -o out.png --progress plain");
         // The first slice has 256 tiles of 64 of the four million pixels, less than 1 %.
         ASSERT_TRUE(child.waitForPercent(1)) << child.err();
         child.send(signal);
@@ -37,8 +30,7 @@ TEST_F(GpuProcess, InterruptSavesTheFinishedPart) {
 
 TEST_F(GpuProcess, InterruptBeforeAnythingIsFinishedWritesNoFile) {
     for (const int signal : {SIGINT, SIGTERM}) {
-        Child child({"render", "a.json", "--size", "3000x3000", "--spp", "65536", "-o", "out.png",
-                     "--progress", "plain"});
+        Child child("render a.json --size 3000x3000 --spp 65536 -o out.png --progress plain");
         ASSERT_TRUE(child.waitForPercent(0)) << child.err();
         child.send(signal);
         EXPECT_EQ(child.wait(), 130);
@@ -51,7 +43,7 @@ TEST_F(GpuProcess, InterruptBeforeAnythingIsFinishedWritesNoFile) {
 }
 
 TEST_F(GpuProcess, InterruptEndsVerify) {
-    Child child({"verify", "a.json", "--size", "2000x2000", "--spp", "64", "--progress", "plain"});
+    Child child("verify a.json --size 2000x2000 --spp 64 --progress plain");
     ASSERT_TRUE(child.waitForPercent(0)) << child.err();
     child.send(SIGINT);
     EXPECT_EQ(child.wait(), 130);
@@ -60,14 +52,12 @@ TEST_F(GpuProcess, InterruptEndsVerify) {
 }
 
 TEST_F(GpuProcess, InterruptedReportIsAReport) {
-    Child child({"report", "a.json", "-o", "out", "--size", "1500", "--truth-spp", "2", "--only", "grid",
-                 "--progress", "plain"});
+    Child child("report a.json -o out --size 1500 --truth-spp 2 --only grid --progress plain");
     ASSERT_TRUE(child.waitForPercent(0)) << child.err();
     child.send(SIGINT);
     EXPECT_EQ(child.wait(), 130);
-    EXPECT_TRUE(
-        child.err().ends_with("glint: interrupted: out/report.json holds the results so far; repeat the "
-                              "command to resume\n"))
+    EXPECT_TRUE(child.err().ends_with(
+        "glint: interrupted: out/report.json holds the results so far; repeat the command to resume\n"))
         << child.err();
     const auto bytes = readBytes("out/report.json");
     const std::string json(bytes.begin(), bytes.end());
@@ -78,8 +68,8 @@ TEST_F(GpuProcess, InterruptedReportIsAReport) {
 // A picture that nobody validated is not written as if it had been.
 TEST_F(GpuProcess, ValidationWithoutItsLayerDrawsNothing) {
     for (const std::string command : {"render", "bench", "verify"}) {
-        std::vector<std::string> args = {command, "a.json", "--validation"};
-        if (command == "render") args.insert(args.end(), {"-o", "out.png"});
+        Words args = {command, "a.json", "--validation"};
+        if (command == "render") args += "-o out.png";
         Child child(args, {{"VK_LAYER_PATH", "/nonexistent"}});
         EXPECT_EQ(child.wait(), 4) << command;
         EXPECT_EQ(child.err(),

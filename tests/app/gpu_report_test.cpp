@@ -24,13 +24,11 @@ class GpuReport : public FolderTest {
   "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "red"}])"));
     }
     // One kind of pipeline, as compiling takes most of the time; a budget that no machine exceeds.
-    Ran report(std::vector<std::string> more = {}) {
+    Ran report(Words more = {}) {
         more.insert(more.begin(), {"--size", "16", "--repeats", "2", "--truth-spp", "64", "--budget", "600"});
         return reportOf(std::move(more));
     }
-    static Ran reportOf(std::vector<std::string> more) {
-        return runGlint({"report", "a.json", "-o", "out", "--only", "lowDiscrepancy"}, more);
-    }
+    static Ran reportOf(Words more) { return runGlint("report a.json -o out --only lowDiscrepancy", more); }
     static nlohmann::json readJson() {
         const auto bytes = readBytes("out/report.json");
         return nlohmann::json::parse(bytes.begin(), bytes.end());
@@ -76,7 +74,7 @@ TEST_F(GpuReport, MeasuresOnceAndNeverAgain) {
 TEST_F(GpuReport, MoreRepeatsContinue) {
     ASSERT_EQ(report().code, 0);
     const nlohmann::json before = readJson();
-    ASSERT_EQ(reportOf({"--size", "16", "--repeats", "3", "--truth-spp", "64", "--budget", "600"}).code, 0);
+    ASSERT_EQ(reportOf("--size 16 --repeats 3 --truth-spp 64 --budget 600").code, 0);
     const nlohmann::json after = readJson();
     for (size_t i = 0; i < 6; ++i) {
         const nlohmann::json &a = before["scenes"][0]["settings"][i], &b = after["scenes"][0]["settings"][i];
@@ -101,7 +99,7 @@ TEST_F(GpuReport, TheConvergedPicturesErrorIsTakenOut) {
                                   R"("background": 0.5, "ambient": 0.1,
   "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}}, "objects": [)" +
                                       spheres + "]"));
-    const Ran ran = reportOf({"--size", "96", "--repeats", "8", "--truth-spp", "2", "--budget", "600"});
+    const Ran ran = reportOf("--size 96 --repeats 8 --truth-spp 2 --budget 600");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const nlohmann::json scene = readJson()["scenes"][0];
     const double own = scene["truthError"];
@@ -124,11 +122,11 @@ TEST_F(GpuReport, TheConvergedPicturesErrorIsTakenOut) {
 // The report's own device once, however often it is named, and the reference: the same samples, so the same
 // errors but for rounding.
 TEST_F(GpuReport, DevicesAreCompared) {
-    const std::vector<std::string> args = {"report",   "a.json", "-o",        "out", "--only",      "device",
-                                           "--size",   "16",     "--repeats", "2",   "--truth-spp", "64",
-                                           "--budget", "600",    "--device",  "0",   "--devices"};
+    const Words args =
+        "report a.json -o out --only device --size 16 --repeats 2 --truth-spp 64 --budget 600 --device 0 "
+        "--devices";
     const auto with = [&](const std::string& devices) {
-        std::vector<std::string> all = args;
+        Words all = args;
         all.push_back(devices);
         return runGlint(all);
     };
@@ -179,8 +177,7 @@ TEST_F(GpuReport, AnotherMeshStartsOver) {
 TEST_F(GpuReport, KeepsScenesThatAreNotNamed) {
     ASSERT_EQ(report().code, 0);
     writeText("b.json", sceneText(16, 12, "\"background\": 0.25"));
-    std::vector<std::string> args = {"report",    "b.json", "-o",          "out", "--size", "16",
-                                     "--repeats", "2",      "--truth-spp", "64",  "--only", "grid"};
+    Words args = "report b.json -o out --size 16 --repeats 2 --truth-spp 64 --only grid";
     args.back() = "depth";
     EXPECT_EQ(runGlint(args).err,
               "glint: b.json: nothing was measured: no setting of --only applies to this scene\n");
@@ -210,7 +207,7 @@ TEST_F(GpuReport, AnotherCameraIsAnotherReport) {
     ASSERT_EQ(report().code, 0);
     const Ran chosen = report({"b.json"});
     ASSERT_EQ(chosen.code, 0) << chosen.err;
-    const Ran ran = report({"--camera", "near"});
+    const Ran ran = report("--camera near");
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_HAS(ran.out, "\ncamera \"near\", 16 x 12 pixels");
     const nlohmann::json json = readJson();
@@ -229,12 +226,12 @@ TEST_F(GpuReport, AnotherCameraIsAnotherReport) {
     EXPECT_EQ(namedErrors.size(), 6u);
     EXPECT_EQ(chosenErrors, namedErrors);
     EXPECT_NE(chosenErrors, ownErrors);
-    EXPECT_EQ(report({"--camera", "far"}).err, "glint: a.json: no camera \"far\" (there are \"near\")\n");
+    EXPECT_EQ(report("--camera far").err, "glint: a.json: no camera \"far\" (there are \"near\")\n");
 }
 
 // No machine renders 12 million pixels in double precision in time.
 TEST_F(GpuReport, ThatNothingWasMeasuredIsAnError) {
-    const Ran ran = reportOf({"--size", "4096", "--budget", "1"});
+    const Ran ran = reportOf("--size 4096 --budget 1");
     EXPECT_EQ(ran.code, 1);
     EXPECT_EQ(ran.err, "glint: a.json: nothing was measured: use a larger --budget or a smaller --size\n");
     EXPECT_FALSE(std::filesystem::exists("out/report.html"));

@@ -12,7 +12,7 @@ class GpuVerify : public FolderTest {};
 TEST_F(GpuVerify, PassesAndWritesNothing) {
     writeSmallScene("a.json");
     writeText("empty.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
-    const Ran ran = runGlint({"verify", "a.json", "empty.json"});
+    const Ran ran = runGlint("verify a.json empty.json");
     EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
     EXPECT_EQ(ran.err, "");
     EXPECT_TRUE(ran.out.starts_with("device: " + gpu::Device().info().name)) << ran.out;
@@ -23,7 +23,7 @@ TEST_F(GpuVerify, PassesAndWritesNothing) {
 
 TEST_F(GpuVerify, OptionsReplaceTheScenes) {
     writeSmallScene("a.json");
-    const Ran ran = runGlint({"verify", "a.json", "--size", "20x10", "--spp", "4", "--max-depth", "1"});
+    const Ran ran = runGlint("verify a.json --size 20x10 --spp 4 --max-depth 1");
     EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
     EXPECT_HAS(ran.out, "    800 pixels; ") << "20 x 10 x 4 samples: " << ran.out;
 }
@@ -32,11 +32,11 @@ TEST_F(GpuVerify, TakesACameraByItsName) {
     writeText("a.json", R"({"image": {"width": 20, "height": 10}, "cameras": {"up": {"target": [9, 0, 5]}},
         "ambient": 0.3, "lights": [{"type": "point", "position": [1, 2, 3]}],
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
-    const std::string shown = runGlint({"verify", "a.json"}).out;
-    const Ran ran = runGlint({"verify", "a.json", "--camera", "up"});
+    const std::string shown = runGlint("verify a.json").out;
+    const Ran ran = runGlint("verify a.json --camera up");
     EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
     EXPECT_NE(ran.out, shown);
-    EXPECT_EQ(runGlint({"verify", "a.json", "--camera", "x"}).err,
+    EXPECT_EQ(runGlint("verify a.json --camera x").err,
               "glint: a.json: no camera \"x\" (there are \"up\")\n");
 }
 
@@ -55,13 +55,13 @@ TEST_F(GpuVerify, SurfacesInOnePlacePassAndAMethodThatLosesDigitsFails) {
               R"({"image": {"width": 64, "height": 48}, "ambient": 0.1, "camera": {"eye": [0, 2, 5]},
         "lights": [{"type": "directional", "direction": [-1, -1, -1]}],
         "objects": [{"type": "sphere", "center": [0, -1000000, 0], "radius": 1000000}]})");
-    const Ran ran = runGlint({"verify", "--sphere", "algebraic", "fight.json", "planet.json", "empty.json"});
+    const Ran ran = runGlint("verify --sphere algebraic fight.json planet.json empty.json");
     EXPECT_EQ(ran.code, 5);
     EXPECT_EQ(ran.err, "glint: verify: 1 of 3 scenes failed\n");
     EXPECT_HAS(ran.out, "fight.json: ok\n");
     EXPECT_HAS(ran.out,
-               "planet.json: FAILED: too many pixels differ, though rounding explains each: the "
-               "method loses digits here\n");
+               "planet.json: FAILED: too many pixels differ, though rounding explains each: the method loses "
+               "digits here\n");
     EXPECT_HAS(ran.out, ", 0 unexplained\n");
     EXPECT_HAS(ran.out, "\nempty.json: ok\n") << "the scenes after a failed one are verified too";
 }
@@ -69,7 +69,7 @@ TEST_F(GpuVerify, SurfacesInOnePlacePassAndAMethodThatLosesDigitsFails) {
 TEST_F(GpuVerify, AnInvalidSceneDoesNotEndTheRun) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
     writeText("b.json", "{\"objekts\": []}");
-    const Ran ran = runGlint({"verify", "a.json", "b.json", "a.json", "--json", "r.json"});
+    const Ran ran = runGlint("verify a.json b.json a.json --json r.json");
     EXPECT_EQ(ran.code, 3);
     EXPECT_EQ(ran.err, "glint: b.json:1:13: /objekts: unknown key (did you mean \"objects\"?)\n");
     EXPECT_HAS(ran.out, "\na.json: ok\n");
@@ -84,7 +84,7 @@ TEST_F(GpuVerify, AnInvalidSceneDoesNotEndTheRun) {
 TEST_F(GpuVerify, SchemasBesideScenesAreSkipped) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
     writeText("scene.schema.json", "{}");
-    const Ran ran = runGlint({"verify", "a.json", "scene.schema.json", "--brief"});
+    const Ran ran = runGlint("verify a.json scene.schema.json --brief");
     EXPECT_EQ(ran.code, 0) << ran.err;
     EXPECT_HAS(ran.out, "\na.json: ok, 63 pixels, 0 explained, 0 unexplained, RMSE 0, ");
     EXPECT_HAS(ran.out,
@@ -105,8 +105,9 @@ TEST_F(GpuVerify, FilesAndImagesForOtherPrograms) {
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "red"},
                     {"type": "sphere", "center": [0, 0, 3.4e-6], "radius": 1, "material": "green"},
                     {"type": "sphere", "center": [0, -1000001.2, 0], "radius": 1000000}]})");
-    const Ran ran = runGlint({"verify", "--sphere", "algebraic", "planet.json", "empty.json", "x/planet.json",
-                              "--json", "r.json", "--junit", "r.xml", "--artifacts", "new/art"});
+    const Ran ran = runGlint(
+        "verify --sphere algebraic planet.json empty.json x/planet.json --json r.json --junit r.xml "
+        "--artifacts new/art");
     EXPECT_EQ(ran.code, 5);
     EXPECT_EQ(names(), (std::set<std::string>{"empty.json", "planet.json", "x", "r.json", "r.xml", "new"}));
     std::set<std::string> images;
@@ -138,7 +139,7 @@ TEST_F(GpuVerify, FilesAndImagesForOtherPrograms) {
 
 TEST_F(GpuVerify, JsonOnStandardOutput) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
-    const Ran ran = runGlint({"verify", "a.json", "--json", "-", "--brief"});
+    const Ran ran = runGlint("verify a.json --json - --brief");
     EXPECT_EQ(nlohmann::json::parse(ran.out)["scenes"][0]["status"], "passed");
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
@@ -146,7 +147,7 @@ TEST_F(GpuVerify, JsonOnStandardOutput) {
 // Before the device is opened and hours are spent on the others.
 TEST_F(GpuVerify, AMissingSceneIsNoticedFirst) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
-    const Ran ran = runGlint({"verify", "a.json", "no.json"});
+    const Ran ran = runGlint("verify a.json no.json");
     EXPECT_EQ(ran.code, 3);
     EXPECT_EQ(ran.out, "");
     EXPECT_EQ(ran.err, "glint: no.json: no such file\n");

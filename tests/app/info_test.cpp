@@ -13,7 +13,7 @@ class Info : public FolderTest {};
 
 TEST_F(Info, EmptyScene) {
     writeText("a.json", "{}");
-    const Ran ran = runGlint({"info", "a.json"});
+    const Ran ran = runGlint("info a.json");
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");
     EXPECT_TRUE(ran.out.starts_with(
@@ -31,39 +31,37 @@ TEST_F(Info, EmptyScene) {
 
 TEST_F(Info, PlaneOnly) {
     writeText("a.json", R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0]}]})");
-    const std::string out = runGlint({"info", "a.json"}).out;
-    EXPECT_HAS(out,
-               "  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons, 0 quadrics, "
-               "0 boxes)\n");
+    const std::string out = runGlint("info a.json").out;
+    EXPECT_HAS(
+        out,
+        "  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons, 0 quadrics, 0 boxes)\n");
     EXPECT_HAS(out, "  bounds        infinite (planes only)\n  BVH           none\n");
     EXPECT_HAS(out, "  features used planes\n");
 }
 
 TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
     writeSmallScene("a.json");
-    const std::string out =
-        runGlint({"info", "a.json", "--size", "10x20", "--spp", "4", "--max-depth", "1"}).out;
+    const std::string out = runGlint("info a.json --size 10x20 --spp 4 --max-depth 1").out;
     EXPECT_HAS(out, "  picture       10 x 20, 4 samples per pixel (grid, auto), at most 1 reflection\n");
-    EXPECT_HAS(runGlint({"info", "a.json", "--spp", "16"}).out,
-               ", 16 samples per pixel (lowDiscrepancy, auto), ")
+    EXPECT_HAS(runGlint("info a.json --spp 16").out, ", 16 samples per pixel (lowDiscrepancy, auto), ")
         << "the rule goes by --spp, not by the file's number";
-    EXPECT_HAS(out,
-               "  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics, "
-               "0 boxes)\n");
+    EXPECT_HAS(
+        out,
+        "  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics, 0 boxes)\n");
     EXPECT_HAS(out, "  materials     3: \"red\", \"mirror\", \"blue\"\n  lights        1: 1 point\n");
     EXPECT_HAS(out, "  bounds        (-3.9 -1.7 -1) .. (3.6 2.2 1.4)\n");
     EXPECT_HAS(out, "  features used triangles, spheres, pointLights, specular, mirrors\n");
     EXPECT_HAS(out, "  left out      ");
     writeText("b.json", sceneText(8, 6, R"("maxDepth": 0, "materials": {"m": {"mirror": 0.9}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}])"));
-    EXPECT_LACKS(runGlint({"info", "b.json"}).out, "mirrors\n")
+    EXPECT_LACKS(runGlint("info b.json").out, "mirrors\n")
         << "without reflections the mirror code is left out";
 }
 
 TEST_F(Info, KindOfCamera) {
     const auto infoOf = [](const std::string& camera) {
         writeText("a.json", "{\"camera\": {" + camera + "}}");
-        return runGlint({"info", "a.json"}).out;
+        return runGlint("info a.json").out;
     };
     const std::string tilted = R"("planeNormal": [0, 1, 1])", parallel = R"("type": "orthographic")";
     const std::pair<std::string, std::string> kinds[] = {{tilted, "oblique perspective"},
@@ -79,14 +77,14 @@ TEST_F(Info, KindOfCamera) {
 
 TEST_F(Info, DroppedTrianglesAreCounted) {
     writeText("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
-    const std::string out = runGlint({"info", "a.obj"}).out;
+    const std::string out = runGlint("info a.obj").out;
     EXPECT_HAS(out, "  dropped       1 primitive without area, 1 not finite\n");
 }
 
 TEST_F(Info, IsTheSameEveryTimeButForTheBuildTime) {
     writeSmallScene("a.json");
     const auto withoutTime = [] {
-        const std::string out = runGlint({"info", "a.json"}).out;
+        const std::string out = runGlint("info a.json").out;
         const size_t built = out.find(", built in ");
         return out.substr(0, built) + out.substr(out.find('\n', built));
     };
@@ -95,17 +93,10 @@ TEST_F(Info, IsTheSameEveryTimeButForTheBuildTime) {
 
 // --stats json and --quiet: what programs read.
 
-class Stats : public FolderTest {
-  protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        writeSmallScene("a.json");
-    }
-};
+using Stats = SmallSceneTest;
 
 TEST_F(Stats, StandardOutputIsOneJsonDocument) {
-    const Ran ran = runGlint(
-        {"render", "a.json", "--backend", "cpu", "--stats", "json", "--aov", "color,depth", "--spp", "4"});
+    const Ran ran = runGlint("render a.json --backend cpu --stats json --aov color,depth --spp 4");
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");
     const nlohmann::json json = nlohmann::json::parse(ran.out);
@@ -132,7 +123,7 @@ TEST_F(Stats, StandardOutputIsOneJsonDocument) {
 TEST_F(Stats, WarningsDoNotDisturbIt) {
     writeText("dark.json",
               sceneText(8, 6, R"("objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}])"));
-    const Ran ran = runGlint({"render", "dark.json", "--backend", "cpu", "--stats", "json"});
+    const Ran ran = runGlint("render dark.json --backend cpu --stats json");
     EXPECT_TRUE(ran.err.starts_with("glint: warning: ")) << ran.err;
     EXPECT_TRUE(nlohmann::json::accept(ran.out));
 }
@@ -146,28 +137,26 @@ TEST_F(Stats, FileNameThatIsNoUtf8) {
 
 // Of the picture, not of its file; what is told to read it back finds the same.
 TEST_F(Stats, HashIsOfThePicture) {
-    const auto hash = [](std::vector<std::string> options) {
+    const auto hash = [](Words options) {
         options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "--stats", "json"});
         return nlohmann::json::parse(runGlint(options).out)["hash"].get<std::string>();
     };
-    const std::string png = hash({"-o", "b.png"});
-    EXPECT_EQ(hash({"-o", "b.pfm"}), png);
+    const std::string png = hash("-o b.png");
+    EXPECT_EQ(hash("-o b.pfm"), png);
     EXPECT_EQ(pictureHash(readImage(file("b.pfm"))), png);
-    EXPECT_NE(hash({"-o", "b.png", "--spp", "4"}), png);
+    EXPECT_NE(hash("-o b.png --spp 4"), png);
 }
 
 TEST_F(Stats, QuietSaysNothing) {
-    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-q"});
+    const Ran ran = runGlint("render a.json --backend cpu -q");
     EXPECT_EQ(ran.out + ran.err, "");
     EXPECT_EQ(ran.code, 0);
-    EXPECT_TRUE(nlohmann::json::accept(
-        runGlint({"render", "a.json", "--backend", "cpu", "-q", "--stats", "json"}).out));
-    EXPECT_EQ(runGlint({"render", "no.json", "--backend", "cpu", "-q"}).err,
-              "glint: no.json: no such file\n");
+    EXPECT_TRUE(nlohmann::json::accept(runGlint("render a.json --backend cpu -q --stats json").out));
+    EXPECT_EQ(runGlint("render no.json --backend cpu -q").err, "glint: no.json: no such file\n");
 }
 
 TEST_F(Stats, SummaryNamesFileSizeAndTimes) {
-    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-o", "b.exr"});
+    const Ran ran = runGlint("render a.json --backend cpu -o b.exr");
     EXPECT_TRUE(ran.out.starts_with("wrote b.exr (64x48)\ndevice: CPU reference (double precision), "))
         << ran.out;
     EXPECT_HAS(ran.out, "\nhash: ");

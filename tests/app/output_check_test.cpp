@@ -67,7 +67,7 @@ TEST_F(OutputCheck, ReadOnlyFolderAndFile) {
 // A folder in /proc refuses files to everyone, root included.
 TEST_F(OutputCheck, FolderThatRefusesAtTheEndLeavesNothing) {
     writeSmallScene("a.json");
-    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-o", "/proc/self/a.png"});
+    const Ran ran = runGlint("render a.json --backend cpu -o /proc/self/a.png");
     EXPECT_EQ(ran.code, 1);
     EXPECT_TRUE(ran.err.starts_with("glint: /proc/self/a.png: cannot write: ")) << ran.err;
     EXPECT_EQ(ran.out, "");
@@ -75,12 +75,12 @@ TEST_F(OutputCheck, FolderThatRefusesAtTheEndLeavesNothing) {
 
 TEST_F(OutputCheck, ComesBeforeTheSceneIsRead) {
     writeText("a.json", "{\"objekts\": []}");
-    const Ran ran = runGlint({"render", "no.json", "-o", "no/a.png"});
+    const Ran ran = runGlint("render no.json -o no/a.png");
     EXPECT_EQ(ran.err, "glint: no/a.png: cannot write: there is no folder no\n");
     EXPECT_EQ(ran.code, 1);
-    EXPECT_EQ(runGlint({"verify", "a.json", "--artifacts", "a.json"}).err,
+    EXPECT_EQ(runGlint("verify a.json --artifacts a.json").err,
               "glint: a.json: cannot write: not a folder\n");
-    EXPECT_EQ(runGlint({"diff", "no.png", "no.png", "-o", "no/d.png"}).err,
+    EXPECT_EQ(runGlint("diff no.png no.png -o no/d.png").err,
               "glint: no/d.png: cannot write: there is no folder no\n");
 }
 
@@ -89,8 +89,7 @@ TEST_F(OutputCheck, MemoryIsComparedWithWhatIsFree) {
     EXPECT_EQ(messageOf([] { checkMemory(1024, 1024, 1024, kGibibyte); }), "no error");
     EXPECT_EQ(messageOf([] { checkMemory(1024, 1024, 1025, kGibibyte); }),
               "a picture of 1024x1024 pixels takes 1.0 GiB of memory, 1.0 GiB are free; ask for a smaller "
-              "--size (1023x1023 fits), or for parts with "
-              "glint render --crop");
+              "--size (1023x1023 fits), or for parts with glint render --crop");
     EXPECT_EQ(messageOf([] { checkMemory(65536, 65536, 1000, std::numeric_limits<uint64_t>::max()); }),
               "no error");
     EXPECT_GT(availableMemory(), uint64_t{1} << 20);
@@ -101,8 +100,9 @@ TEST_F(OutputCheck, MemoryIsComparedWithWhatIsFree) {
 TEST_F(OutputCheck, HugePictureIsRefused) {
     ASSERT_LT(availableMemory(), uint64_t{800} << 30);
     writeSmallScene("a.json");
-    const Ran ran = runGlint({"render", "a.json", "--size", "65536x65536", "--backend", "cpu", "--aov",
-                              "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
+    const Ran ran = runGlint(
+        "render a.json --size 65536x65536 --backend cpu --aov "
+        "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost");
     EXPECT_TRUE(ran.err.starts_with("glint: a picture of 65536x65536 pixels takes ")) << ran.err;
     EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1);
     EXPECT_EQ(ran.code, 1);

@@ -17,16 +17,15 @@ class Pages : public FolderTest {
   protected:
     void SetUp() override {
         FolderTest::SetUp();
-        const Ran ran = runGlint({"pages", "."});
+        const Ran ran = runGlint("pages .");
         ASSERT_EQ(ran.code, 0) << ran.err;
     }
 
     // What bash offers for the last of `words`, one a line.
     std::string offered(const std::string& words) const {
-        const std::string script =
-            "source bash-completion/completions/glint; COMP_WORDS=(glint " + words +
-            "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); compopt() { COMPREPLY=(\"by $2\"); }; _glint; "
-            "printf '%s\\n' \"${COMPREPLY[@]}\"";
+        const std::string script = "source bash-completion/completions/glint; COMP_WORDS=(glint " + words +
+                                   "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); compopt() { COMPREPLY=(\"by "
+                                   "$2\"); }; _glint; printf '%s\\n' \"${COMPREPLY[@]}\"";
         writeText("ask.sh", script);
         std::FILE* pipe = popen("bash ask.sh 2>&1", "r");
         std::string printed;
@@ -82,20 +81,20 @@ TEST_F(Pages, BashCompletes) {
 }
 
 TEST_F(Pages, GoIntoAFolderThatIsThere) {
-    const Ran ran = runGlint({"pages", "nowhere"});
+    const Ran ran = runGlint("pages nowhere");
     EXPECT_EQ(ran.code, 1);
     EXPECT_EQ(ran.out, "");
     EXPECT_EQ(ran.err.find("glint: nowhere"), 0u) << ran.err;
 }
 
 TEST(Version, SaysWhatWasBuiltIn) {
-    const std::string text = runGlint({"--version", "--verbose"}).out;
-    EXPECT_EQ(runGlint({"--verbose", "--version"}).out, text);
-    EXPECT_TRUE(text.starts_with(runGlint({"--version"}).out)) << text;
+    const std::string text = runGlint("--version --verbose").out;
+    EXPECT_EQ(runGlint("--verbose --version").out, text);
+    EXPECT_TRUE(text.starts_with(runGlint("--version").out)) << text;
     for (const char* line : {"\ncommit: ", "\ncompiler: ", "\nbuild type: ", "\nwindow: ", "\nMPI: ",
                              "\nEXR: OpenEXR 3.", "\ndevice: "})
         EXPECT_HAS(text, line) << line << text;
-    const Ran alone = runGlint({"--verbose"});
+    const Ran alone = runGlint("--verbose");
     EXPECT_EQ(alone.code, 2);
     EXPECT_EQ(alone.err, "glint: --verbose requires --version\n");
 }

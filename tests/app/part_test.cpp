@@ -6,14 +6,9 @@
 #include "support.h"
 
 namespace glint::app::test::part_test {
-class Part : public FolderTest {
+class Part : public SmallSceneTest {
   protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        writeSmallScene("a.json");
-    }
-
-    static Ran part(const std::string& which, std::vector<std::string> more = {}) {
+    static Ran part(const std::string& which, Words more = {}) {
         return runGlint({"render", "a.json", "--backend", "cpu", "--part", which}, more);
     }
     static std::string errorOfRun(const Ran& ran, int code) {
@@ -26,14 +21,14 @@ class Part : public FolderTest {
 TEST_F(Part, MergedPicturesAreTheBytesOfOneRun) {
     const std::string layers =
         "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost,samples";
-    const std::vector<std::string> options = {"--aov",    layers,       "--spp",   "6",      "--sampler",
-                                              "jittered", "--adaptive", "24,0.05", "--crop", "3,1,60,44"};
-    ASSERT_EQ(runGlint({"render", "a.json", "--backend", "cpu", "-q", "-o", "whole.exr"}, options).code, 0);
+    const Words options = {"--aov",    layers,       "--spp",   "6",      "--sampler",
+                           "jittered", "--adaptive", "24,0.05", "--crop", "3,1,60,44"};
+    ASSERT_EQ(runGlint("render a.json --backend cpu -q -o whole.exr", options).code, 0);
     for (const int parts : {1, 3, 7}) {
-        std::vector<std::string> merge = {"merge", "-q", "-o", "all.exr"};
+        Words merge = "merge -q -o all.exr";
         for (int k = parts; k >= 1; --k) {
             const std::string name = std::to_string(k) + ".part";
-            std::vector<std::string> more = options;
+            Words more = options;
             more.insert(more.end(), {"-q", "-o", name});
             ASSERT_EQ(part(std::to_string(k) + "/" + std::to_string(parts), more).code, 0);
             merge.push_back(name);
@@ -49,14 +44,14 @@ TEST_F(Part, NamesAndSummary) {
     const Ran first = part("1/2");
     EXPECT_EQ(first.code, 0);
     EXPECT_TRUE(first.out.starts_with("wrote a.1-of-2.part (part 1 of 2, ")) << first.out;
-    EXPECT_EQ(part("2/2", {"--stats", "json"}).code, 0);
-    const Ran merged = runGlint({"merge", "a.1-of-2.part", "a.2-of-2.part"});
+    EXPECT_EQ(part("2/2", "--stats json").code, 0);
+    const Ran merged = runGlint("merge a.1-of-2.part a.2-of-2.part");
     EXPECT_EQ(merged.code, 0);
     EXPECT_TRUE(
         merged.out.starts_with("wrote a.png (64x48)\ndevice: CPU reference (double precision)\nhash: "))
         << merged.out;
-    const Ran whole = runGlint({"render", "a.json", "--backend", "cpu", "--stats", "json", "-o", "b.png"});
-    const Ran json = runGlint({"merge", "a.2-of-2.part", "a.1-of-2.part", "--stats", "json"});
+    const Ran whole = runGlint("render a.json --backend cpu --stats json -o b.png");
+    const Ran json = runGlint("merge a.2-of-2.part a.1-of-2.part --stats json");
     const auto mergedJson = nlohmann::json::parse(json.out), wholeJson = nlohmann::json::parse(whole.out);
     EXPECT_EQ(mergedJson["hash"], wholeJson["hash"]);
     EXPECT_EQ(mergedJson["parts"], 2);
@@ -64,10 +59,10 @@ TEST_F(Part, NamesAndSummary) {
 }
 
 TEST_F(Part, TheMergedPictureIsExposed) {
-    ASSERT_EQ(part("1/1", {"-q", "-o", "1.part"}).code, 0);
-    ASSERT_EQ(runGlint({"render", "a.json", "--backend", "cpu", "-q", "--exposure", "-2"}).code, 0);
+    ASSERT_EQ(part("1/1", "-q -o 1.part").code, 0);
+    ASSERT_EQ(runGlint("render a.json --backend cpu -q --exposure -2").code, 0);
     for (const bool rows : {false, true}) {
-        std::vector<std::string> merge = {"merge", "1.part", "-o", "all.png", "--exposure", "-2", "-q"};
+        Words merge = "merge 1.part -o all.png --exposure -2 -q";
         if (rows) merge.push_back("--in-bands");
         ASSERT_EQ(runGlint(merge).code, 0);
         EXPECT_EQ(readImage("all.png").pixels, readImage("a.png").pixels);
@@ -79,49 +74,35 @@ TEST_F(Part, OptionsThatMakeNoSense) {
               "glint: --part: expected K/N with 1 <= K <= N, such as 3/8, got \"0/4\"\n");
     EXPECT_EQ(errorOfRun(part("5/4"), 2),
               "glint: --part: expected K/N with 1 <= K <= N, such as 3/8, got \"5/4\"\n");
-    EXPECT_EQ(errorOfRun(part("1/2", {"-o", "a.png"}), 2),
+    EXPECT_EQ(errorOfRun(part("1/2", "-o a.png"), 2),
               "glint: a.png: the name of a part ends in .part; glint merge makes an image from the parts\n");
-    EXPECT_EQ(errorOfRun(part("1/2", {"--error", "0.1"}), 2),
+    EXPECT_EQ(errorOfRun(part("1/2", "--error 0.1"), 2),
               "glint: --part: --error chooses the samples of the whole image; use --spp\n");
-    EXPECT_EQ(errorOfRun(part("1/2", {"-o", "no/a.part"}), 1),
+    EXPECT_EQ(errorOfRun(part("1/2", "-o no/a.part"), 1),
               "glint: no/a.part: cannot write: there is no folder no\n");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json"}));
 }
 
 // What does not belong together is told apart by name.
 TEST_F(Part, ForeignPartsAreNamed) {
-    ASSERT_EQ(part("1/2", {"-q"}).code, 0);
+    ASSERT_EQ(part("1/2", "-q").code, 0);
     const std::string start = "glint: b.part: belongs to another picture than a.1-of-2.part: ";
-    const auto merge = [&] { return errorOfRun(runGlint({"merge", "a.1-of-2.part", "b.part"}), 1); };
-    ASSERT_EQ(part("2/2", {"-q", "-o", "b.part", "--spp", "4"}).code, 0);
-    EXPECT_EQ(merge(), start +
-                           "samples is 4 grid, filter box 0.5, seed 0 there and 1 grid, filter box 0.5, "
-                           "seed 0 here\n");
-    ASSERT_EQ(part("2/2", {"-q", "-o", "b.part", "--size", "32x24"}).code, 0);
+    const auto merge = [&] { return errorOfRun(runGlint("merge a.1-of-2.part b.part"), 1); };
+    ASSERT_EQ(part("2/2", "-q -o b.part --spp 4").code, 0);
+    EXPECT_EQ(
+        merge(),
+        start + "samples is 4 grid, filter box 0.5, seed 0 there and 1 grid, filter box 0.5, seed 0 here\n");
+    ASSERT_EQ(part("2/2", "-q -o b.part --size 32x24").code, 0);
     EXPECT_EQ(merge(), start + "size is 32x24 there and 64x48 here\n");
-    ASSERT_EQ(part("2/3", {"-q", "-o", "b.part"}).code, 0);
+    ASSERT_EQ(part("2/3", "-q -o b.part").code, 0);
     EXPECT_EQ(merge(), start + "parts is 3 there and 2 here\n");
-    ASSERT_EQ(part("2/2", {"-q", "-o", "b.part", "--aov", "color,depth"}).code, 0);
+    ASSERT_EQ(part("2/2", "-q -o b.part --aov color,depth").code, 0);
     EXPECT_EQ(merge(), start + "layers is color,depth there and color here\n");
     writeText("a.json", sceneText(64, 48, R"("objects": [])"));
-    ASSERT_EQ(part("2/2", {"-q", "-o", "b.part"}).code, 0);
+    ASSERT_EQ(part("2/2", "-q -o b.part").code, 0);
     EXPECT_EQ(merge(), start + "file a.json has other contents there\n");
-    EXPECT_EQ(errorOfRun(runGlint({"merge", "a.1-of-2.part"}), 1), "glint: part 2 of 2 is missing\n");
+    EXPECT_EQ(errorOfRun(runGlint("merge a.1-of-2.part"), 1), "glint: part 2 of 2 is missing\n");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "a.1-of-2.part", "b.part"}));
-}
-
-TEST_F(Part, MoreThanThereAreTiles) {
-    std::vector<std::string> merge = {"merge", "-q", "-o", "all.pfm"};
-    ASSERT_EQ(
-        runGlint({"render", "a.json", "--backend", "cpu", "-q", "-o", "whole.pfm", "--size", "16x8"}).code,
-        0);
-    for (int k = 1; k <= 5; ++k) {
-        const std::string name = std::to_string(k) + ".part";
-        ASSERT_EQ(part(std::to_string(k) + "/5", {"-q", "--size", "16x8", "-o", name}).code, 0);
-        merge.push_back(name);
-    }
-    ASSERT_EQ(runGlint(merge).code, 0);
-    EXPECT_EQ(readBytes("all.pfm"), readBytes("whole.pfm"));
 }
 
 }  // namespace glint::app::test::part_test

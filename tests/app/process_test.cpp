@@ -13,39 +13,31 @@
 #include "support.h"
 
 namespace glint::app::test::process_test {
-class Process : public FolderTest {
-  protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        writeSmallScene("a.json");
-    }
-};
+using Process = SmallSceneTest;
 
 // Minutes of work, in rows of a fraction of a second.
-const std::vector<std::string> kLong = {"render",    "a.json", "--backend", "cpu", "--size",
-                                        "1000x4000", "--spp",  "64",        "-o",  "out.png"};
+const Words kLong = "render a.json --backend cpu --size 1000x4000 --spp 64 -o out.png";
 // Minutes of work for each row.
-const std::vector<std::string> kLongRows = {"render",  "a.json", "--backend", "cpu", "--size",
-                                            "60000x8", "--spp",  "4096",      "-o",  "out.png"};
+const Words kLongRows = "render a.json --backend cpu --size 60000x8 --spp 4096 -o out.png";
 
-std::vector<std::string> with(std::vector<std::string> args, const std::vector<std::string>& more) {
-    args.insert(args.end(), more.begin(), more.end());
+Words with(Words args, const Words& more) {
+    args += more;
     return args;
 }
 
 TEST_F(Process, ExitCodesAndStreams) {
-    Child fine({"render", "a.json", "--backend", "cpu"});
+    Child fine("render a.json --backend cpu");
     EXPECT_EQ(fine.wait(), 0);
     EXPECT_TRUE(fine.out().starts_with("wrote a.png (64x48)\n")) << fine.out();
     EXPECT_EQ(fine.err(), "");
-    Child usage({"rendr"});
+    Child usage("rendr");
     EXPECT_EQ(usage.wait(), 2);
     EXPECT_EQ(usage.out(), "");
     EXPECT_EQ(usage.err(), "glint: unknown command \"rendr\" (did you mean \"render\"?); see glint --help\n");
-    Child scene({"render", "no.json"});
+    Child scene("render no.json");
     EXPECT_EQ(scene.wait(), 3);
     EXPECT_EQ(scene.err(), "glint: no.json: no such file\n");
-    Child folder({"render", "a.json", "-o", "no/a.png"});
+    Child folder("render a.json -o no/a.png");
     EXPECT_EQ(folder.wait(), 1);
     Child nothing({});
     EXPECT_EQ(nothing.wait(), 2);
@@ -131,7 +123,7 @@ TEST_F(Process, PicturesBeyondTheLimitOfAddressSpaceAreDrawnInBands) {
 #endif
 
 TEST_F(Process, AnInterruptedPictureInBandsHoldsWhatWasFinished) {
-    Child child(with(kLong, {"--progress", "plain", "--band-rows", "16"}));
+    Child child(with(kLong, "--progress plain --band-rows 16"));
     ASSERT_TRUE(child.waitForPercent(1)) << child.err();
     child.send(SIGINT);
     EXPECT_EQ(child.wait(), 130);
@@ -159,7 +151,7 @@ TEST_F(Process, AnInterruptedPictureOfAnySizeEndsSoon) {
 
 TEST_F(Process, InterruptSavesTheFinishedPart) {
     for (const int signal : {SIGINT, SIGTERM}) {
-        Child child(with(kLong, {"--progress", "plain"}));
+        Child child(with(kLong, "--progress plain"));
         ASSERT_TRUE(child.waitForPercent(0)) << child.err();  // said only once a row is finished
         child.send(signal);
         const Stopwatch watch;
@@ -188,8 +180,8 @@ TEST_F(Process, SeveralWritersOfOneFileLeaveAWholeOne) {
     for (int round = 0; round < 4; ++round) {
         std::vector<std::unique_ptr<Child>> writers;
         for (const char* size : {"256x64", "512x64", "768x64", "768x64"})
-            writers.push_back(std::make_unique<Child>(std::vector<std::string>{
-                "render", "a.json", "--backend", "cpu", "--size", size, "-q", "-o", "out.exr"}));
+            writers.push_back(
+                std::make_unique<Child>(Words("render a.json --backend cpu -q -o out.exr --size") + size));
         writers[3]->waitForWork(0.01 * round);
         writers[3]->send(SIGKILL);
         for (int i = 0; i < 3; ++i) {
@@ -216,7 +208,7 @@ TEST_F(Process, InterruptBeforeAnythingIsFinishedWritesNoFile) {
 }
 
 TEST_F(Process, InterruptedBenchTellsHowFarItCame) {
-    Child child({"bench", "a.json", "--backend", "cpu", "--repeat", "1000", "--size", "1000x1000"});
+    Child child("bench a.json --backend cpu --repeat 1000 --size 1000x1000");
     ASSERT_TRUE(child.waitForWork(0.2));
     child.send(SIGINT);
     EXPECT_EQ(child.wait(), 130);
@@ -226,7 +218,7 @@ TEST_F(Process, InterruptedBenchTellsHowFarItCame) {
 
 // Waiting for rays on standard input is not rendering: there is nothing to save.
 TEST_F(Process, InterruptEndsACommandThatHasNothingToSave) {
-    Child child({"trace", "a.json", "--rays", "-", "--backend", "cpu"}, {}, true);
+    Child child("trace a.json --rays - --backend cpu", {}, true);
     ASSERT_TRUE(child.waitForHandler(SIGINT));
     child.type("\x03");  // Ctrl-C
     EXPECT_EQ(child.wait(), 130);
@@ -234,14 +226,14 @@ TEST_F(Process, InterruptEndsACommandThatHasNothingToSave) {
 }
 
 TEST_F(Process, RaysFromStandardInput) {
-    Child child({"trace", "a.json", "--rays", "-", "--backend", "cpu"}, {}, true);
+    Child child("trace a.json --rays - --backend cpu", {}, true);
     child.type("0,0,5,0,0,-1\n\x04");  // end of the file
     EXPECT_EQ(child.wait(), 0);
     EXPECT_HAS(child.err(), "1,4,0,0,0,0,0,0,1,0,0,1");
 }
 
 TEST_F(Process, PlainProgressGoesToStandardError) {
-    Child child(with(kLong, {"--progress", "plain"}));
+    Child child(with(kLong, "--progress plain"));
     ASSERT_TRUE(child.waitForPercent(0));
     child.send(SIGINT);
     child.wait();
@@ -251,8 +243,7 @@ TEST_F(Process, PlainProgressGoesToStandardError) {
 }
 
 TEST_F(Process, NoProgressUnlessAskedForOrOnATerminal) {
-    for (const std::vector<std::string>& options :
-         {std::vector<std::string>{}, {"--progress", "none"}, {"-q", "--progress", "plain"}}) {
+    for (const char* options : {"", "--progress none", "-q --progress plain"}) {
         Child child(with(kLong, options));
         ASSERT_TRUE(child.waitForWork(0.1));
         usleep(1500000);  // progress starts after a second
@@ -295,14 +286,11 @@ const Child::Environment kNoDriver = {{"VK_DRIVER_FILES", "/nonexistent"},
                                       {"VK_ICD_FILENAMES", "/nonexistent"}};
 
 void expectNoVulkan(const Child::Environment& environment, const std::string& line) {
-    Child cpu({"render", "a.json", "--backend", "cpu", "-o", "cpu.png"}, environment);
+    Child cpu("render a.json --backend cpu -o cpu.png", environment);
     EXPECT_EQ(cpu.wait(), 0) << cpu.err();
     EXPECT_EQ(readImage("cpu.png").width, 64);
-    for (const std::vector<std::string>& args :
-         {std::vector<std::string>{"render", "a.json", "-o", "gpu.png"},
-          {"verify", "a.json"},
-          {"trace", "a.json", "--pixel", "0,0"},
-          {"devices"}}) {
+    for (const Words args :
+         {"render a.json -o gpu.png", "verify a.json", "trace a.json --pixel 0,0", "devices"}) {
         Child gpu(args, environment);
         EXPECT_EQ(gpu.wait(), 4) << args[0];
         const std::string instead = args[0] == "verify" ? "" : ", or use --backend cpu";

@@ -108,7 +108,7 @@ TEST_F(RayFileOnDisk, MissingOrAFolder) {
 TEST_F(RayFileOnDisk, FaultyLineLeavesStandardOutputEmpty) {
     writeSmallScene("a.json");
     writeText("r.csv", "0,0,5,0,0,-1\n0,0,5,0,0\n");
-    const Ran ran = runGlint({"trace", "a.json", "--rays", "r.csv", "--backend", "cpu"});
+    const Ran ran = runGlint("trace a.json --rays r.csv --backend cpu");
     EXPECT_EQ(ran.err, "glint: r.csv:2: expected 6 to 8 numbers ox,oy,oz,dx,dy,dz[,tmin[,tmax]], got 5\n");
     EXPECT_EQ(ran.out, "");
     EXPECT_EQ(ran.code, 3);
@@ -117,7 +117,7 @@ TEST_F(RayFileOnDisk, FaultyLineLeavesStandardOutputEmpty) {
 TEST_F(RayFileOnDisk, WithoutRaysThereIsAHeaderAndAWarning) {
     writeSmallScene("a.json");
     writeText("r.csv", "# none\n");
-    const Ran ran = runGlint({"trace", "a.json", "--rays", "r.csv", "--backend", "cpu"});
+    const Ran ran = runGlint("trace a.json --rays r.csv --backend cpu");
     EXPECT_EQ(ran.out, "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n");
     EXPECT_EQ(ran.err, "glint: warning: r.csv: holds no rays\n");
     EXPECT_EQ(ran.code, 0);

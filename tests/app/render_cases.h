@@ -7,14 +7,9 @@
 namespace glint::app::test::render_cases {
 namespace {
 
-class RenderEither : public FolderTest, public ::testing::WithParamInterface<std::string> {
+class RenderEither : public SmallSceneTest, public ::testing::WithParamInterface<std::string> {
   protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        writeSmallScene("a.json");
-    }
-
-    static void render(std::vector<std::string> options) {
+    static void render(Words options) {
         const Ran ran = runGlint({"render", "a.json", "--backend", GetParam(), "-q"}, options);
         EXPECT_EQ(ran.code, 0);
         EXPECT_EQ(ran.out + ran.err, "");
@@ -22,18 +17,18 @@ class RenderEither : public FolderTest, public ::testing::WithParamInterface<std
 };
 
 TEST_P(RenderEither, SameBytesOnEveryRun) {
-    render({"-o", "1.png"});
-    render({"-o", "2.png"});
-    render({"-o", "1.exr", "--aov", "color,depth,cost", "--spp", "3"});
-    render({"-o", "2.exr", "--aov", "color,depth,cost", "--spp", "3"});
+    render("-o 1.png");
+    render("-o 2.png");
+    render("-o 1.exr --aov color,depth,cost --spp 3");
+    render("-o 2.exr --aov color,depth,cost --spp 3");
     EXPECT_FALSE(readBytes("1.png").empty());
     EXPECT_EQ(readBytes("1.png"), readBytes("2.png"));
     EXPECT_EQ(readBytes("1.exr"), readBytes("2.exr"));
 }
 
 TEST_P(RenderEither, CropIsThePartOfTheWhole) {
-    render({"-o", "whole.pfm"});
-    render({"-o", "part.pfm", "--crop", "5,7,41,32"});
+    render("-o whole.pfm");
+    render("-o part.pfm --crop 5,7,41,32");
     const Image whole = readImage("whole.pfm"), part = readImage("part.pfm");
     ASSERT_EQ(std::pair(part.width, part.height), std::pair(36, 25));
     int different = 0;
@@ -56,17 +51,16 @@ TEST_P(RenderEither, OptionsHaveTheBitsOfTheFile) {
     std::string text = sceneText(24, 18, R"("maxDepth": 3, )" + rest);
     text.replace(text.find("\"width\""), 0, R"("samplesPerPixel": 4, "sampler": "jittered", "seed": 9, )");
     writeText("b.json", text);
-    const auto draw = [](std::vector<std::string> args) {
+    const auto draw = [](Words args) {
         args.insert(args.begin(), "render");
         args.insert(args.end(), {"--backend", GetParam(), "-q"});
         const Ran ran = runGlint(args);
         EXPECT_EQ(ran.code, 0) << ran.err;
     };
-    draw({"b.json", "-o", "b.pfm"});
-    draw({"a.json", "-o", "a.pfm", "--size", "24x18", "--max-depth", "3", "--spp", "4", "--sampler",
-          "jittered", "--seed", "9"});
+    draw("b.json -o b.pfm");
+    draw("a.json -o a.pfm --size 24x18 --max-depth 3 --spp 4 --sampler jittered --seed 9");
     EXPECT_EQ(readBytes("a.pfm"), readBytes("b.pfm"));
-    draw({"b.json", "-o", "c.pfm", "--max-depth", "0"});
+    draw("b.json -o c.pfm --max-depth 0");
     EXPECT_NE(readBytes("c.pfm"), readBytes("b.pfm"));
 }
 

@@ -11,26 +11,14 @@ INSTANTIATE_TEST_SUITE_P(Host, RenderEither, ::testing::Values("cpu"));
 }  // namespace glint::app::test::render_cases
 
 namespace glint::app::test::render_test {
-class Render : public FolderTest {
+class Render : public SmallSceneTest {
   protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        writeSmallScene("a.json");
-    }
-
-    static void render(std::vector<std::string> options) {
-        const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-q"}, options);
+    static void render(Words options) {
+        const Ran ran = runGlint("render a.json --backend cpu -q", options);
         EXPECT_EQ(ran.code, 0);
         EXPECT_EQ(ran.out + ran.err, "");
     }
 };
-
-bool samePixel(const Image& a, int ax, int ay, const Image& b, int bx, int by) {
-    for (int c = 0; c < a.channels; ++c) {
-        if (a.at(ax, ay, c) != b.at(bx, by, c)) return false;
-    }
-    return true;
-}
 
 TEST_F(Render, DefaultNameIsTheScenesInTheCurrentFolder) {
     std::filesystem::create_directory("scenes");
@@ -56,58 +44,9 @@ TEST_F(Render, NamesDoNotReachTheTerminalUnchanged) {
 }
 
 TEST_F(Render, SizeIsThePictures) {
-    render({"-o", "a.pfm", "--size", "31x17"});
+    render("-o a.pfm --size 31x17");
     const Image image = readImage("a.pfm");
     EXPECT_EQ(std::pair(image.width, image.height), std::pair(31, 17));
-}
-
-// Samples lie inside the pixel, so a pixel whose eight neighbours see the same sphere through their centres
-// as it does lies inside the sphere's convex outline with all its samples. Ambient light alone makes the
-// sphere one colour.
-TEST_F(Render, MoreSamplesChangeEdgesOnly) {
-    writeText("a.json", sceneText(64, 48, R"("background": [0.1, 0.3, 0.7], "ambient": 1,
-        "materials": {"m": {"diffuse": [0.5, 0.25, 0.125]}},
-        "objects": [{"type": "sphere", "center": [0.3, 0.2, 0], "radius": 2.3, "material": "m"}])"));
-    render({"-o", "1.pfm", "--aov", "color,object"});
-    render({"-o", "4.pfm", "--spp", "4"});
-    const Image one = readImage("1.pfm"), four = readImage("4.pfm"), ids = readImage("1.object.pfm");
-    int interior = 0, edges = 0;
-    for (int y = 1; y + 1 < one.height; ++y) {
-        for (int x = 1; x + 1 < one.width; ++x) {
-            int same = 0;
-            for (int dy = -1; dy <= 1; ++dy) {
-                for (int dx = -1; dx <= 1; ++dx) same += ids.at(x + dx, y + dy, 0) == ids.at(x, y, 0) ? 1 : 0;
-            }
-            const bool equal = samePixel(one, x, y, four, x, y);
-            if (same == 9) {
-                ++interior;
-                EXPECT_TRUE(equal) << x << ',' << y;
-            } else if (!equal) {
-                ++edges;
-            }
-        }
-    }
-    EXPECT_GT(interior, 1000);
-    EXPECT_GT(edges, 20);
-}
-
-// A perfect mirror that faces the camera shows the background behind the camera; with --max-depth 0 it shows
-// its own colour, black.
-TEST_F(Render, MaxDepthZeroRemovesReflections) {
-    writeText(
-        "a.json",
-        sceneText(3, 3, R"("background": [0.25, 0.5, 0.75], "materials": {"m": {"diffuse": 0, "mirror": 1}},
-        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}])"));
-    render({"-o", "1.pfm", "--max-depth", "1"});
-    EXPECT_EQ(
-        runGlint({"render", "a.json", "--backend", "cpu", "-q", "-o", "0.pfm", "--max-depth", "0"}).code, 0);
-    const Image with = readImage("1.pfm"), without = readImage("0.pfm");
-    const std::array<float, 3> background = {0.25f, 0.5f, 0.75f};
-    for (int c = 0; c < 3; ++c) {
-        EXPECT_EQ(with.at(1, 1, c), background[c]);
-        EXPECT_EQ(without.at(1, 1, c), 0.0f);
-        EXPECT_EQ(without.at(0, 0, c), background[c]);
-    }
 }
 
 TEST_F(Render, LayersAreSeparateFilesButForExr) {
@@ -135,8 +74,7 @@ TEST_F(Render, LayersAreSeparateFilesButForExr) {
 TEST_F(Render, LayersHoldWhatTheirNamesSay) {
     writeText("a.json", sceneText(3, 3, R"("ambient": 1, "objects": [
         {"type": "plane", "point": [0, 0, 50], "normal": [0, 0, 1]}, {"type": "sphere", "center": [0, 0, 0], "radius": 1}])"));
-    render(
-        {"-o", "p.pfm", "--aov", "color,alpha,depth,position,normal,object,primitive,material,bounces,cost"});
+    render("-o p.pfm --aov color,alpha,depth,position,normal,object,primitive,material,bounces,cost");
     const auto pixel = [](const char* layer, int x, int y) {
         const Image image = readImage(std::string("p.") + layer + ".pfm");
         std::vector<float> samples;
@@ -160,22 +98,21 @@ TEST_F(Render, LayersHoldWhatTheirNamesSay) {
 }
 
 TEST_F(Render, SingleDataLayerIsAFileOfItsOwn) {
-    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "--aov", "depth", "-o", "p.png"});
+    const Ran ran = runGlint("render a.json --backend cpu --aov depth -o p.png");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "p.depth.png"}));
     EXPECT_TRUE(ran.out.starts_with("wrote p.depth.png (64x48)\n")) << ran.out;
 }
 
 // The samples of the PNG are those of radiance times 2^STOPS; alpha stays.
 TEST_F(Render, ExposureScalesTheColoursOfPngFiles) {
-    render({"-o", "linear.pfm"});
+    render("-o linear.pfm");
     Image image = readImage("linear.pfm");
     for (float& sample : image.pixels) sample *= 2;
     writeImage("twice.png", image);
-    for (const std::vector<std::string>& way :
-         {std::vector<std::string>{}, {"--band-rows", "8"}, {"--frames", "0"}}) {
-        std::vector<std::string> args = {"-o", "new/", "--exposure", "1", "--overwrite"};
+    for (const Words way : {"", "--band-rows 8", "--frames 0"}) {
+        Words args = "-o new/ --exposure 1 --overwrite";
         if (way.empty() || way[0] != "--frames") args.pop_back();
-        args.insert(args.end(), way.begin(), way.end());
+        args += way;
         render(args);
         EXPECT_EQ(readImage("new/a.png").pixels, readImage("twice.png").pixels);
         std::filesystem::remove("new/a.png");
@@ -184,7 +121,7 @@ TEST_F(Render, ExposureScalesTheColoursOfPngFiles) {
         EXPECT_EQ(runGlint({"render", "a.json", "-o", output, "--exposure", "1"}).err,
                   std::string("glint: --exposure: ") + output +
                       " holds linear floats, which need none; use .png\n");
-    EXPECT_EQ(runGlint({"render", "a.json", "--part", "1/2", "--exposure", "1"}).code, 2);
+    EXPECT_EQ(runGlint("render a.json --part 1/2 --exposure 1").code, 2);
 }
 
 // A wedge that is flat along z, and the same model lying down: x' = x, y' = -z, z' = y for z up.
@@ -201,10 +138,10 @@ TEST_F(Render, UpTurnsModelsThatLieDown) {
     ASSERT_EQ(draw("z.obj", "z", "z.pfm"), 0);
     ASSERT_EQ(draw("x.obj", "x", "x.pfm"), 0);
     ASSERT_EQ(draw("z.obj", "y", "down.pfm"), 0);
-    EXPECT_EQ(runGlint({"diff", "y.pfm", "z.pfm", "--tolerance", "1e-5"}).code, 0);
-    EXPECT_EQ(runGlint({"diff", "y.pfm", "x.pfm", "--tolerance", "1e-5"}).code, 0);
-    EXPECT_EQ(runGlint({"diff", "y.pfm", "down.pfm", "--tolerance", "0.1"}).code, 5);
-    EXPECT_EQ(runGlint({"render", "a.json", "--up", "z"}).err,
+    EXPECT_EQ(runGlint("diff y.pfm z.pfm --tolerance 1e-5").code, 0);
+    EXPECT_EQ(runGlint("diff y.pfm x.pfm --tolerance 1e-5").code, 0);
+    EXPECT_EQ(runGlint("diff y.pfm down.pfm --tolerance 0.1").code, 5);
+    EXPECT_EQ(runGlint("render a.json --up z").err,
               "glint: a.json: has a camera of its own, which decides what is up (--up)\n");
 }
 
@@ -224,9 +161,8 @@ TEST_F(Render, ItsOwnTextureIsNotReplaced) {
     std::filesystem::create_symlink("sub/m.png", "link.png");
     for (const char* output : {"sub/m.png", "sub/../sub/m.png", "link.png"}) {
         for (const bool checkpoint : {false, true}) {
-            std::vector<std::string> words = {"render", "sub/m.obj", "--backend", "cpu", "-q",
-                                              "--size", "8x8",       "-o",        output};
-            if (checkpoint) words.insert(words.end(), {"--checkpoint", "c"});
+            Words words = {"render", "sub/m.obj", "--backend", "cpu", "-q", "--size", "8x8", "-o", output};
+            if (checkpoint) words += "--checkpoint c";
             const Ran ran = runGlint(words);
             EXPECT_EQ(ran.code, 2);
             EXPECT_EQ(ran.err, std::string("glint: ") + output +
@@ -234,9 +170,9 @@ TEST_F(Render, ItsOwnTextureIsNotReplaced) {
         }
     }
     EXPECT_EQ(readBytes("sub/m.png"), texture);
-    EXPECT_EQ(runGlint({"render", "sub/m.obj", "--backend", "cpu", "-q", "--size", "8x8"}).code, 0);
+    EXPECT_EQ(runGlint("render sub/m.obj --backend cpu -q --size 8x8").code, 0);
     std::filesystem::current_path("sub");
-    EXPECT_EQ(runGlint({"render", "m.obj", "--backend", "cpu", "-q", "--size", "8x8"}).code, 0);
+    EXPECT_EQ(runGlint("render m.obj --backend cpu -q --size 8x8").code, 0);
     EXPECT_EQ(readImage("m.render.png").width, 8);
     std::filesystem::current_path("..");
     EXPECT_EQ(readBytes("sub/m.png"), texture);

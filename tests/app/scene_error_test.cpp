@@ -15,9 +15,9 @@ TEST_P(BadScene, IsOneLineAndExitCode3) {
     const Bad& bad = GetParam();
     writeText(bad.file, bad.text);
     for (const char* command : {"render", "info", "trace"}) {
-        std::vector<std::string> args = {command, bad.file};
-        if (args[0] == "render") args.insert(args.end(), {"--backend", "cpu", "-o", "out.png"});
-        if (args[0] == "trace") args.insert(args.end(), {"--backend", "cpu", "--pixel", "0,0"});
+        Words args = {command, bad.file};
+        if (args[0] == "render") args += "--backend cpu -o out.png";
+        if (args[0] == "trace") args += "--backend cpu --pixel 0,0";
         const Ran ran = runGlint(args);
         EXPECT_EQ(ran.err, std::string("glint: ") + bad.file + bad.line + "\n") << command;
         EXPECT_EQ(ran.code, 3) << command;
@@ -91,7 +91,7 @@ TEST_F(SceneFile, AMissingOneNamesItsNeighbour) {
 // Models that can be rendered, with a warning each.
 TEST_F(SceneFile, NotFiniteVerticesAreAWarning) {
     writeText("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 1 0\nf 1 2 3\nf 1 2 4\n");
-    const Ran ran = runGlint({"render", "a.obj", "--backend", "cpu", "--size", "16x12"});
+    const Ran ran = runGlint("render a.obj --backend cpu --size 16x12");
     EXPECT_EQ(ran.err,
               "glint: warning: a.obj: /objects/0: 1 of 2 triangles dropped: a vertex is not finite or beyond "
               "the range of fp32\n");
@@ -103,13 +103,13 @@ TEST_F(SceneFile, TexturesAndMissingMaterialFilesAreWarnings) {
     writeText("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
     writeText("a.mtl", "newmtl m\nKd 1 0 0\nmap_Kd no.png\n");
     writeText("b.obj", "mtllib no.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    const Ran a = runGlint({"render", "a.obj", "--backend", "cpu", "--size", "16x12"});
+    const Ran a = runGlint("render a.obj --backend cpu --size 16x12");
     EXPECT_EQ(a.err, "glint: warning: a.mtl: no.png: no such file; drawn without it\n");
     EXPECT_EQ(a.code, 0);
-    const Ran b = runGlint({"render", "b.obj", "--backend", "cpu", "--size", "16x12"});
+    const Ran b = runGlint("render b.obj --backend cpu --size 16x12");
     EXPECT_EQ(b.err, "glint: warning: b.obj:1: no.mtl: no such file; drawn without these materials\n");
     EXPECT_EQ(b.code, 0);
-    EXPECT_EQ(runGlint({"render", "b.obj", "--backend", "cpu", "--size", "16x12", "-q"}).err, "");
+    EXPECT_EQ(runGlint("render b.obj --backend cpu --size 16x12 -q").err, "");
 }
 
 }  // namespace glint::app::test::scene_error_test

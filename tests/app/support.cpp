@@ -8,18 +8,27 @@
 
 namespace glint::app::test {
 
-Ran runGlint(const std::vector<std::string>& args) {
+Words::Words(const char* line) {
+    std::istringstream in(line);
+    for (std::string word; in >> word;) push_back(word == "''" ? "" : word);
+}
+
+Words& Words::operator+=(const Words& more) {
+    insert(end(), more.begin(), more.end());
+    return *this;
+}
+
+Words operator+(Words words, const Words& more) {
+    return words += more;
+}
+
+Ran runGlint(const Words& args, const Words& more) {
     std::ostringstream out, err;
     Ran ran;
-    ran.code = run(args, out, err);
+    ran.code = run(args + more, out, err);
     ran.out = out.str();
     ran.err = err.str();
     return ran;
-}
-
-Ran runGlint(std::vector<std::string> args, const std::vector<std::string>& more) {
-    args.insert(args.end(), more.begin(), more.end());
-    return runGlint(args);
 }
 
 bool hasPackets() {

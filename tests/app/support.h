@@ -21,9 +21,20 @@ struct Ran {
     std::string out, err;
 };
 
+// The words of a command line: "render a.json -q", in which '' is an empty word, or a list where words hold
+// spaces.
+class Words : public std::vector<std::string> {
+  public:
+    Words() = default;
+    Words(const char* line);
+    Words(const std::string& line) : Words(line.c_str()) {}
+    Words(std::initializer_list<std::string> words) : vector(words) {}
+    Words& operator+=(const Words& more);
+};
+Words operator+(Words words, const Words& more);
+
 // Runs a command line inside this process.
-Ran runGlint(const std::vector<std::string>& args);
-Ran runGlint(std::vector<std::string> args, const std::vector<std::string>& more);
+Ran runGlint(const Words& args, const Words& more = {});
 
 // Whether the device that commands take has packets of rays.
 bool hasPackets();
@@ -36,6 +47,12 @@ using glint::test::writeText;
 // A sphere of radius 1 round the origin, a triangle to its right and a mirror sphere to its left; camera at
 // (0, 0, 5), one light. 64 x 48 pixels.
 void writeSmallScene(const std::filesystem::path& path);
+
+// The folder holds the small scene as a.json.
+class SmallSceneTest : public FolderTest {
+  protected:
+    SmallSceneTest() { writeSmallScene("a.json"); }
+};
 
 // The camera's right and up at unit distance for a picture with fovY 90 degrees are 1 and 1: easy to compute
 // with. `rest` is JSON that follows the camera: objects, lights, materials.

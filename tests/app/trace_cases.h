@@ -25,7 +25,7 @@ class Trace : public FolderTest, public ::testing::WithParamInterface<std::strin
 
     std::string trace(const std::string& rays, bool any = false) {
         writeText("r.csv", rays);
-        std::vector<std::string> args = {"trace", "a.json", "--rays", "r.csv", "--backend", GetParam()};
+        Words args = {"trace", "a.json", "--rays", "r.csv", "--backend", GetParam()};
         if (any) args.push_back("--any");
         const Ran ran = runGlint(args);
         EXPECT_EQ(ran.code, 0) << ran.err;
@@ -97,7 +97,7 @@ TEST_P(Trace, AnyTellsHitsOnly) {
 // times 2/3, sees nothing.
 TEST_P(Trace, PixelIsTheCameraRayOfItsCentre) {
     const auto pixel = [](const std::string& where, bool any = false) {
-        std::vector<std::string> args = {"trace", "a.json", "--pixel", where, "--backend", GetParam()};
+        Words args = {"trace", "a.json", "--pixel", where, "--backend", GetParam()};
         if (any) args.push_back("--any");
         const Ran ran = runGlint(args);
         EXPECT_EQ(ran.code, 0);
@@ -122,7 +122,7 @@ TEST_P(Trace, FacesAreNumberedAsInTheFile) {
         {"type": "plane", "point": [0, 0, -9], "normal": [0, 0, 1]}, {"type": "mesh", "mesh": "m"}])"));
     const std::string lines =
         trace("0.75,0.25,1,0,0,-1\n0.25,0.75,1,0,0,-1\n5.75,0.5,1,0,0,-1\n9,9,1,0,0,-1\n");
-    std::vector<std::string> ids;
+    Words ids;
     for (size_t start = 0; start < lines.size(); start = lines.find('\n', start) + 1) {
         std::string line = lines.substr(start, lines.find('\n', start) - start);
         for (int skipped = 0; skipped < 4; ++skipped) line.erase(0, line.find(',') + 1);

@@ -5,7 +5,7 @@
 namespace glint::app::test::usage_test {
 struct Case {
     const char* name;
-    std::vector<std::string> args;
+    Words args;
     const char* line;  // without "glint: " and the line's end
 };
 
@@ -25,168 +25,109 @@ TEST_P(Usage, OneLineAndExitCode2) {
 }
 
 const Case kCommands[] = {
-    {"unknown",
-     {"paint"},
+    {"unknown", "paint",
      "unknown command \"paint\" (there are: render, merge, view, verify, report, bench, trace, diff, ...); "
-     "see "
-     "glint "
-     "--help"},
-    {"misspelt",
-     {"rendr", "a.json"},
-     "unknown command \"rendr\" (did you mean \"render\"?); see glint --help"},
+     "see glint --help"},
+    {"misspelt", "rendr a.json", "unknown command \"rendr\" (did you mean \"render\"?); see glint --help"},
     {"empty",
      {""},
      "unknown command \"\" (there are: render, merge, view, verify, report, bench, trace, diff, ...); see "
-     "glint "
-     "--help"},
+     "glint --help"},
     {"file", {"a.json"}, "\"a.json\" is no command; did you mean: glint render a.json"},
-    {"optionFirst",
-     {"--size", "3x3", "render", "a.json"},
+    {"optionFirst", "--size 3x3 render a.json",
      "the command comes first, then its options (got \"--size\"); see glint --help"},
-    {"helpOfUnknown",
-     {"help", "verfy"},
-     "unknown command \"verfy\" (did you mean \"verify\"?); see glint --help"},
-    {"viewAlone", {"view"}, "view: SCENE is missing; see glint view --help"},
-    {"viewPresent",
-     {"view", "a.json", "--present", "fast"},
+    {"helpOfUnknown", "help verfy", "unknown command \"verfy\" (did you mean \"verify\"?); see glint --help"},
+    {"viewAlone", "view", "view: SCENE is missing; see glint view --help"},
+    {"viewPresent", "view a.json --present fast",
      "--present: expected fifo, mailbox, immediate or fifoRelaxed, got \"fast\""},
-    {"benchAlone", {"bench"}, "bench: SCENE is missing; see glint bench --help"},
-    {"renderAlone", {"render"}, "render: SCENE is missing; see glint render --help"},
-    {"verifyAlone", {"verify"}, "verify: SCENE is missing; see glint verify --help"},
-    {"traceAlone", {"trace"}, "trace: SCENE is missing; see glint trace --help"},
-    {"infoAlone", {"info"}, "info: SCENE is missing; see glint info --help"},
-    {"diffAlone", {"diff"}, "diff: A is missing; see glint diff --help"},
-    {"diffOne", {"diff", "a.png"}, "diff: B is missing; see glint diff --help"},
-    {"devicesArgument", {"devices", "gpu"}, "devices: unexpected argument \"gpu\"; see glint devices --help"},
-    {"extra",
-     {"render", "a.json", "b.json"},
-     "render: unexpected argument \"b.json\"; see glint render --help"},
-    {"emptyScene", {"render", ""}, "SCENE: the name is empty"},
-    {"emptyPicture", {"diff", "a.png", ""}, "B: the name is empty"},
-    {"emptyPart", {"merge", "a.part", ""}, "PART: the name is empty"},
-    {"emptyDevice", {"render", "a.json", "--device", ""}, "--device: the name is empty"},
+    {"benchAlone", "bench", "bench: SCENE is missing; see glint bench --help"},
+    {"renderAlone", "render", "render: SCENE is missing; see glint render --help"},
+    {"verifyAlone", "verify", "verify: SCENE is missing; see glint verify --help"},
+    {"traceAlone", "trace", "trace: SCENE is missing; see glint trace --help"},
+    {"infoAlone", "info", "info: SCENE is missing; see glint info --help"},
+    {"diffAlone", "diff", "diff: A is missing; see glint diff --help"},
+    {"diffOne", "diff a.png", "diff: B is missing; see glint diff --help"},
+    {"devicesArgument", "devices gpu", "devices: unexpected argument \"gpu\"; see glint devices --help"},
+    {"extra", "render a.json b.json", "render: unexpected argument \"b.json\"; see glint render --help"},
+    {"emptyScene", "render ''", "SCENE: the name is empty"},
+    {"emptyPicture", "diff a.png ''", "B: the name is empty"},
+    {"emptyPart", "merge a.part ''", "PART: the name is empty"},
+    {"emptyDevice", "render a.json --device ''", "--device: the name is empty"},
 };
 INSTANTIATE_TEST_SUITE_P(Commands, Usage, ::testing::ValuesIn(kCommands),
                          [](const auto& test) { return test.param.name; });
 
 const Case kOptions[] = {
-    {"benchRepeat",
-     {"bench", "a.json", "--repeat", "0"},
-     "--repeat: expected a whole number from 1 to 1000, got \"0\""},
-    {"benchStats", {"bench", "a.json", "--stats", "csv"}, "--stats: expected json, got \"csv\""},
-    {"benchWith",
-     {"bench", "a.json", "--with", "quadrics,mirors"},
+    {"benchRepeat", "bench a.json --repeat 0", "--repeat: expected a whole number from 1 to 1000, got \"0\""},
+    {"benchStats", "bench a.json --stats csv", "--stats: expected json, got \"csv\""},
+    {"benchWith", "bench a.json --with quadrics,mirors",
      "--with: unknown feature \"mirors\" (did you mean \"mirrors\"?)"},
-    {"benchFullOnHost",
-     {"bench", "a.json", "--backend", "cpu", "--full"},
-     "--full, --with: need --backend gpu"},
-    {"unknown", {"render", "a.json", "--foo"}, "render: unknown option \"--foo\"; see glint render --help"},
-    {"unknownWithoutScene", {"render", "--foo"}, "render: unknown option \"--foo\"; see glint render --help"},
-    {"unknownShort", {"render", "a.json", "-z"}, "render: unknown option \"-z\"; see glint render --help"},
-    {"misspelt",
-     {"render", "a.json", "--siez", "3x3"},
+    {"benchFullOnHost", "bench a.json --backend cpu --full", "--full, --with: need --backend gpu"},
+    {"unknown", "render a.json --foo", "render: unknown option \"--foo\"; see glint render --help"},
+    {"unknownWithoutScene", "render --foo", "render: unknown option \"--foo\"; see glint render --help"},
+    {"unknownShort", "render a.json -z", "render: unknown option \"-z\"; see glint render --help"},
+    {"misspelt", "render a.json --siez 3x3",
      "render: unknown option \"--siez\" (did you mean \"--size\"?); see glint render --help"},
-    {"misspeltEquals",
-     {"render", "a.json", "--max-dept=3"},
+    {"misspeltEquals", "render a.json --max-dept=3",
      "render: unknown option \"--max-dept\" (did you mean \"--max-depth\"?); see glint render --help"},
-    {"ofAnotherCommand",
-     {"info", "a.json", "--crop", "0,0,1,1"},
+    {"ofAnotherCommand", "info a.json --crop 0,0,1,1",
      "info: unknown option \"--crop\"; see glint info --help"},
-    {"noValue", {"render", "a.json", "--size"}, "render: --size needs a value: WxH; see glint render --help"},
-    {"noOutput", {"render", "a.json", "-o"}, "render: --output needs a value: FILE; see glint render --help"},
-    {"optionForValue",
-     {"render", "a.json", "--size", "-q"},
-     "--size: expected WxH such as 640x480, got \"-q\""},
-    {"twice",
-     {"render", "a.json", "--size", "3x3", "--size", "4x4"},
+    {"noValue", "render a.json --size", "render: --size needs a value: WxH; see glint render --help"},
+    {"noOutput", "render a.json -o", "render: --output needs a value: FILE; see glint render --help"},
+    {"optionForValue", "render a.json --size -q", "--size: expected WxH such as 640x480, got \"-q\""},
+    {"twice", "render a.json --size 3x3 --size 4x4",
      "render: --size is given more than once; see glint render --help"},
-    {"flagValue",
-     {"render", "a.json", "--quiet=no"},
-     "render: --quiet takes no value; see glint render --help"},
-    {"seed",
-     {"render", "a.json", "--seed", "-7"},
-     "--seed: expected a whole number from 0 to 4294967295, got \"-7\""},
-    {"sampler",
-     {"render", "a.json", "--sampler", "random"},
+    {"flagValue", "render a.json --quiet=no", "render: --quiet takes no value; see glint render --help"},
+    {"seed", "render a.json --seed -7", "--seed: expected a whole number from 0 to 4294967295, got \"-7\""},
+    {"sampler", "render a.json --sampler random",
      "--sampler: expected auto, grid, jittered or lowDiscrepancy, got \"random\""},
-    {"filter",
-     {"verify", "a.json", "--filter", "tent,0"},
+    {"filter", "verify a.json --filter tent,0",
      "--filter: expected box, tent, gaussian or mitchell, and perhaps a radius from 0.01 to 8 pixels as in "
      "tent,1.5, got \"tent,0\""},
-    {"adaptive",
-     {"render", "a.json", "--adaptive", "64,2"},
+    {"adaptive", "render a.json --adaptive 64,2",
      "--adaptive: expected the most samples of a pixel, from 1 to 65536, and perhaps a threshold above 0, at "
      "most 1, as in 64,0.05, got \"64,2\""},
-    {"cpuDevice", {"render", "a.json", "--backend", "cpu", "--device", "0"}, "--device: needs --backend gpu"},
-    {"cpuValidation",
-     {"render", "a.json", "--backend", "cpu", "--validation"},
-     "--validation: needs --backend gpu"},
-    {"cpuTraversal",
-     {"render", "a.json", "--backend", "cpu", "--traversal", "lane"},
-     "--traversal: needs --backend gpu"},
-    {"cpuTraversals",
-     {"bench", "a.json", "--backend", "cpu", "--traversal", "all"},
-     "--traversal: needs --backend gpu"},
-    {"traversalAll",
-     {"render", "a.json", "--traversal", "all"},
+    {"cpuDevice", "render a.json --backend cpu --device 0", "--device: needs --backend gpu"},
+    {"cpuValidation", "render a.json --backend cpu --validation", "--validation: needs --backend gpu"},
+    {"cpuTraversal", "render a.json --backend cpu --traversal lane", "--traversal: needs --backend gpu"},
+    {"cpuTraversals", "bench a.json --backend cpu --traversal all", "--traversal: needs --backend gpu"},
+    {"traversalAll", "render a.json --traversal all",
      "--traversal: expected auto, lane or packet, got \"all\""},
-    {"wholePathsOnHost",
-     {"bench", "a.json", "--backend", "cpu", "--whole-paths"},
-     "--whole-paths: needs --backend gpu"},
-    {"traversal",
-     {"verify", "a.json", "--traversal", "packets"},
+    {"wholePathsOnHost", "bench a.json --backend cpu --whole-paths", "--whole-paths: needs --backend gpu"},
+    {"traversal", "verify a.json --traversal packets",
      "--traversal: expected auto, lane or packet, got \"packets\""},
-    {"traceNeither", {"trace", "a.json"}, "trace: give either --rays FILE.csv or --pixel x,y"},
-    {"traceBoth",
-     {"trace", "a.json", "--rays", "r.csv", "--pixel", "1,2"},
+    {"traceNeither", "trace a.json", "trace: give either --rays FILE.csv or --pixel x,y"},
+    {"traceBoth", "trace a.json --rays r.csv --pixel 1,2",
      "trace: give either --rays FILE.csv or --pixel x,y"},
-    {"emptyOutput", {"render", "a.json", "-o", ""}, "--output: the name is empty"},
-    {"emptyFolder", {"verify", "a.json", "--artifacts", ""}, "--artifacts: the name is empty"},
-    {"emptyRays", {"trace", "a.json", "--rays", ""}, "--rays: the name is empty"},
-    {"unknownFormat",
-     {"render", "a.json", "-o", "a.jpg"},
+    {"emptyOutput", "render a.json -o ''", "--output: the name is empty"},
+    {"emptyFolder", "verify a.json --artifacts ''", "--artifacts: the name is empty"},
+    {"emptyRays", "trace a.json --rays ''", "--rays: the name is empty"},
+    {"unknownFormat", "render a.json -o a.jpg",
      "a.jpg: unknown picture format (use .png, .exr, .pfm or .hdr)"},
-    {"noExtension",
-     {"render", "a.json", "-o", "out"},
-     "out: unknown picture format (use .png, .exr, .pfm or .hdr)"},
-    {"onlyExtension",
-     {"render", "a.json", "-o", ".png"},
-     ".png: unknown picture format (use .png, .exr, .pfm or .hdr)"},
-    {"devNull",
-     {"render", "a.json", "-o", "/dev/null"},
+    {"noExtension", "render a.json -o out", "out: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"onlyExtension", "render a.json -o .png", ".png: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"devNull", "render a.json -o /dev/null",
      "/dev/null: unknown picture format (use .png, .exr, .pfm or .hdr)"},
-    {"folder",
-     {"render", "a.json", "-o", "/tmp"},
-     "/tmp: unknown picture format (use .png, .exr, .pfm or .hdr)"},
-    {"diffFormat",
-     {"diff", "a", "b", "-o", "d.txt"},
-     "d.txt: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"folder", "render a.json -o /tmp", "/tmp: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"diffFormat", "diff a b -o d.txt", "d.txt: unknown picture format (use .png, .exr, .pfm or .hdr)"},
 };
 INSTANTIATE_TEST_SUITE_P(Options, Usage, ::testing::ValuesIn(kOptions),
                          [](const auto& test) { return test.param.name; });
 
 const Case kLateValues[] = {
-    {"cropBeyond",
-     {"render", "a.json", "--backend", "cpu", "--crop", "0,0,65,48"},
+    {"cropBeyond", "render a.json --backend cpu --crop 0,0,65,48",
      "--crop: reaches beyond the picture of 64x48 pixels"},
-    {"cropFarBeyond",
-     {"render", "a.json", "--backend", "cpu", "--crop", "0,0,99999999999999999999,48"},
+    {"cropFarBeyond", "render a.json --backend cpu --crop 0,0,99999999999999999999,48",
      "--crop: reaches beyond the picture of 64x48 pixels"},
-    {"cropOutside",
-     {"render", "a.json", "--backend", "cpu", "--crop", "64,48,65,49"},
+    {"cropOutside", "render a.json --backend cpu --crop 64,48,65,49",
      "--crop: reaches beyond the picture of 64x48 pixels"},
-    {"pixelBeyond",
-     {"trace", "a.json", "--backend", "cpu", "--pixel", "64,0"},
+    {"pixelBeyond", "trace a.json --backend cpu --pixel 64,0",
      "--pixel: 64,0 is outside the picture of 64x48 pixels"},
-    {"pixelFarBeyond",
-     {"trace", "a.json", "--backend", "cpu", "--pixel", "99999999999999999999,0"},
+    {"pixelFarBeyond", "trace a.json --backend cpu --pixel 99999999999999999999,0",
      "--pixel: expected x,y below 65536, got \"99999999999999999999,0\""},
-    {"pixelNegative",
-     {"trace", "a.json", "--backend", "cpu", "--pixel", "0,-1"},
+    {"pixelNegative", "trace a.json --backend cpu --pixel 0,-1",
      "--pixel: 0,-1 is outside the picture of 64x48 pixels"},
-    {"pixelOfGpu",
-     {"trace", "a.json", "--pixel", "0,48"},
-     "--pixel: 0,48 is outside the picture of 64x48 pixels"},
+    {"pixelOfGpu", "trace a.json --pixel 0,48", "--pixel: 0,48 is outside the picture of 64x48 pixels"},
 };
 INSTANTIATE_TEST_SUITE_P(LateValues, Usage, ::testing::ValuesIn(kLateValues),
                          [](const auto& test) { return test.param.name; });
@@ -199,17 +140,17 @@ TEST(Help, WithoutArgumentsGoesToStandardErrorWithExitCode2) {
 }
 
 TEST(Help, IsTheSameWhereverItIsAskedFor) {
-    const std::string help = runGlint({"--help"}).out;
-    EXPECT_EQ(runGlint({"--help"}).code, 0);
-    EXPECT_EQ(runGlint({"--help"}).err, "");
-    EXPECT_EQ(runGlint({"-h"}).out, help);
-    EXPECT_EQ(runGlint({"help"}).out, help);
+    const std::string help = runGlint("--help").out;
+    EXPECT_EQ(runGlint("--help").code, 0);
+    EXPECT_EQ(runGlint("--help").err, "");
+    EXPECT_EQ(runGlint("-h").out, help);
+    EXPECT_EQ(runGlint("help").out, help);
     EXPECT_EQ(runGlint({}).err, help);
-    EXPECT_EQ(runGlint({"help", "render"}).out, runGlint({"render", "--help"}).out);
+    EXPECT_EQ(runGlint("help render").out, runGlint("render --help").out);
 }
 
 TEST(Help, NamesEveryCommandAndExitCode) {
-    const std::string help = runGlint({"--help"}).out;
+    const std::string help = runGlint("--help").out;
     for (const char* word :
          {"render", "view", "verify", "report", "bench", "trace", "diff", "info", "devices", "0 done",
           "1 could not render or write", "2 usage", "3 the scene is at fault", "4 no usable device",
@@ -220,17 +161,16 @@ TEST(Help, NamesEveryCommandAndExitCode) {
 
 // The stable contract: scripts depend on these names.
 TEST(Help, NamesEveryOptionOfTheContract) {
-    const std::pair<const char*, std::vector<std::string>> commands[] = {
+    const std::pair<const char*, Words> commands[] = {
         {"render",
-         {"-o", "--size", "--spp", "--max-depth", "--backend", "--device", "--aov", "--crop", "--seed",
-          "--stats", "--progress", "-q"}},
-        {"view", {"--size", "--spp", "--max-depth", "--device", "--frames", "--present", "--target"}},
+         "-o --size --spp --max-depth --backend --device --aov --crop --seed --stats --progress -q"},
+        {"view", "--size --spp --max-depth --device --frames --present --target"},
         {"verify", {"SCENE ..."}},
-        {"bench", {"--stats", "--size", "--device", "--repeat"}},
-        {"trace", {"--rays", "--pixel", "--any", "--backend"}},
-        {"diff", {"-o", "--tolerance"}},
+        {"bench", "--stats --size --device --repeat"},
+        {"trace", "--rays --pixel --any --backend"},
+        {"diff", "-o --tolerance"},
         {"info", {"SCENE"}},
-        {"devices", {"-h,--help"}}};
+        {"devices", "-h,--help"}};
     for (const auto& [command, options] : commands) {
         const Ran ran = runGlint({command, "--help"});
         EXPECT_EQ(ran.code, 0);
@@ -239,7 +179,7 @@ TEST(Help, NamesEveryOptionOfTheContract) {
 }
 
 TEST(Help, VersionIsOneLine) {
-    const Ran ran = runGlint({"--version"});
+    const Ran ran = runGlint("--version");
     EXPECT_EQ(ran.code, 0);
     EXPECT_TRUE(ran.out.starts_with("glint ")) << ran.out;
     EXPECT_EQ(ran.out.find('\n'), ran.out.size() - 1);

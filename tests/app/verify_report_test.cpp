@@ -32,8 +32,7 @@ verify::Report cleanReport() {
 // many: a mean of 1.96, which 8 exceed with a chance of 3e-4.
 const char* const kCleanLines =
     "    of 1000 pixels the reference sees 0 otherwise for rays moved by 2^-24, 16 by 32 times that, 0 for "
-    "errors "
-    "in the order of surfaces in one place\n"
+    "errors in the order of surfaces in one place\n"
     "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
     "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06, at most 3.9e-05 (99th percentile of "
     "the pixels)\n";
@@ -50,8 +49,8 @@ TEST(VerifyReport, ExplainedPixelsUpToWhatIsPredicted) {
     report.edges = 5;
     report.roundings = 3;
     EXPECT_TRUE(
-        reportText(report).starts_with("a.json: ok\n    1000 pixels; beyond their predicted error: 5 "
-                                       "edge, 3 rounding, 0 undecided (at most 8)"));
+        reportText(report).starts_with("a.json: ok\n    1000 pixels; beyond their predicted error: 5 edge, 3 "
+                                       "rounding, 0 undecided (at most 8)"));
     ++report.roundings;
     EXPECT_TRUE(reportText(report).starts_with(
         "a.json: FAILED: too many pixels differ, though rounding explains each: the method loses digits"));
@@ -106,16 +105,15 @@ TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
     pixel.reference.color = {0.25, 0, 0.75};
     pixel.reference.pathHash = 0xdef;
     report.worst.push_back(pixel);
-    EXPECT_EQ(
-        reportText(report),
-        "a.json: FAILED: pixels differ for no reason that rounding explains\n"
-        "    1000 pixels; beyond their predicted error: 0 edge, 0 rounding, 0 undecided (at most 8), 1 "
-        "unexplained\n" +
-            std::string(kCleanLines) +
-            "    pixel 12,34: difference 0.5, unexplained\n"
-            "      device     color (0.25 0.5 0.75)  object 3 primitive 7 t 2.5 at (101 2 3)  bounces 2 path "
-            "00000abc\n"
-            "      reference  color (0.25 0 0.75)  miss  bounces 0 path 00000def\n");
+    EXPECT_EQ(reportText(report),
+              "a.json: FAILED: pixels differ for no reason that rounding explains\n"
+              "    1000 pixels; beyond their predicted error: 0 edge, 0 rounding, 0 undecided (at most 8), 1 "
+              "unexplained\n" +
+                  std::string(kCleanLines) +
+                  "    pixel 12,34: difference 0.5, unexplained\n"
+                  "      device     color (0.25 0.5 0.75)  object 3 primitive 7 t 2.5 at (101 2 3)  bounces "
+                  "2 path 00000abc\n"
+                  "      reference  color (0.25 0 0.75)  miss  bounces 0 path 00000def\n");
 }
 
 // The reference's positions are local; the report adds the origin. With several samples the sample is named.
@@ -136,9 +134,9 @@ TEST(VerifyReport, ExplainedPixelNamesJitterAndSample) {
     verify::Options options;
     options.samples = PackedSamples::fixed(std::vector<glm::dvec2>(4));
     const std::string text = reportText(report, options);
-    EXPECT_HAS(text,
-               "    pixel 0,0 sample 3: difference 1, edge (3 open decisions, rays moved by at most "
-               "2 x 2^-24)\n");
+    EXPECT_HAS(
+        text,
+        "    pixel 0,0 sample 3: difference 1, edge (3 open decisions, rays moved by at most 2 x 2^-24)\n");
     EXPECT_HAS(text, "reference  color (0 0 0)  object 0 primitive 0 t 4 at (101 2 3)");
 }
 
