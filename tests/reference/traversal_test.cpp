@@ -346,50 +346,6 @@ Scene makeScene(Random& random, double scale, const dvec3& offset) {
     return scene;
 }
 
-TEST(ReferencePacked, EqualsBruteForce) {
-    Random random(97);
-    for (const double scale : {1e-2, 1.0, 1e4}) {
-        for (const double away : {0.0, 1e3}) {
-            const PackedScene packed = packScene(makeScene(random, scale, away * scale * dvec3(1, 2, 3)));
-            const dvec3 center = away * scale * dvec3(1, 2, 3) - packed.origin;
-            const Tracer tracer(packed);
-            int hits = 0;
-            for (int i = 0; i < 4000; ++i) {
-                const dvec3 from = center + random.box(2 * scale);
-                Ray ray = makeRay(from, random.direction());
-                if (i % 3 == 0) ray = rayTowards(from, packed.triangles[random.below(512)].v1);
-                if (i % 3 == 1) ray.direction = dvec3(0, i % 2 ? -1 : 1, 0);
-                const auto hit = tracer.closest(ray);
-                ASSERT_EQ(hit, tracer.closestBruteForce(ray))
-                    << "scale " << scale << " away " << away << " ray " << i;
-                ASSERT_EQ(tracer.occluded(ray), hit.has_value());
-                hits += hit.has_value();
-            }
-            EXPECT_GT(hits, 2000);
-        }
-    }
-}
-
-// From inside the closed mesh no ray escapes, at every vertex.
-TEST(ReferencePacked, MeshStaysWatertight) {
-    Scene scene;
-    scene.materials.resize(1);
-    auto mesh = std::make_shared<Mesh>();
-    const BumpyMesh bumpy = makeBumpyMesh(98);
-    for (const glm::vec3& v : bumpy.vertices) mesh->positions.push_back(dvec3(v) + dvec3(1e5, 0, 0));
-    mesh->corners = bumpy.triangles;
-    addObject(scene, MeshShape{mesh});
-    const PackedScene packed = packScene(scene);
-    const Tracer tracer(packed);
-    Random random(99);
-    for (int i = 0; i < 50000; ++i) {
-        const dvec3 from = dvec3(1e5, 0, 0) - packed.origin + random.box(.28);
-        const glm::vec3 target =
-            packed.triangles[random.below(static_cast<uint32_t>(packed.triangles.size()))].v2;
-        ASSERT_TRUE(tracer.closest(rayTowards(from, target))) << i;
-    }
-}
-
 // The object and primitive that the file's order gives survive the leaf order.
 TEST(ReferencePacked, ObjectsAreNamedByTheirOrder) {
     Random random(100);

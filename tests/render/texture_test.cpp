@@ -153,26 +153,6 @@ TEST_F(TextureTest, GreatCoordinatesStayInTheImage) {
     expectNear(wall(far, {{0.25, 0.75}}), {3}, 0);  // the texel at (0, 0)
 }
 
-// One pixel each way; see the same in tests/reference/texture_test.cpp.
-TEST_F(TextureTest, EnvironmentDirections) {
-    auto map = std::make_shared<Image>(4, 2, 3);
-    for (int i = 0; i < 8; ++i)
-        for (int c = 0; c < 3; ++c) map->at(i % 4, i / 4, c) = static_cast<float>(i);
-    Scene scene = emptyScene();
-    scene.environment = EnvironmentMap{"map", map, 0, Color(1, 2, 3)};
-    Viewer viewer(device(), scene);
-    const auto seen = [&](const dvec3& d) { return viewer(dvec3(0), d); };
-    EXPECT_NEAR(seen({0, 0, -1}).x, 3.5, 1e-4);
-    EXPECT_NEAR(seen({0, 0, -1}).z, 3 * 3.5, 3e-4);
-    EXPECT_NEAR(seen({1, 0, 0}).x, 4.5, 1e-4);
-    EXPECT_NEAR(seen({-1, 0, 0}).x, 2.5, 1e-4);
-    EXPECT_NEAR(seen({1, 0, -1}).x, 4, 1e-4);
-    EXPECT_NEAR(seen({1e-3, 1, 1e-3}).x, 3, 1e-2);
-    EXPECT_NEAR(seen({1e-3, -1, -1e-3}).x, 6, 1e-2);
-    scene.environment->rotation = 90;
-    EXPECT_NEAR(Viewer(device(), scene)(dvec3(0), {-1, 0, 0}).x, 3.5, 1e-4);
-}
-
 // The device's u and v against atan2 and asin in double of the normal that it reports. turnsOf is good to
 // 2^-23; u is rounded once more (2^-25), v takes the angle twice and the ring, which errs by 4 units of at
 // most 1/(2 pi) turns' worth: below 2^-21 in all.

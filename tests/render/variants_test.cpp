@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "reference/render.h"
-#include "scene/sampling.h"
 #include "support.h"
 
 namespace glint::render::test::variants_test {
@@ -84,30 +83,6 @@ TEST_F(PictureTest, RegionsAreCutFromTheWholePicture) {
         }
         EXPECT_TRUE(sameBits(part, cut)) << region.x0 << "," << region.y0;
     }
-}
-
-TEST_F(PictureTest, SamplesAreAveraged) {
-    const Case c = fileCase("spheres", 64, 48);
-    Request settings;
-    settings.width = c.width;
-    settings.height = c.height;
-    settings.samples = PackedSamples::fixed(sampleOffsets(4));
-    Renderer renderer(device(), c.packed);
-    const Picture picture = renderer.render(c.camera, settings);
-    settings.exact = true;
-    const Picture expected = reference::render(c.packed, c.camera, settings);
-    int differing = 0;
-    for (int y = 0; y < c.height; ++y) {
-        for (int x = 0; x < c.width; ++x) {
-            const float alpha = picture.color.at(x, y, 3);
-            EXPECT_EQ(alpha * 4, std::round(alpha * 4));
-            bool same = alpha == expected.color.at(x, y, 3);
-            for (int i = 0; i < 3; ++i)
-                same = same && std::abs(picture.color.at(x, y, i) - expected.exactAt(x, y)[i]) < 1.0 / 512;
-            differing += !same;
-        }
-    }
-    EXPECT_LE(differing, 4 * 64 * 48 / 200);  // half a percent of the samples
 }
 
 TEST_F(PictureTest, CostIsCountedAndChangesNothing) {
