@@ -44,7 +44,7 @@ function(glint_test_options name)
   target_compile_options(${name} PRIVATE "$<IF:$<BOOL:${GLINT_SANITIZE}>,-O0;-fno-sanitize=undefined,-Og>" -Wno-maybe-uninitialized)
 endfunction()
 
-# A gtest program. LABEL names what its tests need:
+# A gtest program of SOURCES, by default of all sources in its folder. LABEL names what its tests need:
 #   unit       no device; in tools/test-more with sanitizers
 #   optimized  no device, but the optimized build: what it looks for is not in another
 #   gpu        a device: lavapipe, GlintLavapipe.cmake
@@ -61,6 +61,9 @@ endfunction()
 include(GlintLavapipe)
 function(glint_test name)
   cmake_parse_arguments(ARG "CI" "LABEL;TIMEOUT;SHARDS" "SOURCES;MODULES;LIBRARIES;ENVIRONMENT;QUICK;SLOWER" ${ARGN})
+  if(NOT ARG_SOURCES)
+    file(GLOB ARG_SOURCES CONFIGURE_DEPENDS *.cpp)
+  endif()
   add_executable(${name} ${ARG_SOURCES} $<TARGET_OBJECTS:glint_test_times>)
   list(TRANSFORM ARG_MODULES PREPEND glint_)
   target_link_libraries(${name} PRIVATE ${ARG_MODULES} glint_test_support ${ARG_LIBRARIES} GTest::gtest_main Threads::Threads)

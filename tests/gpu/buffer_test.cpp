@@ -127,9 +127,9 @@ TEST_F(BufferTest, TooLargeForTheDevice) {
     EXPECT_EQ(message(134217744, Access::StorageBuffer),
               "array \"nodes\" needs 134217744 bytes, but this device binds at most 134217728 bytes as a "
               "storage buffer");
-    EXPECT_EQ(message(1048577, Access::TexelBuffer),
-              "array \"nodes\" needs 1048577 bytes, but this device binds at most 1048576 bytes as a texel "
-              "buffer");
+    EXPECT_EQ(
+        message(1048577, Access::TexelBuffer),
+        "array \"nodes\" needs 1048577 bytes, but this device binds at most 1048576 bytes as a texel buffer");
     limits.maxAllocationSize = 1000000;
     EXPECT_EQ(message(1048576, Access::TexelBuffer),
               "array \"nodes\" needs 1048576 bytes, but this device allocates at most 1000000 bytes at once");

@@ -67,8 +67,7 @@ TEST(ListDevices, IsEmptyWithoutADriver) {
     EXPECT_TRUE(listDevices().empty());
     EXPECT_EQ(errorOf([] { Device device; }),
               "no Vulkan device found: VK_DRIVER_FILES is \"/nonexistent.json\"; unset it, or name a "
-              "driver's .json "
-              "file");
+              "driver's .json file");
 }
 
 TEST_F(GpuTest, OpensTheSelectedDevice) {

@@ -13,18 +13,16 @@ TEST_F(FailureTest, OutOfDeviceMemoryNamesTheArray) {
                                      VkDeviceMemory*) { return VK_ERROR_OUT_OF_DEVICE_MEMORY; };
     EXPECT_EQ(errorOf([&] { Buffer(device_, "nodes", 4096, Access::TexelBuffer, MemoryKind::Device); }),
               "array \"nodes\" needs 4096 bytes, but vkAllocateMemory failed: VK_ERROR_OUT_OF_DEVICE_MEMORY "
-              "(out of "
-              "device memory)");
+              "(out of device memory)");
 }
 
 TEST_F(FailureTest, AKernelThatDoesNotCompileIsNamed) {
     state().vk.vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
                                              const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*,
                                              VkPipeline*) { return VK_ERROR_INVALID_SHADER_NV; };
-    EXPECT_EQ(
-        errorOf([&] { emptyKernel(device_); }),
-        "kernel \"empty\": vkCreateComputePipelines failed: VK_ERROR_INVALID_SHADER_NV (the shader does not "
-        "compile)");
+    EXPECT_EQ(errorOf([&] { emptyKernel(device_); }),
+              "kernel \"empty\": vkCreateComputePipelines failed: VK_ERROR_INVALID_SHADER_NV (the shader "
+              "does not compile)");
 }
 
 TEST_F(FailureTest, ALostDeviceIsNamed) {

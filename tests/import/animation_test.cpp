@@ -111,8 +111,7 @@ TEST_F(AnimationFile, ErrorsSayWhere) {
               at + "/target: must be a JSON pointer such as \"/camera/eye\" (got \"camera/eye\")");
     EXPECT_EQ(errorIn(track("/image/width", "[0]", "[3]")),
               at + "/target: \"image\" cannot be animated (camera, cameras, background, ambient, lights, "
-                   "materials and "
-                   "objects can)");
+                   "materials and objects can)");
     EXPECT_EQ(errorIn(track("/lights/1/position", "[0]", "[[0,0,1]]")),
               at + "/target: the scene has nothing of that name (\"1\" is not there)");
     EXPECT_EQ(errorIn(track("/lights/00/position", "[0]", "[[0,0,1]]")),

@@ -95,8 +95,8 @@ TEST_F(Cameras, OfGltfAreChosenByName) {
     EXPECT_EQ(first.camera.eye, dvec3(0, 0, 3));
     EXPECT_EQ(first.image.width, 1200);
     ASSERT_EQ(first.warnings.size(), 3u);
-    EXPECT_NE(first.warnings[0].find("/cameras/2/perspective/yfov: must be between 0 and pi (got 4); this "
-                                     "camera is left out"),
+    EXPECT_NE(first.warnings[0].find(
+                  "/cameras/2/perspective/yfov: must be between 0 and pi (got 4); this camera is left out"),
               std::string::npos)
         << first.warnings[0];
     EXPECT_NE(first.warnings[1].find("\"camera 1\""), std::string::npos) << first.warnings[1];

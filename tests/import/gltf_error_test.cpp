@@ -102,9 +102,9 @@ TEST(GltfErrors, Buffers) {
 }
 
 TEST(GltfErrors, Accessors) {
-    EXPECT_EQ(triangleError("\"count\": 3", "\"count\": 4"),
-              ": /accessors/0: 4 elements of 12 bytes from byte 0 do not fit buffer view 0, which has 36 "
-              "bytes");
+    EXPECT_EQ(
+        triangleError("\"count\": 3", "\"count\": 4"),
+        ": /accessors/0: 4 elements of 12 bytes from byte 0 do not fit buffer view 0, which has 36 bytes");
     EXPECT_EQ(triangleError("\"count\": 3", "\"count\": 9007199254740992").find(": /accessors/0: "), 0u);
     EXPECT_EQ(triangleError("\"count\": 3", "\"count\": 0"), ": /accessors/0: count must be 1 or more");
     EXPECT_EQ(triangleError("\"count\": 3", "\"count\": 3, \"byteOffset\": 1").find(": /accessors/0: 3 elem"),
@@ -132,9 +132,9 @@ TEST(GltfErrors, Accessors) {
 TEST(GltfErrors, Geometry) {
     EXPECT_EQ(triangleError("\"POSITION\": 0", "\"POSITION\": 7"),
               ": /meshes/0/primitives/0/attributes/POSITION: there is no item 7 in \"accessors\" (it has 1)");
-    EXPECT_EQ(triangleError("\"POSITION\": 0", "\"POSITION\": \"x\""),
-              ": /meshes/0/primitives/0/attributes/POSITION: must be an index, a whole number from 0 (got "
-              "\"x\")");
+    EXPECT_EQ(
+        triangleError("\"POSITION\": 0", "\"POSITION\": \"x\""),
+        ": /meshes/0/primitives/0/attributes/POSITION: must be an index, a whole number from 0 (got \"x\")");
     EXPECT_EQ(triangleError("\"POSITION\": 0}", "\"POSITION\": 0}, \"mode\": 7"),
               ": /meshes/0/primitives/0/mode: must be a whole number from 0 to 6 (got 7)");
     EXPECT_EQ(triangleError("\"POSITION\": 0}", "\"POSITION\": 0}, \"material\": 0"),
@@ -186,9 +186,9 @@ TEST(GltfErrors, CamerasAndLights) {
               ": /cameras/0/perspective/yfov: must be between 0 and pi (got 4)");
     EXPECT_EQ(error(replaced(all, "\"type\": \"perspective\"", "\"type\": \"fish\"")),
               ": /cameras/0/type: must be perspective or orthographic (got \"fish\")");
-    EXPECT_EQ(error(replaced(all, "\"type\": \"point\"", "\"type\": \"area\"")),
-              ": /extensions/KHR_lights_punctual/lights/0/type: must be directional, point or spot (got "
-              "\"area\")");
+    EXPECT_EQ(
+        error(replaced(all, "\"type\": \"point\"", "\"type\": \"area\"")),
+        ": /extensions/KHR_lights_punctual/lights/0/type: must be directional, point or spot (got \"area\")");
     EXPECT_EQ(error(replaced(all, "\"light\": 0", "\"light\": 2")),
               ": /nodes/2/extensions/KHR_lights_punctual/light: there is no item 2 in \"lights\" (it has 1)");
     EXPECT_EQ(error(replaced(all, "\"BLEND\"", "\"GLASS\"")),

@@ -94,8 +94,10 @@ TEST(GltfMaterial, SpecularGlossinessAsMetallicRoughness) {
                           R"(}], "extensionsUsed": ["KHR_materials_pbrSpecularGlossiness"],
         "extensionsRequired": ["KHR_materials_pbrSpecularGlossiness"])"));
     EXPECT_EQ(both.materials.at(0).diffuse, m.diffuse);
-    EXPECT_EQ(both.warnings, std::vector<std::string>{"KHR_materials_pbrSpecularGlossiness is drawn as "
-                                                      "metallic-roughness is, which took its place"});
+    EXPECT_EQ(
+        both.warnings,
+        std::vector<std::string>{
+            "KHR_materials_pbrSpecularGlossiness is drawn as metallic-roughness is, which took its place"});
 }
 
 // A texture's colours are sRGB, its alpha is a number: 188 is half of the light (IEC 61966-2-1), 51 a fifth.
@@ -280,9 +282,9 @@ TEST(GltfMaterial, WhatIsIgnoredIsNamed) {
     const Scene scene = textured(R"("normalTexture": {"index": 0}, "occlusionTexture": {"index": 0})",
                                  png(1, 1, 3, {0, 0, 0}));
     EXPECT_EQ(scene.warnings,
-              (std::vector<std::string>{"normal maps (normalTexture) are ignored",
-                                        "baked shadows (occlusionTexture) are ignored: rays find shadows "
-                                        "themselves"}));
+              (std::vector<std::string>{
+                  "normal maps (normalTexture) are ignored",
+                  "baked shadows (occlusionTexture) are ignored: rays find shadows themselves"}));
     EXPECT_TRUE(scene.textures.empty());
     EXPECT_EQ(textured(pbr(R"("baseColorTexture": {"index": 0})"), "KTX").warnings,
               std::vector<std::string>{"/images/0: neither PNG, JPEG nor WebP; drawn without this picture"});
@@ -329,8 +331,8 @@ TEST(GltfMaterial, TurnedTextures) {
                                    R"(, "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0})",
                                png(1, 1, 3, {9, 9, 9}));
     EXPECT_EQ(two.warnings,
-              std::vector<std::string>{"a material's textures are turned differently; all are turned "
-                                       "as the first one"});
+              std::vector<std::string>{
+                  "a material's textures are turned differently; all are turned as the first one"});
 }
 
 TEST(GltfMaterial, PicturesInBufferViewsAndFiles) {

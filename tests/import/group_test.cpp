@@ -73,10 +73,9 @@ TEST(Group, WrongOnes) {
     const std::string both =
         parseErrorOf(R"({"objects": [{"type": "group", "transform": [{"scale": [1, 1, 1e-7]}], "objects": [
         {"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"scale": [1, 1, 1e-7]}]}]}]})");
-    EXPECT_EQ(
-        both,
-        "s.json: /objects/0/objects/0/transform: is nearly singular together with the transforms of the "
-        "groups around it (condition number 1.41421e+14, the limit is 1e+12)");
+    EXPECT_EQ(both,
+              "s.json: /objects/0/objects/0/transform: is nearly singular together with the transforms of "
+              "the groups around it (condition number 1.41421e+14, the limit is 1e+12)");
 }
 
 TEST(Placement, WhatDoesNotStayRound) {

@@ -51,8 +51,7 @@ const Case kStructure[] = {
      R"(s.json:1:25: the key "ambient" stands here twice)"},
     {"pointerEscapes", R"({"materials": {"a/b~c": {"x": 1}}})",
      "s.json: /materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror, "
-     "transmission, "
-     "ior, attenuation, ...)"},
+     "transmission, ior, attenuation, ...)"},
 };
 
 const Case kTypes[] = {
@@ -196,8 +195,7 @@ const Case kValues[] = {
     // = 1.73205e-5.
     {"polygonNotPlanar", POLYGON("[0, 0, 0], [1, 0, 0], [1, 1, 1], [0, 1, 0]"),
      "s.json: /objects/0/vertices/0: the polygon is not planar: this point lies 0.204124 off the plane of "
-     "all, "
-     "the limit is 1.73205e-05 (split the polygon into triangles)"},
+     "all, the limit is 1.73205e-05 (split the polygon into triangles)"},
     {"polygonVertexHuge", POLYGON("[0, 0, 0], [1, 0, 0], [0, 2e18, 0]"),
      "s.json: /objects/0/vertices/2: coordinates must be below 1e+18 (got [0, 2e+18, 0])"},
     {"twoVertices", R"({"objects": [{"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0]]}]})",
@@ -231,8 +229,7 @@ const Case kShapes[] = {
     {"quadricOfNothing",
      OBJECT(R"("quadric", "coefficients": [0,0,0,0,0,0,0,0,0,0], "bounds": [[0,0,0],[1,1,1]])"),
      "s.json: /objects/0/coefficients: one of A to I must not be 0: J = 0 alone is no surface, but nothing "
-     "or "
-     "everything"},
+     "or everything"},
     {"quadricBounds",
      OBJECT(R"("quadric", "coefficients": [1,0,0,0,0,0,0,0,0,0], "bounds": [[0,2,0],[1,1,1]])"),
      "s.json: /objects/0/bounds: the first corner must be less than the second in x, y and z (got [0, 2, 0] "

@@ -155,10 +155,9 @@ TEST_F(SceneFolder, MemoryIsAskedFor) {
     SceneFiles files(file("own"), {});
     files.read(file("own/big.bin"));
     files.take(uint64_t{256} << 20, "a");
-    EXPECT_EQ(
-        errorOf([&] { files.take(uint64_t{1} << 30, "a.gltf: /x"); }),
-        "a.gltf: /x: the scene would take more than 258.4 MiB of memory, which is out of all proportion "
-        "to its files of 0.0 MiB");
+    EXPECT_EQ(errorOf([&] { files.take(uint64_t{1} << 30, "a.gltf: /x"); }),
+              "a.gltf: /x: the scene would take more than 258.4 MiB of memory, which is out of all "
+              "proportion to its files of 0.0 MiB");
     SceneFiles rich(file("own"), {false, 1000});
     EXPECT_EQ(errorOf([&] { rich.take(1001, "a"); }),
               "a: the scene takes more memory than there is, 0.0 MiB");
@@ -200,10 +199,10 @@ TEST(Load, UnknownKinds) {
     const TemporaryFolder folder;
     for (const std::string name : {"a.fbx", "a.txt", "a"}) {
         const auto path = folder.write(name, "x");
-        EXPECT_EQ(errorOf([&] { loadScene(path); }),
-                  path.string() +
-                      ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model "
-                      ".obj, .ply or .stl)");
+        EXPECT_EQ(
+            errorOf([&] { loadScene(path); }),
+            path.string() +
+                ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model .obj, .ply or .stl)");
     }
 }
 
@@ -233,8 +232,8 @@ TEST(Load, TheCameraOfAModelThatIsTooLargeIsNotBlamed) {
     const auto large = folder.write("large.obj", "v 9e17 0 0\nv -9e17 1 0\nv 0 9e17 1\nf 1 2 3\n");
     EXPECT_EQ(errorOf([&] { loadScene(large); }),
               large.string() +
-                  ": the model is too large or too far away for a camera in front of it (whose "
-                  "coordinates must be below 1e+18, too)");
+                  ": the model is too large or too far away for a camera in front of it (whose coordinates "
+                  "must be below 1e+18, too)");
 }
 
 TEST(Load, TheFileOfAFaultyMeshIsNamed) {

@@ -163,11 +163,10 @@ TEST(Stl, WhatElseIsWarnedAbout) {
     std::vector<Facet> facets = kTetrahedron;
     facets[0].attribute = 0x8123;
     facets[2].attribute = 1;
-    EXPECT_EQ(
-        f.warnings(binary(facets) + "tail"),
-        (std::vector<std::string>{"the attribute bytes of 2 facets, in which some programs keep colours, "
-                                  "are ignored",
-                                  "4 bytes after the last triangle are ignored"}));
+    EXPECT_EQ(f.warnings(binary(facets) + "tail"),
+              (std::vector<std::string>{
+                  "the attribute bytes of 2 facets, in which some programs keep colours, are ignored",
+                  "4 bytes after the last triangle are ignored"}));
     facets = kTetrahedron;
     facets.push_back({{0, 0, 1}, {1, 1, 1}, {1, 1, 1}, {2, 2, 2}});
     EXPECT_EQ(f.warnings(binary(facets)),
@@ -190,10 +189,9 @@ TEST(Stl, Errors) {
               ":5: \"x\" is not a number (a vertex needs one)");
     EXPECT_EQ(f.errorOfBytes("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"),
               ":5: the file ends within a vertex");
-    EXPECT_EQ(
-        f.errorOfBytes("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 "
-                       "0\nvertex 0 1 0\nendloop\n"),
-        ":7: expected \"endloop\" (got \"vertex\")");
+    EXPECT_EQ(f.errorOfBytes("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 "
+                             "1 0\nvertex 0 1 0\nendloop\n"),
+              ":7: expected \"endloop\" (got \"vertex\")");
     EXPECT_EQ(f.errorOfBytes("solid a\nface normal\n"),
               ":2: expected \"facet\" or \"endsolid\" (got \"face\")");
 }

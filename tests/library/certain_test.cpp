@@ -33,9 +33,9 @@ struct Asked : Found {
         const glint_hits hits = outputs(origins.size(), true);
         ASSERT_EQ(glint_query_closest(scene, &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
     }
-    void add(const D3& origin, const D3& direction) {
-        origins.push_back(origin);
-        directions.push_back(direction);
+    void add(const D3& from, const D3& along) {
+        origins.push_back(from);
+        directions.push_back(along);
     }
 };
 

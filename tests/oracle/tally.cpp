@@ -32,13 +32,12 @@ double Tally::quantile(std::vector<double> errors, double part) {
 
 std::string Tally::text() const {
     char line[300];
-    std::snprintf(
-        line, sizeof(line),
-        "%zu rays, %zu hits; wrong: %zu false hits, %zu false misses; in the band %zu (%zu wrong); t error "
-        "p50 %.2g p99 %.2g max %.2g; weights p99 %.2g max %.2g",
-        rays, hits, falseHits, falseMisses, inBand, wrongInBand, quantile(tErrors, 0.5),
-        quantile(tErrors, 0.99), quantile(tErrors, 1), quantile(weightErrors, 0.99),
-        quantile(weightErrors, 1));
+    std::snprintf(line, sizeof(line),
+                  "%zu rays, %zu hits; wrong: %zu false hits, %zu false misses; in the band %zu (%zu wrong); "
+                  "t error p50 %.2g p99 %.2g max %.2g; weights p99 %.2g max %.2g",
+                  rays, hits, falseHits, falseMisses, inBand, wrongInBand, quantile(tErrors, 0.5),
+                  quantile(tErrors, 0.99), quantile(tErrors, 1), quantile(weightErrors, 0.99),
+                  quantile(weightErrors, 1));
     return line;
 }
 

@@ -138,10 +138,9 @@ TEST(Validate, Polygons) {
     for (int i = 0; i < 8192; ++i) ring.emplace_back(std::cos(i / 1304.0), std::sin(i / 1304.0), 7);
     EXPECT_EQ(withPolygon(ring), "no error");
     ring.emplace_back(0, 0, 7);
-    EXPECT_EQ(
-        withPolygon(ring),
-        "s: /objects/0/vertices: must be at most 8192 points (got 8193); faces of a mesh are split into "
-        "triangles and may have more");
+    EXPECT_EQ(withPolygon(ring),
+              "s: /objects/0/vertices: must be at most 8192 points (got 8193); faces of a mesh are split "
+              "into triangles and may have more");
 }
 
 TEST(Validate, CameraGeometry) {
@@ -166,12 +165,11 @@ TEST(Validate, CameraGeometry) {
               "no error");
     // 1e-6 radians off the plane through the view direction is enough, 1e-10 is not.
     EXPECT_EQ(errorAfter([](Scene& s) { s.camera.planeNormal = {1, 0, 1e-6}; }), "no error");
-    EXPECT_EQ(
-        errorAfter([](Scene& s) {
-            s.camera.planeNormal = {1, 0, 1e-10};
-        }),
-        "s: /camera/planeNormal: must not be perpendicular to the view direction [0, 0, -5] (got [1, 0, "
-        "1e-10])");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.planeNormal = {1, 0, 1e-10};
+              }),
+              "s: /camera/planeNormal: must not be perpendicular to the view direction [0, 0, -5] (got [1, "
+              "0, 1e-10])");
     // An oblique camera may look along up.
     EXPECT_EQ(errorAfter([](Scene& s) {
                   s.camera.up = {0, 0, 1};
