@@ -58,4 +58,13 @@ TEST_F(CameraOption, AnUnknownNameIsAnErrorOfTheCommandLine) {
     EXPECT_EQ(runGlint("info two.json --camera ''").err, "glint: --camera: the name is empty\n");
 }
 
+// Parts of pictures of two cameras make no picture.
+TEST_F(CameraOption, PartsKnowTheirCamera) {
+    ASSERT_EQ(onHost("render two.json -q --part 1/2 -o 1.part").code, 0);
+    ASSERT_EQ(onHost("render two.json -q --part 2/2 -o 2.part --camera side").code, 0);
+    const Ran merged = runGlint("merge 1.part 2.part -o m.pfm");
+    EXPECT_NE(merged.code, 0);
+    EXPECT_HAS(merged.err, "camera");
+}
+
 }  // namespace glint::app::test::camera_test
