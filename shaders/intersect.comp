@@ -3,6 +3,7 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 // The closest hit of each live path.
 #include "path_rows.glsl"
+#include "primitives/textbook.glsl"
 #include "traversal/stack.glsl"
 #include "traversal/stackless.glsl"
 

@@ -4,6 +4,7 @@
 // Adds the light of the scene's lights to each hit. A dispatch covers as many lights as its loop trips allow
 // (Dispatch::lightEnd).
 #define GLINT_SHADOW_RAYS
+#include "primitives/textbook.glsl"
 #include "traversal/stack.glsl"
 #include "traversal/stackless.glsl"
 #include "shading/light.glsl"

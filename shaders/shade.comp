@@ -10,7 +10,7 @@ uint hashStep(uint hash, uint word) { return (hash ^ word) * kHashPrime; }
 void storeAovs(uint path, Interaction at) {
     vec3 position = at.isHit ? at.surface.position : vec3(0.0);
     float side = at.entering ? 1.0 : -1.0;
-    bool isTriangle = at.hit.primitive >> kPrimitiveKindShift == kKindTriangle;
+    bool isTriangle = kindOf(at.hit) == kKindTriangle;
     vec2 uv = isTriangle ? vec2(at.hit.u, at.hit.v) : at.surface.uv;
     // The largest float stands for "no hit": shaders need not keep infinities.
     storeRow(kRowAovPosition, path, packRow(position, floatBitsToUint(at.isHit ? at.hit.t : kInfinity)));

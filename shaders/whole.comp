@@ -5,6 +5,7 @@
 // light.comp and shade.comp do one after the other, without passing the path's state through memory. A path
 // that runs out of trips or rays is counted, and the host draws the slice again by those four.
 #define GLINT_SHADOW_RAYS
+#include "primitives/robust.glsl"
 #include "shading/camera.glsl"
 #include "traversal/stack.glsl"
 #include "shading/lighting.glsl"

@@ -16,35 +16,6 @@ bool updateAwake() {
     return anyOfLanes(awake) != 0u;
 }
 
-// Any hit needs no more than to be known.
-void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) {
-    one.hit.primitive = primitive;
-}
-
-// Extracts one ray of the packet. Any-hit rays have less state than those of the closest hit.
-Traversal takeRow(uint row) {
-    Traversal one = packet[0];
-    for (uint r = 1u; r < kPacketRays; ++r) {
-        bool mine = row == 1u << r;
-        one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
-        one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
-        one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
-        one.ray.source = mine ? packet[r].ray.source : one.ray.source;
-        one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
-        one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
-        if (MODE_COST) one.cost = mine ? packet[r].cost : one.cost;
-    }
-    return one;
-}
-
-void putRow(uint row, Traversal one) {
-    GLINT_EACH_RAY {
-        bool mine = row == 1u << r;
-        packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
-        if (MODE_COST) packet[r].cost = mine ? one.cost : packet[r].cost;
-    }
-}
-
 // Inner children that are still to be visited, of the nodes on the way down. A node's inner children follow
 // each other (packetTree), so a level is one word, the same for all lanes: the number of the first one in its
 // upper bits, then whether they are taken from the lowest lane on or from the highest, then which lanes'

@@ -27,51 +27,10 @@ uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows)
     return empty ? kNone : child;
 }
 
-void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) {
-    accept(one, t, u, v, primitive, id);
-}
-
-// The row's rays, by selection: an index that is no constant costs more.
-Traversal takeRow(uint row) {
-    Traversal one = packet[0];
-    for (uint r = 1u; r < kPacketRays; ++r) {
-        bool mine = row == 1u << r;
-        one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
-        one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
-        one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
-        one.ray.source = mine ? packet[r].ray.source : one.ray.source;
-        one.nearest = mine ? packet[r].nearest : one.nearest;
-        one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
-        one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
-        one.hit.t = mine ? packet[r].hit.t : one.hit.t;
-        one.hit.u = mine ? packet[r].hit.u : one.hit.u;
-        one.hit.v = mine ? packet[r].hit.v : one.hit.v;
-        one.hit.id = mine ? packet[r].hit.id : one.hit.id;
-        one.cost = mine ? packet[r].cost : one.cost;
-    }
-    return one;
-}
-
-void putRow(uint row, Traversal one) {
-    GLINT_EACH_RAY {
-        bool mine = row == 1u << r;
-        packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
-        packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
-        packet[r].nearest = mine ? one.nearest : packet[r].nearest;
-        packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
-        packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
-        packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
-        packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
-        packet[r].cost = mine ? one.cost : packet[r].cost;
-    }
-}
-
-// The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has
-// hit needs nothing more.
+// The padded ends of the rays' intervals, and the farthest of all lanes' as a key.
 uint updateEnds() {
     float farthest = -1.0;
     GLINT_EACH_RAY {
-        if (settled(packet[r])) packet[r].ray.tMax = -1.0;
         precise float end = packet[r].ray.tMax * kFarPad;
         packetEnds[r] = end;
         farthest = larger(farthest, end);

@@ -13,8 +13,8 @@
 #ifndef GLINT_PACKET_GLSL
 #define GLINT_PACKET_GLSL
 
+#include "primitives/robust.glsl"
 #include "traversal/leaf.glsl"
-#include "traversal/state.glsl"
 
 #define GLINT_EACH_RAY for (uint r = 0u; r < kPacketRays; ++r)
 
@@ -35,8 +35,6 @@ struct PacketStack {
 };
 
 float leastFloat(float a, float b) { return a < b ? a : b; }
-uint leastUint(uint a, uint b) { return a < b ? a : b; }
-uint largerUint(uint a, uint b) { return a > b ? a : b; }
 
 float largestOfLanes(float x) {
     x = larger(x, subgroupShuffleXor(x, 1u));
@@ -45,15 +43,15 @@ float largestOfLanes(float x) {
 }
 
 uint largestOfLanes(uint x) {
-    x = largerUint(x, subgroupShuffleXor(x, 1u));
-    x = largerUint(x, subgroupShuffleXor(x, 2u));
-    return largerUint(x, subgroupShuffleXor(x, 4u));
+    x = max(x, subgroupShuffleXor(x, 1u));
+    x = max(x, subgroupShuffleXor(x, 2u));
+    return max(x, subgroupShuffleXor(x, 4u));
 }
 
 uint leastOfLanes(uint x) {
-    x = leastUint(x, subgroupShuffleXor(x, 1u));
-    x = leastUint(x, subgroupShuffleXor(x, 2u));
-    return leastUint(x, subgroupShuffleXor(x, 4u));
+    x = min(x, subgroupShuffleXor(x, 1u));
+    x = min(x, subgroupShuffleXor(x, 2u));
+    return min(x, subgroupShuffleXor(x, 4u));
 }
 
 uint sumOfLanes(uint x) {
@@ -82,8 +80,8 @@ vec3 largestOfLanes(vec3 v) { return vec3(largestOfLanes(v.x), largestOfLanes(v.
 // Ascending over the 8 lanes (Batcher's bitonic network, six exchanges).
 uint exchange(uint key, uint mask, bool upper) {
     uint other = subgroupShuffleXor(key, mask);
-    uint lower = leastUint(key, other);
-    uint higher = largerUint(key, other);
+    uint lower = min(key, other);
+    uint higher = max(key, other);
     return upper ? higher : lower;
 }
 uint sortLanes(uint key, uint lane) {
@@ -186,8 +184,13 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
     stack.top += pushed ? 1u : 0u;
 }
 
-// Records a hit in the traversal: for any-hit queries the primitive is enough.
-void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id);
+// Records a hit. Any-hit queries need no more than its primitive: 10 % faster (docs/lab/traversal.md).
+void takeHit(inout Traversal one, Hit hit) {
+    if (isAnyHit(one))
+        one.hit.primitive = hit.primitive;
+    else
+        accept(one, hit);
+}
 
 // corners: of triangle `index`, turned, in the lanes from `lane` on.
 // normals: of the triangles of the pair, turned, in lanes 0 and 1.
@@ -204,7 +207,7 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
     float t, u, v;
     vec3 normal = fromLane(normals, lane / 3u);
     if (intersectTurned(one.ray, one.frame, a, b, c, v0, normal, t, u, v) && present)
-        takeHit(one, t, u, v, primitive, id);
+        takeHit(one, Hit(t, u, v, primitive, kNone, id));
     if (MODE_COST && present) ++one.cost;
 }
 
@@ -219,7 +222,7 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
                 GLINT_EACH_RAY {                                                               \
                     Hit hit;                                                                   \
                     if (hit##Kind(packet[r].ray, packet[r].frame, one, primitive, trips, hit)) \
-                        accept(packet[r], hit.t, hit.u, hit.v, hit.primitive, hit.id);         \
+                        accept(packet[r], hit);                                                \
                     if (MODE_COST) ++packet[r].cost;                                           \
                 }                                                                              \
                 ++index;                                                                       \
@@ -230,10 +233,42 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
 GLINT_PACKET_TEST(Sphere)
 GLINT_PACKET_TEST(Cuboid)
 
-// Takes the rays of a row out of the packet, and puts them back: packet/closest.glsl or packet/any.glsl.
-// `row` has the row's bit alone.
-Traversal takeRow(uint row);
-void putRow(uint row, Traversal one);
+// Takes the rays of a row out of the packet. `row` has the row's bit alone. By selection: an index that is
+// not constant costs more.
+Traversal takeRow(uint row) {
+    Traversal one = packet[0];
+    for (uint r = 1u; r < kPacketRays; ++r) {
+        bool mine = row == 1u << r;
+        one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
+        one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
+        one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
+        one.ray.source = mine ? packet[r].ray.source : one.ray.source;
+        one.nearest = mine ? packet[r].nearest : one.nearest;
+        one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
+        one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
+        one.hit.t = mine ? packet[r].hit.t : one.hit.t;
+        one.hit.u = mine ? packet[r].hit.u : one.hit.u;
+        one.hit.v = mine ? packet[r].hit.v : one.hit.v;
+        one.hit.id = mine ? packet[r].hit.id : one.hit.id;
+        one.cost = mine ? packet[r].cost : one.cost;
+    }
+    return one;
+}
+
+// Puts them back.
+void putRow(uint row, Traversal one) {
+    GLINT_EACH_RAY {
+        bool mine = row == 1u << r;
+        packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
+        packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
+        packet[r].nearest = mine ? one.nearest : packet[r].nearest;
+        packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
+        packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
+        packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
+        packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
+        packet[r].cost = mine ? one.cost : packet[r].cost;
+    }
+}
 
 // Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or
 // two of four, and only a loop skips work (lanes.glsl). Two triangles for a load and a trip.
@@ -287,7 +322,7 @@ bool traversePacket(uint root) {
         tMax[r] = packet[r].ray.tMax;
         bool live = packet[r].ray.tMax > packet[r].ray.tMin && root != kNone && !settled(packet[r]);
         groups[r] = live ? groupOf(packet[r].frame) : kNone;
-        group = leastUint(group, groups[r]);
+        group = min(group, groups[r]);
     }
     group = leastOfLanes(group);
     uint trips = packetTrips;
@@ -303,7 +338,7 @@ bool traversePacket(uint root) {
                     tMax[r] = packet[r].ray.tMax;
                     groups[r] = kNone;
                 }
-                next = leastUint(next, groups[r]);
+                next = min(next, groups[r]);
             }
             // A packet that is given up starts again as a whole; further groups would only add trips.
             group = complete ? leastOfLanes(next) : kNone;

@@ -17,24 +17,28 @@ void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surfa
     surface.shadingNormal = normal;
 }
 
-// ---- Planes ----
-
-// t from an anchor point, not from a stored plane constant: a distant constant would cancel.
-bool intersectPlane(Ray ray, RayFrame frame, Plane plane, out float t) {
-    precise vec3 toPoint = plane.point - ray.origin;
-    precise float speed = dot(plane.normal, ray.direction);
-    precise float height = dot(plane.normal, toPoint);
-    precise float tHit = quotient(height, speed);
-    t = tHit;
-    tSlip = slipOfFlat(frame, plane.normal, plane.point, toPoint, ray.direction, tHit, speed);
-    return speed != 0.0 && countsAt(ray, tHit);
+// Where a ray crosses the plane of a flat primitive. t from an anchor point, not from a stored plane
+// constant: a distant constant would cancel.
+struct PlaneCrossing {
+    vec3 toAnchor;
+    float speed;  // along the normal
+    float t;
+};
+PlaneCrossing crossPlane(Ray ray, vec3 anchor, vec3 normal) {
+    precise vec3 toAnchor = anchor - ray.origin;
+    precise float speed = dot(normal, ray.direction);
+    precise float height = dot(normal, toAnchor);
+    precise float t = quotient(height, speed);
+    return PlaneCrossing(toAnchor, speed, t);
 }
 
+// ---- Planes ----
+
 bool hitPlane(Ray ray, RayFrame frame, Plane plane, uint primitive, inout uint trips, out Hit hit) {
-    float t;
-    bool isHit = intersectPlane(ray, frame, plane, t);
-    hit = Hit(t, 0.0, 0.0, primitive, kNone, plane.id);
-    return isHit;
+    PlaneCrossing at = crossPlane(ray, plane.point, plane.normal);
+    tSlip = slipOfFlat(frame, plane.normal, plane.point, at.toAnchor, ray.direction, at.t, at.speed);
+    hit = Hit(at.t, 0.0, 0.0, primitive, kNone, plane.id);
+    return at.speed != 0.0 && countsAt(ray, at.t);
 }
 
 void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {
@@ -51,24 +55,14 @@ void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {
 
 // The plane's t, then the distance from the centre of the point there. Both parts of it are of the size of
 // the ray's way to the disc, not of the coordinates.
-bool intersectDisc(Ray ray, RayFrame frame, Disc disc, out float t) {
-    precise vec3 toCenter = disc.center - ray.origin;
-    precise float speed = dot(disc.normal, ray.direction);
-    precise float height = dot(disc.normal, toCenter);
-    precise float tHit = quotient(height, speed);
-    precise vec3 offset = tHit * ray.direction - toCenter;
+bool hitDisc(Ray ray, RayFrame frame, Disc disc, uint primitive, inout uint trips, out Hit hit) {
+    PlaneCrossing at = crossPlane(ray, disc.center, disc.normal);
+    precise vec3 offset = at.t * ray.direction - at.toAnchor;
     precise float square = dot(offset, offset);
     precise float limit = disc.radius * disc.radius;
-    t = tHit;
-    tSlip = slipOfFlat(frame, disc.normal, disc.center, toCenter, ray.direction, tHit, speed);
-    return speed != 0.0 && square <= limit && countsAt(ray, tHit);
-}
-
-bool hitDisc(Ray ray, RayFrame frame, Disc disc, uint primitive, inout uint trips, out Hit hit) {
-    float t;
-    bool isHit = intersectDisc(ray, frame, disc, t);
-    hit = Hit(t, 0.0, 0.0, primitive, kNone, disc.id);
-    return isHit;
+    tSlip = slipOfFlat(frame, disc.normal, disc.center, at.toAnchor, ray.direction, at.t, at.speed);
+    hit = Hit(at.t, 0.0, 0.0, primitive, kNone, disc.id);
+    return at.speed != 0.0 && square <= limit && countsAt(ray, at.t);
 }
 
 void surfaceOfDisc(Ray ray, Hit hit, Disc disc, inout Surface surface) {
@@ -100,11 +94,8 @@ bool crosses(vec3 a, vec3 b) {
 // the normal's: every edge contributes a bit of its own and the ray's alone, so the parities of polygons that
 // meet add up to that of their common outline, without gaps, whatever rounding does. t is the plane's, kept
 // among those of the vertices, which it leaves by rounding only.
-bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
-    precise float speed = dot(polygon.normal, ray.direction);
-    precise vec3 toPoint = polygon.point - ray.origin;
-    precise float height = dot(polygon.normal, toPoint);
-    precise float tPlane = quotient(height, speed);
+bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout uint trips, out Hit hit) {
+    PlaneCrossing at = crossPlane(ray, polygon.point, polygon.normal);
     bool inside = false;
     uint vertex = polygon.firstVertex;
     uint end = vertex + polygon.trips * kPolygonEdgesPerTrip;
@@ -125,18 +116,12 @@ bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
             vertex += kPolygonEdgesPerTrip;
         }
     } while (vertex < end);
-    t = tPlane < least ? least : (tPlane > greatest ? greatest : tPlane);
-    tSlip = slipOfFlat(frame, polygon.normal, polygon.point, toPoint, ray.direction, t, speed);
-    bool startsHere = ray.source != kNone && tPlane <= tSlip;
-    return inside && speed != 0.0 && !startsHere && countsAt(ray, t);
-}
-
-bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout uint trips, out Hit hit) {
-    float t;
-    bool isHit = intersectPolygon(ray, frame, polygon, t);
     trips += polygon.trips;
+    float t = at.t < least ? least : (at.t > greatest ? greatest : at.t);
+    tSlip = slipOfFlat(frame, polygon.normal, polygon.point, at.toAnchor, ray.direction, t, at.speed);
     hit = Hit(t, 0.0, 0.0, primitive, kNone, polygon.id);
-    return isHit;
+    bool startsHere = ray.source != kNone && at.t <= tSlip;
+    return inside && at.speed != 0.0 && !startsHere && countsAt(ray, t);
 }
 
 void surfaceOfPolygon(Ray ray, Hit hit, Polygon polygon, inout Surface surface) {

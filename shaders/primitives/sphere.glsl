@@ -3,7 +3,12 @@
 #define GLINT_PRIMITIVES_SPHERE_GLSL
 
 #include "primitives/surface.glsl"
-#include "primitives/textbook.glsl"
+
+vec3 sphereCenter(Sphere sphere) {
+    if (!FEATURE_ANCHORED_SPHERES) return sphere.point;
+    precise vec3 center = sphere.point - sphere.radius * sphere.anchorNormal;
+    return center;
+}
 
 // Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al.,
 // Numerical Recipes, sec. 5.6). disc is b^2 - a c, computed by the caller in the way that suits the sphere.
@@ -55,17 +60,8 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t, out fl
     return nearestRoot(ray, a, b, c, disc, t, side);
 }
 
-bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side) {
-    bool own = primitive == ray.source;
-    side = 0.0;
-    if (SPHERE_FORM != kSphereRobust) {
-        bool isHit = SPHERE_FORM == kSphereAlgebraic ? sphereByEquation(ray, sphere, own, t)
-                                                     : sphereByDistance(ray, sphere, own, t);
-        tSlip = slipOfRound(t);
-        return isHit;
-    }
-    return intersectSphere(ray, sphere, primitive, t, side);
-}
+// The test that hitSphere takes: primitives/robust.glsl or primitives/textbook.glsl.
+bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side);
 
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {
     float t, side;

@@ -1,12 +1,13 @@
-// The textbooks' intersection tests, between which and the sound ones meetTriangle and meetSphere choose.
-// Each is what its book says, faults included (docs/reference/command-line.md tells where they fail); the
-// choice is a specialization constant, so that the code of the others is not in the pipeline. Those of the
+// The textbooks' intersection tests, and the choice between them and the robust ones. Each is what its book
+// says, faults included (docs/reference/command-line.md lists where they fail). The choice is a
+// specialization constant, so that the code of the others is not in the pipeline. Only intersect.comp and
+// light.comp offer it: a request for a textbook's test excludes packets and whole.comp. Those of the
 // reference are in src/reference/textbook.cpp.
 #ifndef GLINT_TEXTBOOK_GLSL
 #define GLINT_TEXTBOOK_GLSL
 
-#include "traversal/ray.glsl"
-#include "storage.glsl"
+#include "primitives/sphere.glsl"
+#include "primitives/triangle.glsl"
 
 bool inInterval(Ray ray, float t) { return t > 0.0 && t > ray.tMin && t <= ray.tMax; }
 
@@ -83,12 +84,6 @@ bool triangleInSpace(Ray ray, Triangle triangle, out float t, out float u, out f
     return speed != 0.0 && inInterval(ray, tHit) && w0 >= 0.0 && w1 >= 0.0 && w2 >= 0.0 && sum > 0.0;
 }
 
-vec3 sphereCenter(Sphere sphere) {
-    if (!FEATURE_ANCHORED_SPHERES) return sphere.point;
-    precise vec3 center = sphere.point - sphere.radius * sphere.anchorNormal;
-    return center;
-}
-
 bool nearer(Ray ray, float t0, float t1, out float t) {
     t = inInterval(ray, t0) ? t0 : t1;
     return inInterval(ray, t);
@@ -120,6 +115,36 @@ bool sphereByDistance(Ray ray, Sphere sphere, bool own, out float t) {
     precise float t0 = closest - chord;
     precise float t1 = closest + chord;
     return nearer(ray, t0, t1, t) && (own || half2 >= 0.0);
+}
+
+// ---- The choice ----
+
+bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
+                  out float v) {
+    if (INTERSECTOR == kTriangleWatertight) return intersectTriangle(ray, frame, triangle, normal, t, u, v);
+    bool isHit = INTERSECTOR == kTriangleBarycentric  ? triangleByCramer(ray, triangle, t, u, v)
+                 : INTERSECTOR == kTriangleProjection ? triangleByProjection(ray, triangle, t, u, v)
+                                                      : triangleInSpace(ray, triangle, t, u, v);
+    precise vec3 toCorner = triangle.v0 - ray.origin;
+    precise float speed = dot(normal, ray.direction);
+    tSlip = slipOfFlat(frame, normal, triangle.v0, toCorner, ray.direction, t, speed);
+    return isHit && countsAt(ray, t);
+}
+
+// The textbooks' tests do not agree about an edge with each other, so each triangle counts by itself.
+bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
+    if (INTERSECTOR != kTriangleWatertight) return true;
+    return crossesTriangle(ray, frame, triangle);
+}
+
+bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side) {
+    if (SPHERE_FORM == kSphereRobust) return intersectSphere(ray, sphere, primitive, t, side);
+    bool own = primitive == ray.source;
+    bool isHit = SPHERE_FORM == kSphereAlgebraic ? sphereByEquation(ray, sphere, own, t)
+                                                 : sphereByDistance(ray, sphere, own, t);
+    side = 0.0;
+    tSlip = slipOfRound(t);
+    return isHit;
 }
 
 #endif

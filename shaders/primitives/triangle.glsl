@@ -4,7 +4,6 @@
 
 #include "traversal/instance.glsl"
 #include "primitives/surface.glsl"
-#include "primitives/textbook.glsl"
 
 // Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Edges shared by two triangles
 // get the same products with the same roundings, so no ray slips between them. t is that of the triangle's
@@ -143,24 +142,11 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
     }
 }
 
+// The test of a leaf's triangles, and whether a hit counts as a crossing: primitives/robust.glsl or
+// primitives/textbook.glsl.
 bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
-                  out float v) {
-    if (INTERSECTOR == kTriangleWatertight) return intersectTriangle(ray, frame, triangle, normal, t, u, v);
-    bool isHit = INTERSECTOR == kTriangleBarycentric  ? triangleByCramer(ray, triangle, t, u, v)
-                 : INTERSECTOR == kTriangleProjection ? triangleByProjection(ray, triangle, t, u, v)
-                                                      : triangleInSpace(ray, triangle, t, u, v);
-    precise vec3 toCorner = triangle.v0 - ray.origin;
-    precise float speed = dot(normal, ray.direction);
-    tSlip = slipOfFlat(frame, normal, triangle.v0, toCorner, ray.direction, t, speed);
-    return isHit && countsAt(ray, t);
-}
-
-// crossesTriangle; the textbooks' tests do not agree about their edges with each other, so there each
-// triangle is for itself.
-bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
-    if (INTERSECTOR != kTriangleWatertight) return true;
-    return crossesTriangle(ray, frame, triangle);
-}
+                  out float v);
+bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle);
 
 // The weighted sum of three rows' components of a triangle's vertices.
 float weigh(vec3 weights, vec3 values) {

@@ -62,46 +62,4 @@ bool holeAt(Surface surface) {
     return textureAt(number, surface).w < material.alphaCutoff;
 }
 
-// A surface that a traversal hits and may pass through.
-struct Met {
-    Surface surface;  // with its material and, with textures, where it is in the world
-    bool leaving;     // the ray comes from the inner side
-};
-
-// True if a ray that hits a surface of this kind comes from the inner side. Where sides count (kTellsSides),
-// round primitives return the side themselves, and need no normal.
-const bool kSpheresTell = kTellsSides && SPHERE_FORM == kSphereRobust;
-bool leavesThrough(uint kind, Hit hit, Surface surface, vec3 direction) {
-    bool told = (kSpheresTell && kind == kKindSphere) || (kTellsSides && kind == kKindQuadric);
-    return told ? hit.u == kLeaves : dot(surface.geometricNormal, direction) > 0.0;
-}
-
-// The surface of what is met, in the coordinates of the primitive, as a walk looks at it. What the walk has
-// of the hit is not exchanged yet, see surfaceOfTriangle: so it is looked at as of no instance.
-Hit asOfNoInstance(Hit hit) { return Hit(hit.t, hit.u, hit.v, hit.primitive, kNone, 0u); }
-
-// Takes what is met out of the coordinates of the primitive.
-void finishMet(uint kind, Hit hit, inout Met met) {
-    if (FEATURE_INSTANCES) {
-        bool inInstance = hit.instance != kNone;
-        Instance instance = loadInstance(inInstance ? hit.instance : 0u);
-        if (inInstance) {
-            if (instance.material != kNone) met.surface.material = instance.material;
-            met.surface.object = instance.object;
-            leaveInstance(instance, met.surface.position, met.surface.error);
-            met.surface.geometricNormal = normalInWorld(instance, met.surface.geometricNormal);
-        }
-    }
-    fillObjectUv(kind, met.surface);
-}
-
-Met metAt(Ray ray, uint kind, Hit hit) {
-    Met met;
-    Instance none;
-    met.surface = surfaceOfKind(kind, ray, asOfNoInstance(hit), none, FEATURE_OPEN_PLANES);
-    met.leaving = leavesThrough(kind, hit, met.surface, ray.direction);
-    finishMet(kind, hit, met);
-    return met;
-}
-
 #endif

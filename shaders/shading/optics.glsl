@@ -165,18 +165,18 @@ Passage startPassage(vec3 around, float reach, float scale) {
     return passage;
 }
 
-// False if the surface is opaque. kind, t: of the hit.
-bool passes(inout Passage passage, Met met, uint kind, float t) {
-    uint medium = loadMaterial(met.surface.material).medium;
+// False if the surface is opaque. leaving: the ray comes from the inner side.
+bool passes(inout Passage passage, Surface surface, bool leaving, Hit hit) {
+    uint medium = loadMaterial(surface.material).medium;
     Optics optics = opticsOf(medium);
     vec3 depth = optics.density;
     if (FEATURE_TEXTURED_GLASS && optics.transmissionTexture != 0u)
-        depth -= logarithm(max(textureAt(optics.transmissionTexture, met.surface).xyz, vec3(1e-30)));
+        depth -= logarithm(max(textureAt(optics.transmissionTexture, surface).xyz, vec3(1e-30)));
     if (FEATURE_ATTENUATION) {
-        float way = (passage.reach - t) * passage.scale;
-        depth += optics.attenuation * (met.leaving ? -way : way);
+        float way = (passage.reach - hit.t) * passage.scale;
+        depth += optics.attenuation * (leaving ? -way : way);
     }
-    if (medium != 0u && (kind != kKindTriangle || passage.counts)) passage.depth += depth;
+    if (medium != 0u && (kindOf(hit) != kKindTriangle || passage.counts)) passage.depth += depth;
     return medium != 0u;
 }
 

@@ -24,7 +24,7 @@ Interaction interactionAt(Ray ray, Hit hit, uvec4 media) {
     at.ray = ray;
     at.hit = hit;
     at.isHit = hit.primitive != kNone;
-    at.surface = surfaceAt(ray, at.hit);
+    at.surface = surfaceAt(ray, at.hit, true);
     at.entering = !(dot(at.surface.geometricNormal, ray.direction) > 0.0);
     faceForward(at.surface, ray.direction);
     at.material = materialAt(at.surface);

@@ -32,15 +32,15 @@ Surface noSurface() {
                    vec3(1.0));
 }
 
-// kind: of hit.primitive. The ray and the surface are in the coordinates of the primitive; `instance` is what
-// the hit has of that, if anything. unbounded: a constant, whether it may be a plane.
-Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance, bool unbounded) {
+// The ray and the surface are in the coordinates of the primitive; `instance` is the one that holds it, if
+// any.
+Surface surfaceOfPrimitive(Ray ray, Hit hit, Instance instance) {
     Surface surface = noSurface();
+    uint kind = kindOf(hit);
     uint index = hit.primitive & kLeafFirstMask;
     if (FEATURE_TRIANGLES && kind == kKindTriangle) surfaceOfTriangle(hit, instance, surface);
     if (FEATURE_SPHERES && kind == kKindSphere) surfaceOfSphere(ray, hit, loadSphere(index), surface);
-    if (FEATURE_PLANES && unbounded && kind == kKindPlane)
-        surfaceOfPlane(ray, hit, loadPlane(index), surface);
+    if (FEATURE_PLANES && kind == kKindPlane) surfaceOfPlane(ray, hit, loadPlane(index), surface);
     if (FEATURE_DISCS && kind == kKindDisc) surfaceOfDisc(ray, hit, loadDisc(index), surface);
     if (FEATURE_POLYGONS && kind == kKindPolygon) surfaceOfPolygon(ray, hit, loadPolygon(index), surface);
     if (FEATURE_QUADRICS && kind == kKindQuadric) surfaceOfQuadric(ray, hit, loadQuadric(index), surface);
@@ -51,25 +51,21 @@ Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance, bool unbou
 // True if the hit brings texture coordinates; others come from the object's frame.
 bool hasOwnUv(uint kind) { return kind == kKindTriangle || kind == kKindCuboid; }
 
-// Fills in texture coordinates from the object's frame. The surface must be in world coordinates.
-void fillObjectUv(uint kind, inout Surface surface) {
-    if ((FEATURE_TEXTURES || FEATURE_CHECKERS) && !hasOwnUv(kind))
-        surface.uv = objectUv(surface.object, surface.position, surface.geometricNormal);
-}
-
 const bool kSettlesSlivers = FEATURE_SLIVERS && INTERSECTOR == kTriangleWatertight;
 
-// hit.primitive must not be kNone. That of a sliver is settled.
-Surface surfaceAt(Ray ray, inout Hit hit) {
+// The surface at a hit, in the world. hit.primitive must not be kNone. settles: a sliver's hit is moved to
+// where the ray passes.
+Surface surfaceAt(Ray ray, inout Hit hit, bool settles) {
     Instance instance;
     bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
     if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
     if (inInstance) enterInstance(instance, ray.origin, ray.direction);
-    if (kSettlesSlivers && hit.primitive >> kPrimitiveKindShift == kKindTriangle)
+    if (kSettlesSlivers && settles && kindOf(hit) == kKindTriangle)
         settleSliver(ray, inInstance && instance.mirrored != 0u, hit);
-    Surface surface = surfaceOfKind(hit.primitive >> kPrimitiveKindShift, ray, hit, instance, true);
+    Surface surface = surfaceOfPrimitive(ray, hit, instance);
     if (inInstance) surfaceInWorld(instance, surface);
-    fillObjectUv(hit.primitive >> kPrimitiveKindShift, surface);
+    if ((FEATURE_TEXTURES || FEATURE_CHECKERS) && !hasOwnUv(kindOf(hit)))
+        surface.uv = objectUv(surface.object, surface.position, surface.geometricNormal);
     return surface;
 }
 

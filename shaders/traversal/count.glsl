@@ -3,6 +3,7 @@
 #ifndef GLINT_COUNT_GLSL
 #define GLINT_COUNT_GLSL
 
+#include "primitives/robust.glsl"
 #include "traversal/crossings.glsl"
 #include "traversal/stackless.glsl"
 
@@ -18,14 +19,14 @@ struct CrossingCount {
 CrossingCount crossings;
 
 // Counts a crossing. With MODE_LIST it is stored behind the rows of the paths, in two rows.
-void count(Traversal traversal, uint kind, Hit hit) {
+void count(Traversal traversal, Hit hit) {
     if (MODE_LIST && crossings.count < crossings.list.y) {
-        bool exchanged = FEATURE_INSTANCES && traversal.mirrored && kind == kKindTriangle;
+        hit = inWorld(traversal, hit);
         uint place = (kPathRows + (FEATURE_INSTANCES ? 1u : 0u)) * dispatch.capacity +
                      2u * (crossings.list.x + crossings.count);
-        storePathRow(place, uvec4(floatBitsToUint(hit.t), floatBitsToUint(exchanged ? hit.v : hit.u),
-                                  floatBitsToUint(exchanged ? hit.u : hit.v), hit.primitive));
-        storePathRow(place + 1u, uvec4(FEATURE_INSTANCES ? traversal.instance : kNone, 0u, 0u, 0u));
+        storePathRow(place, uvec4(floatBitsToUint(hit.t), floatBitsToUint(hit.u), floatBitsToUint(hit.v),
+                                  hit.primitive));
+        storePathRow(place + 1u, uvec4(hit.instance, 0u, 0u, 0u));
     }
     ++crossings.count;
 }
@@ -41,9 +42,9 @@ bool hitTriangle(inout Traversal traversal, Ray ray, uint index, uint primitive,
 }
 
 // Counts a hit, unless it is a hole.
-void handleHit(inout Traversal traversal, uint kind, Hit hit) {
-    bool isHole = FEATURE_ALPHA_MASK && holeAt(surfaceOfHit(traversal, kind, hit).surface);
-    if (!isHole) count(traversal, kind, hit);
+void handleHit(inout Traversal traversal, Hit hit) {
+    bool isHole = FEATURE_ALPHA_MASK && holeAt(surfaceOfHit(traversal, hit));
+    if (!isHole) count(traversal, hit);
 }
 
 void testLeaf(inout Traversal traversal, uint leaf) {

@@ -19,56 +19,42 @@ bool hitTriangle(inout Traversal traversal, Ray ray, uint index, uint primitive,
     return isHit;
 }
 
+// True if the ray hits the surface from its inner side. Round primitives return the side with the hit
+// (kTellsSides).
+bool leavesThrough(Traversal traversal, Surface surface, Hit hit) {
+    bool isRound =
+        (kindOf(hit) == kKindSphere && SPHERE_FORM == kSphereRobust) || kindOf(hit) == kKindQuadric;
+    vec3 direction = traversal.ray.direction;
+    if (FEATURE_INSTANCES && traversal.instance != kNone) direction = traversal.world.direction;
+    return kTellsSides && isRound ? hit.u == kLeaves : dot(surface.geometricNormal, direction) > 0.0;
+}
+
 // True if the ray passes through its hit: a hole, or as a shadow ray a dielectric, which filters the light.
-bool passesThrough(inout Traversal traversal, uint kind, Hit hit) {
-    Met met = surfaceOfHit(traversal, kind, hit);
-    bool through = FEATURE_ALPHA_MASK && holeAt(met.surface);
+bool passesThrough(inout Traversal traversal, Hit hit) {
+    Surface surface = surfaceOfHit(traversal, hit);
+    bool through = FEATURE_ALPHA_MASK && holeAt(surface);
     if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal) && !through)
-        through = passes(traversal.passage, met, kind, hit.t);
+        through = passes(traversal.passage, surface, leavesThrough(traversal, surface, hit), hit);
     return through;
 }
 
-void handleHit(inout Traversal traversal, uint kind, Hit hit) {
-    if (!passesThrough(traversal, kind, hit)) accept(traversal, hit.t, hit.u, hit.v, hit.primitive, hit.id);
+void handleHit(inout Traversal traversal, Hit hit) {
+    if (!passesThrough(traversal, hit)) accept(traversal, hit);
 }
 
-void testTriangles(inout Traversal traversal, uint first, uint end) {
+// Tests the primitives `first` to `end` - 1 of a kind, which is a constant at each call.
+void testEach(inout Traversal traversal, uint kind, uint first, uint end) {
     uint index = first;
     do {
         if (index < end) {
-            uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             Hit hit;
-            if (hitTriangle(traversal, traversal.ray, index, primitive, hit))
-                accept(traversal, hit.t, hit.u, hit.v, hit.primitive, hit.id);
+            if (hitPrimitive(traversal, traversal.ray, kind, index, hit)) accept(traversal, hit);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
         }
     } while (index < end);
 }
-
-// The same for the kinds whose files have hit<Kind>.
-#define GLINT_TEST_EACH(Kind)                                                                                \
-    void test##Kind##s(inout Traversal traversal, uint first, uint end) {                                    \
-        uint index = first;                                                                                  \
-        do {                                                                                                 \
-            if (index < end) {                                                                               \
-                uint primitive = (kKind##Kind << kPrimitiveKindShift) | index;                               \
-                Hit hit;                                                                                     \
-                if (hit##Kind(traversal.ray, traversal.frame, load##Kind(index), primitive, traversal.trips, \
-                              hit))                                                                          \
-                    accept(traversal, hit.t, hit.u, hit.v, hit.primitive, hit.id);                           \
-                ++index;                                                                                     \
-                ++traversal.trips;                                                                           \
-                if (MODE_COST) ++traversal.cost;                                                             \
-            }                                                                                                \
-        } while (index < end);                                                                               \
-    }
-GLINT_TEST_EACH(Sphere)
-GLINT_TEST_EACH(Disc)
-GLINT_TEST_EACH(Polygon)
-GLINT_TEST_EACH(Quadric)
-GLINT_TEST_EACH(Cuboid)
 
 // Trips that one pass through the loops around a leaf counts, in scenes with instances: those loops, and each
 // loop in them, of which a subgroup makes one trip even if no lane has work there.
@@ -89,33 +75,22 @@ void testLeaf(inout Traversal traversal, uint leaf) {
         testEachHit(traversal, kind, first, end);
         return;
     }
-    if (FEATURE_TRIANGLES) testTriangles(traversal, kind == kKindTriangle ? first : end, end);
-    if (FEATURE_SPHERES) testSpheres(traversal, kind == kKindSphere ? first : end, end);
-    if (FEATURE_DISCS) testDiscs(traversal, kind == kKindDisc ? first : end, end);
-    if (FEATURE_POLYGONS) testPolygons(traversal, kind == kKindPolygon ? first : end, end);
-    if (FEATURE_QUADRICS) testQuadrics(traversal, kind == kKindQuadric ? first : end, end);
-    if (FEATURE_CUBOIDS) testCuboids(traversal, kind == kKindCuboid ? first : end, end);
+    if (FEATURE_TRIANGLES) testEach(traversal, kKindTriangle, kind == kKindTriangle ? first : end, end);
+    if (FEATURE_SPHERES) testEach(traversal, kKindSphere, kind == kKindSphere ? first : end, end);
+    if (FEATURE_DISCS) testEach(traversal, kKindDisc, kind == kKindDisc ? first : end, end);
+    if (FEATURE_POLYGONS) testEach(traversal, kKindPolygon, kind == kKindPolygon ? first : end, end);
+    if (FEATURE_QUADRICS) testEach(traversal, kKindQuadric, kind == kKindQuadric ? first : end, end);
+    if (FEATURE_CUBOIDS) testEach(traversal, kKindCuboid, kind == kKindCuboid ? first : end, end);
 }
 
 // Planes are infinite and in no leaf: every ray tests all of them. Their trips are in the budget already.
 void testPlanes(inout Traversal traversal, uint planeCount) {
     uint trips = traversal.trips;
-    if (mayPass(traversal) && FEATURE_OPEN_PLANES) {
+    if (mayPass(traversal) && FEATURE_OPEN_PLANES)
         testEachHit(traversal, kKindPlane, 0u, planeCount);
-        traversal.trips = trips;
-        return;
-    }
-    uint index = 0u;
-    do {
-        if (index < planeCount) {
-            uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
-            Hit hit;
-            if (hitPlane(traversal.ray, traversal.frame, loadPlane(index), primitive, traversal.trips, hit))
-                accept(traversal, hit.t, hit.u, hit.v, hit.primitive, hit.id);
-            ++index;
-            if (MODE_COST) ++traversal.cost;
-        }
-    } while (index < planeCount);
+    else
+        testEach(traversal, kKindPlane, 0u, planeCount);
+    traversal.trips = trips;
 }
 
 #endif

@@ -36,6 +36,8 @@ struct Hit {
     uint id;         // of the best hit: equal t goes to the lowest
 };
 
+uint kindOf(Hit hit) { return hit.primitive >> kPrimitiveKindShift; }
+
 bool isFinite(vec3 v) { return all(lessThanEqual(abs(v), vec3(kInfinity))); }
 
 // Values of a ray that the box and triangle tests need, computed once per ray.

@@ -49,23 +49,29 @@ bool isInstance(uint child) {
 uint kindOfLeaf(uint leaf) { return (leaf >> kLeafKindShift) & kLeafKindMask; }
 uint sizeOfLeaf(uint leaf) { return ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u; }
 
+// A hit of the traversal with its instance. If that exchanges corners of triangles, it exchanges u and v.
+Hit inWorld(Traversal traversal, Hit hit) {
+    if (!FEATURE_INSTANCES) return hit;
+    bool exchanged = traversal.mirrored && kindOf(hit) == kKindTriangle;
+    return Hit(hit.t, exchanged ? hit.v : hit.u, exchanged ? hit.u : hit.v, hit.primitive, traversal.instance,
+               hit.id);
+}
+
 // Keeps the hit if it is closer, or in the same place with a lower id (traversal/ray.glsl). Every
 // intersection test ensures that t - tSlip <= ray.tMax, so t + tSlip < nearest or the intervals of both hits
 // overlap.
-void accept(inout Traversal traversal, float t, float u, float v, uint primitive, uint ownId) {
-    uint id = ownId;
-    if (FEATURE_INSTANCES) id = (traversal.idBase | (ownId & kDielectricRank)) + (ownId & ~kDielectricRank);
-    precise float near = t - tSlip;
-    precise float far = t + tSlip;
+void accept(inout Traversal traversal, Hit hit) {
+    uint id = hit.id;
+    if (FEATURE_INSTANCES) id = (traversal.idBase | (id & kDielectricRank)) + (id & ~kDielectricRank);
+    precise float near = hit.t - tSlip;
+    precise float far = hit.t + tSlip;
     bool isFirst = traversal.hit.primitive == kNone;
     bool isCloser = far < traversal.nearest;
-    bool isBeyondEnd = isFirst && t > traversal.ray.tMax;  // the ray's own
+    bool isBeyondEnd = isFirst && hit.t > traversal.ray.tMax;  // the ray's own
     bool better = isFirst || isCloser || id < traversal.hit.id;
     if (better && !isBeyondEnd) {
-        bool exchanged =
-            FEATURE_INSTANCES && traversal.mirrored && primitive >> kPrimitiveKindShift == kKindTriangle;
-        traversal.hit = Hit(t, exchanged ? v : u, exchanged ? u : v, primitive,
-                            FEATURE_INSTANCES ? traversal.instance : kNone, id);
+        traversal.hit = inWorld(traversal, hit);
+        traversal.hit.id = id;
         traversal.nearest = near;
     }
     traversal.ray.tMax = far < traversal.ray.tMax && !isBeyondEnd ? far : traversal.ray.tMax;
@@ -153,14 +159,16 @@ bool hitPrimitive(inout Traversal traversal, Ray ray, uint kind, uint index, out
 // True if a ray may hit a primitive of this kind more than once.
 bool hasFurtherHits(uint kind) { return kind == kKindSphere || kind == kKindQuadric || kind == kKindCuboid; }
 
-// The surface at a hit in the coordinates that the traversal is in.
-Met surfaceOfHit(Traversal traversal, uint kind, Hit hit) {
-    if (FEATURE_INSTANCES) hit.instance = traversal.instance;
-    return metAt(traversal.ray, kind, hit);
+// The surface at a hit of the traversal, in the world.
+Surface surfaceOfHit(Traversal traversal, Hit hit) {
+    Ray ray = traversal.ray;
+    if (FEATURE_INSTANCES && traversal.instance != kNone) ray = traversal.world;
+    hit = inWorld(traversal, hit);
+    return surfaceAt(ray, hit, false);
 }
 
 // Accepts or counts a hit, or lets the ray pass: traversal/leaf.glsl or traversal/count.glsl.
-void handleHit(inout Traversal traversal, uint kind, Hit hit);
+void handleHit(inout Traversal traversal, Hit hit);
 
 // Tests primitives `first` to `end` - 1 for a ray that may pass through hits: after each hit, the next hit of
 // the same primitive is looked for. One loop for all kinds, as handleHit is much code, in which drivers'
@@ -174,7 +182,7 @@ void testEachHit(inout Traversal traversal, uint kind, uint first, uint end) {
             rest.tMin = after;
             Hit hit;
             bool isHit = hitPrimitive(traversal, rest, kind, index, hit);
-            if (isHit) handleHit(traversal, kind, hit);
+            if (isHit) handleHit(traversal, hit);
             bool further = isHit && hit.t > after && hasFurtherHits(kind);
             after = further ? hit.t : traversal.ray.tMin;
             index += further ? 0u : 1u;

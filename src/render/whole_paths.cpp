@@ -20,7 +20,9 @@ uint32_t firstWholeTiles(uint64_t mostRays) {
 }
 
 bool wholePathsKnow(const TraceModes& modes) {
-    return !modes.aovs && !modes.cost && !modes.tally;
+    const bool robust = modes.methods.triangles == TriangleMethod::Watertight &&
+                        modes.methods.spheres == SphereMethod::Robust;
+    return robust && !modes.aovs && !modes.cost && !modes.tally;
 }
 
 bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice, const WholePathsWork& work) {

@@ -24,7 +24,7 @@ constexpr auto entriesOf(WholePaths) {
 // Tiles of the first slice, whose one submission traces all rays of its paths.
 uint32_t firstWholeTiles(uint64_t mostRays);
 
-// False where more is wanted than the picture.
+// False if the request needs more than the image, or a textbook's intersection tests.
 bool wholePathsKnow(const TraceModes& modes);
 
 // Work of a render by whole paths.

@@ -65,5 +65,5 @@ mutant(naive traversal/stack.glsl "return current == kNone ? kNone : 0u;" "retur
 mutant(wrong_fresnel shading/optics.glsl "0.5 * (along * along + across * across)" "across * across" shade)
 mutant(no_nesting shading/optics.glsl "rank >= bestRank" "best == 0u" light shade)
 mutant(inner_first shading/tree.glsl "both ? at.entering : reflects;" "both ? !at.entering : reflects;" shade)
-mutant(one_way_beer shading/optics.glsl "met.leaving ? -way : way" "met.leaving ? 0.0 : way" light)
+mutant(one_way_beer shading/optics.glsl "leaving ? -way : way" "leaving ? 0.0 : way" light)
 mutant(mirrored_alpha shade.comp "at.isHit && dispatch.bounce == 0u" "at.isHit" shade)

@@ -44,6 +44,9 @@ TEST(WholePathsRuleTest, DataTakeAKernelForEachStep) {
     EXPECT_FALSE(wholePathsKnow({.aovs = true}));
     EXPECT_FALSE(wholePathsKnow({.cost = true}));
     EXPECT_FALSE(wholePathsKnow({.tally = true}));
+    EXPECT_FALSE(wholePathsKnow({.methods = {.triangles = TriangleMethod::Planar3d}}));
+    EXPECT_FALSE(wholePathsKnow({.methods = {.spheres = SphereMethod::Algebraic}}));
+    EXPECT_TRUE(wholePathsKnow({.methods = {.slabs = SlabPad::None}}));
 }
 
 TEST(WholePathsRuleTest, PacketsKeepPicturesOfManyRaysWithoutFurtherOnes) {

@@ -42,10 +42,13 @@ void main() {
         v = exchanged ? settled.u : settled.v;
     }
     float side = 0.0;
-    if (kind == kKindSphere) hit = intersectSphere(ray, loadSphere(path), path, t, side);
-    if (kind == kKindPlane) hit = intersectPlane(ray, frame, loadPlane(path), t);
-    if (kind == kKindDisc) hit = intersectDisc(ray, frame, loadDisc(path), t);
-    if (kind == kKindPolygon) hit = intersectPolygon(ray, frame, loadPolygon(path), t);
+    uint trips = 0u;
+    Hit found = Hit(t, u, v, path, kNone, 0u);
+    if (kind == kKindSphere) hit = intersectSphere(ray, loadSphere(path), path, found.t, side);
+    if (kind == kKindPlane) hit = hitPlane(ray, frame, loadPlane(path), path, trips, found);
+    if (kind == kKindDisc) hit = hitDisc(ray, frame, loadDisc(path), path, trips, found);
+    if (kind == kKindPolygon) hit = hitPolygon(ray, frame, loadPolygon(path), path, trips, found);
+    t = found.t;
     if (kind == kKindQuadric || kind == kProbeNormal) {
         Candidate best;
         Quadric quadric = loadQuadric(path);

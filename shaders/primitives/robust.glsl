@@ -1,0 +1,19 @@
+// Rays hit triangles and spheres by the robust tests: for kernels that do not offer primitives/textbook.glsl.
+#ifndef GLINT_ROBUST_GLSL
+#define GLINT_ROBUST_GLSL
+
+#include "primitives/sphere.glsl"
+#include "primitives/triangle.glsl"
+
+bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
+                  out float v) {
+    return intersectTriangle(ray, frame, triangle, normal, t, u, v);
+}
+
+bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) { return crossesTriangle(ray, frame, triangle); }
+
+bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side) {
+    return intersectSphere(ray, sphere, primitive, t, side);
+}
+
+#endif
