@@ -5,6 +5,31 @@
 
 #include "primitives/surface.glsl"
 
+// Where a line enters and leaves each pair of planes of a closed box (Kay, Kajiya, "Ray Tracing Complex
+// Scenes", SIGGRAPH 1986).
+struct Slabs {
+    vec3 near, far;   // t
+    vec3 inverse;     // 1/d, 1 if the line is parallel to the planes
+    bvec3 backwards;  // d < 0: the line enters through the upper plane
+    bvec3 parallel;
+};
+
+// A component of d below `least` counts as 0: the line is then between the planes for all t, or for none,
+// with `nowhere` in place of infinity.
+Slabs slabsOf(vec3 lo, vec3 hi, vec3 o, vec3 d, float least, float nowhere) {
+    Slabs s;
+    s.parallel = lessThan(abs(d), vec3(least));
+    precise vec3 inverse = quotient(1.0, mix(d, vec3(1.0), s.parallel));
+    precise vec3 toLo = (lo - o) * inverse;
+    precise vec3 toHi = (hi - o) * inverse;
+    s.inverse = inverse;
+    s.backwards = lessThan(d, vec3(0.0));
+    bvec3 outside = greaterThan(max(lo - o, o - hi), vec3(0.0));
+    s.near = mix(mix(toLo, toHi, s.backwards), mix(vec3(-nowhere), vec3(nowhere), outside), s.parallel);
+    s.far = mix(mix(toHi, toLo, s.backwards), mix(vec3(nowhere), vec3(-nowhere), outside), s.parallel);
+    return s;
+}
+
 vec3 cuboidLocal(Cuboid cuboid, vec3 v) {
     precise vec3 local = vec3(dot(cuboid.toLocal0, v), dot(cuboid.toLocal1, v), dot(cuboid.toLocal2, v));
     return local;
@@ -18,24 +43,17 @@ float slipOfFace(Cuboid cuboid, RayFrame frame, vec3 reach, vec3 inverse, uint a
     return kSlips ? slip : 0.0;
 }
 
-// Slabs (Kay, Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986): a stretch between the last plane through
-// which the line comes in and the first through which it goes out. Both ends are numbers that a face's
-// neighbour computes too, with the same roundings, so no ray slips through an edge, nor between axis-aligned
-// boxes that share a face's plane. Boxes are closed: a ray along a face, which crosses neither of its pair,
-// is between them if it starts there.
+// The line is inside from the last plane that it enters through to the first that it leaves through. Both
+// ends are numbers that a face's neighbour computes too, with the same roundings, so no ray slips through an
+// edge, nor between axis-aligned boxes that share a face's plane.
 bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uint trips, out Hit hit) {
     precise vec3 offset = ray.origin - cuboid.point;
     vec3 o = cuboidLocal(cuboid, offset);
     vec3 d = cuboidLocal(cuboid, ray.direction);
-    bvec3 parallel = lessThan(abs(d), vec3(2.3509887e-38));  // 2^-125: 1/d stays finite
-    precise vec3 inverse = quotient(1.0, mix(d, vec3(1.0), parallel));
-    precise vec3 toLo = (cuboid.lo - o) * inverse;
-    precise vec3 toHi = (cuboid.hi - o) * inverse;
-    bvec3 backwards = lessThan(d, vec3(0.0));
-    bvec3 outside = greaterThan(max(cuboid.lo - o, o - cuboid.hi), vec3(0.0));
-    vec3 near = mix(mix(toLo, toHi, backwards), mix(vec3(-kInfinity), vec3(kInfinity), outside), parallel);
-    vec3 far = mix(mix(toHi, toLo, backwards), mix(vec3(kInfinity), vec3(-kInfinity), outside), parallel);
-    uvec3 farFaces = uvec3(1u, 3u, 5u) - uvec3(backwards);
+    Slabs slabs = slabsOf(cuboid.lo, cuboid.hi, o, d, 2.3509887e-38, kInfinity);  // 2^-125: 1/d stays finite
+    vec3 near = slabs.near;
+    vec3 far = slabs.far;
+    uvec3 farFaces = uvec3(1u, 3u, 5u) - uvec3(slabs.backwards);
     bool own = (ray.source & ~(kPartMask << kPartShift)) == primitive;
     if (own) {
         // The ray starts on this box, so within all slabs, whatever rounding says, and exactly on one face.
@@ -55,14 +73,14 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
     precise vec3 terms = 2.0 * abs(cuboid.point) + 6.0 * abs(offset);
     vec3 reach = vec3(dot(abs(cuboid.toLocal0), terms), dot(abs(cuboid.toLocal1), terms),
                       dot(abs(cuboid.toLocal2), terms));
-    float enterSlip = slipOfFace(cuboid, frame, reach, inverse, nearAxis, enter);
-    float leaveSlip = slipOfFace(cuboid, frame, reach, inverse, farAxis, leave);
+    float enterSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, nearAxis, enter);
+    float leaveSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, farAxis, leave);
     bool fromElsewhere = ray.source != kNone && !own;
     bool first = enter > (fromElsewhere ? enterSlip : 0.0) && enter > ray.tMin;
     float t = first ? enter : leave;
     tSlip = first ? enterSlip : leaveSlip;
     uint leaveFace = farFaces[farAxis];
-    uint part = first ? 2u * nearAxis + (backwards[nearAxis] ? 1u : 0u) : leaveFace;
+    uint part = first ? 2u * nearAxis + (slabs.backwards[nearAxis] ? 1u : 0u) : leaveFace;
     hit = Hit(t, 0.0, 0.0, primitive | (part << kPartShift), kNone, cuboid.id);
     precise float lower = t - tSlip;
     bool ahead = t > (fromElsewhere ? tSlip : 0.0) && t > ray.tMin;

@@ -3,7 +3,7 @@
 #ifndef GLINT_PRIMITIVES_QUADRIC_GLSL
 #define GLINT_PRIMITIVES_QUADRIC_GLSL
 
-#include "primitives/surface.glsl"
+#include "primitives/cuboid.glsl"
 
 // Farther along a ray than any box: no crossing.
 const float kNowhere = 1e37;
@@ -52,31 +52,24 @@ struct QuadricSpan {
 // ownCap: the part that the ray starts on, whose plane is met at exactly 0.
 QuadricSpan passThrough(Quadric q, vec3 o, vec3 d, uint ownCap) {
     // Below 2^-100 of its length a component of d moves the ray by nothing that counts, and 1/d would
-    // overflow. Boxes are closed.
-    bvec3 parallel = lessThan(abs(d), vec3(7.9e-31));
-    precise vec3 inverse = quotient(1.0, mix(d, vec3(1.0), parallel));
-    precise vec3 tLo = (q.lo - o) * inverse;
-    precise vec3 tHi = (q.hi - o) * inverse;
-    if (ownCap == kPartLowerCap) tLo.z = 0.0;
-    if (ownCap == kPartUpperCap) tHi.z = 0.0;
-    bvec3 backwards = lessThan(d, vec3(0.0));
-    vec3 near = mix(tLo, tHi, backwards);
-    vec3 far = mix(tHi, tLo, backwards);
-    bvec3 outside = greaterThan(max(q.lo - o, o - q.hi), vec3(0.0));
-    near = mix(near, mix(vec3(-kNowhere), vec3(kNowhere), outside), parallel);
-    far = mix(far, mix(vec3(kNowhere), vec3(-kNowhere), outside), parallel);
+    // overflow.
+    Slabs slabs = slabsOf(q.lo, q.hi, o, d, 7.9e-31, kNowhere);
+    vec3 near = slabs.near;
+    vec3 far = slabs.far;
+    bool upwards = !slabs.backwards.z;
     QuadricSpan p;
+    p.firstCap = upwards ? kPartLowerCap : kPartUpperCap;
+    p.secondCap = upwards ? kPartUpperCap : kPartLowerCap;
+    if (!slabs.parallel.z && ownCap == p.firstCap) near.z = 0.0;
+    if (!slabs.parallel.z && ownCap == p.secondCap) far.z = 0.0;
     float nearSides = larger(near.x, near.y);
     float farSides = far.x < far.y ? far.x : far.y;
     bool capFirst = near.z >= nearSides;
     bool capLast = far.z <= farSides;
     p.enter = capFirst ? near.z : nearSides;
     p.leave = capLast ? far.z : farSides;
-    bool upwards = !backwards.z;
-    p.firstCap = upwards ? kPartLowerCap : kPartUpperCap;
-    p.secondCap = upwards ? kPartUpperCap : kPartLowerCap;
-    p.byCap = capFirst && !parallel.z && (q.caps & (upwards ? kCapLower : kCapUpper)) != 0u;
-    p.toCap = capLast && !parallel.z && (q.caps & (upwards ? kCapUpper : kCapLower)) != 0u;
+    p.byCap = capFirst && !slabs.parallel.z && (q.caps & (upwards ? kCapLower : kCapUpper)) != 0u;
+    p.toCap = capLast && !slabs.parallel.z && (q.caps & (upwards ? kCapUpper : kCapLower)) != 0u;
     return p;
 }
 
@@ -173,7 +166,7 @@ float slipOfCaps(RayFrame frame, Quadric q, vec3 offset, vec3 along) {
 // (-B / A): B^2 - A C then loses no digits to the ray's way there, as Hearn and Baker's discriminant does not
 // for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems, 2019, ch. 7). If not, it has them all, and
 // the middle, which may be a million times farther than the nearer root, would only cost that root's.
-bool intersectQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, out Candidate best) {
+bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint trips, out Hit hit) {
     precise vec3 offset = ray.origin - q.point;
     vec3 o = toLocal(q, offset);
     vec3 along = toLocal(q, ray.direction);
@@ -229,16 +222,11 @@ bool intersectQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, out Ca
         if (abs(B) <= errorSide) B = 0.0;
     }
     Crossings c = crossingsOf(A, B, C, slack, start);
-    best = firstSurface(ray, unit, p, c, slipOfCaps(frame, q, offset, along));
+    Candidate best = firstSurface(ray, unit, p, c, slipOfCaps(frame, q, offset, along));
     tSlip = best.slip;
+    hit = Hit(best.t, kTellsSides ? best.side : 0.0, 0.0, primitive | (best.part << kPartShift), kNone, q.id);
     return best.found && p.enter <= p.leave;
 }
-
-struct QuadricPoint {
-    vec3 position;
-    vec3 error;
-    vec3 normal;
-};
 
 // Normal at a point where a line touches the side, like towardsRayAtLimb for spheres. Rounding alone would
 // decide which way the normal faces, and the bright limb of an open pipe would be shaded as its inside. A
@@ -280,7 +268,7 @@ vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 nor
 // gradient's length; then gamma_7 of what is added to the point. The gradient vanishes at a cone's apex and
 // on a double plane: there the surface faces the ray, and an error e of the left side moves it by no more
 // than sqrt(e) in local units.
-QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
+void surfaceOfQuadric(Ray ray, Hit hit, Quadric q, inout Surface surface) {
     uint part = (hit.primitive >> kPartShift) & kPartMask;
     precise vec3 offset = (ray.origin - q.point) + hit.t * ray.direction;
     vec3 y = toLocal(q, offset);
@@ -297,8 +285,7 @@ QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
     }
     precise vec3 gradient = slope.x * q.toLocal0 + slope.y * q.toLocal1 + slope.z * q.toLocal2;
     float steepest = larger(larger(abs(gradient.x), abs(gradient.y)), abs(gradient.z));
-    QuadricPoint found;
-    found.normal = quotient(-ray.direction, length(ray.direction));
+    vec3 normal = quotient(-ray.direction, length(ray.direction));
     float left = 0.0;
     if (steepest > 1e-30) {
         precise vec3 scaled = quotient(gradient, steepest);
@@ -310,34 +297,19 @@ QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
         precise float step = part == kPartSide ? clamp(newton, -limit, limit) : newton;
         precise vec3 moved = offset - step * unit;
         offset = moved;
-        found.normal = unit;
+        normal = unit;
         vec3 spread = abs(slope.x * q.toLocal0) + abs(slope.y * q.toLocal1) + abs(slope.z * q.toLocal2);
         left = quotient(gammaBound(12.0) * magnitude + gammaBound(5.0) * dot(spread, abs(offset)),
                         steepest * size);
         if (part == kPartSide) left = min(left, limit);
     }
     precise vec3 position = q.point + offset;
-    found.position = position;
-    found.error = gammaBound(7.0) * (abs(offset) + abs(q.point)) + left * abs(found.normal);
-    if (part == kPartSide) found.normal = asTheLineTouches(ray, hit, q, y, offset, found.normal);
-    return found;
-}
-
-bool hitQuadric(Ray ray, RayFrame frame, Quadric quadric, uint primitive, inout uint trips, out Hit hit) {
-    Candidate best;
-    bool isHit = intersectQuadric(ray, frame, quadric, primitive, best);
-    hit = Hit(best.t, kTellsSides ? best.side : 0.0, 0.0, primitive | (best.part << kPartShift), kNone,
-              quadric.id);
-    return isHit;
-}
-
-void surfaceOfQuadric(Ray ray, Hit hit, Quadric quadric, inout Surface surface) {
-    QuadricPoint found = quadricPoint(ray, hit, quadric);
-    surface.position = found.position;
-    surface.error = found.error;
-    surface.geometricNormal = found.normal;
-    surface.shadingNormal = found.normal;
-    setOwner(quadric.object, quadric.primitive, quadric.material, surface);
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(offset) + abs(q.point)) + left * abs(normal);
+    if (part == kPartSide) normal = asTheLineTouches(ray, hit, q, y, offset, normal);
+    surface.geometricNormal = normal;
+    surface.shadingNormal = normal;
+    setOwner(q.object, q.primitive, q.material, surface);
 }
 
 #endif

@@ -12,8 +12,8 @@ bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out f
 
 bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) { return crossesTriangle(ray, frame, triangle); }
 
-bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side) {
-    return intersectSphere(ray, sphere, primitive, t, side);
+bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {
+    return intersectSphere(ray, sphere, primitive, hit);
 }
 
 #endif

@@ -31,7 +31,7 @@ bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t, ou
 // Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019, ch. 7), not from b^2 - a c, which loses
 // everything once the sphere is far away. An anchored sphere measures from a point of its surface, so that a
 // radius far greater than all distances cancels nothing.
-bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side) {
+bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
     precise vec3 o = ray.origin - sphere.point;
     precise float a = dot(ray.direction, ray.direction);
     precise float b = dot(o, ray.direction);
@@ -57,18 +57,14 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t, out fl
         c = 0.0;
         disc = square;
     }
-    return nearestRoot(ray, a, b, c, disc, t, side);
-}
-
-// The test that hitSphere takes: primitives/robust.glsl or primitives/textbook.glsl.
-bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side);
-
-bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {
     float t, side;
-    bool isHit = meetSphere(ray, sphere, primitive, t, side);
+    bool isHit = nearestRoot(ray, a, b, c, disc, t, side);
     hit = Hit(t, kTellsSides ? side : 0.0, 0.0, primitive, kNone, sphere.id);
     return isHit;
 }
+
+// The test that the traversals call: primitives/robust.glsl or primitives/textbook.glsl.
+bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit);
 
 // Outward normal of a hit, turned towards the ray at the limb. If rounding makes the discriminant 0, t is
 // that of the closest approach, and the rounding of t alone decides whether the normal faces the ray. From

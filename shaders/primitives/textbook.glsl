@@ -137,13 +137,14 @@ bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
     return crossesTriangle(ray, frame, triangle);
 }
 
-bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side) {
-    if (SPHERE_FORM == kSphereRobust) return intersectSphere(ray, sphere, primitive, t, side);
+bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {
+    if (SPHERE_FORM == kSphereRobust) return intersectSphere(ray, sphere, primitive, hit);
     bool own = primitive == ray.source;
+    float t;
     bool isHit = SPHERE_FORM == kSphereAlgebraic ? sphereByEquation(ray, sphere, own, t)
                                                  : sphereByDistance(ray, sphere, own, t);
-    side = 0.0;
     tSlip = slipOfRound(t);
+    hit = Hit(t, 0.0, 0.0, primitive, kNone, sphere.id);
     return isHit;
 }
 

@@ -39,28 +39,18 @@
     X(42, TEXTURED_GLASS, texturedGlass)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
-// aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by
-// the stackless walk. shadowless: lights shine through everything; no picture of `glint render` has it, the
-// window may ask for it. ledger: keep account of the branches that are not followed (kTreeRow...), and cut
-// those below Environment::minContribution. scattered: samples come from the array of that name, else all
-// pixels take the same one, in the push constants. adaptive: pixels stop when their samples agree
-// (adapt.comp); implies scattered. tally: count rays by class, for `glint bench`, and in
-// scenes with transmission trace those of class Dispatch::rayClass alone. given: rays of a caller's, which
-// start on no primitive and have met none: in the source's place stands tMax. leaves: given rays start on
-// surfaces, which are not named. list: count.comp also stores
-// where rays cross surfaces.
-#define GLINT_MODES(X)            \
-    X(64, AOVS, aovs)             \
-    X(65, COST, cost)             \
-    X(66, RESUME, resume)         \
-    X(67, SHADOWLESS, shadowless) \
-    X(72, LEDGER, ledger)         \
-    X(73, SCATTERED, scattered)   \
-    X(74, ADAPTIVE, adaptive)     \
-    X(79, TALLY, tally)           \
-    X(82, GIVEN, given)           \
-    X(76, LEAVES, leaves)         \
-    X(75, LIST, list)
+#define GLINT_MODES(X)                                                                              \
+    X(64, AOVS, aovs)             /* writes the rows kRowAov... */                                  \
+    X(65, COST, cost)             /* counts boxes and primitives */                                 \
+    X(66, RESUME, resume)         /* continues unfinished rays without a stack */                   \
+    X(67, SHADOWLESS, shadowless) /* lights shine through everything; only the window has it */     \
+    X(72, LEDGER, ledger)         /* records branches not followed; cuts by minContribution */      \
+    X(73, SCATTERED, scattered)   /* samples from their array, not from the push constants */       \
+    X(74, ADAPTIVE, adaptive)     /* pixels stop when samples agree (adapt.comp); SCATTERED, too */ \
+    X(79, TALLY, tally)           /* counts rays by class; traces Dispatch::rayClass alone */       \
+    X(82, GIVEN, given)           /* rays of a caller: no source, no hit; tMax in place of those */ \
+    X(76, LEAVES, leaves)         /* given rays start on surfaces, which are not named */           \
+    X(75, LIST, list)             /* count.comp also stores where rays cross surfaces */
 
 // Not a mode but the device's: all lanes leave the loops of a traversal together (traversal/lanes.glsl).
 #define GLINT_CONVERGENT_ID 83
@@ -81,14 +71,16 @@
 
 // One dispatch covers `groups` tiles of a slice, one workgroup each. Workgroup w works on tile
 // firstTile + (w mod run) * interleave + w / run, with run = groups / interleave: llvmpipe gives each of its
-// threads an equal contiguous part of the workgroups, which interleaving spreads over the picture. region:
-// the pixels wanted, tiles are numbered by rows of ceil(regionWidth / 8). capacity: paths in one row of the
-// state. tripBudget: loop trips after which a ray is left unfinished for a resume dispatch. threshold: of
-// adapt.comp, where lastOfRound is 1 after the last sample of a round, else 0. listed: 0, or how many paths
-// intersect.comp, light.comp and shade.comp run over, which are those in list `listRead` (0 or 1);
-// shade.comp writes those that go on to the other. lightIndex, lightEnd: the lights of light.comp, from the
-// first one to the one before the second. bounce: rays before those at hand; of whole.comp those that it
-// follows after the camera's. rayClass: with MODE_TALLY, the rays (kRay...) that intersect.comp traces.
+// threads an equal contiguous part of the workgroups, which interleaving spreads over the picture.
+//   region       the pixels wanted, in tiles by rows of ceil(regionWidth / 8)
+//   capacity     paths in one row of the state
+//   tripBudget   loop trips after which a ray is left unfinished for a resume dispatch
+//   lightIndex   the first light of light.comp; lightEnd follows its last
+//   threshold    of adapt.comp, where lastOfRound is 1 after the last sample of a round, else 0
+//   listed       0, or how many paths the kernels run over: those in list `listRead` (0 or 1). shade.comp
+//                writes those that go on to the other list.
+//   bounce       rays before those at hand; of whole.comp, those that it follows after the camera's
+//   rayClass     with MODE_TALLY, the rays (kRay...) that intersect.comp traces
 #define GLINT_DISPATCH_ROWS(V3F, V3U, U4, A)           \
     U4(A, firstTile, tileCount, interleave, run)       \
     U4(A, regionX, regionY, regionWidth, regionHeight) \
@@ -109,14 +101,10 @@ static_assert(sizeof(Dispatch) <= 128, "Vulkan guarantees 128 bytes of push cons
 
 // The path state is an array of rows of 16 bytes, row r of path p at r * capacity + p.
 
-// origin.xyz, primitive the ray starts on (or kNone)
-GLINT_CONST_UINT(kRowOrigin, 0u);
-// direction.xyz, tMin (kInfinity: the path has ended)
-GLINT_CONST_UINT(kRowDirection, 1u);
-// t, u, v, primitive of the best hit; tMax, 0, 0, kNone before any
-GLINT_CONST_UINT(kRowHit, 2u);
-// rgb, path hash
-GLINT_CONST_UINT(kRowThroughput, 3u);
+GLINT_CONST_UINT(kRowOrigin, 0u);      // origin, primitive the ray starts on (or kNone)
+GLINT_CONST_UINT(kRowDirection, 1u);   // direction, tMin (kInfinity: the path has ended)
+GLINT_CONST_UINT(kRowHit, 2u);         // t, u, v, primitive of the best hit; tMax, 0, 0, kNone before any
+GLINT_CONST_UINT(kRowThroughput, 3u);  // rgb, path hash
 // rgb, samples that hit anything: an uint, if scattered a float, the sum of their weights; summed over
 // samples, if adaptive of the sample at hand
 GLINT_CONST_UINT(kRowRadiance, 4u);
@@ -125,59 +113,39 @@ GLINT_CONST_UINT(kRowWalk, 5u);
 // the light of an unfinished shadow ray; of another ray Hit::id, Traversal::nearest, Ray::tMax; 0
 GLINT_CONST_UINT(kRowLight, 6u);
 GLINT_CONST_UINT(kPathRows, 7u);
-// position.xyz (local), depth
-GLINT_CONST_UINT(kRowAovPosition, 7u);
-// outward shading normal, material
-GLINT_CONST_UINT(kRowAovNormal, 8u);
-// u, v, object, primitive
-GLINT_CONST_UINT(kRowAovIndices, 9u);
-// bounces, cost, shadow bits, path hash
-GLINT_CONST_UINT(kRowAovCounts, 10u);
-// outward geometric normal, how far along it next rays begin
-GLINT_CONST_UINT(kRowAovGeometry, 11u);
+GLINT_CONST_UINT(kRowAovPosition, 7u);   // position (local), depth
+GLINT_CONST_UINT(kRowAovNormal, 8u);     // outward shading normal, material
+GLINT_CONST_UINT(kRowAovIndices, 9u);    // u, v, object, primitive
+GLINT_CONST_UINT(kRowAovCounts, 10u);    // bounces, cost, shadow bits, path hash
+GLINT_CONST_UINT(kRowAovGeometry, 11u);  // outward geometric normal, how far along it next rays begin
 GLINT_CONST_UINT(kPathRowsWithAovs, 12u);
-// rgb, alpha: weighted sums over samples
-GLINT_CONST_UINT(kRowFilm, 12u);
-// mean of the samples so far, unweighted; their number
-GLINT_CONST_UINT(kRowMean, 13u);
-// sum of squared differences from that mean; 1: the pixel goes on, else 0
-GLINT_CONST_UINT(kRowSpread, 14u);
+GLINT_CONST_UINT(kRowFilm, 12u);    // rgb, alpha: weighted sums over samples
+GLINT_CONST_UINT(kRowMean, 13u);    // mean of the samples so far, unweighted; their number
+GLINT_CONST_UINT(kRowSpread, 14u);  // sum of squared differences from that mean; 1: the pixel goes on, else 0
 GLINT_CONST_UINT(kPathRowsAdaptive, 15u);
 
-// With instances one more row follows the others, rowInstance() in path.glsl: instance of the best hit,
-// instance the ray starts on, instance an unfinished walk is in, slot where it goes on in the world's tree;
-// kNone for none.
+// With instances one more row follows, rowInstance() in path.glsl: instance of the best hit, instance the
+// ray starts on, instance an unfinished ray is in, slot where it goes on in the world's tree; kNone for none.
 
-// The lists of paths that go on, a row each, in scenes with mirrors or transmission: after the row of the
-// instances. Entry i, which stands in the column of path i: the path; 0, 0, 0.
+// Then, with mirrors or transmission, two lists of the paths that go on. Entry i, in the column of path i:
+// the path; 0, 0, 0.
 GLINT_CONST_UINT(kListRows, 2u);
 
-// Rows that only some pictures have come after these. First those of MODE_LEDGER, then those of scenes with
-// transmission.
-
+// Then, with MODE_LEDGER or transmission:
 // sums over branches not followed of what they could have brought: cut, beyond maxDepth, without room to
 // wait; 0
 GLINT_CONST_UINT(kTreeRowLost, 0u);
-// their numbers; media that found no room in the list
-GLINT_CONST_UINT(kTreeRowLostCounts, 1u);
+GLINT_CONST_UINT(kTreeRowLostCounts, 1u);  // their numbers; media that found no room in the list
 GLINT_CONST_UINT(kLedgerRows, 2u);
-// the media that the ray is in, oldest first, 0 where the list has ended
-GLINT_CONST_UINT(kTreeRowMedia, 2u);
-// rays before this one on the way from the eye; branches waiting; with MODE_TALLY the ray's class, kRay...,
-// else 0; 0
-GLINT_CONST_UINT(kTreeRowBranch, 3u);
-// of an unfinished shadow ray: optical depth passed so far; 0
-GLINT_CONST_UINT(kTreeRowShadow, 4u);
-// the first waiting branch; its rows kWaiting..., as many times as there is room
-GLINT_CONST_UINT(kTreeRowWaiting, 5u);
-// origin.xyz, primitive the ray starts on
-GLINT_CONST_UINT(kWaitingOrigin, 0u);
-// direction.xyz, rays before this one | class << kWaitingKindShift
-GLINT_CONST_UINT(kWaitingDirection, 1u);
-// rgb, instance the ray starts on
-GLINT_CONST_UINT(kWaitingThroughput, 2u);
-// the media, as in kTreeRowMedia
-GLINT_CONST_UINT(kWaitingMedia, 3u);
+// Then, with transmission:
+GLINT_CONST_UINT(kTreeRowMedia, 2u);   // the media that the ray is in, oldest first, 0 after the last
+GLINT_CONST_UINT(kTreeRowBranch, 3u);  // rays before this one from the eye; branches waiting; kRay... or 0; 0
+GLINT_CONST_UINT(kTreeRowShadow, 4u);  // of an unfinished shadow ray: optical depth passed so far; 0
+GLINT_CONST_UINT(kTreeRowWaiting, 5u);     // the waiting branches, each with the rows kWaiting...:
+GLINT_CONST_UINT(kWaitingOrigin, 0u);      // origin, primitive the ray starts on
+GLINT_CONST_UINT(kWaitingDirection, 1u);   // direction, rays before this one | class << kWaitingKindShift
+GLINT_CONST_UINT(kWaitingThroughput, 2u);  // rgb, instance the ray starts on
+GLINT_CONST_UINT(kWaitingMedia, 3u);       // as in kTreeRowMedia
 GLINT_CONST_UINT(kWaitingRows, 4u);
 GLINT_CONST_UINT(kWaitingKindShift, 30u);  // a depth is far smaller
 

@@ -1,5 +1,4 @@
-// The closest point of all surfaces, in double: what shaders/closest_point.comp finds, by formulas of its
-// own.
+// The closest point of all surfaces, in double.
 #pragma once
 
 #include <optional>

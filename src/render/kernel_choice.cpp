@@ -10,12 +10,11 @@ std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request
     // the pipeline happens to hold: kernels for later bounces that never come would double a cold start.
     const bool goesOn =
         (scene.features.mirrors || scene.features.transmission) && environmentOf(scene, request).maxDepth > 0;
-    const size_t lights = lightsOf(scene, request).size();
+    const bool hasLights = !lightsOf(scene, request).empty();
     for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
-        if (id == KernelId::Light && lights == 0) continue;
-        const bool inPackets = packets && (id != KernelId::Light || lightsGoInPackets(lights));
-        if (inPackets) kernels.push_back(packetKernel(id));
-        if (!inPackets || goesOn) kernels.push_back(id);
+        if (id == KernelId::Light && !hasLights) continue;
+        if (packets) kernels.push_back(packetKernel(id));
+        if (!packets || goesOn) kernels.push_back(id);
     }
     if (request.samples.threshold) kernels.push_back(KernelId::Adapt);
     return kernels;
@@ -25,11 +24,6 @@ std::vector<KernelId> wholeKernelsOf(const Request& request) {
     std::vector<KernelId> kernels = {KernelId::Whole};
     if (request.samples.threshold) kernels.push_back(KernelId::Adapt);
     return kernels;
-}
-
-bool lightsGoInPackets(uint64_t lights) {
-    constexpr uint64_t kMost = 1000;
-    return lights <= kMost;
 }
 
 }  // namespace glint::render

@@ -1,7 +1,6 @@
 // Which kernels a picture takes.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "render/pipelines.h"
@@ -14,9 +13,5 @@ std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request
 
 // The same where whole.comp draws it.
 std::vector<KernelId> wholeKernelsOf(const Request& request);
-
-// A packet stops where one of its rays does, and so takes few lights at once; where there are very many, rays
-// go to them by themselves (lightsNext in path_limits.h).
-bool lightsGoInPackets(uint64_t lights);
 
 }  // namespace glint::render

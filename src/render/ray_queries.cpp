@@ -48,8 +48,6 @@ KernelId kernelOf(RayTask::Ask ask) {
             return KernelId::IntersectAny;
         case RayTask::Ask::Count:
             return KernelId::Count;
-        case RayTask::Ask::Point:
-            return KernelId::ClosestPoint;
     }
     return KernelId::Intersect;
 }

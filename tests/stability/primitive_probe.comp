@@ -1,11 +1,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Path i against primitive i of one kind, without a tree: intersectX of primitives/ alone, and
+// Path i against primitive i of one kind, without a tree: hitX of primitives/ alone, and
 // intersectBox. The kind comes as dispatch.lightIndex: kKind..., kProbeBox, for the first boxes of the
 // nodes, or of triangles kProbeAhead, for rays that leave a surface, kProbeSettled, for hits as settleSliver
 // leaves them, with kProbeExchanged as of a mirrored instance, or of quadrics kProbeNormal, for the normal of
 // a hit. In: the path's rows kRowOrigin (and source), kRowDirection (and tMin), kRowHit (tMax). Out: kRowHit
 // = t, u, v, 1 for a hit; or the normal.
+#include "primitives/robust.glsl"
 #include "shading/surface.glsl"
 
 layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
@@ -41,27 +42,22 @@ void main() {
         u = exchanged ? settled.v : settled.u;
         v = exchanged ? settled.u : settled.v;
     }
-    float side = 0.0;
+    bool isQuadric = kind == kKindQuadric || kind == kProbeNormal;
+    uint primitive = isQuadric ? kKindQuadric << kPrimitiveKindShift | path : path;
     uint trips = 0u;
-    Hit found = Hit(t, u, v, path, kNone, 0u);
-    if (kind == kKindSphere) hit = intersectSphere(ray, loadSphere(path), path, found.t, side);
-    if (kind == kKindPlane) hit = hitPlane(ray, frame, loadPlane(path), path, trips, found);
-    if (kind == kKindDisc) hit = hitDisc(ray, frame, loadDisc(path), path, trips, found);
-    if (kind == kKindPolygon) hit = hitPolygon(ray, frame, loadPolygon(path), path, trips, found);
+    Hit found = Hit(t, u, v, primitive, kNone, 0u);
+    if (kind == kKindSphere) hit = hitSphere(ray, frame, loadSphere(path), primitive, trips, found);
+    if (kind == kKindPlane) hit = hitPlane(ray, frame, loadPlane(path), primitive, trips, found);
+    if (kind == kKindDisc) hit = hitDisc(ray, frame, loadDisc(path), primitive, trips, found);
+    if (kind == kKindPolygon) hit = hitPolygon(ray, frame, loadPolygon(path), primitive, trips, found);
+    if (isQuadric) hit = hitQuadric(ray, frame, loadQuadric(path), primitive, trips, found);
     t = found.t;
-    if (kind == kKindQuadric || kind == kProbeNormal) {
-        Candidate best;
-        Quadric quadric = loadQuadric(path);
-        uint primitive = (kKindQuadric << kPrimitiveKindShift) | path;
-        hit = intersectQuadric(ray, frame, quadric, primitive, best);
-        t = best.t;
-        if (kind == kProbeNormal) {
-            Hit at = Hit(t, 0.0, 0.0, primitive | (best.part << kPartShift), kNone, 0u);
-            vec3 normal = quadricPoint(ray, at, quadric).normal;
-            t = normal.x;
-            u = normal.y;
-            v = normal.z;
-        }
+    if (kind == kProbeNormal) {
+        Surface surface = noSurface();
+        surfaceOfQuadric(ray, found, loadQuadric(path), surface);
+        t = surface.geometricNormal.x;
+        u = surface.geometricNormal.y;
+        v = surface.geometricNormal.z;
     }
     if (kind == kProbeBox) {
         Node node = loadNode(path);
