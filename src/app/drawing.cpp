@@ -133,6 +133,8 @@ Picture Drawing::draw(const Request& request) {
 
 DrawingFacts Drawing::facts() const {
     DrawingFacts facts;
+    facts.backend = backend_;
+    if (!renderer_ && !truth_) return facts;
     if (backend_ == Backend::Cpu) {
         facts.device = "CPU reference (double precision)";
         facts.driver = counted(defaultThreadCount(), "thread");

@@ -36,7 +36,8 @@ struct FailedDevice {
 };
 
 struct DrawingFacts {
-    std::string device, driver;
+    Backend backend = Backend::Gpu;             // that rendered
+    std::string device, driver;                 // empty if nothing was rendered
     std::string traversal;                      // empty on the host
     std::optional<gpu::Arithmetic> arithmetic;  // the device's
     render::StageTimes times;

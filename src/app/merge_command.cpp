@@ -61,6 +61,7 @@ nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outc
     const Region& region = outcome.picture.region;
     nlohmann::json json = {{"scene", scene.string()},
                            {"parts", command.parts.size()},
+                           {"files", filesJson(outcome.files)},
                            {"width", region.width()},
                            {"height", region.height()},
                            {"hash", outcome.hash},
@@ -69,8 +70,6 @@ nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outc
                            {"lost", lossesJson(outcome.picture)},
                            {"notFinite", outcome.picture.notFinite},
                            {"seconds", outcome.totalSeconds}};
-    json["files"] = nlohmann::json::array();
-    for (const auto& file : outcome.files) json["files"].push_back(file.string());
     json["devices"] = nlohmann::json::array();
     for (const farm::Producer& producer : producers) json["devices"].push_back(producerText(producer));
     return json;

@@ -142,11 +142,11 @@ std::string blackReason(const Picture& picture, const Scene& scene, const Packed
 // Contents of the image. Rims of objects, where some samples show the background, count only if no pixel
 // shows an object alone.
 struct Contents {
-    bool hits = false, misses = false, likeBackground = true;
+    bool hits = false, misses = false;
     float brightest = 0, darkest = std::numeric_limits<float>::infinity();  // greatest channel of a pixel
 };
 
-Contents contentsOf(const Picture& picture, const Color& background, float scale) {
+Contents contentsOf(const Picture& picture) {
     const std::vector<float>& pixels = picture.color.pixels;
     Contents found;
     bool whole = false;
@@ -154,14 +154,7 @@ Contents contentsOf(const Picture& picture, const Color& background, float scale
     for (size_t i = 0; i < pixels.size(); i += 4) {
         const float* c = &pixels[i];
         (c[3] > 0 ? found.hits : found.misses) = true;
-        if (c[3] <= 0) continue;
-        for (int k = 0; k < 3; ++k) {
-            const auto plain = static_cast<float>(background[k]);
-            found.likeBackground =
-                found.likeBackground &&
-                (scale > 0 ? srgbByte(c[k] * scale) == srgbByte(plain * scale) : c[k] == plain);
-        }
-        if (whole && c[3] < 1) continue;
+        if (c[3] <= 0 || (whole && c[3] < 1)) continue;
         const float value = std::max({c[0], c[1], c[2]});
         found.brightest = std::max(found.brightest, value);
         found.darkest = std::min(found.darkest, value);
@@ -180,7 +173,7 @@ std::string exposureAdvice(float value) {
 std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
                                          const PackedScene& packed, const Request& request, float scale) {
     if (!picture.complete) return std::nullopt;
-    const Contents found = contentsOf(picture, scene.background, scale);
+    const Contents found = contentsOf(picture);
     if (!found.hits)
         return "the image shows only background: " + emptyReason(picture, scene, packed, request);
     if (found.brightest == 0)
@@ -189,13 +182,8 @@ std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& sc
         return "everything in the image is too dark for 8 bits" + exposureAdvice(found.brightest);
     if (scale > 0 && found.darkest * scale >= 1 && found.brightest * scale > 1)
         return "everything in the image is too bright for 8 bits" + exposureAdvice(found.brightest);
-    if (found.misses && !found.likeBackground) return std::nullopt;
-    const Scout scout(picture, scene, packed, request);
-    if (found.likeBackground && !scene.environment && scout.all(scene, reflects))
-        return "the objects look like the plain background, which they reflect or let pass; change the "
-               "background "
-               "or the materials";
-    return darkObjectAround(scout, scene);
+    if (found.misses) return std::nullopt;
+    return darkObjectAround(Scout(picture, scene, packed, request), scene);
 }
 
 }  // namespace glint::app

@@ -7,9 +7,6 @@
 #include "app/picture_advice.h"
 #include "core/available_memory.h"
 #include "core/error.h"
-#include "core/interrupt.h"
-#include "core/picture_hash.h"
-#include "core/picture_rows.h"
 #include "core/stopwatch.h"
 
 namespace glint::app {
@@ -25,20 +22,13 @@ uint64_t roundedUp(uint64_t rows) {
     return (rows + kStep - 1) / kStep * kStep;
 }
 
-bool canHaveBands(const RenderCommand& command, const std::filesystem::path& output) {
-    std::vector<std::string> layers;
-    for (const Aov aov : command.aovs) layers.emplace_back(nameOf(aov));
-    return !command.target.error && output != "-" && canWriteRows(output, layers);
-}
-
 // A row of the picture, its layers, and what becomes of these for the file.
 uint64_t bytesOfRow(const RenderCommand& command, const Region& region) {
     return static_cast<uint64_t>(region.width()) * 2 * bytesPerPixel(command.aovs, needsData(command));
 }
 
-void add(Outcome& outcome, Picture& band) {
-    Picture& all = outcome.picture;
-    outcome.bands->add(band);
+// Adds what is known of a band, and makes its colours finite.
+void add(Picture& all, Picture& band) {
     // Bands come from the top, so the first place is that of the first band that has one.
     if (all.notFinite == 0) all.firstNotFinite = band.firstNotFinite;
     all.notFinite += band.notFinite;
@@ -47,23 +37,48 @@ void add(Outcome& outcome, Picture& band) {
     blackenNotFinite(band);
 }
 
-// An interrupt left the rows from `y` on undrawn.
-void fillRest(const Request& request, const RenderCommand& command, const Outcome& outcome, int y,
-              PictureRows& file, PictureHash& hash) {
-    const Region region = regionOf(request);
-    if (y == region.y1) return;
-    Request row = request;
-    row.region = {region.x0, y, region.x1, y + 1};
-    const Picture blank = blankPicture(row);
-    hash.fill(region.y1 - y, blank.color);
-    file.fill(layersOf(blank, command, outcome.output));
+}  // namespace
+
+bool canWriteRows(const std::filesystem::path& output, const std::vector<Aov>& aovs) {
+    return output != "-" && glint::canWriteRows(output, namesOf(aovs));
 }
 
-}  // namespace
+RowFile::RowFile(const std::filesystem::path& output, const Region& region, const std::vector<Aov>& aovs,
+                 float scale)
+    : scale_(scale),
+      left_(region.height()),
+      file_(output, region.width(), left_, makeLayers(Picture(), aovs)) {}
+
+void RowFile::add(const Picture& rows, std::vector<Layer> layers) {
+    const Stopwatch writing;
+    left_ -= rows.region.height();
+    totals_.add(rows);
+    hash_.add(rows.color);
+    expose(layers, scale_);
+    file_.add(layers);
+    seconds_ += writing.seconds();
+}
+
+void RowFile::fill(const Picture& row, std::vector<Layer> layers) {
+    if (left_ == 0) return;
+    const Stopwatch writing;
+    hash_.fill(left_, row.color);
+    expose(layers, scale_);
+    file_.fill(layers);
+    seconds_ += writing.seconds();
+}
+
+void RowFile::finish(Outcome& outcome) {
+    const Stopwatch writing;
+    outcome.bands = totals_;
+    outcome.files = file_.finish();
+    outcome.hash = hash_.text();
+    outcome.writeSeconds = seconds_ + writing.seconds();
+}
 
 int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output, const Region& region,
                uint64_t available) {
-    const bool able = canHaveBands(command, output);
+    const bool able = !command.target.error && canWriteRows(output, command.aovs);
     if (command.bandRows && !able)
         throw Error(
             ErrorKind::Argument,
@@ -92,43 +107,37 @@ int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output
 void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
                const Request& request, int rows, Outcome& outcome) {
     const Region region = regionOf(request);
+    const float scale = scaleOf(outcome.output, command.exposure);
     outcome.picture.region = region;
     outcome.picture.samplesPerPixel = request.samples.count();
-    outcome.bands.emplace();
-    PictureRows file(outcome.output, region.width(), region.height(), makeLayers(Picture(), command.aovs));
-    PictureHash hash;
-    double writeSeconds = 0;
+    RowFile file(outcome.output, region, command.aovs, scale);
+    std::optional<std::string> advice;
     bool alike = !command.quiet;  // all bands so far lack the same
-    for (int y = region.y0; y < region.y1; y += rows) {
-        Request part = request;
+    Request part = request;
+    for (int y = region.y0; y < region.y1 && outcome.picture.complete; y += rows) {
         part.region = {region.x0, y, region.x1, std::min(y + rows, region.y1)};
         const auto share = [&](int row) { return static_cast<double>(row - region.y0) / region.height(); };
         const double from = share(y), to = share(part.region.y1);
         part.progress = [&](double done) { request.progress(from + (to - from) * done); };
         Picture band = drawing.whole([&] { return drawing.draw(part); });
         if (alike) {
-            const auto advice = pictureAdvice(band, loaded.scene, loaded.packed, request,
-                                              scaleOf(outcome.output, command.exposure));
-            alike = advice && (y == region.y0 || advice == outcome.bands->advice);
-            outcome.bands->advice = alike ? advice : std::nullopt;
+            const auto reason = pictureAdvice(band, loaded.scene, loaded.packed, request, scale);
+            alike = reason && (y == region.y0 || reason == advice);
+            advice = alike ? reason : std::nullopt;
         }
-        add(outcome, band);
-        if (!outcome.picture.complete && outcome.bands->done == 0) return;
-        const Stopwatch writing;
-        hash.add(band.color);
-        file.add(layersOf(band, command, outcome.output));
-        writeSeconds += writing.seconds();
-        if (!band.complete) {
-            const Stopwatch filling;
-            fillRest(request, command, outcome, part.region.y1, file, hash);
-            writeSeconds += filling.seconds();
-            break;
-        }
+        add(outcome.picture, band);
+        file.add(band, makeLayers(band, command.aovs));
     }
-    const Stopwatch writing;
-    outcome.files = file.finish();
-    outcome.hash = hash.text();
-    outcome.writeSeconds = writeSeconds + writing.seconds();
+    if (file.totals().done == 0) {
+        outcome.bands = file.totals();  // nothing is written
+        return;
+    }
+    // After an interrupt, rows from here on are blank.
+    part.region = {region.x0, part.region.y1, region.x1, part.region.y1 + 1};
+    const Picture blank = blankPicture(part);
+    file.fill(blank, makeLayers(blank, command.aovs));
+    file.finish(outcome);
+    outcome.bands->advice = advice;
 }
 
 }  // namespace glint::app

@@ -70,12 +70,10 @@ void check(const RenderCommand& command) {
 
 // Those that are not there yet; with --overwrite all.
 std::vector<Frame> framesToDraw(const RenderCommand& command) {
-    std::vector<std::string> layers;
-    for (const Aov aov : command.aovs) layers.emplace_back(nameOf(aov));
     std::vector<Frame> frames;
     for (int number = command.frames->first; number <= command.frames->last; ++number) {
         Frame frame{number, numbered(outputOf(command), number)};
-        const std::vector<fs::path> files = layerPaths(frame.path, layers);
+        const std::vector<fs::path> files = layerPaths(frame.path, namesOf(command.aovs));
         const bool there = std::all_of(files.begin(), files.end(), [](const fs::path& file) {
             std::error_code ignored;
             return fs::exists(file, ignored);
@@ -177,23 +175,21 @@ bool FrameRenderer::draw(const std::vector<Frame>& frames) {
 }
 
 void FrameRenderer::print(size_t there) const {
-    const DrawingFacts facts = loaded_ ? drawing_.facts() : DrawingFacts();
+    const DrawingFacts facts = drawing_.facts();
     if (command_.json) {
         nlohmann::json json = {{"scene", command_.scene.scene.string()},
-                               {"backend", nameOf(facts.failed ? Backend::Cpu : command_.backend)},
                                {"there", there},
                                {"treesBuilt", scene_ ? scene_->treesBuilt() : 0},
                                {"seconds", total_.seconds()},
                                {"frames", nlohmann::json::array()}};
-        if (facts.failed) json["fallback"] = fallbackJson(*facts.failed);
+        json.update(drawnJson(facts));
         for (const Drawn& drawn : drawn_) {
-            nlohmann::json frame = {{"frame", drawn.number},
-                                    {"time", drawn.time},
-                                    {"hash", drawn.hash},
-                                    {"seconds", drawn.seconds},
-                                    {"changed", changeName(drawn.change)}};
-            for (const fs::path& file : drawn.files) frame["files"].push_back(file.string());
-            json["frames"].push_back(std::move(frame));
+            json["frames"].push_back({{"frame", drawn.number},
+                                      {"time", drawn.time},
+                                      {"hash", drawn.hash},
+                                      {"seconds", drawn.seconds},
+                                      {"changed", changeName(drawn.change)},
+                                      {"files", filesJson(drawn.files)}});
         }
         printJson(json, out_);
         return;
@@ -205,7 +201,7 @@ void FrameRenderer::print(size_t there) const {
     if (there > 0)
         out_ << counted(there, "frame") << (there == 1 ? " was" : " were")
              << " there already (--overwrite draws them again)\n";
-    if (loaded_) out_ << "device: " << facts.device << ", " << facts.driver << '\n';
+    printDevice(facts, out_);
     out_ << "times: " << formatSeconds(total_.seconds()) << " in all";
     if (!drawn_.empty())
         out_ << ", " << formatSeconds(total_.seconds() / static_cast<double>(drawn_.size())) << " a frame";

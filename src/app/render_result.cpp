@@ -138,15 +138,10 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     const render::StageTimes& t = outcome.drawn.times;
     nlohmann::json json;
     json["scene"] = command.scene.scene.string();
-    json["backend"] = nameOf(outcome.drawn.failed ? Backend::Cpu : command.backend);
-    json["device"] = outcome.drawn.device;
-    json["driver"] = outcome.drawn.driver;
-    if (outcome.drawn.failed) json["fallback"] = fallbackJson(*outcome.drawn.failed);
+    json.update(drawnJson(outcome.drawn));
     if (!outcome.drawn.traversal.empty()) json["traversal"] = outcome.drawn.traversal;
-    json["files"] = nlohmann::json::array();
-    for (const auto& file : outcome.files) json["files"].push_back(file.string());
+    json["files"] = filesJson(outcome.files);
     json["hash"] = outcome.hash;
-    json["reproducible"] = outcome.drawn.arithmetic && outcome.drawn.arithmetic->sharesBits();
     json["complete"] = outcome.picture.complete;
     if (outcome.bands) json["bands"] = outcome.bands->bands;
     if (outcome.ranks > 0) json["ranks"] = outcome.ranks;
@@ -185,28 +180,18 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
 
 void printSummary(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                   std::ostream& out) {
-    const render::StageTimes& t = outcome.drawn.times;
     for (const auto& file : outcome.files) {
         out << "wrote " << shown(file) << " (" << outcome.picture.region.width() << "x"
             << outcome.picture.region.height() << ")\n";
     }
     if (outcome.converged) out << errorSummary(command.target, *outcome.converged) << '\n';
-    if (!outcome.drawn.device.empty())  // else nothing was left to draw
-        out << "device: " << outcome.drawn.device << ", " << outcome.drawn.driver << '\n';
+    printDevice(outcome.drawn, out);
     if (outcome.ranks > 0) out << "ranks: " << outcome.ranks << '\n';
     out << "hash: " << outcome.hash;
     if (outcome.drawn.arithmetic && !outcome.drawn.arithmetic->sharesBits())
         out << " (this device " << outcome.drawn.arithmetic->text() << ')';
     out << '\n';
-    out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
-        << formatSeconds(loaded.packSeconds);
-    if (t.submissions > 0) {
-        out << ", upload " << formatSeconds(t.upload) << ", compile " << formatSeconds(t.compile);
-    }
-    out << ", trace " << formatSeconds(t.trace);
-    if (t.submissions > 0) out << ", readback " << formatSeconds(t.readback);
-    out << ", write " << formatSeconds(outcome.writeSeconds) << "; " << formatSeconds(outcome.totalSeconds)
-        << " in all\n";
+    printTimes(outcome, loaded, out);
 }
 
 }  // namespace
@@ -258,8 +243,36 @@ double Outcome::doneShare() const {
     return static_cast<double>(std::count(picture.done.begin(), picture.done.end(), 1)) / pixels;
 }
 
-nlohmann::json fallbackJson(const FailedDevice& failed) {
-    return {{"device", failed.name}, {"reason", failed.reason}};
+nlohmann::json drawnJson(const DrawingFacts& drawn) {
+    nlohmann::json json = {{"backend", nameOf(drawn.backend)},
+                           {"device", drawn.device},
+                           {"driver", drawn.driver},
+                           {"reproducible", drawn.sharesBits()}};
+    if (drawn.failed) json["fallback"] = {{"device", drawn.failed->name}, {"reason", drawn.failed->reason}};
+    return json;
+}
+
+nlohmann::json filesJson(const std::vector<std::filesystem::path>& files) {
+    nlohmann::json json = nlohmann::json::array();
+    for (const std::filesystem::path& file : files) json.push_back(file.string());
+    return json;
+}
+
+void printDevice(const DrawingFacts& drawn, std::ostream& out) {
+    if (!drawn.device.empty()) out << "device: " << drawn.device << ", " << drawn.driver << '\n';
+}
+
+void printTimes(const Outcome& outcome, const LoadedScene& loaded, std::ostream& out) {
+    const render::StageTimes& t = outcome.drawn.times;
+    out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
+        << formatSeconds(loaded.packSeconds);
+    if (t.submissions > 0) {
+        out << ", upload " << formatSeconds(t.upload) << ", compile " << formatSeconds(t.compile);
+    }
+    out << ", trace " << formatSeconds(t.trace);
+    if (t.submissions > 0) out << ", readback " << formatSeconds(t.readback);
+    out << ", write " << formatSeconds(outcome.writeSeconds) << "; " << formatSeconds(outcome.totalSeconds)
+        << " in all\n";
 }
 
 void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err) {
@@ -303,11 +316,10 @@ void expose(std::vector<Layer>& layers, float scale) {
                 if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
 }
 
-std::vector<Layer> layersOf(const Picture& picture, const RenderCommand& command,
-                            const std::filesystem::path& output) {
-    std::vector<Layer> layers = makeLayers(picture, command.aovs);
-    expose(layers, scaleOf(output, command.exposure));
-    return layers;
+std::vector<std::string> namesOf(const std::vector<Aov>& aovs) {
+    std::vector<std::string> names;
+    for (const Aov aov : aovs) names.emplace_back(nameOf(aov));
+    return names;
 }
 
 void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& out) {
@@ -318,7 +330,8 @@ void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& 
     blackenNotFinite(outcome.picture);
     const Stopwatch writing;
     outcome.hash = pictureHash(outcome.picture.color);
-    const std::vector<Layer> layers = layersOf(outcome.picture, command, outcome.output);
+    std::vector<Layer> layers = makeLayers(outcome.picture, command.aovs);
+    expose(layers, scaleOf(outcome.output, command.exposure));
     if (outcome.output == "-") {
         const Image& image = layers.front().image;
         const auto bytes = encodePng(image.width, image.height, image.channels, quantizeColor(image));

@@ -48,11 +48,10 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
 // `exposure` is given for these.
 float scaleOf(const std::filesystem::path& output, std::optional<double> exposure);
 
+std::vector<std::string> namesOf(const std::vector<Aov>& aovs);
+
 // Multiplies the layer "color" by `scale`, unless it is 0.
 void expose(std::vector<Layer>& layers, float scale);
-// The layers for an output file.
-std::vector<Layer> layersOf(const Picture& picture, const RenderCommand& command,
-                            const std::filesystem::path& output);
 
 // Writes the image, unless it is in bands, and sets hash, files and seconds. Throws Error(Interrupted) if
 // nothing is done.
@@ -62,8 +61,11 @@ void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& 
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                  std::ostream& out);
 
-// JSON for --stats about the device that --fallback replaced.
-nlohmann::json fallbackJson(const FailedDevice& failed);
+// Parts of the summary, and of the JSON for --stats: the backend and its device, the files.
+void printDevice(const DrawingFacts& drawn, std::ostream& out);
+void printTimes(const Outcome& outcome, const LoadedScene& loaded, std::ostream& out);
+nlohmann::json drawnJson(const DrawingFacts& drawn);
+nlohmann::json filesJson(const std::vector<std::filesystem::path>& files);
 
 // Says on `err` how many pixels are not finite, each line after `start`; nothing if all are.
 void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err);

@@ -39,39 +39,27 @@ std::filesystem::path partPath(const RenderCommand& command) {
     return path;
 }
 
-struct Done {
-    std::filesystem::path file;
-    uint64_t pixels = 0;
-    DrawingFacts drawn;
-    double totalSeconds = 0;
-};
-
-void print(const Done& done, const RenderCommand& command, const LoadedScene& loaded, std::ostream& out) {
+void print(const Outcome& outcome, uint64_t pixels, const RenderCommand& command, const LoadedScene& loaded,
+           std::ostream& out) {
+    const PartChoice& part = *command.part;
     if (command.json) {
         nlohmann::json json = {{"scene", command.scene.scene.string()},
-                               {"files", {done.file.string()}},
-                               {"part", command.part->number},
-                               {"parts", command.part->of},
-                               {"pixels", done.pixels},
-                               {"backend", nameOf(done.drawn.failed ? Backend::Cpu : command.backend)},
-                               {"device", done.drawn.device},
-                               {"driver", done.drawn.driver},
-                               {"reproducible", done.drawn.sharesBits()},
+                               {"files", filesJson(outcome.files)},
+                               {"part", part.number},
+                               {"parts", part.of},
+                               {"pixels", pixels},
                                {"seconds",
                                 {{"load", loaded.loadSeconds},
                                  {"pack", loaded.packSeconds},
-                                 {"trace", done.drawn.times.trace},
-                                 {"total", done.totalSeconds}}}};
-        if (done.drawn.failed) json["fallback"] = fallbackJson(*done.drawn.failed);
+                                 {"trace", outcome.drawn.times.trace},
+                                 {"total", outcome.totalSeconds}}}};
+        json.update(drawnJson(outcome.drawn));
         printJson(json, out);
     } else if (!command.quiet) {
-        out << "wrote " << shown(done.file) << " ("
-            << farm::namesOfParts({command.part->number}, command.part->of) << ", "
-            << counted(done.pixels, "pixel") << ")\n";
-        out << "device: " << done.drawn.device << ", " << done.drawn.driver << '\n';
-        out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
-            << formatSeconds(loaded.packSeconds) << ", trace " << formatSeconds(done.drawn.times.trace)
-            << "; " << formatSeconds(done.totalSeconds) << " in all\n";
+        out << "wrote " << shown(outcome.files.front()) << " (" << farm::namesOfParts({part.number}, part.of)
+            << ", " << counted(pixels, "pixel") << ")\n";
+        printDevice(outcome.drawn, out);
+        printTimes(outcome, loaded, out);
     }
 }
 
@@ -186,11 +174,10 @@ void refuseErrorTarget(const RenderCommand& command, const std::string& manner) 
 ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     refuseErrorTarget(command, "--part");
-    Done done;
-    done.file = partPath(command);
+    const std::filesystem::path file = partPath(command);
     UnitRenderer units(command, command.part->of, err);
-    done.pixels = units.pixelsOf(command.part->number);
-    checkRoom(command, done.pixels);
+    const uint64_t pixels = units.pixelsOf(command.part->number);
+    checkRoom(command, pixels);
     installInterruptHandler();
     std::optional<farm::UnitResult> result;
     {
@@ -199,10 +186,14 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
     }
     if (!result)
         throw Error(ErrorKind::Interrupted, "interrupted before the part was finished; nothing written");
-    writeFile(done.file, farm::encodePart(units.header(), *result));
-    done.drawn = units.drawing().facts();
-    done.totalSeconds = total.seconds();
-    print(done, command, units.loaded(), out);
+    Outcome outcome;
+    const Stopwatch writing;
+    writeFile(file, farm::encodePart(units.header(), *result));
+    outcome.files = {file};
+    outcome.writeSeconds = writing.seconds();
+    outcome.drawn = units.drawing().facts();
+    outcome.totalSeconds = total.seconds();
+    print(outcome, pixels, command, units.loaded(), out);
     units.drawing().reportValidation(err);
     return ExitCode::Done;
 }

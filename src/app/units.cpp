@@ -92,12 +92,6 @@ std::vector<std::vector<Region>> cutToHold(const farm::CostMap& costs, int parts
     return cut;
 }
 
-std::vector<std::string> namesOf(const std::vector<Aov>& aovs) {
-    std::vector<std::string> names;
-    for (const Aov aov : aovs) names.emplace_back(nameOf(aov));
-    return names;
-}
-
 // Version, files, settings; not the device, nor where files lie. `request` is the whole image's.
 farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loaded, const Request& request) {
     const Scene& scene = loaded.scene;
@@ -174,7 +168,7 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function
 
 void UnitRenderer::complete(Outcome& outcome, const std::vector<farm::Producer>& producers,
                             std::ostream& err) const {
-    if (uploaded_) outcome.drawn = drawing_.facts();
+    outcome.drawn = drawing_.facts();
     outcome.request = request_;
     outcome.picture.samplesPerPixel = request_.samples.count();
     warnAboutPicture(outcome, command_, loaded_, err);
@@ -188,7 +182,7 @@ bool needsRows(const farm::UnitHeader& header, const std::filesystem::path& outp
     const uint64_t perPixel = 2 * bytesPerPixel(header.aovs, false);  // as drawn, and as layers
     const uint64_t whole =
         static_cast<uint64_t>(region.width()) * static_cast<uint64_t>(region.height()) * perPixel;
-    const bool able = canWriteRows(output, namesOf(header.aovs));
+    const bool able = canWriteRows(output, header.aovs);
     if (wanted && !able)
         throw Error(ErrorKind::Argument,
                     output.string() + ": bands go into .png (layers color and alpha alone), .exr and .pfm");
@@ -214,50 +208,37 @@ uint64_t unitBytes(const std::vector<Aov>& aovs, uint64_t pixels) {
 
 UnitPicture::UnitPicture(const farm::UnitHeader& header, const std::filesystem::path& output, bool rows,
                          float scale)
-    : header_(header), output_(output), scale_(scale), assembly_(header.region, header.aovs) {
-    if (rows)
-        file_.emplace(output, header.region.width(), header.region.height(),
-                      makeLayers(Picture(), header.aovs));
-}
-
-void UnitPicture::takeRows() {
-    const Stopwatch writing;
-    farm::Rows rows = assembly_.take();
-    if (rows.picture.region.height() == 0) return;
-    hash_.add(rows.picture.color);
-    bands_.add(rows.picture);
-    expose(rows.layers, scale_);
-    file_->add(rows.layers);
-    writeSeconds_ += writing.seconds();
+    : output_(output), scale_(scale), assembly_(header.region, header.aovs) {
+    if (rows) file_.emplace(output, header.region, header.aovs, scale);
 }
 
 void UnitPicture::add(const farm::UnitResult& result) {
     assembly_.add(result);
-    if (file_) takeRows();
+    if (!file_) return;
+    farm::Rows rows = assembly_.take();
+    if (rows.picture.region.height() > 0) file_->add(rows.picture, std::move(rows.layers));
 }
 
 Outcome UnitPicture::write() {
     if (!assembly_.complete())
         throw Error(ErrorKind::Failed, "the parts leave some of the picture's pixels out");
-    const Stopwatch writing;
     Outcome outcome;
     outcome.output = output_;
     if (file_) {
-        outcome.picture.region = header_.region;
-        outcome.bands = bands_;
-        outcome.files = file_->finish();
-        outcome.hash = hash_.text();
+        outcome.picture.region = assembly_.region();
+        file_->finish(outcome);
     } else {
+        const Stopwatch writing;
         farm::Rows rows = assembly_.take();
         outcome.picture = std::move(rows.picture);
         outcome.hash = pictureHash(outcome.picture.color);
         expose(rows.layers, scale_);
         outcome.files = writeLayers(output_, rows.layers);
+        outcome.writeSeconds = writing.seconds();
     }
     outcome.picture.losses = assembly_.losses();
     outcome.picture.notFinite = assembly_.notFinite();
     outcome.picture.firstNotFinite = assembly_.firstNotFinite();
-    outcome.writeSeconds = writeSeconds_ + writing.seconds();
     return outcome;
 }
 

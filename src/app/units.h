@@ -10,10 +10,8 @@
 #include <vector>
 
 #include "app/drawing.h"
+#include "app/render_bands.h"
 #include "app/render_command.h"
-#include "app/render_result.h"
-#include "core/picture_hash.h"
-#include "core/picture_rows.h"
 #include "farm/merge.h"
 #include "farm/unit_file.h"
 #include "pack/loaded_scene.h"
@@ -53,7 +51,7 @@ class UnitRenderer {
 
 class UnitPicture {
   public:
-    // `rows`: row by row, see needsRows(). `header` must outlive the object. `scale`: see scaleOf().
+    // `rows`: row by row, see needsRows(). `scale`: see scaleOf().
     UnitPicture(const farm::UnitHeader& header, const std::filesystem::path& output, bool rows, float scale);
 
     void add(const farm::UnitResult& result);
@@ -63,16 +61,10 @@ class UnitPicture {
     Outcome write();
 
   private:
-    void takeRows();
-
-    const farm::UnitHeader& header_;
     const std::filesystem::path output_;
     const float scale_;
     farm::Assembly assembly_;
-    std::optional<PictureRows> file_;  // empty: at once
-    PictureHash hash_;
-    BandTotals bands_;
-    double writeSeconds_ = 0;
+    std::optional<RowFile> file_;  // empty: at once
 };
 
 // True if the image must be written row by row, or is to by `wanted`. `heldBytes`: bytes of the largest unit

@@ -27,6 +27,7 @@ class Assembly {
     // Throws Error(Failed) if some of its pixels are there already.
     void add(const UnitResult& result);
     bool complete() const { return missing_ == 0; }
+    const Region& region() const { return whole_; }
     // Pixels that are there, of all.
     double share() const;
 

@@ -1,19 +1,38 @@
-#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <type_traits>
 
 #include "core/error.h"
 #include "report/write.h"
 
-namespace glint::report {
+// Null for nothing.
+template <typename T>
+struct nlohmann::adl_serializer<std::optional<T>> {
+    template <typename Json>
+    static void to_json(Json& json, const std::optional<T>& value) {
+        if (value)
+            json = *value;
+        else
+            json = nullptr;
+    }
+    template <typename Json>
+    static void from_json(const Json& json, std::optional<T>& value) {
+        value.reset();
+        if (!json.is_null()) json.get_to(value.emplace());
+    }
+};
 
-namespace {
+namespace glint::report {
 
 using Json = nlohmann::ordered_json;
 
+// T is U or const U.
+template <typename T, typename U>
+concept Is = std::is_same_v<std::remove_const_t<T>, U>;
+
 // JSON and CSV are written, and JSON is read, through one list of the fields.
-template <typename Visit, typename T>
-void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_t<T>, ErrorMeasures> {
+void visitFields(auto&& visit, Is<ErrorMeasures> auto& m) {
     visit("pixels", m.pixels);
     visit("notFinite", m.notFinite);
     visit("rmse", m.rmse);
@@ -26,15 +45,13 @@ void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_
     visit("bias", m.bias);
 }
 
-template <typename Visit, typename T>
-void visitFields(Visit&& visit, T& a) requires std::is_same_v<std::remove_const_t<T>, ArithmeticError> {
+void visitFields(auto&& visit, Is<ArithmeticError> auto& a) {
     visit("all", a.all);
     visit("samePath", a.samePath);
     visit("otherPath", a.otherPath);
 }
 
-template <typename Visit, typename T>
-void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_t<T>, Measured> {
+void visitFields(auto&& visit, Is<Measured> auto& m) {
     visit("key", m.key);
     visit("family", m.family);
     visit("sampler", m.sampler);
@@ -58,8 +75,7 @@ void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_
     visit("rays", m.rays);
 }
 
-template <typename Visit, typename T>
-void visitFields(Visit&& visit, T& s) requires std::is_same_v<std::remove_const_t<T>, SceneReport> {
+void visitFields(auto&& visit, Is<SceneReport> auto& s) {
     visit("path", s.path);
     visit("camera", s.camera);
     visit("name", s.name);
@@ -77,8 +93,7 @@ void visitFields(Visit&& visit, T& s) requires std::is_same_v<std::remove_const_
     visit("leftOut", s.leftOut);
 }
 
-template <typename Visit, typename T>
-void visitFields(Visit&& visit, T& d) requires std::is_same_v<std::remove_const_t<T>, Report> {
+void visitFields(auto&& visit, Is<Report> auto& d) {
     visit("glint", d.version);
     visit("device", d.device);
     visit("driver", d.driver);
@@ -91,59 +106,20 @@ void visitFields(Visit&& visit, T& d) requires std::is_same_v<std::remove_const_
     visit("scenes", d.scenes);
 }
 
-struct Writer {
-    Json& json;
-    template <typename T>
-    void operator()(const char* name, const T& value) {
-        json[name] = write(value);
-    }
-    template <typename T>
-    static Json write(const T& value) {
-        if constexpr (requires(Writer w) { visitFields(w, value); }) {
-            Json object = Json::object();
-            visitFields(Writer{object}, value);
-            return object;
-        } else {
-            return value;
-        }
-    }
-    template <typename T>
-    static Json write(const std::vector<T>& values) {
-        Json array = Json::array();
-        for (const T& value : values) array.push_back(write(value));
-        return array;
-    }
-    template <typename T>
-    static Json write(const std::optional<T>& value) {
-        return value ? write(*value) : Json(nullptr);
-    }
+template <typename T>
+concept HasFields = requires(T& value) {
+    visitFields([](const char*, auto&) {}, value);
 };
 
-struct Reader {
-    const Json& json;
-    template <typename T>
-    void operator()(const char* name, T& value) {
-        read(json.at(name), value);
-    }
-    template <typename T>
-    static void read(const Json& json, T& value) {
-        if constexpr (requires(Reader r) { visitFields(r, value); }) {
-            visitFields(Reader{json}, value);
-        } else {
-            json.get_to(value);
-        }
-    }
-    template <typename T>
-    static void read(const Json& json, std::vector<T>& values) {
-        values.clear();
-        for (const Json& item : json) read(item, values.emplace_back());
-    }
-    template <typename T>
-    static void read(const Json& json, std::optional<T>& value) {
-        value.reset();
-        if (!json.is_null()) read(json, value.emplace());
-    }
-};
+void to_json(Json& json, const HasFields auto& value) {
+    json = Json::object();
+    visitFields([&](const char* name, const auto& field) { json[name] = field; }, value);
+}
+void from_json(const Json& json, HasFields auto& value) {
+    visitFields([&](const char* name, auto& field) { json.at(name).get_to(field); }, value);
+}
+
+namespace {
 
 std::string csvText(const std::string& text) {
     if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -175,13 +151,13 @@ void addCells(const Json& json, const std::string& name,
 
 std::string toJson(const Report& data) {
     // A file name need not be UTF-8; JSON must be.
-    return Writer::write(data).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return Json(data).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 Report fromJson(const std::string& text, const std::string& name) {
     Report data;
     try {
-        Reader::read(Json::parse(text), data);
+        Json::parse(text).get_to(data);
     } catch (const Json::exception&) {
         throw Error(ErrorKind::Failed,
                     name + ": not a report of this version; give another folder, or remove it");
@@ -194,14 +170,14 @@ std::string toCsv(const Report& data) {
     whole.arithmetic.emplace();
     whole.ssim.emplace();
     std::vector<std::pair<std::string, std::string>> columns;
-    addCells(Writer::write(whole), "", columns);
+    addCells(Json(whole), "", columns);
     std::string text = "scene";
     for (const auto& [name, value] : columns) text += "," + name;
     text += "\r\n";
     for (const SceneReport& scene : data.scenes)
         for (const Measured& m : scene.measured) {
             std::vector<std::pair<std::string, std::string>> cells;
-            addCells(Writer::write(m), "", cells);
+            addCells(Json(m), "", cells);
             text += csvText(scene.name);
             auto cell = cells.begin();
             for (const auto& [name, value] : columns) {

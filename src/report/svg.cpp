@@ -213,10 +213,6 @@ Point totalPoint(const Measured& m, const std::string& mark) {
                 shortNumber(m.error)};
 }
 
-}  // namespace
-
-namespace {
-
 // The families of the first diagram and of the comparison of devices, in order of measurement.
 std::vector<std::string> familiesOf(const SceneReport& scene, bool devices) {
     std::vector<std::string> families;

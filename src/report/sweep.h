@@ -10,7 +10,7 @@
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "render/renderer.h"
-#include "report/options.h"
+#include "report/run.h"
 #include "trace/picture.h"
 
 namespace glint::report {

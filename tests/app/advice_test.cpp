@@ -85,11 +85,6 @@ const Nothing kCases[] = {
      R"("maxDepth": 1, "lights": [{"type": "point", "position": [0, 0, 5]}], "materials": {"glass": {"transmission": 1}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "glass"}])",
      onlyBlack("what is seen shows only reflections and refractions, and maxDepth is 1; use --max-depth 5")},
-    {"mirrorOfThePlainBackground",
-     R"("background": [0.25, 0.5, 0.75], "materials": {"m": {"diffuse": 0, "mirror": 1}},
-        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}])",
-     "the objects look like the plain background, which they reflect or let pass; change the background or "
-     "the materials"},
     {"tooDark",
      R"("lights": [{"type": "point", "position": [0, 0, 601], "falloff": "inverseSquare"}], )" +
          std::string(kBall),

@@ -10,9 +10,7 @@
 
 #include "core/error.h"
 #include "core/quartiles.h"
-#include "report/measures.h"
 #include "report/plan.h"
-#include "report/statistics.h"
 #include "report/write.h"
 
 namespace glint::report::test::report_test {
