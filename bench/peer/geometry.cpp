@@ -7,7 +7,7 @@
 #include <string>
 
 #include "import/polygon_split.h"
-#include "pack/object_frame.h"
+#include "pack/pack_textures.h"
 #include "rays.h"
 #include "scene/polygon_plane.h"
 

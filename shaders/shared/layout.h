@@ -71,8 +71,8 @@
 #define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4, A) V3F(A, value, reserved)
 
 // Coordinate frame of an object. Its own coordinates of a local position p are toObjectX.p + offsetX, ...,
-// counted from the cubes of solid checkers (src/pack/object_frame.h). Texture coordinates are made, by uvKind
-// (kUv... below), of U = toU.p + offsetU, V and W.
+// counted from the cubes of solid checkers (src/pack/pack_textures.h). Texture coordinates are made, by
+// uvKind (kUv... below), of U = toU.p + offsetU, V and W.
 #define GLINT_OBJECT_FRAME_ROWS(V3F, V3U, U4, A) \
     V3F(A, toObjectX, offsetX)                   \
     V3F(A, toObjectY, offsetY)                   \

@@ -12,7 +12,6 @@
 #include "gpu/device.h"
 #include "pack/scene_arrays.h"
 #include "render/traversal_choice.h"
-#include "scene/camera_frame.h"
 #include "scene/cameras.h"
 #include "scene/sampling.h"
 #include "shared/dispatch.h"

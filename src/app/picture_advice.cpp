@@ -8,7 +8,7 @@
 #include "app/common.h"
 #include "core/quantize.h"
 #include "reference/tracer.h"
-#include "scene/camera_frame.h"
+#include "scene/cameras.h"
 
 namespace glint::app {
 

@@ -1,4 +1,4 @@
-#include "import/animation.h"
+#include "import/parse_scene.h"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "import/json_cursor.h"
 #include "import/json_document.h"
 
 namespace glint {

@@ -124,7 +124,7 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
     GltfNumbers numbers;
     numbers.components = componentsOf(type);
     Component component = componentOf(accessor);
-    component.normalized = gltfFlag(accessor, "normalized");
+    component.normalized = accessor.flag("normalized");
     const uint64_t count = gltfSize(accessor, "count", 0);
     if (count == 0) accessor.fail("count must be 1 or more");
 

@@ -1,12 +1,11 @@
 // Animations are of section 3.11 of the glTF 2.0 specification (Khronos, 2021), interpolation of appendix C.
-#include "import/gltf_animation.h"
+#include "import/gltf_scene.h"
 
 #include <algorithm>
 #include <array>
 #include <string>
 
 #include "core/error.h"
-#include "import/gltf_file.h"
 
 namespace glint {
 

@@ -37,7 +37,7 @@ constexpr MeshoptFilter kFilters[] = {
 
 std::string decodeMeshopt(GltfFile& file, const JsonCursor& extension, std::string_view compressed) {
     const uint64_t count = gltfSize(extension, "count", 0), stride = gltfSize(extension, "byteStride", 0);
-    const std::string mode = gltfString(extension, "mode");
+    const std::string mode = extension.text("mode");
     const auto filter = extension.find("filter");
     const bool attributes = mode == "ATTRIBUTES";
     const bool strideFits =

@@ -266,31 +266,6 @@ void GltfFile::warnOf(const std::exception& error, const std::string& consequenc
     warn(what.substr(what.starts_with(file) ? file.size() : 0) + "; " + consequence);
 }
 
-double gltfNumber(const JsonCursor& object, std::string_view key, double missing) {
-    const auto found = object.find(key);
-    return found ? found->number() : missing;
-}
-
-std::vector<double> gltfNumbers(const JsonCursor& object, std::string_view key, size_t count) {
-    const auto found = object.find(key);
-    return found ? found->numbers(count, std::to_string(count) + " numbers") : std::vector<double>();
-}
-
-glm::dvec3 gltfVector(const JsonCursor& object, std::string_view key, const glm::dvec3& missing) {
-    const std::vector<double> v = gltfNumbers(object, key, 3);
-    return v.empty() ? missing : glm::dvec3(v[0], v[1], v[2]);
-}
-
-std::string gltfString(const JsonCursor& object, std::string_view key) {
-    const auto found = object.find(key);
-    return found ? found->string() : std::string();
-}
-
-bool gltfFlag(const JsonCursor& object, std::string_view key) {
-    const auto found = object.find(key);
-    return found && found->boolean();
-}
-
 uint64_t gltfSize(const JsonCursor& object, std::string_view key, uint64_t missing) {
     const auto found = object.find(key);
     if (!found) return missing;

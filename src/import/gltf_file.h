@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "import/json_cursor.h"
 #include "import/json_document.h"
 #include "import/scene_files.h"
 
@@ -101,14 +100,6 @@ class GltfFile {
     std::vector<std::string> warnings_;
 };
 
-// Members of a JSON object that may be missing. They fail if the member is of another kind; numbers must be
-// finite.
-double gltfNumber(const JsonCursor& object, std::string_view key, double missing);
-glm::dvec3 gltfVector(const JsonCursor& object, std::string_view key, const glm::dvec3& missing);
-// `count` numbers, or nothing.
-std::vector<double> gltfNumbers(const JsonCursor& object, std::string_view key, size_t count);
-std::string gltfString(const JsonCursor& object, std::string_view key);
-bool gltfFlag(const JsonCursor& object, std::string_view key);
 // A byte count or offset: a whole number from 0 to 2^53.
 uint64_t gltfSize(const JsonCursor& object, std::string_view key, uint64_t missing);
 

@@ -82,4 +82,8 @@ class GltfMaterials {
     std::map<size_t, Means> means_;
 };
 
+// Mesh `index`, with a material for each triangle; nothing if it has no triangles. What is not read is warned
+// about. Throws Error(Scene).
+std::shared_ptr<const Mesh> readGltfMesh(GltfFile& file, GltfMaterials& materials, size_t index);
+
 }  // namespace glint

@@ -1,10 +1,10 @@
-#include "import/gltf_mesh.h"
-
+// The primitives of a glTF mesh as one Mesh.
 #include <algorithm>
 #include <map>
 
 #include "core/room.h"
 #include "import/gltf_file.h"
+#include "import/gltf_material.h"
 
 namespace glint {
 

@@ -5,10 +5,8 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "import/gltf_animation.h"
 #include "import/gltf_file.h"
 #include "import/gltf_material.h"
-#include "import/gltf_mesh.h"
 #include "import/gltf_scene.h"
 #include "import/readers.h"
 #include "scene/cameras.h"
@@ -45,24 +43,21 @@ glm::dvec3 vectorOf(const std::vector<double>& v) {
 
 // Transform of the node in the file, except for its animated parts.
 Affine placeOf(const JsonCursor& node, const GltfPlace& animated) {
-    const std::vector<double> matrix = gltfNumbers(node, "matrix", 16);
+    const std::vector<double> matrix = node.numbers("matrix", 16);
     if (!matrix.empty()) return matrixOf(node, matrix);
-    Affine place =
-        scaling(animated.scale ? vectorOf(*animated.scale) : gltfVector(node, "scale", glm::dvec3(1)));
-    const std::vector<double> rotation = animated.rotation.value_or(gltfNumbers(node, "rotation", 4));
+    Affine place = scaling(animated.scale ? vectorOf(*animated.scale) : node.vector3("scale", glm::dvec3(1)));
+    const std::vector<double> rotation = animated.rotation.value_or(node.numbers("rotation", 4));
     if (!rotation.empty()) place.linear = rotationOf(node, rotation) * place.linear;
-    place.offset = animated.translation ? vectorOf(*animated.translation)
-                                        : gltfVector(node, "translation", glm::dvec3(0));
+    place.offset =
+        animated.translation ? vectorOf(*animated.translation) : node.vector3("translation", glm::dvec3(0));
     return place;
 }
 
-}  // namespace
-
-class GltfScene::Reader {
+class Reader final : public GltfScene {
   public:
     Reader(const std::filesystem::path& path, SceneFiles& files) : file_(path, files) {}
 
-    ImportedScene read() {
+    ImportedScene take() override {
         scene_.background = kModelBackground;
         scene_.ambient = kModelAmbient;
         channels_ = readGltfChannels(file_);
@@ -86,10 +81,10 @@ class GltfScene::Reader {
         return {std::move(scene_), hasCamera};
     }
 
-    const std::vector<GltfChannel>& channels() const { return channels_; }
-    bool movesObjects() const { return movesObjects_; }
+    GltfPlaces placesAt(double time) const override { return glint::placesAt(channels_, time); }
+    bool movesObjects() const override { return movesObjects_; }
 
-    void show(const GltfPlaces& places, Scene& scene) {
+    void show(const GltfPlaces& places, Scene& scene) override {
         places_ = places;
         scene_ = {};
         scene_.image = restImage_;
@@ -218,8 +213,8 @@ class GltfScene::Reader {
 
     // The camera's own name, or its node's; each once.
     std::string cameraName(const JsonCursor& object, const JsonCursor& node, size_t index) {
-        std::string name = gltfString(object, "name");
-        if (name.empty()) name = gltfString(node, "name");
+        std::string name = object.text("name");
+        if (name.empty()) name = node.text("name");
         if (name.empty()) name = "camera " + std::to_string(index);
         const std::string wanted = name;
         while (!cameraNames_.insert(name).second)
@@ -264,11 +259,11 @@ class GltfScene::Reader {
         camera.fovY = yfov * kDegrees;
         if (!(camera.fovY > 0 && camera.fovY < 180))
             lens.require("yfov").fail("must be between 0 and pi (got " + describe(yfov) + ")");
-        named.aspect = gltfNumber(lens, "aspectRatio", 0);
+        named.aspect = lens.number("aspectRatio", 0);
         if (!(named.aspect > 0)) named.aspect = 1.0 * scene_.image.width / scene_.image.height;
-        camera.nearT = std::max(gltfNumber(lens, "znear", 0), 0.0);
+        camera.nearT = std::max(lens.number("znear", 0), 0.0);
         // zfar is a plane, farT a distance: what lies in front of the plane is no farther than its corners.
-        const double zfar = gltfNumber(lens, "zfar", 0);
+        const double zfar = lens.number("zfar", 0);
         const double tangent = std::tan(yfov / 2);
         const double aspect = 1.0 * pictureWidth(scene_.image, named.aspect) / scene_.image.height;
         if (zfar > 0) camera.farT = zfar * std::sqrt(1 + tangent * tangent * (1 + aspect * aspect));
@@ -282,8 +277,8 @@ class GltfScene::Reader {
         if (xmag == 0 || ymag == 0) lens.fail("xmag and ymag must not be 0");
         camera.height = 2 * std::abs(ymag);
         named.aspect = std::abs(xmag / ymag);
-        camera.nearT = std::max(gltfNumber(lens, "znear", 0), 0.0);
-        const double zfar = gltfNumber(lens, "zfar", 0);
+        camera.nearT = std::max(lens.number("znear", 0), 0.0);
+        const double zfar = lens.number("zfar", 0);
         if (zfar > 0) camera.farT = zfar;
     }
 
@@ -291,7 +286,7 @@ class GltfScene::Reader {
     // divides by pi.
     void readLight(const JsonCursor& light, const Affine& place) {
         const Color intensity =
-            gltfVector(light, "color", Color(1)) * (gltfNumber(light, "intensity", 1) / std::numbers::pi);
+            light.vector3("color", Color(1)) * (light.number("intensity", 1) / std::numbers::pi);
         const glm::dvec3 direction = -place.linear[2];
         const JsonCursor type = light.require("type");
         if (light.find("range")) file_.warn("the range of lights is ignored: they fall off by the square");
@@ -310,8 +305,8 @@ class GltfScene::Reader {
 
     static void readCone(const JsonCursor& cone, SpotLight& spot) {
         cone.expectObject();
-        const double inner = gltfNumber(cone, "innerConeAngle", 0);
-        const double outer = gltfNumber(cone, "outerConeAngle", std::numbers::pi / 4);
+        const double inner = cone.number("innerConeAngle", 0);
+        const double outer = cone.number("outerConeAngle", std::numbers::pi / 4);
         if (!(inner >= 0 && inner <= outer && outer <= std::numbers::pi / 2))
             cone.fail("must have 0 <= innerConeAngle <= outerConeAngle <= pi/2 (got " + describe(inner) +
                       " and " + describe(outer) + ")");
@@ -397,29 +392,14 @@ class GltfScene::Reader {
     std::map<std::string, int> sameNames_;
 };
 
-GltfScene::GltfScene(const std::filesystem::path& path, SceneFiles& files)
-    : reader_(std::make_unique<Reader>(path, files)) {}
-GltfScene::~GltfScene() = default;
-GltfScene::GltfScene(GltfScene&&) noexcept = default;
+}  // namespace
 
-ImportedScene GltfScene::take() {
-    return reader_->read();
-}
-
-GltfPlaces GltfScene::placesAt(double time) const {
-    return glint::placesAt(reader_->channels(), time);
-}
-
-void GltfScene::show(const GltfPlaces& places, Scene& scene) {
-    reader_->show(places, scene);
-}
-
-bool GltfScene::movesObjects() const {
-    return reader_->movesObjects();
+std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFiles& files) {
+    return std::make_unique<Reader>(path, files);
 }
 
 ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files) {
-    return GltfScene(path, files).take();
+    return Reader(path, files).take();
 }
 
 }  // namespace glint

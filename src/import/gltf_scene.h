@@ -1,35 +1,57 @@
-// A glTF scene that is read once and shown at many times.
+// A glTF scene that is read once and shown at many times: its animation moves nodes.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
+#include <vector>
 
-#include "import/gltf_animation.h"
+#include "import/gltf_file.h"
 #include "import/readers.h"
+#include "scene/keyframes.h"
+#include "scene/scene.h"
 
 namespace glint {
 
+// Animated transform of a node. A part that is absent keeps the value of the node's file.
+struct GltfPlace {
+    std::optional<std::vector<double>> translation, rotation, scale;  // 3, 4 (x y z w) and 3 numbers
+    bool operator==(const GltfPlace&) const = default;
+};
+using GltfPlaces = std::map<size_t, GltfPlace>;  // by node
+
+struct GltfChannel {
+    size_t node = 0;
+    std::optional<std::vector<double>> GltfPlace::*path = nullptr;
+    Keyframes keyframes;
+};
+
+// The channels of the file's first animation; none if it has no animation. What is not read (other
+// animations, weights of morph targets, channels that are at fault) is warned about.
+std::vector<GltfChannel> readGltfChannels(GltfFile& file);
+
+AnimationSpan spanOf(const std::vector<GltfChannel>& channels);
+
+GltfPlaces placesAt(const std::vector<GltfChannel>& channels, double time);
+
 class GltfScene {
   public:
-    // Reads the file as readGltf does: the scene as its nodes stand. `files` must outlive the object.
-    GltfScene(const std::filesystem::path& path, SceneFiles& files);
-    ~GltfScene();
-    GltfScene(GltfScene&&) noexcept;
+    virtual ~GltfScene() = default;
 
-    // Returns the scene that was read; call it once.
-    ImportedScene take();
+    // Returns the scene that was read, as its nodes stand; call it once.
+    virtual ImportedScene take() = 0;
 
     // Transforms of the animated nodes at a time in seconds.
-    GltfPlaces placesAt(double time) const;
+    virtual GltfPlaces placesAt(double time) const = 0;
     // Puts objects, and lights and cameras if the file has any, into `scene` as these transforms place them;
     // all else stays. Not yet validated.
-    void show(const GltfPlaces& places, Scene& scene);
+    virtual void show(const GltfPlaces& places, Scene& scene) = 0;
     // False if the animation moves only cameras.
-    bool movesObjects() const;
-
-  private:
-    class Reader;
-    std::unique_ptr<Reader> reader_;
+    virtual bool movesObjects() const = 0;
 };
+
+// Reads the file as readGltf does. `files` must outlive the object.
+std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFiles& files);
 
 }  // namespace glint

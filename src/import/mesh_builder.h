@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "import/importers.h"
+#include "import/load.h"
 
 namespace glint {
 

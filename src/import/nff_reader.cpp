@@ -21,11 +21,13 @@ namespace glint {
 
 namespace {
 
-struct View {
-    std::optional<glm::dvec3> from, at, up;
-    std::optional<double> angle, hither;
-    std::optional<glm::ivec2> resolution;
+// The parts of a view, each with its numbers.
+struct ViewPart {
+    std::string_view name;
+    size_t count;
 };
+constexpr ViewPart kViewParts[] = {{"from", 3},  {"at", 3},     {"up", 3},
+                                   {"angle", 1}, {"hither", 1}, {"resolution", 2}};
 
 using Fill = std::array<double, 8>;  // red green blue Kd Ks Shine T index of refraction
 
@@ -59,7 +61,7 @@ class NffReader {
             return;
         }
         if (kind == "v") {
-            view_ = View{};
+            view_.emplace();
             return;
         }
         readViewPart(kind);
@@ -81,32 +83,19 @@ class NffReader {
         return color;
     }
 
-    void readViewPart(const std::string& part) {
-        const bool known = part == "from" || part == "at" || part == "up" || part == "angle" ||
-                           part == "hither" || part == "resolution";
-        if (!known)
-            scanner_.fail('"' + part.substr(0, 40) + "\" is no entity of NFF (v, b, l, f, c, s, p, pp)");
-        if (!view_) scanner_.fail('"' + part + "\" must follow \"v\"");
-        if (part == "from") view_->from = vector("from");
-        if (part == "at") view_->at = vector("at");
-        if (part == "up") view_->up = vector("up");
-        if (part == "hither") view_->hither = number("hither");
-        if (part == "angle") {
-            view_->angle = number("angle");
-            if (!(*view_->angle > 0 && *view_->angle < 180))
-                scanner_.fail("angle must be between 0 and 180 degrees");
-        }
-        if (part == "resolution") {
-            glm::ivec2 pixels;
-            for (int i = 0; i < 2; i++) {
-                const double value = number("resolution");
-                if (!(value >= 1 && value <= kMaxImageSize) || std::floor(value) != value)
-                    scanner_.fail("resolution must be whole numbers from 1 to " +
-                                  std::to_string(kMaxImageSize));
-                pixels[i] = static_cast<int>(value);
-            }
-            view_->resolution = pixels;
-        }
+    void readViewPart(const std::string& name) {
+        const auto known = std::ranges::find(kViewParts, name, &ViewPart::name);
+        if (known == std::end(kViewParts))
+            scanner_.fail('"' + name.substr(0, 40) + "\" is no entity of NFF (v, b, l, f, c, s, p, pp)");
+        if (!view_) scanner_.fail('"' + name + "\" must follow \"v\"");
+        std::vector<double> numbers(known->count);
+        for (double& value : numbers) value = number(name.c_str());
+        if (name == "angle" && !(numbers[0] > 0 && numbers[0] < 180))
+            scanner_.fail("angle must be between 0 and 180 degrees");
+        for (const double value : numbers)
+            if (name == "resolution" && !(value >= 1 && value <= kMaxImageSize && std::floor(value) == value))
+                scanner_.fail("resolution must be whole numbers from 1 to " + std::to_string(kMaxImageSize));
+        (*view_)[name] = std::move(numbers);
     }
 
     void readLight() {
@@ -285,26 +274,26 @@ class NffReader {
     }
 
     void finishCamera() {
-        const auto need = [this](bool there, const char* part) {
-            if (!there) scanner_.fail(std::string("the view (v) lacks \"") + part + '"');
+        for (const ViewPart& part : kViewParts)
+            if (part.name != "hither" && !view_->contains(std::string(part.name)))
+                scanner_.fail("the view (v) lacks \"" + std::string(part.name) + '"');
+        const auto vector = [this](const char* part) {
+            const std::vector<double>& v = view_->at(part);
+            return glm::dvec3(v[0], v[1], v[2]);
         };
-        need(view_->from.has_value(), "from");
-        need(view_->at.has_value(), "at");
-        need(view_->up.has_value(), "up");
-        need(view_->angle.has_value(), "angle");
-        need(view_->resolution.has_value(), "resolution");
         Camera& camera = scene_.camera;
-        camera.eye = *view_->from;
-        camera.target = *view_->at;
-        camera.up = *view_->up;
-        camera.nearT = std::max(view_->hither.value_or(0), 0.0);
-        const int width = view_->resolution->x, height = view_->resolution->y;
+        camera.eye = vector("from");
+        camera.target = vector("at");
+        camera.up = vector("up");
+        if (view_->contains("hither")) camera.nearT = std::max(view_->at("hither")[0], 0.0);
+        const int width = static_cast<int>(view_->at("resolution")[0]);
+        const int height = static_cast<int>(view_->at("resolution")[1]);
         scene_.image.width = width;
         scene_.image.height = height;
         // The angle lies between the centres of the first and the last row, fovY between the outer edges.
         const double degree = std::numbers::pi / 180;
         const double rows = height > 1 ? height / (height - 1.0) : 1.0;
-        camera.fovY = 2 * std::atan(std::tan(*view_->angle * degree / 2) * rows) / degree;
+        camera.fovY = 2 * std::atan(std::tan(view_->at("angle")[0] * degree / 2) * rows) / degree;
         if (width != height)
             scene_.warnings.push_back(file_ +
                                       ": the resolution is not square; the angle is taken from top to "
@@ -324,7 +313,7 @@ class NffReader {
     std::string text_;
     TextScanner scanner_;
     Scene scene_;
-    std::optional<View> view_;
+    std::optional<std::map<std::string, std::vector<double>>> view_;  // parts of the last one
     std::vector<bool> coloredLights_;  // for each light: the file names its colour
     std::map<Fill, uint32_t> fills_;   // to materials
     uint32_t fill_ = Mesh::kNoIndex;

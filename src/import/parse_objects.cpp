@@ -1,9 +1,11 @@
 // The "objects" of a scene file and the meshes and materials that they name.
 #include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
 
 #include "core/error.h"
 #include "core/near_names.h"
-#include "import/importers.h"
+#include "import/load.h"
 #include "import/parse_scene.h"
 #include "import/scene_keys.h"
 #include "scene/limits.h"
@@ -20,16 +22,6 @@ glm::dvec3 point(const JsonCursor& object, std::string_view key) {
 
 double number(const JsonCursor& object, std::string_view key) {
     return object.require(key).number();
-}
-
-double number(const JsonCursor& object, std::string_view key, double missing) {
-    const auto found = object.find(key);
-    return found ? found->number() : missing;
-}
-
-bool isCapped(const JsonCursor& object) {
-    const auto capped = object.find("capped");
-    return capped && capped->boolean();
 }
 
 Shape parseTriangle(const JsonCursor& object) {
@@ -92,20 +84,20 @@ constexpr ShapeType kShapes[] = {
      }},
     {"cylinder",
      [](Json o) -> Shape {
-         return CylinderShape{point(o, "base"), point(o, "top"), number(o, "radius"), isCapped(o)};
+         return CylinderShape{point(o, "base"), point(o, "top"), number(o, "radius"), o.flag("capped")};
      }},
     {"cone",
      [](Json o) -> Shape {
-         return ConeShape{point(o, "base"), point(o, "apex"), number(o, "radius"), number(o, "topRadius", 0),
-                          isCapped(o)};
+         return ConeShape{point(o, "base"), point(o, "apex"), number(o, "radius"), o.number("topRadius", 0),
+                          o.flag("capped")};
      }},
     {"hyperboloid",
      [](Json o) -> Shape {
          return HyperboloidShape{point(o, "base"), point(o, "top"), number(o, "radius"), number(o, "waist"),
-                                 isCapped(o)};
+                                 o.flag("capped")};
      }},
     {"paraboloid", [](Json o) -> Shape {
-         return ParaboloidShape{point(o, "vertex"), point(o, "top"), number(o, "radius"), isCapped(o)};
+         return ParaboloidShape{point(o, "vertex"), point(o, "top"), number(o, "radius"), o.flag("capped")};
      }}};
 
 // Names of types in other programs, and what to write here.
@@ -123,6 +115,81 @@ constexpr OtherName kOtherNames[] = {
     {"object", "model", "did you mean \"mesh\"?"},
     {"light", "sun", "did you mean \"directional\"?"},
     {"camera", "oblique", "\"planeNormal\" makes a perspective or orthographic camera oblique"}};
+
+// ---- Transforms
+
+Affine parseMatrix(const JsonCursor& list) {
+    if (list.size() != 16)
+        list.fail("a matrix must have 16 numbers, row after row (got " + std::to_string(list.size()) + ")");
+    double rows[16];
+    for (size_t i = 0; i < 16; i++) rows[i] = list.item(i).number();
+    if (rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1)
+        list.fail("the last row of the matrix must be 0 0 0 1 (got " + describe(rows[12]) + " " +
+                  describe(rows[13]) + " " + describe(rows[14]) + " " + describe(rows[15]) + ")");
+    Affine result;
+    for (int row = 0; row < 3; row++) {
+        for (int column = 0; column < 3; column++) result.linear[column][row] = rows[4 * row + column];
+        result.offset[row] = rows[4 * row + 3];
+    }
+    return result;
+}
+
+Affine parseRotation(const JsonCursor& turn) {
+    const std::vector<double> v = turn.numbers(4, "[x, y, z, degrees]");
+    const glm::dvec3 axis(v[0], v[1], v[2]);
+    if (axis == glm::dvec3(0)) turn.failWanted("the axis must not be zero");
+    return rotation(axis, v[3]);
+}
+
+Affine parseQuaternion(const JsonCursor& turn) {
+    const std::vector<double> v = turn.numbers(4, "four numbers [x, y, z, w]");
+    glm::dvec4 q(v[0], v[1], v[2], v[3]);
+    const double length = glm::length(q);
+    if (!(length > 0 && std::isfinite(length))) turn.failWanted("must not be zero, and its length finite");
+    q /= length;
+    Affine result;
+    result.linear = glm::mat3_cast(glm::dquat(q.w, q.x, q.y, q.z));
+    return result;
+}
+
+Affine parseStep(const JsonCursor& step) {
+    step.expectKeys(keys::of("transformStep"));
+    if (step.memberCount() != 1)
+        step.fail("must hold exactly one of \"scale\", \"rotate\", \"quaternion\" and \"translate\"");
+    const JsonCursor value = step.member(0);
+    const std::string_view kind = step.memberName(0);
+    if (kind == "rotate") return parseRotation(value);
+    if (kind == "quaternion") return parseQuaternion(value);
+    if (kind == "translate") return translation(value.vector3());
+    if (value.value().number()) return scaling(glm::dvec3(value.number()));
+    const std::vector<double> v = value.numbers(3, "a number or [x, y, z]");
+    return scaling({v[0], v[1], v[2]});
+}
+
+// Fails unless the result is finite and has a condition number of at most kMaxCondition. `context` ends the
+// message and begins with a blank.
+void checkTransform(const Affine& result, const JsonCursor& transform, const std::string& context) {
+    const double condition = conditionNumber(result.linear);
+    if (std::isnan(condition) || !std::isfinite(result.offset.x + result.offset.y + result.offset.z))
+        transform.fail("is not finite" + context);
+    if (std::isinf(condition)) transform.fail("is singular, it flattens the object" + context);
+    if (condition > kMaxCondition)
+        transform.fail("is nearly singular" + context + " (condition number " + sixDigits(condition) +
+                       ", the limit is " + describe(kMaxCondition) + ")");
+}
+
+// A list of steps, applied first to last, or 16 numbers by rows.
+Affine parseTransform(const JsonCursor& transform) {
+    if (!transform.value().array()) transform.failWanted("must be a list of steps or 16 numbers");
+    Affine result;
+    if (transform.size() > 0 && transform.item(0).value().number()) {
+        result = parseMatrix(transform);
+    } else {
+        for (size_t i = 0; i < transform.size(); i++) result = then(result, parseStep(transform.item(i)));
+    }
+    checkTransform(result, transform, "");
+    return result;
+}
 
 // First the object's own transform, then that of what is around it.
 std::optional<Affine> composed(const JsonCursor& object, const std::optional<Affine>& around) {
@@ -156,7 +223,13 @@ class ObjectParser {
 
     // Appends the object, or those of a group, to the scene.
     void parse(const JsonCursor& object) { parse(object, {}); }
-    void warnOfUnusedMeshes();
+    void warnOfUnusedMeshes() {
+        if (!meshes_) return;
+        for (size_t i = 0; i < meshes_->memberCount(); i++)
+            if (!loaded_.contains(meshes_->memberName(i)))
+                scene_.warnings.push_back(file_ + ": " + meshes_->member(i).pointer() +
+                                          ": no object uses this mesh");
+    }
 
   private:
     struct LoadedMesh {
@@ -172,14 +245,134 @@ class ObjectParser {
         size_t depth = 0;
     };
 
-    void parse(const JsonCursor& object, const Surrounding& around);
-    void parseGroup(const JsonCursor& group, const Surrounding& around);
-    std::shared_ptr<const Mesh> parseMesh(const JsonCursor& object, uint32_t& material);
-    LoadedMesh& load(const JsonCursor& name);
-    LoadedMesh readMesh(const std::filesystem::path& path);
-    const MeshMemory::Read& remembered(const std::filesystem::path& path);
-    uint32_t findMaterial(const JsonCursor& name) const;
-    uint32_t defaultMaterial();
+    void parse(const JsonCursor& object, const Surrounding& around) {
+        object.expectObject();
+        const std::string type(readType(object.require("type"), "object"));
+        if (type == "group") return parseGroup(object, around);
+        object.expectKeys(keys::of("object/" + type));
+
+        Object result;
+        result.name = object.pointer();
+        std::optional<uint32_t> material = around.material;
+        if (const auto name = object.find("material")) material = findMaterial(*name);
+        if (type == "mesh") {
+            result.material = material.value_or(Mesh::kNoIndex);
+            result.shape = MeshShape{parseMesh(object, result.material)};
+        } else {
+            result.material = material ? *material : defaultMaterial();
+            result.shape = std::ranges::find(kShapes, type, &ShapeType::name)->parse(object);
+            // Before the transform, so that the message shows the number in the file; meshes are looked at
+            // once, at the end.
+            validateShape(result.shape, {file_, result.name}, 0);
+        }
+        result.transform = composed(object, around.transform);
+        scene_.objects.push_back(std::move(result));
+    }
+
+    void parseGroup(const JsonCursor& group, const Surrounding& around) {
+        group.expectKeys(keys::of("object/group"));
+        if (around.depth == kMaxGroupDepth)
+            group.fail("groups must not be nested deeper than " + std::to_string(kMaxGroupDepth));
+        Surrounding inside = around;
+        ++inside.depth;
+        inside.transform = composed(group, around.transform);
+        if (const auto material = group.find("material")) inside.material = findMaterial(*material);
+        const JsonCursor objects = group.require("objects");
+        if (!objects.value().array()) objects.failWanted("must be a list of objects");
+        for (size_t i = 0; i < objects.size(); i++) parse(objects.item(i), inside);
+    }
+
+    // `material` is kNoIndex if the object names none; then it becomes the file's first one, or the default.
+    std::shared_ptr<const Mesh> parseMesh(const JsonCursor& object, uint32_t& material) {
+        LoadedMesh& loaded = load(object.require("mesh"));
+        if (material == Mesh::kNoIndex) {
+            material = loaded.own->materials.empty() ? defaultMaterial() : loaded.material;
+            return loaded.own;
+        }
+        if (loaded.own->materials.empty()) return loaded.own;
+        if (!loaded.plain) {
+            files_.take(loaded.own->corners.size() * 2 * sizeof(glm::uvec3), file_);
+            auto plain = std::make_shared<Mesh>(*loaded.own);
+            plain->materials.clear();
+            loaded.plain = std::move(plain);
+        }
+        return loaded.plain;
+    }
+
+    LoadedMesh& load(const JsonCursor& nameCursor) {
+        const std::string& name = nameCursor.string();
+        const auto known = loaded_.find(name);
+        if (known != loaded_.end()) return *known->second;
+
+        const auto found = meshNames_.find(name);
+        if (found == meshNames_.end()) {
+            std::vector<std::string_view> names;
+            for (size_t i = 0; meshes_ && i < meshes_->memberCount(); i++)
+                names.push_back(meshes_->memberName(i));
+            failName(nameCursor, "mesh", names);
+        }
+        const JsonCursor entry = meshes_->member(found->second), file = entry.require("file");
+        std::filesystem::path path;
+        try {
+            path = files_.resolve(folder_, file.string());
+        } catch (const Error& error) {
+            file.fail(error.what());
+        }
+        if (!files_.exists(path)) file.fail("no such file: " + path.string());
+        if (!isMeshFile(path)) file.fail(path.string() + ": " + kNoMeshFile);
+        std::shared_ptr<LoadedMesh>& shared = byFile_[files_.real(path)];
+        if (!shared) shared = std::make_shared<LoadedMesh>(readMesh(path));
+        return *loaded_.emplace(name, shared).first->second;
+    }
+
+    LoadedMesh readMesh(const std::filesystem::path& path) {
+        const MeshMemory::Read& read = remembered(path);
+        scene_.warnings.insert(scene_.warnings.end(), read.warnings.begin(), read.warnings.end());
+        LoadedMesh mesh;
+        mesh.material = static_cast<uint32_t>(scene_.materials.size());
+        const auto firstTexture = static_cast<uint32_t>(scene_.textures.size());
+        scene_.textures.insert(scene_.textures.end(), read.textures.begin(), read.textures.end());
+        for (Material material : read.materials) {
+            for (uint32_t* texture :
+                 {&material.ambientTexture, &material.diffuseTexture, &material.specularTexture,
+                  &material.mirrorTexture, &material.transmissionTexture})
+                if (*texture != Material::kNoTexture) *texture += firstTexture;
+            scene_.materials.push_back(std::move(material));
+        }
+        mesh.own = read.mesh;
+        return mesh;
+    }
+
+    // A mesh that was read for an earlier moment of an animation has its materials at the same place as then.
+    const MeshMemory::Read& remembered(const std::filesystem::path& path) {
+        const auto firstMaterial = static_cast<uint32_t>(scene_.materials.size());
+        MeshMemory::Read& read = memory_.files[path];
+        if (read.mesh && (read.firstMaterial == firstMaterial || read.mesh->materials.empty())) return read;
+        ImportedMesh imported = importMesh(path, files_);
+        validateVertices(imported.mesh, path.string());
+        for (uint32_t& material : imported.mesh.materials) material += firstMaterial;
+        read = {std::move(imported.materials), std::move(imported.textures), std::move(imported.warnings),
+                std::make_shared<const Mesh>(std::move(imported.mesh)), firstMaterial};
+        return read;
+    }
+
+    uint32_t findMaterial(const JsonCursor& nameCursor) const {
+        if (nameCursor.value().object())
+            nameCursor.fail("must be a name: put the material into \"materials\": {\"NAME\": {...}}");
+        const auto found = materials_.find(nameCursor.string());
+        if (found != materials_.end()) return found->second;
+        std::vector<std::string_view> names;
+        for (const auto& [known, index] : materials_) names.push_back(known);
+        failName(nameCursor, "material", names);
+    }
+
+    uint32_t defaultMaterial() {
+        if (default_ == Mesh::kNoIndex) {
+            default_ = static_cast<uint32_t>(scene_.materials.size());
+            scene_.materials.emplace_back().name = "default";
+        }
+        return default_;
+    }
 
     Scene& scene_;
     const std::string& file_;
@@ -193,143 +386,6 @@ class ObjectParser {
     std::map<std::filesystem::path, std::shared_ptr<LoadedMesh>> byFile_;     // several names may share one
     uint32_t default_ = Mesh::kNoIndex;
 };
-
-void ObjectParser::parseGroup(const JsonCursor& group, const Surrounding& around) {
-    group.expectKeys(keys::of("object/group"));
-    if (around.depth == kMaxGroupDepth)
-        group.fail("groups must not be nested deeper than " + std::to_string(kMaxGroupDepth));
-    Surrounding inside = around;
-    ++inside.depth;
-    inside.transform = composed(group, around.transform);
-    if (const auto material = group.find("material")) inside.material = findMaterial(*material);
-    const JsonCursor objects = group.require("objects");
-    if (!objects.value().array()) objects.failWanted("must be a list of objects");
-    for (size_t i = 0; i < objects.size(); i++) parse(objects.item(i), inside);
-}
-
-void ObjectParser::parse(const JsonCursor& object, const Surrounding& around) {
-    object.expectObject();
-    const std::string type(readType(object.require("type"), "object"));
-    if (type == "group") return parseGroup(object, around);
-    object.expectKeys(keys::of("object/" + type));
-
-    Object result;
-    result.name = object.pointer();
-    std::optional<uint32_t> material = around.material;
-    if (const auto name = object.find("material")) material = findMaterial(*name);
-    if (type == "mesh") {
-        result.material = material.value_or(Mesh::kNoIndex);
-        result.shape = MeshShape{parseMesh(object, result.material)};
-    } else {
-        result.material = material ? *material : defaultMaterial();
-        result.shape = std::ranges::find(kShapes, type, &ShapeType::name)->parse(object);
-        // Before the transform, so that the message shows the number in the file; meshes are looked at once,
-        // at the end.
-        validateShape(result.shape, {file_, result.name}, 0);
-    }
-    result.transform = composed(object, around.transform);
-    scene_.objects.push_back(std::move(result));
-}
-
-// `material` is kNoIndex if the object names none; then it becomes the file's first one, or the default.
-std::shared_ptr<const Mesh> ObjectParser::parseMesh(const JsonCursor& object, uint32_t& material) {
-    LoadedMesh& loaded = load(object.require("mesh"));
-    if (material == Mesh::kNoIndex) {
-        material = loaded.own->materials.empty() ? defaultMaterial() : loaded.material;
-        return loaded.own;
-    }
-    if (loaded.own->materials.empty()) return loaded.own;
-    if (!loaded.plain) {
-        files_.take(loaded.own->corners.size() * 2 * sizeof(glm::uvec3), file_);
-        auto plain = std::make_shared<Mesh>(*loaded.own);
-        plain->materials.clear();
-        loaded.plain = std::move(plain);
-    }
-    return loaded.plain;
-}
-
-ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
-    const std::string& name = nameCursor.string();
-    const auto known = loaded_.find(name);
-    if (known != loaded_.end()) return *known->second;
-
-    const auto found = meshNames_.find(name);
-    if (found == meshNames_.end()) {
-        std::vector<std::string_view> names;
-        for (size_t i = 0; meshes_ && i < meshes_->memberCount(); i++)
-            names.push_back(meshes_->memberName(i));
-        failName(nameCursor, "mesh", names);
-    }
-    const JsonCursor entry = meshes_->member(found->second), file = entry.require("file");
-    std::filesystem::path path;
-    try {
-        path = files_.resolve(folder_, file.string());
-    } catch (const Error& error) {
-        file.fail(error.what());
-    }
-    if (!files_.exists(path)) file.fail("no such file: " + path.string());
-    if (!isMeshFile(path)) file.fail(path.string() + ": " + kNoMeshFile);
-    std::shared_ptr<LoadedMesh>& shared = byFile_[files_.real(path)];
-    if (!shared) shared = std::make_shared<LoadedMesh>(readMesh(path));
-    return *loaded_.emplace(name, shared).first->second;
-}
-
-// A mesh that was read for an earlier moment of an animation has its materials at the same place as then.
-const MeshMemory::Read& ObjectParser::remembered(const std::filesystem::path& path) {
-    const auto firstMaterial = static_cast<uint32_t>(scene_.materials.size());
-    MeshMemory::Read& read = memory_.files[path];
-    if (read.mesh && (read.firstMaterial == firstMaterial || read.mesh->materials.empty())) return read;
-    ImportedMesh imported = importMesh(path, files_);
-    validateVertices(imported.mesh, path.string());
-    for (uint32_t& material : imported.mesh.materials) material += firstMaterial;
-    read = {std::move(imported.materials), std::move(imported.textures), std::move(imported.warnings),
-            std::make_shared<const Mesh>(std::move(imported.mesh)), firstMaterial};
-    return read;
-}
-
-ObjectParser::LoadedMesh ObjectParser::readMesh(const std::filesystem::path& path) {
-    const MeshMemory::Read& read = remembered(path);
-    scene_.warnings.insert(scene_.warnings.end(), read.warnings.begin(), read.warnings.end());
-    LoadedMesh mesh;
-    mesh.material = static_cast<uint32_t>(scene_.materials.size());
-    const auto firstTexture = static_cast<uint32_t>(scene_.textures.size());
-    scene_.textures.insert(scene_.textures.end(), read.textures.begin(), read.textures.end());
-    for (Material material : read.materials) {
-        for (uint32_t* texture :
-             {&material.ambientTexture, &material.diffuseTexture, &material.specularTexture,
-              &material.mirrorTexture, &material.transmissionTexture})
-            if (*texture != Material::kNoTexture) *texture += firstTexture;
-        scene_.materials.push_back(std::move(material));
-    }
-    mesh.own = read.mesh;
-    return mesh;
-}
-
-void ObjectParser::warnOfUnusedMeshes() {
-    if (!meshes_) return;
-    for (size_t i = 0; i < meshes_->memberCount(); i++)
-        if (!loaded_.contains(meshes_->memberName(i)))
-            scene_.warnings.push_back(file_ + ": " + meshes_->member(i).pointer() +
-                                      ": no object uses this mesh");
-}
-
-uint32_t ObjectParser::findMaterial(const JsonCursor& nameCursor) const {
-    if (nameCursor.value().object())
-        nameCursor.fail("must be a name: put the material into \"materials\": {\"NAME\": {...}}");
-    const auto found = materials_.find(nameCursor.string());
-    if (found != materials_.end()) return found->second;
-    std::vector<std::string_view> names;
-    for (const auto& [known, index] : materials_) names.push_back(known);
-    failName(nameCursor, "material", names);
-}
-
-uint32_t ObjectParser::defaultMaterial() {
-    if (default_ == Mesh::kNoIndex) {
-        default_ = static_cast<uint32_t>(scene_.materials.size());
-        scene_.materials.emplace_back().name = "default";
-    }
-    return default_;
-}
 
 }  // namespace
 

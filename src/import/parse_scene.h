@@ -1,6 +1,7 @@
 // The parts of a scene file as readers of its JSON tree; internal to the import module.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -8,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "import/json_cursor.h"
+#include "import/json_document.h"
 #include "import/scene_files.h"
+#include "scene/keyframes.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -59,33 +61,29 @@ void parseObjects(const JsonCursor& root, const std::string& name, const std::fi
 // The value of `type` for an "object", "light" or "camera"; fails if it is unknown.
 std::string_view readType(const JsonCursor& type, std::string_view kind);
 
-// The "transform" of an object: a list of steps, applied first to last, or 16 numbers by rows. The result is
-// finite and has a condition number of at most kMaxCondition, else Error(Scene).
-Affine parseTransform(const JsonCursor& transform);
-// Throws the same error for a transform computed elsewhere. `context` ends the message and begins with a
-// blank.
-void checkTransform(const Affine& result, const JsonCursor& transform, const std::string& context);
+// ---- "animation": numbers of the file itself that change with time
 
-// Colours that may be textures, and the environment map.
-class TextureParser {
-  public:
-    // Textures are added to `scene`; image files are relative to `folder`.
-    TextureParser(Scene& scene, const std::filesystem::path& folder, SceneFiles& files)
-        : scene_(scene), folder_(folder), files_(files) {}
-
-    // Reads the optional key as a colour, or as a texture and the colour it is multiplied with.
-    void readColor(const JsonCursor& object, std::string_view key, Color& color, uint32_t& texture);
-    // "background": a colour or an environment map.
-    void readBackground(const JsonCursor& root);
-
-  private:
-    Texture parseImage(const JsonCursor& source);
-    Texture parseChecker(const JsonCursor& source);
-    std::shared_ptr<const Image> load(const JsonCursor& file);
-
-    Scene& scene_;
-    const std::filesystem::path& folder_;
-    SceneFiles& files_;
+// One value of the file over time.
+struct AnimationTrack {
+    std::string target;              // JSON pointer (RFC 6901) of the value
+    std::vector<std::string> steps;  // the same, step by step, unescaped
+    Keyframes keyframes;
+    bool isList = false;  // the value is a list of numbers, else one number
+    bool movesCamera() const { return steps.front() == "camera" || steps.front() == "cameras"; }
 };
+
+struct Animation {
+    double framesPerSecond = 24;
+    std::vector<AnimationTrack> tracks;
+};
+
+// The animation of the document whose root is given, without any track if it has none. Throws Error(Scene)
+// for what cannot be animated or is not there.
+Animation parseAnimation(const JsonCursor& root);
+
+AnimationSpan spanOf(const Animation& animation);
+
+// Puts a track's value into the document that the animation is of.
+void setValue(JsonValue& document, const AnimationTrack& track, const std::vector<double>& value);
 
 }  // namespace glint

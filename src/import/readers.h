@@ -2,10 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "import/importers.h"
+#include "import/load.h"
 #include "import/scene_files.h"
 
 namespace glint {
@@ -35,13 +36,16 @@ void checkUpIsOpen(const SceneFiles& files, const std::string& name);
 // Chooses the camera of that name; without a name, warns if a scene of another program has several.
 void settleCamera(Scene& scene, const std::filesystem::path& path, const std::string& camera);
 
-// The mesh objects of `scene` as one mesh in world space, with the scene's materials and warnings.
-ImportedMesh flattened(Scene scene);
-
 // Appends the materials of an MTL file with this text, and the textures that they index
 // (docs/reference/file-formats.md). Throws Error(Scene) for text in the place of a number.
 void readMtl(const std::string& text, const std::filesystem::path& path, SceneFiles& files,
              std::vector<Material>& materials, std::vector<Texture>& textures,
              std::vector<std::string>& warnings);
+
+// A white material with this image as its diffuse texture, as a PLY file names it; nothing, with a warning,
+// if the image cannot be read.
+std::optional<Material> texturedMaterial(const std::string& image, const std::filesystem::path& path,
+                                         SceneFiles& files, std::vector<Texture>& textures,
+                                         std::vector<std::string>& warnings);
 
 }  // namespace glint

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "import/json_cursor.h"
+#include "import/json_document.h"
 
 namespace glint::keys {
 

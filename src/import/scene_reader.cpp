@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "core/text_file.h"
-#include "import/animation.h"
 #include "import/gltf_scene.h"
 #include "import/parse_scene.h"
 #include "scene/cameras.h"
@@ -23,7 +22,7 @@ struct SceneReader::State {
     JsonValue document;  // of a .json file, as it stands in it
     Animation animation;
     std::vector<std::vector<double>> values;  // of each track, those that `scene` has; empty: the file's
-    std::optional<GltfScene> gltf;            // of a .gltf or .glb file
+    std::unique_ptr<GltfScene> gltf;          // of a .gltf or .glb file
     GltfPlaces places;                        // of the animated nodes that `scene` shows
     Scene scene;
 
@@ -106,7 +105,7 @@ SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& o
     State& s = *state_;
     const std::string extension = path == "-" ? ".json" : lowerExtension(path);
     if (extension == ".gltf" || extension == ".glb") {
-        s.gltf.emplace(path, s.files);
+        s.gltf = openGltf(path, s.files);
         s.scene = completed(s.gltf->take(), path, s.files);
         s.scene.sources = s.files.sources();
         settleCamera(s.scene, path, options.camera);

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "pack/packed_scene.h"
-#include "scene/camera_frame.h"
+#include "scene/cameras.h"
 
 namespace glint {
 namespace {

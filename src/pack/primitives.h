@@ -60,7 +60,6 @@ class TriangleSource {
     explicit TriangleSource(const Object& object) : triangle_(std::get_if<TriangleShape>(&object.shape)) {
         if (const auto* shape = std::get_if<MeshShape>(&object.shape)) mesh_ = shape->mesh.get();
     }
-    bool any() const { return triangle_ != nullptr || mesh_ != nullptr; }
     const Mesh* mesh() const { return mesh_; }
     std::array<glm::dvec3, 3> vertices(uint32_t face) const {
         if (mesh_ == nullptr) return {triangle_->vertices[0], triangle_->vertices[1], triangle_->vertices[2]};

@@ -10,20 +10,13 @@
 
 namespace glint {
 
-namespace detail {
-template <class Packed, class Visit>
-void visitArrays(Packed& scene, const Visit& visit) {
+// visit(name, array) for each array of the scene, the tree's nodes among them.
+template <class Visit, class Packed = PackedScene>
+void visitArrays(const Packed& scene, const Visit& visit) {
 #define GLINT_VISIT(binding, field, Struct, ROWS) \
     if constexpr (requires { scene.field.data(); }) visit(#field, scene.field);
     GLINT_SCENE_ARRAYS(GLINT_VISIT)
 #undef GLINT_VISIT
-}
-}  // namespace detail
-
-// visit(name, array) for each array of the scene, the tree's nodes among them.
-template <class Visit>
-void visitArrays(const PackedScene& scene, const Visit& visit) {
-    detail::visitArrays(scene, visit);
 }
 
 // Name and count of a kind of primitive.

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/vectors.h"
-#include "scene/camera_frame.h"
+#include "scene/cameras.h"
 #include "scene/frame_model.h"
 
 namespace glint {

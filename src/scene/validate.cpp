@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <span>
 #include <tuple>
 #include <unordered_set>
@@ -10,7 +11,7 @@
 
 #include "core/error.h"
 #include "core/text_file.h"
-#include "scene/checks.h"
+#include "core/vectors.h"
 #include "scene/limits.h"
 #include "scene/placement.h"
 #include "scene/polygon_plane.h"
@@ -21,6 +22,34 @@ namespace glint {
 
 namespace {
 
+std::string text(const glm::dvec3& v) {
+    const std::string x = describe(v.x), y = describe(v.y), z = describe(v.z);
+    return '[' + x + ", " + y + ", " + z + ']';
+}
+
+std::string got(const std::string& what) {
+    return " (got " + what + ")";
+}
+std::string got(double number) {
+    return got(describe(number));
+}
+std::string got(const glm::dvec3& v) {
+    return got(text(v));
+}
+
+void checkPoint(const Place& place, std::string_view key, const glm::dvec3& point) {
+    if (!isFinite(point)) place.fail(key, "must be finite" + got(point));
+    if (greatestMagnitude(point) >= kMaxCoordinate)
+        place.fail(key, "coordinates must be below " + describe(kMaxCoordinate) + got(point));
+}
+
+// Both ends are in the range; `unit` follows the greatest number.
+void checkRange(const Place& place, std::string_view key, double value, double least, double most,
+                const std::string& unit = "") {
+    if (!(value >= least && value <= most))
+        place.fail(key, "must be from " + describe(least) + " to " + describe(most) + unit + got(value));
+}
+
 std::string gotColor(const Color& c) {
     return c.x == c.y && c.y == c.z ? got(c.x) : got(c);
 }
@@ -30,21 +59,16 @@ void checkDirection(const Place& place, std::string_view key, const glm::dvec3& 
     if (greatestMagnitude(direction) < kMinLength) place.fail(key, "must not be zero" + got(direction));
 }
 
-void checkRadius(const Place& place, double radius) {
-    if (!(radius > 0)) place.fail("radius", "must be > 0" + got(radius));
-    checkRange(place, "radius", radius, kMinRadius, kMaxRadius);
-}
-
-bool isColor(const Color& color) {
-    return isFinite(color) && std::min({color.x, color.y, color.z}) >= 0 &&
-           greatestMagnitude(color) <= kMaxColor;
+// Names the fault of a colour; empty if there is none.
+std::string colorFault(const Color& color) {
+    if (!isFinite(color)) return "must be finite" + gotColor(color);
+    if (std::min({color.x, color.y, color.z}) < 0) return "must be >= 0" + gotColor(color);
+    if (greatestMagnitude(color) <= kMaxColor) return "";
+    return "must be at most " + describe(kMaxColor) + gotColor(color);
 }
 
 void checkColor(const Place& place, std::string_view key, const Color& color) {
-    if (!isFinite(color)) place.fail(key, "must be finite" + gotColor(color));
-    if (std::min({color.x, color.y, color.z}) < 0) place.fail(key, "must be >= 0" + gotColor(color));
-    if (greatestMagnitude(color) > kMaxColor)
-        place.fail(key, "must be at most " + describe(kMaxColor) + gotColor(color));
+    if (const std::string wrong = colorFault(color); !wrong.empty()) place.fail(key, wrong);
 }
 
 void checkInteger(const Place& place, std::string_view key, int value, int least, int most) {
@@ -53,16 +77,10 @@ void checkInteger(const Place& place, std::string_view key, int value, int least
                             std::to_string(most) + got(value));
 }
 
-void checkWindow(const ViewWindow& window, const Place& place) {
-    for (const double edge : {window.left, window.right, window.bottom, window.top})
-        if (!(std::abs(edge) < kMaxCoordinate))
-            place.fail("window", "edges must be finite and below " + describe(kMaxCoordinate) + got(edge));
-    if (!(window.left < window.right))
-        place.fail("window", "left must be less than right (got " + describe(window.left) + " and " +
-                                 describe(window.right) + ")");
-    if (!(window.bottom < window.top))
-        place.fail("window", "bottom must be less than top (got " + describe(window.bottom) + " and " +
-                                 describe(window.top) + ")");
+void checkNumber(const Place& place, std::string_view key, const char* what, size_t index, size_t count) {
+    if (index >= count)
+        place.fail(key, std::string("there is no ") + what + " number " + std::to_string(index) +
+                            " (there are " + std::to_string(count) + ")");
 }
 
 void checkView(const Camera& camera, const Place& place) {
@@ -85,7 +103,17 @@ void checkView(const Camera& camera, const Place& place) {
 
 void checkWindowSize(const Camera& camera, const Place& place) {
     if (camera.window) {
-        checkWindow(*camera.window, place);
+        const ViewWindow& window = *camera.window;
+        for (const double edge : {window.left, window.right, window.bottom, window.top})
+            if (!(std::abs(edge) < kMaxCoordinate))
+                place.fail("window",
+                           "edges must be finite and below " + describe(kMaxCoordinate) + got(edge));
+        const auto checkOrder = [&](const std::string& rule, double less, double greater) {
+            if (!(less < greater))
+                place.fail("window", rule + " (got " + describe(less) + " and " + describe(greater) + ")");
+        };
+        checkOrder("left must be less than right", window.left, window.right);
+        checkOrder("bottom must be less than top", window.bottom, window.top);
     } else if (camera.projection == Projection::Orthographic) {
         if (!(camera.height > 0)) place.fail("height", "must be > 0" + got(camera.height));
         checkRange(place, "height", camera.height, kMinLength, kMaxCoordinate);
@@ -108,8 +136,8 @@ void checkSpot(const SpotLight& spot, const Place& place) {
 
 void checkVertices(const Mesh& mesh, const Place& place, const char* ofWhat) {
     for (size_t i = 0; i < mesh.colors.size(); i++)
-        if (!isColor(mesh.colors[i]))
-            checkColor(place, "color of vertex " + std::to_string(i), mesh.colors[i]);
+        if (const std::string wrong = colorFault(mesh.colors[i]); !wrong.empty())
+            place.fail("color of vertex " + std::to_string(i), wrong);
     for (size_t i = 0; i < mesh.positions.size(); i++)
         if (isFinite(mesh.positions[i]) && greatestMagnitude(mesh.positions[i]) >= kMaxCoordinate)
             place.fail({}, "vertex " + std::to_string(i) + ofWhat + ": coordinates must be below " +
@@ -144,13 +172,6 @@ void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount
         checkIndex("material", i, mesh.materials[i], materialCount);
 }
 
-// A computed number: more digits would say nothing.
-std::string sixDigits(double number) {
-    char rounded[32];
-    std::snprintf(rounded, sizeof rounded, "%.6g", number);
-    return rounded;
-}
-
 void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
     if (vertices.size() > kMaxPolygonVertices)
         place.fail("vertices", "must be at most " + std::to_string(kMaxPolygonVertices) + " points (got " +
@@ -158,11 +179,8 @@ void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
                                    "); faces of a mesh are split into triangles and may have more");
     for (size_t i = 0; i < vertices.size(); i++)
         checkPoint(place, "vertices/" + std::to_string(i), vertices[i]);
-    std::vector<glm::dvec3> distinct(vertices.begin(), vertices.end());
-    std::sort(distinct.begin(), distinct.end(), [](const glm::dvec3& a, const glm::dvec3& b) {
-        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-    });
-    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    std::set<std::tuple<double, double, double>> distinct;
+    for (const glm::dvec3& v : vertices) distinct.emplace(v.x, v.y, v.z);
     if (distinct.size() < 3)
         place.fail("vertices",
                    "must have three distinct points or more" + got(std::to_string(distinct.size())));
@@ -176,13 +194,30 @@ void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
                        " (split the polygon into triangles)");
 }
 
+void checkLength(const Place& place, std::string_view key, double length) {
+    if (!(length > 0)) place.fail(key, "must be > 0" + got(length));
+    checkRange(place, key, length, kMinRadius, kMaxRadius);
+}
+
+// The ends of a body of revolution, and its greatest radius.
+void checkAxis(const Place& place, std::string_view fromKey, const glm::dvec3& from, std::string_view toKey,
+               const glm::dvec3& to, double radius) {
+    checkPoint(place, fromKey, from);
+    checkPoint(place, toKey, to);
+    const double height = glm::length(to - from);
+    if (!(height >= kMinRadius)) place.fail(toKey, "must differ from " + std::string(fromKey) + got(to));
+    if (!(height <= kMaxAspect * radius && radius <= kMaxAspect * height))
+        place.fail({}, "height and radius must not differ by more than a factor of " + describe(kMaxAspect) +
+                           " (got " + describe(height) + " and " + describe(radius) + ")");
+}
+
 struct ShapeCheck {
     const Place& place;
     size_t materialCount;
 
     void operator()(const SphereShape& sphere) const {
         checkPoint(place, "center", sphere.center);
-        checkRadius(place, sphere.radius);
+        checkLength(place, "radius", sphere.radius);
     }
     void operator()(const PlaneShape& plane) const {
         checkPoint(place, "point", plane.point);
@@ -191,7 +226,7 @@ struct ShapeCheck {
     void operator()(const DiscShape& disc) const {
         checkPoint(place, "center", disc.center);
         checkDirection(place, "normal", disc.normal);
-        checkRadius(place, disc.radius);
+        checkLength(place, "radius", disc.radius);
     }
     void operator()(const BoxShape& box) const {
         checkPoint(place, "min", box.min);
@@ -206,9 +241,55 @@ struct ShapeCheck {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
     }
     void operator()(const PolygonShape& polygon) const { checkPolygon(place, polygon.vertices); }
-    template <class Quadric>
-    void operator()(const Quadric& quadric) const {
-        checkQuadric(quadric, place);
+    void operator()(const QuadricShape& shape) const {
+        checkPoint(place, "bounds/0", shape.lo);
+        checkPoint(place, "bounds/1", shape.hi);
+        for (int axis = 0; axis < 3; axis++)
+            if (!(shape.lo[axis] < shape.hi[axis]))
+                place.fail("bounds", "the first corner must be less than the second in x, y and z" +
+                                         got(text(shape.lo) + " and " + text(shape.hi)));
+        if (greatestMagnitude(shape.hi - shape.lo) < kMinRadius)
+            place.fail("bounds",
+                       "must be " + describe(kMinRadius) + " wide or more" + got(shape.hi - shape.lo));
+        bool any = false;
+        for (int i = 0; i < 10; i++) {
+            const double c = shape.coefficients[i];
+            if (!(std::abs(c) <= kMaxCoefficient))
+                place.fail("coefficients/" + std::to_string(i), "must be from -" + describe(kMaxCoefficient) +
+                                                                    " to " + describe(kMaxCoefficient) +
+                                                                    got(c));
+            any = any || (i < 9 && c != 0);
+        }
+        if (!any)
+            place.fail("coefficients",
+                       "one of A to I must not be 0: J = 0 alone is no surface, but nothing or everything");
+    }
+    void operator()(const EllipsoidShape& shape) const {
+        checkPoint(place, "center", shape.center);
+        for (int i = 0; i < 3; i++) checkLength(place, "radii/" + std::to_string(i), shape.radii[i]);
+    }
+    void operator()(const CylinderShape& shape) const {
+        checkLength(place, "radius", shape.radius);
+        checkAxis(place, "base", shape.base, "top", shape.top, shape.radius);
+    }
+    void operator()(const ConeShape& shape) const {
+        if (shape.radius != 0 || !(shape.topRadius > 0)) checkLength(place, "radius", shape.radius);
+        if (shape.topRadius != 0) checkLength(place, "topRadius", shape.topRadius);
+        if (shape.radius == shape.topRadius)
+            place.fail("topRadius",
+                       "must not be the radius, or the cone is a cylinder" + got(shape.topRadius));
+        checkAxis(place, "base", shape.base, "apex", shape.apex, std::max(shape.radius, shape.topRadius));
+    }
+    void operator()(const HyperboloidShape& shape) const {
+        checkLength(place, "radius", shape.radius);
+        checkLength(place, "waist", shape.waist);
+        if (!(shape.waist < shape.radius))
+            place.fail("waist", "must be less than the radius, " + describe(shape.radius) + got(shape.waist));
+        checkAxis(place, "base", shape.base, "top", shape.top, shape.radius);
+    }
+    void operator()(const ParaboloidShape& shape) const {
+        checkLength(place, "radius", shape.radius);
+        checkAxis(place, "vertex", shape.vertex, "top", shape.top, shape.radius);
     }
     void operator()(const MeshShape& shape) const {
         if (!shape.mesh) place.fail({}, "the mesh is missing");
@@ -236,15 +317,7 @@ void checkTransform(const Object& object, const Place& place) {
                                     describe(kMaxTransformLoss) + "); give the shape as a mesh");
 }
 
-}  // namespace
-
-void Place::fail(std::string_view key, const std::string& what) const {
-    std::string where = pointer;
-    if (!key.empty()) where += "/" + std::string(key);
-    throw Error(ErrorKind::Scene, printable(file + ": " + (where.empty() ? "" : where + ": ") + what));
-}
-
-void validateImage(const ImageSettings& image, const Place& place) {
+void checkImage(const ImageSettings& image, const Place& place) {
     checkInteger(place, "width", image.width, 1, kMaxImageSize);
     checkInteger(place, "height", image.height, 1, kMaxImageSize);
     checkInteger(place, "samplesPerPixel", image.samplesPerPixel, 1, kMaxSamplesPerPixel);
@@ -260,16 +333,90 @@ void validateImage(const ImageSettings& image, const Place& place) {
 
 // The lens and its distance from the focus are rounded to fp32, as is the inverse of that distance.
 void checkLens(const Camera& camera, const Place& place) {
-    const auto check = [&](const char* key, double value) {
+    for (const auto& [key, value] :
+         {std::pair("lensRadius", camera.lensRadius), std::pair("focusDistance", camera.focusDistance)}) {
         if (!(value >= 0)) place.fail(key, "must be >= 0" + got(value));
-        if (value > 0 && (value < kMinLength || value >= kMaxCoordinate))
-            place.fail(
-                key, "must be from " + describe(kMinLength) + " to " + describe(kMaxCoordinate) + got(value));
-    };
-    check("lensRadius", camera.lensRadius);
-    check("focusDistance", camera.focusDistance);
+        if (value > 0) checkRange(place, key, value, kMinLength, kMaxCoordinate);
+    }
     if (camera.lensRadius > 0 && camera.projection == Projection::Orthographic)
         place.fail("lensRadius", "an orthographic camera has no lens" + got(camera.lensRadius));
+}
+
+void checkLight(const Light& light, const Place& place) {
+    if (const auto* point = std::get_if<PointLight>(&light)) {
+        checkPoint(place, "position", point->position);
+        checkColor(place, "intensity", point->intensity);
+    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
+        checkSpot(*spot, place);
+    } else {
+        const auto& directional = std::get<DirectionalLight>(light);
+        checkDirection(place, "direction", directional.direction);
+        checkColor(place, "intensity", directional.intensity);
+    }
+}
+
+void checkTexture(const Texture& texture, const Place& place) {
+    for (const double number : {texture.scale.x, texture.scale.y})
+        if (!(std::abs(number) <= kMaxCoordinate) || number == 0)
+            place.fail("scale", "must be finite and not 0" + got(number));
+    for (const double number : {texture.offset.x, texture.offset.y})
+        if (!(std::abs(number) <= kMaxCoordinate)) place.fail("offset", "must be finite" + got(number));
+    if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {
+        checkColor(place, "checker/0", checker->a);
+        checkColor(place, "checker/1", checker->b);
+        checkPoint(place, "corner", checker->corner);
+    } else if (const auto& image = std::get<ImageTexture>(texture.source).image;
+               !image || image->pixels.empty()) {
+        place.fail("texture", "the image is missing");
+    }
+}
+
+void checkEnvironment(const Scene& scene, const Place& place) {
+    if (!scene.environment) return;
+    if (!scene.environment->image) place.fail("environment", "the image is missing");
+    if (!std::isfinite(scene.environment->rotation))
+        place.fail("rotation", "must be finite" + got(scene.environment->rotation));
+    checkColor(place, "intensity", scene.environment->intensity);
+}
+
+// Textures are looked at where a material names them, so that messages say where that is.
+void checkTextures(const Scene& scene, const Material& material, const Place& place) {
+    const std::pair<const char*, uint32_t> named[] = {{"diffuse", material.diffuseTexture},
+                                                      {"ambient", material.ambientTexture},
+                                                      {"specular", material.specularTexture},
+                                                      {"mirror", material.mirrorTexture},
+                                                      {"transmission", material.transmissionTexture}};
+    for (const auto& [key, index] : named) {
+        if (index == Material::kNoTexture) continue;
+        checkNumber(place, key, "texture", index, scene.textures.size());
+        checkTexture(scene.textures[index], {place.file, place.pointer + "/" + key});
+    }
+}
+
+void checkObjects(const Scene& scene, const std::string& name) {
+    std::unordered_set<const Mesh*> seen;  // a mesh of a thousand objects is looked at once
+    for (const Object& object : scene.objects) {
+        const Place place{name, object.name};
+        checkNumber(place, "material", "material", object.material, scene.materials.size());
+        checkTransform(object, place);
+        const auto* shape = std::get_if<MeshShape>(&object.shape);
+        if (shape && shape->mesh && !seen.insert(shape->mesh.get()).second) continue;
+        std::visit(ShapeCheck{place, scene.materials.size()}, object.shape);
+    }
+}
+
+}  // namespace
+
+std::string sixDigits(double number) {
+    char rounded[32];
+    std::snprintf(rounded, sizeof rounded, "%.6g", number);
+    return rounded;
+}
+
+void Place::fail(std::string_view key, const std::string& what) const {
+    std::string where = pointer;
+    if (!key.empty()) where += "/" + std::string(key);
+    throw Error(ErrorKind::Scene, printable(file + ": " + (where.empty() ? "" : where + ": ") + what));
 }
 
 void validateCamera(const Camera& camera, const Place& place) {
@@ -289,19 +436,6 @@ void validateCameras(const Scene& scene, const std::string& name) {
     validateCamera(scene.camera, {name, "/camera"});
     for (const NamedCamera& named : scene.cameras)
         validateCamera(named.camera, {name, "/cameras/" + escapePointer(named.name)});
-}
-
-void validateLight(const Light& light, const Place& place) {
-    if (const auto* point = std::get_if<PointLight>(&light)) {
-        checkPoint(place, "position", point->position);
-        checkColor(place, "intensity", point->intensity);
-    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
-        checkSpot(*spot, place);
-    } else {
-        const auto& directional = std::get<DirectionalLight>(light);
-        checkDirection(place, "direction", directional.direction);
-        checkColor(place, "intensity", directional.intensity);
-    }
 }
 
 void validateMaterial(const Material& material, const Place& place) {
@@ -326,69 +460,11 @@ void validateShape(const Shape& shape, const Place& place, size_t materialCount)
     std::visit(ShapeCheck{place, materialCount}, shape);
 }
 
-void validateTexture(const Texture& texture, const Place& place) {
-    for (const double number : {texture.scale.x, texture.scale.y})
-        if (!(std::abs(number) <= kMaxCoordinate) || number == 0)
-            place.fail("scale", "must be finite and not 0" + got(number));
-    for (const double number : {texture.offset.x, texture.offset.y})
-        if (!(std::abs(number) <= kMaxCoordinate)) place.fail("offset", "must be finite" + got(number));
-    if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {
-        checkColor(place, "checker/0", checker->a);
-        checkColor(place, "checker/1", checker->b);
-        checkPoint(place, "corner", checker->corner);
-    } else if (const auto& image = std::get<ImageTexture>(texture.source).image;
-               !image || image->pixels.empty()) {
-        place.fail("texture", "the image is missing");
-    }
-}
-
-namespace {
-
-void checkEnvironment(const Scene& scene, const Place& place) {
-    if (!scene.environment) return;
-    if (!scene.environment->image) place.fail("environment", "the image is missing");
-    if (!std::isfinite(scene.environment->rotation))
-        place.fail("rotation", "must be finite" + got(scene.environment->rotation));
-    checkColor(place, "intensity", scene.environment->intensity);
-}
-
-// Textures are looked at where a material names them, so that messages say where that is.
-void checkTextures(const Scene& scene, const Material& material, const Place& place) {
-    const std::pair<const char*, uint32_t> named[] = {{"diffuse", material.diffuseTexture},
-                                                      {"ambient", material.ambientTexture},
-                                                      {"specular", material.specularTexture},
-                                                      {"mirror", material.mirrorTexture},
-                                                      {"transmission", material.transmissionTexture}};
-    for (const auto& [key, index] : named) {
-        if (index == Material::kNoTexture) continue;
-        if (index >= scene.textures.size())
-            place.fail(key, "there is no texture number " + std::to_string(index) + " (there are " +
-                                std::to_string(scene.textures.size()) + ")");
-        validateTexture(scene.textures[index], {place.file, place.pointer + "/" + key});
-    }
-}
-
-void validateObjects(const Scene& scene, const std::string& name) {
-    std::unordered_set<const Mesh*> seen;  // a mesh of a thousand objects is looked at once
-    for (const Object& object : scene.objects) {
-        const Place place{name, object.name};
-        if (object.material >= scene.materials.size())
-            place.fail("material", "there is no material number " + std::to_string(object.material) +
-                                       " (there are " + std::to_string(scene.materials.size()) + ")");
-        checkTransform(object, place);
-        const auto* shape = std::get_if<MeshShape>(&object.shape);
-        if (shape && shape->mesh && !seen.insert(shape->mesh.get()).second) continue;
-        validateShape(object.shape, place, scene.materials.size());
-    }
-}
-
-}  // namespace
-
 void validateFramedScene(const Scene& scene, const std::string& name) {
     try {
         validateCamera(scene.camera, {name, "camera"});
     } catch (const Error&) {
-        validateObjects(scene, name);
+        checkObjects(scene, name);
         Place{name, ""}.fail({},
                              "the model is too large or too far away for a camera in front of it (whose "
                              "coordinates must be below " +
@@ -403,21 +479,21 @@ void validateVertices(const Mesh& mesh, const std::string& name) {
 
 void validateScene(const Scene& scene, const std::string& name) {
     const Place root{name, ""};
-    validateImage(scene.image, {name, "/image"});
+    checkImage(scene.image, {name, "/image"});
     validateCameras(scene, name);
     checkColor(root, "background", scene.background);
     checkEnvironment(scene, {name, "/background"});
     checkColor(root, "ambient", scene.ambient);
     checkInteger(root, "maxDepth", scene.maxDepth, 0, kMaxBounces);
     for (size_t i = 0; i < scene.lights.size(); i++)
-        validateLight(scene.lights[i], {name, "/lights/" + std::to_string(i)});
+        checkLight(scene.lights[i], {name, "/lights/" + std::to_string(i)});
     for (size_t i = 0; i < scene.materials.size(); i++) {
         const Material& material = scene.materials[i];
         const std::string key = material.name.empty() ? std::to_string(i) : escapePointer(material.name);
         validateMaterial(material, {name, "/materials/" + key});
         checkTextures(scene, material, {name, "/materials/" + key});
     }
-    validateObjects(scene, name);
+    checkObjects(scene, name);
 }
 
 }  // namespace glint

@@ -17,6 +17,9 @@ void validateScene(const Scene& scene, const std::string& name);
 // The same for a scene with a camera of frameModel's: what makes that useless is where the objects are.
 void validateFramedScene(const Scene& scene, const std::string& name);
 
+// A computed number for messages: more digits would say nothing.
+std::string sixDigits(double number);
+
 // Place of a value for messages: "FILE: POINTER/KEY: what".
 struct Place {
     std::string file;
@@ -24,12 +27,9 @@ struct Place {
     [[noreturn]] void fail(std::string_view key, const std::string& what) const;
 };
 
-void validateImage(const ImageSettings& image, const Place& place);
 void validateCamera(const Camera& camera, const Place& place);
 void validateCameras(const Scene& scene, const std::string& name);  // its own and those with names
-void validateLight(const Light& light, const Place& place);
 void validateMaterial(const Material& material, const Place& place);
-void validateTexture(const Texture& texture, const Place& place);
 // Coordinates and colours of the vertices. `name`: of what the mesh was read from.
 void validateVertices(const Mesh& mesh, const std::string& name);
 // Every vertex of a mesh is looked at; materials are checked against `materialCount`.

@@ -5,7 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "import/camera_writer.h"
-#include "scene/camera_frame.h"
+#include "scene/cameras.h"
 #include "scene/frame_model.h"
 
 namespace glint::view {

@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cmath>
 
-#include "import/importers.h"
 #include "import/load.h"
 #include "support/support.h"
 

@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "gltf_maker.h"
-#include "import/importers.h"
 #include "import/load.h"
 #include "support.h"
 

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "import/importers.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test::obj_test {

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "core/image_io.h"
-#include "import/importers.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test::ply_test {

@@ -2,7 +2,6 @@
 #include <cstring>
 #include <map>
 
-#include "import/importers.h"
 #include "import/load.h"
 #include "support.h"
 
