@@ -13,10 +13,9 @@
 #include "app/commands.h"
 #include "app/option_values.h"
 #include "app/version.h"
+#include "core/enum_names.h"
 #include "core/error.h"
-#include "core/near_names.h"
 #include "core/text_file.h"
-#include "core/wording.h"
 
 namespace glint::app {
 

@@ -9,7 +9,7 @@
 #include "core/available_memory.h"
 #include "core/error.h"
 #include "core/progress.h"
-#include "core/wording.h"
+#include "core/text_file.h"
 
 namespace glint::app {
 

@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "core/image_diff.h"
 #include "core/image_io.h"
-#include "core/similarity.h"
 
 namespace glint::app {
 

@@ -9,7 +9,6 @@
 #include "app/loading.h"
 #include "core/error.h"
 #include "core/text_file.h"
-#include "core/wording.h"
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"
 #include "reference/tracer.h"

@@ -5,8 +5,8 @@
 #include <iterator>
 
 #include "core/available_memory.h"
+#include "core/enum_names.h"
 #include "core/error.h"
-#include "core/near_names.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "pack/pack_samples.h"

@@ -9,10 +9,9 @@
 #include <span>
 #include <string_view>
 
+#include "core/enum_names.h"
 #include "core/error.h"
-#include "core/near_names.h"
 #include "core/text_file.h"
-#include "core/wording.h"
 #include "farm/unit.h"
 #include "report/plan.h"
 #include "scene/limits.h"

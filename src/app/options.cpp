@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "core/error.h"
-#include "core/thread_count.h"
+#include "core/parallel.h"
 #include "scene/limits.h"
 
 namespace glint::app {

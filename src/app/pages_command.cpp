@@ -8,7 +8,7 @@
 #include "app/pages.h"
 #include "core/error.h"
 #include "core/file_io.h"
-#include "core/wording.h"
+#include "core/text_file.h"
 
 namespace glint::app {
 

@@ -6,7 +6,7 @@
 #include <iostream>
 
 #include "core/error.h"
-#include "core/wording.h"
+#include "core/text_file.h"
 
 namespace glint::app {
 

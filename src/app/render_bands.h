@@ -9,8 +9,8 @@
 #include "app/drawing.h"
 #include "app/render_command.h"
 #include "app/render_result.h"
-#include "core/picture_hash.h"
-#include "core/picture_rows.h"
+#include "core/content_hash.h"
+#include "core/image_io.h"
 
 namespace glint::app {
 

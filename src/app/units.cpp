@@ -16,7 +16,6 @@
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
-#include "core/wording.h"
 #include "farm/cut.h"
 #include "scene/sampling.h"
 

@@ -8,11 +8,11 @@
 #include <optional>
 
 #include "bench/timing.h"
+#include "core/content_hash.h"
 #include "core/error.h"
-#include "core/hash.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
-#include "core/wording.h"
+#include "core/text_file.h"
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"
 #include "pack/scene_arrays.h"
@@ -49,12 +49,6 @@ uint64_t hostPeak() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-std::string pictureHash(const Picture& picture) {
-    Hash hash;
-    hash.add(picture.color.pixels);
-    return hash.text();
 }
 
 void describe(const LoadedScene& loaded, const Request& request, Result& result) {
@@ -180,7 +174,7 @@ class Contestant {
 
     void warmUp() {
         const Stopwatch warming;
-        result_.picture = pictureHash(draw());
+        result_.picture = pictureHash(draw().color);
         if (!renderer_) return;
         result_.compile = renderer_->times().compile;
         result_.codeBytes = renderer_->codeBytes();

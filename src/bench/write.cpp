@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/parallel.h"
-#include "core/wording.h"
+#include "core/text_file.h"
 
 namespace glint::bench {
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -29,6 +30,15 @@ class ByteSink {
   public:
     virtual ~ByteSink() = default;
     virtual void write(ByteView bytes, uint64_t offset) = 0;
+};
+
+class MemorySink : public ByteSink {
+  public:
+    void write(ByteView added, uint64_t offset) override {
+        if (offset + added.size() > bytes.size()) bytes.resize(offset + added.size());
+        std::memcpy(bytes.data() + offset, added.data(), added.size());
+    }
+    Bytes bytes;
 };
 
 // 1 to 4 interleaved 8-bit channels: grey, grey and alpha, RGB, RGBA.
@@ -141,6 +151,12 @@ Image decodeHdr(ByteView file, uint64_t mostPixels = kMostPicturePixels, const C
 // By libwebp: sRGB, with or without alpha, no animations. Refused in builds without it.
 Image decodeWebp(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
 Image decodePfm(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
+
+inline constexpr size_t kExrFirstHeader = 8;  // behind magic number and version
+
+// Throws CodecError for attributes that do not have the size that their type has, or that is said: the
+// library goes by the one, or takes memory by the other, whatever the file holds.
+void checkExrAttributes(ByteView file, bool severalParts);
 
 // By OpenEXR. Of the first part: the channels R, G, B and A if there is colour, else Y, else the channels of
 // the only layer. Tiles, scanlines and every compression; no deep pixels.

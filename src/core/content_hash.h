@@ -1,10 +1,13 @@
-// One number for the content of files and settings.
+// One number for the content of files, settings and images.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "core/image.h"
 
 namespace glint {
 
@@ -15,5 +18,27 @@ uint64_t contentHash(std::string_view text);
 
 // 16 hexadecimal digits.
 std::string hashText(uint64_t hash);
+
+// XXH3, 64 bits, seed 0 (Y. Collet, https://xxhash.com), as 16 hexadecimal digits: of red, green and blue of
+// all pixels, rows from the top, as 32-bit floats, lowest byte first. Equal for pictures of the same bits; it
+// tells apart what differs, not what is forged. `image`: at least three channels; further ones do not count.
+std::string pictureHash(const Image& image);
+
+// The same of a picture whose rows arrive from the top.
+class PictureHash {
+  public:
+    PictureHash();
+    ~PictureHash();
+    PictureHash(const PictureHash&) = delete;
+    PictureHash& operator=(const PictureHash&) = delete;
+
+    void add(const Image& rows);
+    void fill(int rows, const Image& row);  // so many, each like the one given
+    std::string text() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 }  // namespace glint

@@ -1,5 +1,9 @@
 #include "core/enum_names.h"
 
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
 namespace glint {
 
 std::string oneOf(std::span<const std::string_view> names, std::string_view quote) {
@@ -9,6 +13,55 @@ std::string oneOf(std::span<const std::string_view> names, std::string_view quot
         text.append(quote).append(names[i]).append(quote);
     }
     return text;
+}
+
+size_t editDistance(std::string_view a, std::string_view b) {
+    const auto same = [](char x, char y) {
+        return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
+    };
+    std::vector<std::vector<size_t>> rows(a.size() + 1, std::vector<size_t>(b.size() + 1));
+    for (size_t i = 0; i <= a.size(); i++) rows[i][0] = i;
+    for (size_t j = 0; j <= b.size(); j++) rows[0][j] = j;
+    for (size_t i = 1; i <= a.size(); i++) {
+        for (size_t j = 1; j <= b.size(); j++) {
+            const size_t substituted = rows[i - 1][j - 1] + (same(a[i - 1], b[j - 1]) ? 0 : 1);
+            rows[i][j] = std::min({rows[i - 1][j] + 1, rows[i][j - 1] + 1, substituted});
+            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
+                rows[i][j] = std::min(rows[i][j], rows[i - 2][j - 2] + 1);
+        }
+    }
+    return rows[a.size()][b.size()];
+}
+
+std::string suggestion(std::string_view name, std::span<const std::string_view> names,
+                       std::string_view word) {
+    // One slip, and one more for every four letters; longer names than any sensible one are not worth the
+    // quadratic time.
+    const size_t tolerated = 1 + name.size() / 4;
+    std::string_view nearest;
+    size_t best = tolerated + 1;
+    for (const std::string_view candidate : names) {
+        if (name.size() > 64 || candidate.size() > 64) continue;
+        const size_t distance = editDistance(name, candidate);
+        if (distance < best && distance < candidate.size()) {
+            best = distance;
+            nearest = candidate;
+        }
+    }
+    if (!nearest.empty()) return "did you mean \"" + std::string(nearest) + "\"?";
+    if (names.empty()) return {};
+    constexpr size_t kShown = 8;
+    const std::string list = joinNames(names.first(std::min(names.size(), kShown)));
+    return std::string(word) + ": " + list + (names.size() > kShown ? ", ..." : "");
+}
+
+std::string joinNames(std::span<const std::string_view> names) {
+    std::string list;
+    for (const std::string_view name : names) {
+        if (!list.empty()) list += ", ";
+        list += name;
+    }
+    return list;
 }
 
 }  // namespace glint

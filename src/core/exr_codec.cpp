@@ -20,7 +20,6 @@
 #include <optional>
 
 #include "core/codecs.h"
-#include "core/exr_header.h"
 
 namespace glint {
 namespace {
@@ -66,15 +65,6 @@ class MemoryReader : public Imf::IStream {
   private:
     ByteView file_;
     uint64_t position_ = 0;
-};
-
-class MemorySink : public ByteSink {
-  public:
-    void write(ByteView added, uint64_t offset) override {
-        if (offset + added.size() > bytes.size()) bytes.resize(offset + added.size());
-        std::memcpy(bytes.data() + offset, added.data(), added.size());
-    }
-    Bytes bytes;
 };
 
 struct ChunkShape {

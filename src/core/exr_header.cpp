@@ -1,10 +1,10 @@
-#include "core/exr_header.h"
-
 #include <algorithm>
 #include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "core/codecs.h"
 
 namespace glint {
 namespace {

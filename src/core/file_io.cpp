@@ -57,22 +57,16 @@ std::vector<uint8_t> readFile(const fs::path& path) {
 
 void writeFiles(const std::vector<OutputFile>& files) {
     std::deque<StagedFile> staged;
+    std::vector<StagedFile*> all;
+    std::vector<std::span<const uint8_t>> bytes;
     for (const OutputFile& file : files) {
         StagedFile& made = staged.emplace_back(file.path);
         if (!made.isDevice()) made.write(file.bytes, 0);
         made.finish();
+        all.push_back(&made);
+        bytes.emplace_back(file.bytes);
     }
-    size_t committed = 0;
-    try {
-        for (; committed < staged.size(); ++committed) {
-            staged[committed].commit(files[committed].bytes);
-        }
-    } catch (const Error&) {
-        while (committed > 0) {
-            staged[--committed].revoke();
-        }
-        throw;
-    }
+    commitAll(all, bytes);
 }
 
 void writeFile(const fs::path& path, std::span<const uint8_t> bytes) {

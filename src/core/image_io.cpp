@@ -1,24 +1,26 @@
 #include "core/image_io.h"
 
 #include <algorithm>
-#include <cctype>
+#include <new>
 #include <optional>
 #include <string>
 
 #include "core/codecs.h"
+#include "core/error.h"
 #include "core/file_io.h"
-#include "core/layer_formats.h"
 #include "core/quantize.h"
+#include "core/staged_file.h"
+#include "core/text_file.h"
 
 namespace glint {
 namespace {
 
 namespace fs = std::filesystem;
 
+enum class Format { Png, Exr, Pfm, Hdr };
+
 std::optional<Format> formatOf(const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lowerExtension(path);
     if (extension == ".png") return Format::Png;
     if (extension == ".exr") return Format::Exr;
     if (extension == ".pfm") return Format::Pfm;
@@ -74,8 +76,19 @@ void appendExrChannels(const Layer& layer, bool withAlpha, std::vector<ExrChanne
     }
 }
 
-}  // namespace
+// Runs an encoder or decoder; its failures get the file's name.
+template <typename Function>
+auto withPath(const std::filesystem::path& path, Function function) {
+    try {
+        return function();
+    } catch (const CodecError& error) {
+        throw Error(ErrorKind::Failed, printable(path.string() + ": " + error.what()));
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorKind::Failed, path.string() + ": not enough memory for the picture");
+    }
+}
 
+// Throws Error(Argument) for an unknown extension.
 Format writableFormat(const fs::path& path) {
     if (const auto format = formatOf(path)) {
         return *format;
@@ -87,12 +100,14 @@ Format writableFormat(const fs::path& path) {
                     " (use .png, .exr, .pfm or .hdr)");
 }
 
+// The layer with that name; null if there is none.
 const Layer* findLayer(const std::vector<Layer>& layers, std::string_view name) {
     const auto found =
         std::find_if(layers.begin(), layers.end(), [&](const Layer& layer) { return layer.name == name; });
     return found == layers.end() ? nullptr : &*found;
 }
 
+// Throws CodecError for layers that cannot be written together.
 void checkLayers(const std::vector<Layer>& layers) {
     if (layers.empty()) {
         throw CodecError("there is no layer to write");
@@ -109,6 +124,7 @@ void checkLayers(const std::vector<Layer>& layers) {
     }
 }
 
+// The picture with `channels` channels: missing ones are 0, surplus ones are left out.
 Image withChannels(const Image& image, int channels) {
     Image result(image.width, image.height, channels);
     const auto from = static_cast<size_t>(image.channels);
@@ -120,6 +136,7 @@ Image withChannels(const Image& image, int channels) {
     return result;
 }
 
+// The channels of an EXR that has all layers.
 std::vector<ExrChannel> exrChannels(const std::vector<Layer>& layers) {
     const bool alphaIsLayer = findLayer(layers, "alpha") != nullptr;
     std::vector<ExrChannel> channels;
@@ -131,6 +148,7 @@ int colorSampleChannels(const Image& image, const Image* alpha) {
     return alpha == nullptr ? image.channels : std::min(image.channels, 3) + 1;
 }
 
+// The bytes of a PNG's pixels. `alpha` (may be null) replaces the picture's own.
 Bytes colorSamples(const Image& image, const Image* alpha) {
     if (alpha == nullptr) return quantizeColor(image);
     const int colors = std::min(image.channels, 3);
@@ -152,8 +170,6 @@ Bytes alphaSamples(const Image& image) {
                    [](float value) { return linearByte(static_cast<double>(value)); });
     return samples;
 }
-
-namespace {
 
 Bytes encodeLayersExr(const std::vector<Layer>& layers, const PictureNotes& notes = {}) {
     return encodeExr(layers[0].image.width, layers[0].image.height, exrChannels(layers), notes);
@@ -284,6 +300,157 @@ std::vector<fs::path> writeLayers(const fs::path& path, const std::vector<Layer>
     }
     return paths;
 }
+
+// ---- row by row ----
+
+// One file, and which of the layers are in it.
+class RowFile : public ByteSink {
+  public:
+    explicit RowFile(const fs::path& path) : staged_(path) {
+        if (staged_.isDevice())
+            throw Error(ErrorKind::Failed,
+                        path.string() + ": is no regular file, which a picture in bands goes into");
+    }
+    ~RowFile() override = default;
+    RowFile(const RowFile&) = delete;
+    RowFile& operator=(const RowFile&) = delete;
+
+    virtual void add(const std::vector<Layer>& rows) = 0;
+    virtual void fill(int rows, const std::vector<Layer>& row) = 0;
+    virtual void end() = 0;
+    StagedFile& staged() { return staged_; }
+    void write(ByteView bytes, uint64_t offset) override { staged_.write(bytes, offset); }
+
+  private:
+    StagedFile staged_;
+};
+
+namespace {
+
+class ExrFile : public RowFile {
+  public:
+    ExrFile(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
+        : RowFile(path), rows_(*this, width, height, namesOf(shape)) {}
+    void add(const std::vector<Layer>& rows) override {
+        std::vector<ExrChannel> channels = exrChannels(rows);
+        rows_.add(rows.front().image.height, channels);
+    }
+    void fill(int rows, const std::vector<Layer>& row) override {
+        std::vector<ExrChannel> channels = exrChannels(row);
+        rows_.fill(rows, channels);
+    }
+    void end() override { rows_.finish(); }
+
+  private:
+    static std::vector<std::string> namesOf(const std::vector<Layer>& shape) {
+        std::vector<std::string> names;
+        for (ExrChannel& channel : exrChannels(shape)) names.push_back(std::move(channel.name));
+        return names;
+    }
+    ExrRows rows_;
+};
+
+// Colour, and alpha if there is such a layer; or alpha alone.
+class PngFile : public RowFile {
+  public:
+    PngFile(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
+        : RowFile(path), rows_(*this, width, height, channelsOf(shape)) {}
+    void add(const std::vector<Layer>& rows) override { rows_.add(samplesOf(rows)); }
+    void fill(int rows, const std::vector<Layer>& row) override { rows_.fill(rows, samplesOf(row)); }
+    void end() override { rows_.finish(); }
+
+  private:
+    static Bytes samplesOf(const std::vector<Layer>& rows) {
+        const Layer* const color = findLayer(rows, "color");
+        const Layer* const alpha = findLayer(rows, "alpha");
+        return color ? colorSamples(color->image, alpha ? &alpha->image : nullptr)
+                     : alphaSamples(alpha->image);
+    }
+    static int channelsOf(const std::vector<Layer>& shape) {
+        const Layer* const color = findLayer(shape, "color");
+        const Layer* const alpha = findLayer(shape, "alpha");
+        return color ? colorSampleChannels(color->image, alpha ? &alpha->image : nullptr) : 1;
+    }
+    PngRows rows_;
+};
+
+class PfmFile : public RowFile {
+  public:
+    PfmFile(const fs::path& path, int width, int height, const Layer& layer)
+        : RowFile(path), name_(layer.name), rows_(*this, width, height, layer.image.channels) {}
+    void add(const std::vector<Layer>& rows) override { rows_.add(imageOf(rows)); }
+    void fill(int, const std::vector<Layer>& row) override { rows_.fill(imageOf(row)); }
+    void end() override {}
+
+  private:
+    Image imageOf(const std::vector<Layer>& rows) const {
+        const Image& image = findLayer(rows, name_)->image;
+        return image.channels == 2 ? withChannels(image, 3) : image;
+    }
+    std::string name_;
+    PfmRows rows_;
+};
+
+}  // namespace
+
+bool canWriteRows(const fs::path& path, const std::vector<std::string>& layers) {
+    switch (writableFormat(path)) {
+        case Format::Exr:
+        case Format::Pfm:
+            return true;
+        case Format::Png:
+            return std::all_of(layers.begin(), layers.end(),
+                               [](const std::string& name) { return name == "color" || name == "alpha"; });
+        case Format::Hdr:
+            return false;
+    }
+    return false;
+}
+
+PictureRows::PictureRows(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
+    : left_(height) {
+    std::vector<std::string> names;
+    for (const Layer& layer : shape) names.push_back(layer.name);
+    const std::vector<fs::path> paths = layerPaths(path, names);
+    const Format format = writableFormat(path);
+    withPath(path, [&] {
+        if (format == Format::Exr) {
+            files_.push_back(std::make_unique<ExrFile>(path, width, height, shape));
+        } else if (format == Format::Png) {
+            files_.push_back(std::make_unique<PngFile>(paths.front(), width, height, shape));
+        } else {
+            for (size_t i = 0; i < shape.size(); ++i)
+                files_.push_back(std::make_unique<PfmFile>(paths[i], width, height, shape[i]));
+        }
+    });
+}
+
+PictureRows::~PictureRows() = default;
+
+void PictureRows::add(const std::vector<Layer>& rows) {
+    for (const auto& file : files_) withPath(file->staged().path(), [&] { file->add(rows); });
+    left_ -= rows.front().image.height;
+}
+
+void PictureRows::fill(const std::vector<Layer>& row) {
+    for (const auto& file : files_) withPath(file->staged().path(), [&] { file->fill(left_, row); });
+    left_ = 0;
+}
+
+std::vector<fs::path> PictureRows::finish() {
+    std::vector<fs::path> paths;
+    std::vector<StagedFile*> staged;
+    for (const auto& file : files_) {
+        withPath(file->staged().path(), [&] { file->end(); });
+        file->staged().finish();
+        staged.push_back(&file->staged());
+        paths.push_back(file->staged().path());
+    }
+    commitAll(staged);
+    return paths;
+}
+
+// ---- reading ----
 
 Image decodeImage(std::span<const uint8_t> bytes, const std::string& name, uint64_t mostPixels,
                   const Context& context) {

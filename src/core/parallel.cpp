@@ -9,8 +9,6 @@
 #include <system_error>
 #include <thread>
 
-#include "core/thread_count.h"
-
 namespace glint {
 
 namespace {
@@ -57,11 +55,9 @@ class IndexLoop {
     std::exception_ptr exception_;
 };
 
-}  // namespace
-
-namespace {
 std::atomic<unsigned> mostThreads = 0;  // 0: no limit
-}
+
+}  // namespace
 
 void limitThreads(unsigned count) {
     mostThreads = count;

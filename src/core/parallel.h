@@ -20,4 +20,7 @@ void parallelFor(const Context& context, size_t count, const std::function<void(
 // Runs the tasks, which do not depend on each other, as parallelFor does.
 void parallelTasks(const Context& context, const std::vector<std::function<void()>>& tasks);
 
+// Makes defaultThreadCount return `count` from now on; 0: the number of processors.
+void limitThreads(unsigned count);
+
 }  // namespace glint

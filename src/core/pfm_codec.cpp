@@ -117,12 +117,9 @@ void PfmRows::fill(const Image& row) {
 }
 
 Bytes encodePfm(const Image& image) {
-    const int kept = image.channels == 1 ? 1 : 3;
-    const std::string header = headerOf(image.width, image.height, kept);
-    Bytes file(header.begin(), header.end());
-    file.reserve(file.size() + static_cast<size_t>(image.width) * kept * sizeof(float) * image.height);
-    for (int y = image.height - 1; y >= 0; --y) appendRow(image, y, kept, file);
-    return file;
+    MemorySink sink;
+    PfmRows(sink, image.width, image.height, image.channels).add(image);
+    return std::move(sink.bytes);
 }
 
 Image decodePfm(ByteView file, uint64_t mostPixels, const Context&) {

@@ -69,6 +69,10 @@ double linearFromSrgb(double encoded) {
     return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
+double srgbFromLinear(double linear) {
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
 uint8_t srgbByte(float linear) {
     static const SrgbTable table;
     if (!(linear > 0.0f)) {  // NaN too

@@ -15,6 +15,9 @@ uint8_t srgbByte(float linear);
 // Linear value of an sRGB-encoded one in [0, 1], the inverse of the encoding in srgbByte.
 double linearFromSrgb(double encoded);
 
+// sRGB encoding of a linear value in [0, 1], in [0, 1].
+double srgbFromLinear(double linear);
+
 // 255 * value rounded to the nearest and clamped; NaN gives 0. For alpha and data, which PNG holds without
 // sRGB curve.
 uint8_t linearByte(double value);

@@ -153,4 +153,15 @@ int StagedFile::tryNames(Make make) {
     }
 }
 
+void commitAll(const std::vector<StagedFile*>& files, const std::vector<std::span<const uint8_t>>& bytes) {
+    size_t committed = 0;
+    try {
+        for (; committed < files.size(); ++committed)
+            files[committed]->commit(bytes.empty() ? std::span<const uint8_t>() : bytes[committed]);
+    } catch (const Error&) {
+        while (committed > 0) files[--committed]->revoke();
+        throw;
+    }
+}
+
 }  // namespace glint

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace glint {
 
@@ -64,5 +65,9 @@ class StagedFile {
     bool existed_ = false;
     bool isDevice_ = false;
 };
+
+// Commits all files or none. `bytes`: of each file, for devices; may be empty.
+void commitAll(const std::vector<StagedFile*>& files,
+               const std::vector<std::span<const uint8_t>>& bytes = {});
 
 }  // namespace glint

@@ -1,9 +1,11 @@
 // Whole files in memory, and text for messages about them.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/context.h"
 
@@ -28,5 +30,19 @@ std::string escapePointer(std::string_view key);
 
 // The extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);
+
+// ---- small phrases of messages and tables ----
+
+// "1 light", "2 lights"
+std::string counted(uint64_t count, const std::string& noun);
+
+// User's text for a message: in quotes, on one line, of at most 60 bytes.
+std::string quoted(const std::string& text);
+
+// Without the blanks, tabs and carriage returns around it.
+std::string trimmed(const std::string& text);
+
+// The parts between separators, at least one.
+std::vector<std::string> split(const std::string& text, char separator);
 
 }  // namespace glint

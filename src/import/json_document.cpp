@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/enum_names.h"
 #include "core/error.h"
-#include "core/near_names.h"
 #include "core/text_file.h"
 #include "import/text_scanner.h"
 #include "scene/limits.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
+#include "core/enum_names.h"
 #include "core/error.h"
-#include "core/near_names.h"
 #include "import/load.h"
 #include "import/parse_scene.h"
 #include "import/scene_keys.h"

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "core/processor_watch.h"
 #include "core/stopwatch.h"
 #include "render/path_limits.h"
 #include "render/path_state.h"

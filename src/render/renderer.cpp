@@ -5,7 +5,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "core/processor_watch.h"
 #include "core/stopwatch.h"
 #include "render/film.h"
 #include "render/host_rays.h"

@@ -93,7 +93,7 @@ struct Measured {
     std::optional<ArithmeticError> arithmetic;
     ErrorMeasures total;         // of the first run, against the converged image
     double error = 0;            // root mean square of all runs' RMSE, less the converged image's own error
-    std::optional<double> ssim;  // of the first run (core/similarity.h); empty for images too small for it
+    std::optional<double> ssim;  // of the first run (core/image_diff.h); empty for images too small for it
     bool hidden = false;         // `error` is below the converged image's own error
     double samples = 0;          // per pixel, mean
     double asked = 0;            // --error; 0: none

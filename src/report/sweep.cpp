@@ -9,10 +9,10 @@
 #include "converge/bounds.h"
 #include "converge/converge.h"
 #include "core/codecs.h"
+#include "core/content_hash.h"
 #include "core/file_io.h"
-#include "core/hash.h"
+#include "core/image_diff.h"
 #include "core/quantize.h"
-#include "core/similarity.h"
 #include "core/stopwatch.h"
 #include "pack/pack_samples.h"
 #include "pack/scene_arrays.h"
@@ -52,12 +52,12 @@ std::string contentsOf(const LoadedScene& loaded) {
 // The file, for camera and image, and the packed arrays, for the meshes and images that it names. The BVH
 // changes no image.
 std::string hashOf(const std::vector<uint8_t>& file, const PackedScene& scene) {
-    Hash hash;
-    hash.add(file);
+    std::string hashes = hashText(contentHash(file));
     visitArrays(scene, [&](std::string_view name, const auto& array) {
-        if (name != "nodes") hash.add(array);
+        const auto* bytes = reinterpret_cast<const uint8_t*>(array.data());
+        if (name != "nodes") hashes += hashText(contentHash({bytes, array.size() * sizeof(array[0])}));
     });
-    return hash.text();
+    return hashText(contentHash(hashes));
 }
 
 // At most 320 pixels wide, by the means of square blocks.

@@ -2,9 +2,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/content_hash.h"
 #include "core/image_io.h"
-#include "core/picture_hash.h"
-#include "core/picture_rows.h"
 #include "support.h"
 
 namespace glint::app::test::bands_test {

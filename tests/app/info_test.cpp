@@ -1,8 +1,8 @@
 // What `info` and the summaries of other commands print.
 #include <nlohmann/json.hpp>
 
+#include "core/content_hash.h"
 #include "core/image_io.h"
-#include "core/picture_hash.h"
 #include "support.h"
 
 namespace glint::app::test::info_test {

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/image_diff.h"
-#include "core/picture_hash.h"
-#include "core/similarity.h"
 #include "support/support.h"
 
 namespace glint::image_diff_test {

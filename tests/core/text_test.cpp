@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/enum_names.h"
-#include "core/near_names.h"
 #include "core/room.h"
 #include "core/text_file.h"
 
