@@ -43,6 +43,7 @@ constexpr auto entriesOf(Filter) {
 struct AdaptiveSampling {
     int maxSamples = 64;
     double threshold = 0.05;  // contrast, 0..1
+    bool operator==(const AdaptiveSampling&) const = default;
 };
 
 struct ImageSettings {
@@ -54,6 +55,7 @@ struct ImageSettings {
     double filterRadius = 0.5;  // pixels; 0.5 is the pixel itself
     uint32_t seed = 0;
     std::optional<AdaptiveSampling> adaptive = {};
+    bool operator==(const ImageSettings&) const = default;
 };
 
 // The part of the image plane that the picture shows (Shirley & Marschner, Fundamentals of Computer Graphics,
@@ -62,6 +64,7 @@ struct ImageSettings {
 // the eye.
 struct ViewWindow {
     double left = -1, right = 1, bottom = -1, top = 1;
+    bool operator==(const ViewWindow&) const = default;
 };
 
 // Rays from the eye through the image plane, or parallel rays from the image plane.
@@ -91,6 +94,7 @@ struct Camera {
     // only.
     double lensRadius = 0;
     double focusDistance = 0;  // > 0 with a lens; 0: the distance to the target
+    bool operator==(const Camera&) const = default;
 };
 
 // One of several cameras of a file, for --camera and the window to choose.
@@ -111,11 +115,13 @@ struct PointLight {
     glm::dvec3 position{0};
     Color intensity{1};
     Falloff falloff = Falloff::None;
+    bool operator==(const PointLight&) const = default;
 };
 
 struct DirectionalLight {
     glm::dvec3 direction{0, -1, 0};  // the way the light travels; need not be unit length, not zero
     Color intensity{1};
+    bool operator==(const DirectionalLight&) const = default;
 };
 
 // A point light behind a round opening: full light up to `angle` from the axis, none from angle + penumbra
@@ -127,6 +133,7 @@ struct SpotLight {
     double penumbra = 0;             // degrees, >= 0; angle + penumbra in [kMinSpotAngle, 180]
     Color intensity{1};
     Falloff falloff = Falloff::None;
+    bool operator==(const SpotLight&) const = default;
 };
 
 using Light = std::variant<PointLight, DirectionalLight, SpotLight>;

@@ -36,26 +36,13 @@ UpAxis upAxisOf(const Camera& home) {
 
 }  // namespace
 
-bool sameCamera(const Camera& a, const Camera& b) {
-    const auto sameWindow = [&] {
-        if (a.window.has_value() != b.window.has_value()) return false;
-        if (!a.window) return true;
-        return a.window->left == b.window->left && a.window->right == b.window->right &&
-               a.window->bottom == b.window->bottom && a.window->top == b.window->top;
-    };
-    return a.projection == b.projection && a.planeNormal == b.planeNormal && a.height == b.height &&
-           a.eye == b.eye && a.target == b.target && a.up == b.up && a.fovY == b.fovY && a.nearT == b.nearT &&
-           a.farT == b.farT && a.lensRadius == b.lensRadius && a.focusDistance == b.focusDistance &&
-           sameWindow();
-}
-
 void CameraControl::follow(const Camera& home, double radius) {
     Camera mine = camera_;
     const bool lensMoved = mine.lensRadius != home_.lensRadius || mine.focusDistance != home_.focusDistance;
     mine.lensRadius = home_.lensRadius;
     mine.focusDistance = home_.focusDistance;
     const double lens = camera_.lensRadius, focus = camera_.focusDistance;
-    if (sameCamera(mine, home_)) camera_ = home;
+    if (mine == home_) camera_ = home;
     camera_.lensRadius = lensMoved ? lens : home.lensRadius;
     camera_.focusDistance = lensMoved ? focus : home.focusDistance;
     home_ = home;

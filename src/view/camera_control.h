@@ -76,7 +76,6 @@ class CameraControl {
     bool upright_ = false;  // the image plane follows the view direction
 };
 
-bool sameCamera(const Camera& a, const Camera& b);
 // True if camera rays start on a disc; parallel rays never do.
 inline bool hasLens(const Camera& camera) {
     return camera.lensRadius > 0 && camera.projection == Projection::Perspective;

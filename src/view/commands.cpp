@@ -122,51 +122,38 @@ void Commands::perform(Action action) {
     }
 }
 
-// The rest: what needs the device, files or the host.
+// The rest needs the device, files or the host.
 void Commands::performOther(Action action) {
-    switch (action) {
-        case Action::Quit:
-            return askToClose();
-        case Action::Fullscreen:
-            return host_.toggleFullscreen();
-        case Action::FramePicked:
-            return framePicked();
-        case Action::FocusPicked:
-            if (m_.pick) focusAt(m_.pick->x, m_.pick->y);
-            return;
-        case Action::Undo:
-            return travel(m_.history.undo(), "nothing to undo");
-        case Action::Redo:
-            return travel(m_.history.redo(), "nothing to redo");
-        case Action::Bookmark:
-            return keepCamera();
-        case Action::NextBookmark:
-            return goToCamera(m_.camera + 1);
-        case Action::GoToCamera:
-            return goToCamera(m_.camera);
-        case Action::PrintCamera:
-            return copyJson();
-        case Action::WriteCameras:
-            return writeCameras();
-        case Action::WriteScene:
-            return writeScene();
-        case Action::SaveNamed:
-            return saveNamed();
-        case Action::OpenNamed:
-            return drop({m_.openName.data()});
-        case Action::Reload:
-            return startLoading();
-        case Action::Verify:
-            return startVerifying();
-        case Action::Keep:
-            return keepPicture();
-        case Action::TraceReference:
-            return startReference();
-        case Action::CompareMode:
-            return nextComparison();
-        default:
-            return;
-    }
+    struct Command {
+        Action action;
+        void (*run)(Commands& c);
+    };
+    static constexpr Command kCommands[] = {
+        {Action::Quit, [](Commands& c) { c.askToClose(); }},
+        {Action::Fullscreen, [](Commands& c) { c.host_.toggleFullscreen(); }},
+        {Action::FramePicked, [](Commands& c) { c.framePicked(); }},
+        {Action::FocusPicked,
+         [](Commands& c) {
+             if (c.m_.pick) c.focusAt(c.m_.pick->x, c.m_.pick->y);
+         }},
+        {Action::Undo, [](Commands& c) { c.travel(c.m_.history.undo(), "nothing to undo"); }},
+        {Action::Redo, [](Commands& c) { c.travel(c.m_.history.redo(), "nothing to redo"); }},
+        {Action::Bookmark, [](Commands& c) { c.keepCamera(); }},
+        {Action::NextBookmark, [](Commands& c) { c.goToCamera(c.m_.camera + 1); }},
+        {Action::GoToCamera, [](Commands& c) { c.goToCamera(c.m_.camera); }},
+        {Action::PrintCamera, [](Commands& c) { c.copyJson(); }},
+        {Action::WriteCameras, [](Commands& c) { c.writeCameras(); }},
+        {Action::WriteScene, [](Commands& c) { c.writeScene(); }},
+        {Action::SaveNamed, [](Commands& c) { c.saveNamed(); }},
+        {Action::OpenNamed, [](Commands& c) { c.drop({c.m_.openName.data()}); }},
+        {Action::Reload, [](Commands& c) { c.startLoading(); }},
+        {Action::Verify, [](Commands& c) { c.startVerifying(); }},
+        {Action::Keep, [](Commands& c) { c.keepPicture(); }},
+        {Action::TraceReference, [](Commands& c) { c.startReference(); }},
+        {Action::CompareMode, [](Commands& c) { c.nextComparison(); }},
+    };
+    for (const Command& command : kCommands)
+        if (command.action == action) return command.run(*this);
 }
 
 void Commands::travel(const std::optional<Undoable>& state, const char* otherwise) {
@@ -243,7 +230,7 @@ void Commands::copyJson() {
     std::string json = cameraJson(m_.control.camera());
     std::string what = "camera";
     if (m_.settings.lights != m_.fileSettings.lights) {
-        json += ",\n\"lights\": " + lightsJson(m_.settings.lights, *m_.file);
+        json += ",\n\"lights\": " + lightsJson(m_.settings.lights);
         what += ", lights";
     }
     const std::string materials = materialsJson(m_.settings.edits.materials, m_.fileSettings.edits.materials);
@@ -296,7 +283,7 @@ void Commands::writeScene() {
                         target.string() + " exists: choose another name, or \"replace the file\"");
         const std::string text = readWholeFile(m_.scene->path);
         checkUnchanged(text);
-        writeTextFile(target, editedSceneText(text, *m_.file, m_.settings, m_.fileSettings));
+        writeTextFile(target, editedSceneText(text, m_.settings, m_.fileSettings));
         m_.saveSceneVisible = m_.replacesFile = false;
         const std::string line = "wrote lights and materials to " + target.string();
         m_.say(line);
@@ -330,7 +317,7 @@ void Commands::follow(Hint hint) {
 // After all events of a round.
 void Commands::noteChanges() {
     if (!m_.changed()) return;
-    const bool moved = !sameCamera(m_.control.camera(), m_.history.seen().camera);
+    const bool moved = m_.control.camera() != m_.history.seen().camera;
     m_.history.note(m_.undoable(), m_.clock.seconds());
     if (!moved) return;
     follow(Hint::Turn);

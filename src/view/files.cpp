@@ -98,7 +98,7 @@ void RecentFiles::add(const fs::path& scene) {
 }
 
 bool isPictureFile(const std::filesystem::path& file) {
-    return endsIn(file, {".png", ".exr", ".pfm", ".hdr", ".jpg", ".jpeg"});
+    return endsIn(file, {".png", ".exr", ".pfm", ".hdr", ".jpg", ".jpeg", ".webp"});
 }
 
 bool isSceneFile(const std::filesystem::path& file) {

@@ -178,7 +178,7 @@ const char* findFont() {
 
 }  // namespace
 
-Gui::Gui(float scale, Clipboard clipboard) : scale_(scale), clipboard_(std::move(clipboard)) {
+Gui::Gui(float scale, Window& window) : scale_(scale), window_(window) {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;  // no file appears where the program runs
@@ -187,11 +187,11 @@ Gui::Gui(float scale, Clipboard clipboard) : scale_(scale), clipboard_(std::move
     io.ClipboardUserData = this;
     io.GetClipboardTextFn = [](void* self) {
         auto* gui = static_cast<Gui*>(self);
-        gui->pasted_ = gui->clipboard_.read();
+        gui->pasted_ = gui->window_.clipboard();
         return gui->pasted_.c_str();
     };
     io.SetClipboardTextFn = [](void* self, const char* text) {
-        static_cast<Gui*>(self)->clipboard_.write(text);
+        static_cast<Gui*>(self)->window_.setClipboard(text);
     };
     ImFontConfig font;
     font.OversampleH = font.OversampleV = 1;  // glyphs are drawn texel for pixel

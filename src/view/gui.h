@@ -1,7 +1,6 @@
 
 #pragma once
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -9,17 +8,14 @@
 
 #include "view/display.h"
 #include "view/keys.h"
+#include "view/window.h"
 
 namespace glint::view {
 
 class Gui {
   public:
-    // `scale` of text and controls; `clipboard` is read by Ctrl+V, `toClipboard` written by Ctrl+C.
-    struct Clipboard {
-        std::function<std::string()> read;
-        std::function<void(const std::string&)> write;
-    };
-    Gui(float scale, Clipboard clipboard);
+    // `scale` of text and controls; the window's clipboard is read by Ctrl+V and written by Ctrl+C.
+    Gui(float scale, Window& window);
     ~Gui();
     Gui(const Gui&) = delete;
     Gui& operator=(const Gui&) = delete;
@@ -60,7 +56,7 @@ class Gui {
 
     float scale_;
     float fontPixels_ = 0;
-    Clipboard clipboard_;
+    Window& window_;
     std::string pasted_;  // what ImGui was given last
     std::vector<Rectangle> windows_, nextWindows_;
     std::map<std::string, Place> controls_, nextControls_;

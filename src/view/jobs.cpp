@@ -56,14 +56,20 @@ void applyDisplay(Image& color, const Display& display) {
     }
 }
 
-// The view by the device. Throws Error(Failed) if it is stopped.
-Picture rendered(const gpu::Device& device, const ViewRequest& view, Request wanted,
-                 const std::filesystem::path& file, JobControl& control) {
+// The part of a request, or of verify::Options, that all work on a view has in common.
+template <typename Wanted>
+void ofView(const ViewRequest& view, JobControl& control, Wanted& wanted) {
     static_cast<Tracing&>(wanted) = view.tracing;
     wanted.width = view.width;
     wanted.height = view.height;
     wanted.progress = [&](double fraction) { control.progress = fraction; };
     wanted.cancelled = [&] { return control.cancelled.load(); };
+}
+
+// The view by the device. Throws Error(Failed) if it is stopped.
+Picture rendered(const gpu::Device& device, const ViewRequest& view, Request wanted,
+                 const std::filesystem::path& file, JobControl& control) {
+    ofView(view, control, wanted);
     render::Renderer renderer(device, view.scene->packed, windowOptions(*view.scene));
     Picture picture = renderer.render(view.camera, wanted);
     if (!picture.complete) throw Error(ErrorKind::Failed, "saving stopped: " + file.string());
@@ -152,11 +158,7 @@ std::string save(const gpu::Device& device, SeenRequest request, JobControl& con
 VerifyResult verifyView(const gpu::Device& device, const ViewRequest& request, JobControl& control) {
     render::Renderer renderer(device, request.scene->packed, windowOptions(*request.scene));
     verify::Options options;
-    static_cast<Tracing&>(options) = request.tracing;
-    options.width = request.width;
-    options.height = request.height;
-    options.progress = [&](double fraction) { control.progress = fraction; };
-    options.cancelled = [&] { return control.cancelled.load(); };
+    ofView(request, control, options);
     verify::Report report = verify::verify(renderer, request.scene->packed, request.camera, options);
     VerifyResult result;
     result.passed = report.passed();
@@ -176,12 +178,8 @@ VerifyResult verifyView(const gpu::Device& device, const ViewRequest& request, J
 
 Image traceReference(const ViewRequest& request, const PackedSamples& samples, JobControl& control) {
     Request wanted;
-    static_cast<Tracing&>(wanted) = request.tracing;
-    wanted.width = request.width;
-    wanted.height = request.height;
+    ofView(request, control, wanted);
     wanted.samples = samples;
-    wanted.progress = [&](double fraction) { control.progress = fraction; };
-    wanted.cancelled = [&] { return control.cancelled.load(); };
     Picture picture = reference::render(request.scene->packed, request.camera, wanted);
     if (!picture.complete) throw Error(ErrorKind::Failed, "the reference was stopped");
     return std::move(picture.color);

@@ -63,7 +63,7 @@ std::string Model::waitingComparison() const {
 
 bool Model::changed() const {
     const Undoable& seen = history.seen();
-    return !sameCamera(control.camera(), seen.camera) || settings.lights != seen.settings.lights ||
+    return control.camera() != seen.camera || settings.lights != seen.settings.lights ||
            settings.background != seen.settings.background || settings.edits != seen.settings.edits;
 }
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/quantize.h"
-#include "view/panel_parts.h"
 
 namespace glint::view {
 
@@ -67,11 +66,6 @@ bool button(Gui& gui, const char* label, const char* help) {
 
 namespace {
 
-float srgbFromLinear(double linear) {
-    const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-    return static_cast<float>(encoded);
-}
-
 bool hexEdit(glm::vec3& srgb) {
     char typed[8];
     const auto byte = [](float c) {
@@ -93,7 +87,8 @@ bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help,
     const double greatest = std::max({value.x, value.y, value.z});
     double strength = bright && greatest > 1 ? greatest : 1;
     glm::vec3 srgb;
-    for (int i = 0; i < 3; ++i) srgb[i] = srgbFromLinear(std::clamp(value[i] / strength, 0.0, 1.0));
+    for (int i = 0; i < 3; ++i)
+        srgb[i] = static_cast<float>(srgbFromLinear(std::clamp(value[i] / strength, 0.0, 1.0)));
     const glm::vec3 before = srgb;
     ImGui::PushID(label);
     if (ImGui::ColorButton("##swatch", ImVec4(srgb.x, srgb.y, srgb.z, 1), ImGuiColorEditFlags_NoTooltip))

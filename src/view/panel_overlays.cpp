@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "view/panel_parts.h"
+#include "view/panel.h"
 
 namespace glint::view {
 

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <variant>
 
+#include "scene/limits.h"
 #include "scene/sampling.h"
-#include "view/panel_parts.h"
+#include "view/panel.h"
 
 namespace glint::view {
 
@@ -141,22 +143,26 @@ bool drag(Gui& gui, const char* label, glm::dvec3& value, double speed, const ch
     return changed;
 }
 
-void drawLight(Gui& gui, const Light& kind, LightSetting& light, double reach) {
+// A change that makes no valid light (a direction of length 0, a spot without width) is left out.
+template <typename Kind>
+void drawLight(Gui& gui, Kind& light, double reach) {
     colorEdit(gui, "intensity", light.intensity, "color and strength", true);
-    const double step = 0.01 * reach;
-    if (!std::holds_alternative<DirectionalLight>(kind))
-        drag(gui, "position", light.position, step, "drag, or Ctrl+click and type");
-    if (!std::holds_alternative<PointLight>(kind))
-        drag(gui, "direction", light.direction, 0.01, "the way the light travels");
-    if (std::holds_alternative<SpotLight>(kind)) {
-        slider(gui, "angle", light.angle, 0, 90, "%.1f deg", "full light up to here from the axis");
-        slider(gui, "penumbra", light.penumbra, 0, 90, "%.1f deg", "no light from so much farther on");
+    if constexpr (requires { light.position; })
+        drag(gui, "position", light.position, 0.01 * reach, "drag, or Ctrl+click and type");
+    if constexpr (requires { light.direction; }) {
+        glm::dvec3 direction = light.direction;
+        drag(gui, "direction", direction, 0.01, "the way the light travels");
+        if (glm::length(direction) >= kMinLength) light.direction = direction;
+    }
+    if constexpr (requires { light.angle; }) {
+        double angle = light.angle, penumbra = light.penumbra;
+        slider(gui, "angle", angle, 0, 90, "%.1f deg", "full light up to here from the axis");
+        slider(gui, "penumbra", penumbra, 0, 90, "%.1f deg", "no light from so much farther on");
+        if (angle + penumbra < kMinSpotAngle) return;
+        light.angle = angle;
+        light.penumbra = penumbra;
     }
 }
-
-}  // namespace
-
-namespace {
 
 // In a small window all groups are closed at first, so that the image is seen.
 bool opensWide() {
@@ -173,17 +179,15 @@ void drawLights(Gui& gui, Model& m) {
         ImGui::PushID(static_cast<int>(i));
         ImGui::Checkbox("##on", &lights[i].on);
         ImGui::SameLine();
-        const Light& kind = m.scene->scene.lights[i];
-        const char* name = std::holds_alternative<PointLight>(kind)  ? "point"
-                           : std::holds_alternative<SpotLight>(kind) ? "spot"
-                                                                     : "sun";
+        constexpr const char* kNames[] = {"point", "sun", "spot"};
         char label[32];
-        std::snprintf(label, sizeof(label), "%zu %s", i, name);
+        std::snprintf(label, sizeof(label), "%zu %s", i, kNames[lights[i].light.index()]);
         ImGui::SliderFloat("##dim", &lights[i].dim, 0, 4, "x %.2f", ImGuiSliderFlags_AlwaysClamp);
         tip(gui, label, "times the light's intensity");
         ImGui::SameLine();
         if (ImGui::TreeNode(label)) {
-            drawLight(gui, kind, lights[i], boundsOf(*m.scene).radius);
+            std::visit([&](auto& light) { drawLight(gui, light, boundsOf(*m.scene).radius); },
+                       lights[i].light);
             ImGui::TreePop();
         }
         ImGui::PopID();

@@ -101,12 +101,9 @@ Tracing Session::tracing() const {
     tracing.methods = settings_.methods;
     Lighting& lighting = tracing.lighting.emplace();
     lighting.background = settings_.background;
-    for (size_t i = 0; i < scene_->packed.lights.size(); ++i) {
-        const Light& own = scene_->scene.lights[i];
-        const LightSetting setting =
-            i < settings_.lights.size() ? settings_.lights[i] : LightSetting::of(own);
+    for (const LightSetting& setting : settings_.lights) {
         if (!setting.on || setting.dim <= 0) continue;
-        shared::Light light = packLight(setting.applied(own), scene_->packed.origin);
+        shared::Light light = packLight(setting.light, scene_->packed.origin);
         light.intensity *= setting.dim;
         lighting.lights.push_back(light);
     }
@@ -114,7 +111,7 @@ Tracing Session::tracing() const {
 }
 
 void Session::setView(const Camera& camera, int width, int height) {
-    if (width == width_ && height == height_ && sameCamera(camera, camera_)) return;
+    if (width == width_ && height == height_ && camera == camera_) return;
     camera_ = camera;
     width_ = width;
     height_ = height;

@@ -2,27 +2,10 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "core/error.h"
-#include "scene/limits.h"
-
-namespace glint {
-
-bool operator==(const AdaptiveSampling& a, const AdaptiveSampling& b) {
-    return a.maxSamples == b.maxSamples && a.threshold == b.threshold;
-}
-
-bool operator==(const ImageSettings& a, const ImageSettings& b) {
-    const auto fields = [](const ImageSettings& s) {
-        return std::tie(s.width, s.height, s.samplesPerPixel, s.sampler, s.filter, s.filterRadius, s.seed,
-                        s.adaptive);
-    };
-    return fields(a) == fields(b);
-}
-
-}  // namespace glint
 
 namespace glint::view {
 
@@ -31,14 +14,6 @@ namespace {
 template <typename T>
 void followOne(T& mine, const T& before, const T& now) {
     if (mine == before) mine = now;
-}
-
-void followLight(LightSetting& mine, const LightSetting& before, const LightSetting& now) {
-    followOne(mine.position, before.position, now.position);
-    followOne(mine.direction, before.direction, now.direction);
-    followOne(mine.intensity, before.intensity, now.intensity);
-    followOne(mine.angle, before.angle, now.angle);
-    followOne(mine.penumbra, before.penumbra, now.penumbra);
 }
 
 void followSampling(ImageSettings& mine, const ImageSettings& before, const ImageSettings& now) {
@@ -59,30 +34,28 @@ Json vectorJson(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
-Json lightJson(const Light& light) {
-    Json json;
-    if (const auto* point = std::get_if<PointLight>(&light)) {
-        json = {{"type", "point"}, {"position", vectorJson(point->position)}};
-        json["intensity"] = vectorJson(point->intensity);
-        json["falloff"] = nameOf(point->falloff);
-    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
-        json = {{"type", "spot"}, {"position", vectorJson(spot->position)}};
-        json["direction"] = vectorJson(spot->direction);
-        json["angle"] = spot->angle;
-        json["penumbra"] = spot->penumbra;
-        json["intensity"] = vectorJson(spot->intensity);
-        json["falloff"] = nameOf(spot->falloff);
-    } else {
-        const auto& sun = std::get<DirectionalLight>(light);
-        json = {{"type", "directional"}, {"direction", vectorJson(sun.direction)}};
-        json["intensity"] = vectorJson(sun.intensity);
-    }
-    return json;
-}
-
-// Calls visit(name, field) for each that a scene file may hold and the panel can change.
+// Calls visit(name, field) for each field of a light or material that a scene file may hold and the panel can
+// change.
 template <typename Visit>
-void forFields(const Visit& visit) {
+void forFields(const PointLight&, const Visit& visit) {
+    visit("position", &PointLight::position);
+    visit("intensity", &PointLight::intensity);
+}
+template <typename Visit>
+void forFields(const DirectionalLight&, const Visit& visit) {
+    visit("direction", &DirectionalLight::direction);
+    visit("intensity", &DirectionalLight::intensity);
+}
+template <typename Visit>
+void forFields(const SpotLight&, const Visit& visit) {
+    visit("position", &SpotLight::position);
+    visit("direction", &SpotLight::direction);
+    visit("angle", &SpotLight::angle);
+    visit("penumbra", &SpotLight::penumbra);
+    visit("intensity", &SpotLight::intensity);
+}
+template <typename Visit>
+void forFields(const Material&, const Visit& visit) {
     visit("ambient", &Material::ambient);
     visit("diffuse", &Material::diffuse);
     visit("specular", &Material::specular);
@@ -100,45 +73,40 @@ Json numberJson(const glm::dvec3& value) {
     return vectorJson(value);
 }
 
+Json lightJson(const Light& light) {
+    constexpr const char* kTypes[] = {"point", "directional", "spot"};
+    Json json = {{"type", kTypes[light.index()]}};
+    std::visit(
+        [&](const auto& l) {
+            forFields(l, [&](const char* name, auto field) { json[name] = numberJson(l.*field); });
+            if constexpr (requires { l.falloff; }) json["falloff"] = nameOf(l.falloff);
+        },
+        light);
+    return json;
+}
+
+// A light of another kind than before is taken as it is now.
+void followLight(Light& mine, const Light& before, const Light& now) {
+    if (mine.index() != now.index() || before.index() != now.index()) {
+        mine = now;
+        return;
+    }
+    std::visit(
+        [&](auto& m) {
+            using Kind = std::remove_reference_t<decltype(m)>;
+            const Kind &b = std::get<Kind>(before), &n = std::get<Kind>(now);
+            forFields(m, [&](const char*, auto field) { followOne(m.*field, b.*field, n.*field); });
+            if constexpr (requires { m.falloff; }) m.falloff = n.falloff;
+        },
+        mine);
+}
+
 }  // namespace
-
-LightSetting LightSetting::of(const Light& light) {
-    LightSetting s;
-    std::visit([&](const auto& l) { s.intensity = l.intensity; }, light);
-    if (const auto* point = std::get_if<PointLight>(&light)) s.position = point->position;
-    if (const auto* sun = std::get_if<DirectionalLight>(&light)) s.direction = sun->direction;
-    if (const auto* spot = std::get_if<SpotLight>(&light)) {
-        s.position = spot->position;
-        s.direction = spot->direction;
-        s.angle = spot->angle;
-        s.penumbra = spot->penumbra;
-    }
-    return s;
-}
-
-Light LightSetting::applied(const Light& light) const {
-    Light result = light;
-    std::visit([&](auto& l) { l.intensity = intensity; }, result);
-    const bool turned = glm::length(direction) >= kMinLength;
-    if (auto* point = std::get_if<PointLight>(&result)) point->position = position;
-    if (auto* sun = std::get_if<DirectionalLight>(&result); sun != nullptr && turned)
-        sun->direction = direction;
-    if (auto* spot = std::get_if<SpotLight>(&result)) {
-        spot->position = position;
-        if (turned) spot->direction = direction;
-        const double whole = angle + penumbra;
-        if (angle >= 0 && penumbra >= 0 && whole >= kMinSpotAngle && whole <= 180) {
-            spot->angle = angle;
-            spot->penumbra = penumbra;
-        }
-    }
-    return result;
-}
 
 PictureSettings PictureSettings::of(const Scene& scene) {
     PictureSettings s;
     s.maxDepth = scene.maxDepth;
-    for (const Light& light : scene.lights) s.lights.push_back(LightSetting::of(light));
+    for (const Light& light : scene.lights) s.lights.push_back({.light = light});
     s.background = glm::vec3(scene.environment ? scene.environment->intensity : scene.background);
     s.sampling = scene.image;
     s.edits = SceneEdits::of(scene);
@@ -154,7 +122,7 @@ void PictureSettings::follow(const PictureSettings& before, const PictureSetting
     lights = now.lights;
     for (size_t i = 0; i < std::min({mine.size(), before.lights.size(), now.lights.size()}); ++i) {
         lights[i] = mine[i];
-        followLight(lights[i], before.lights[i], now.lights[i]);
+        followLight(lights[i].light, before.lights[i].light, now.lights[i].light);
     }
 }
 
@@ -167,7 +135,8 @@ bool SceneEdits::operator==(const SceneEdits& other) const {
            std::equal(materials.begin(), materials.end(), other.materials.begin(), other.materials.end(),
                       [](const Material& a, const Material& b) {
                           bool equal = a.name == b.name;
-                          forFields([&](const char*, auto field) { equal = equal && a.*field == b.*field; });
+                          forFields(a,
+                                    [&](const char*, auto field) { equal = equal && a.*field == b.*field; });
                           return equal;
                       });
 }
@@ -181,7 +150,7 @@ void SceneEdits::follow(const SceneEdits& before, const SceneEdits& now) {
     const std::vector<Material> mine = std::exchange(materials, now.materials);
     for (size_t i = 0; i < std::min({mine.size(), before.materials.size(), materials.size()}); ++i) {
         if (mine[i].name != materials[i].name) continue;
-        forFields([&](const char*, auto field) {
+        forFields(mine[i], [&](const char*, auto field) {
             if (mine[i].*field != before.materials[i].*field) materials[i].*field = mine[i].*field;
         });
     }
@@ -200,12 +169,12 @@ void setDiffuse(Material& material, const Color& diffuse) {
 
 namespace {
 
-Json lightsOf(const std::vector<LightSetting>& settings, const Scene& scene) {
+Json lightsOf(const std::vector<LightSetting>& lights) {
     Json json = Json::array();
-    for (size_t i = 0; i < std::min(settings.size(), scene.lights.size()); ++i) {
-        if (!settings[i].on || settings[i].dim <= 0) continue;
-        Light light = settings[i].applied(scene.lights[i]);
-        std::visit([&](auto& l) { l.intensity *= static_cast<double>(settings[i].dim); }, light);
+    for (const LightSetting& setting : lights) {
+        if (!setting.on || setting.dim <= 0) continue;
+        Light light = setting.light;
+        std::visit([&](auto& l) { l.intensity *= static_cast<double>(setting.dim); }, light);
         json.push_back(lightJson(light));
     }
     return json;
@@ -216,7 +185,7 @@ Json materialsOf(const std::vector<Material>& materials, const std::vector<Mater
     Json json;
     for (size_t i = 0; i < std::min(materials.size(), before.size()); ++i) {
         const Material &now = materials[i], &then = before[i];
-        forFields([&](const char* name, auto field) {
+        forFields(now, [&](const char* name, auto field) {
             if (now.*field != then.*field) json[now.name][name] = numberJson(now.*field);
         });
         if (now.diffuse != then.diffuse) json[now.name]["ambient"] = vectorJson(now.ambient);
@@ -226,8 +195,8 @@ Json materialsOf(const std::vector<Material>& materials, const std::vector<Mater
 
 }  // namespace
 
-std::string lightsJson(const std::vector<LightSetting>& settings, const Scene& scene) {
-    return lightsOf(settings, scene).dump();
+std::string lightsJson(const std::vector<LightSetting>& lights) {
+    return lightsOf(lights).dump();
 }
 
 std::string materialsJson(const std::vector<Material>& materials, const std::vector<Material>& before) {
@@ -235,10 +204,10 @@ std::string materialsJson(const std::vector<Material>& materials, const std::vec
     return json.is_null() ? "" : json.dump();
 }
 
-std::string editedSceneText(const std::string& text, const Scene& scene, const PictureSettings& settings,
+std::string editedSceneText(const std::string& text, const PictureSettings& settings,
                             const PictureSettings& file) {
     Json json = Json::parse(text, nullptr, true, true);
-    if (settings.lights != file.lights) json["lights"] = lightsOf(settings.lights, scene);
+    if (settings.lights != file.lights) json["lights"] = lightsOf(settings.lights);
     const Json materials = materialsOf(settings.edits.materials, file.edits.materials);
     for (const auto& [name, fields] : materials.items()) {
         if (!json["materials"].contains(name))

@@ -12,27 +12,13 @@
 #include "trace/methods.h"
 #include "view/display.h"
 
-namespace glint {
-
-bool operator==(const AdaptiveSampling& a, const AdaptiveSampling& b);
-bool operator==(const ImageSettings& a, const ImageSettings& b);
-
-}  // namespace glint
-
 namespace glint::view {
 
 struct LightSetting {
     bool on = true;
     float dim = 1;  // times the intensity
-    // Fields as in scene.h; each kind of light has some of them.
-    glm::dvec3 position{0}, direction{0, -1, 0};
-    Color intensity{1};
-    double angle = 30, penumbra = 0;
+    Light light;
     bool operator==(const LightSetting&) const = default;
-
-    static LightSetting of(const Light& light);
-    // `light` with these values; what cannot be (no direction, a spot without width) stays as it was there.
-    Light applied(const Light& light) const;
 };
 
 // Stops sampling at an error instead of a number of samples (docs/design/error-targets.md).
@@ -86,12 +72,12 @@ void setDiffuse(Material& material, const Color& diffuse);
 
 // Values of "lights" and "materials" in a scene file: all lights that are on, and the changed fields of
 // materials (empty if nothing differs from `before`).
-std::string lightsJson(const std::vector<LightSetting>& settings, const Scene& scene);
+std::string lightsJson(const std::vector<LightSetting>& lights);
 std::string materialsJson(const std::vector<Material>& materials, const std::vector<Material>& before);
 
-// The text of a JSON scene with the lights and edits that differ from `file`; comments are lost. `scene`: as
-// read from the text. Throws Error(Argument) if a changed material is not in the text.
-std::string editedSceneText(const std::string& text, const Scene& scene, const PictureSettings& settings,
+// The text of a JSON scene with the lights and edits that differ from `file`; comments are lost. Throws
+// Error(Argument) if a changed material is not in the text.
+std::string editedSceneText(const std::string& text, const PictureSettings& settings,
                             const PictureSettings& file);
 
 // Undo restores camera, lights, background and edits.

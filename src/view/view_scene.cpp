@@ -1,10 +1,10 @@
 #include "view/view_scene.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "core/available_memory.h"
+#include "pack/extent.h"
 #include "pack/packed_scene.h"
 #include "pack/primitives.h"
 #include "pack/scene_arrays.h"
@@ -12,21 +12,6 @@
 namespace glint::view {
 
 namespace {
-
-struct Box {
-    glm::dvec3 lo{std::numeric_limits<double>::infinity()};
-    glm::dvec3 hi{-std::numeric_limits<double>::infinity()};
-
-    void add(const glm::dvec3& p) {
-        lo = glm::min(lo, p);
-        hi = glm::max(hi, p);
-    }
-    bool empty() const { return lo.x > hi.x; }
-    Ball ball(const glm::dvec3& origin) const {
-        // A single point still needs a distance to be seen from.
-        return {origin + 0.5 * (lo + hi), std::max(0.5 * glm::length(hi - lo), 1e-6)};
-    }
-};
 
 bool reflects(const shared::Material& m) {
     return m.mirror.x > 0 || m.mirror.y > 0 || m.mirror.z > 0;
@@ -75,10 +60,9 @@ std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path
 Ball boundsOf(const ViewScene& scene) {
     const PackedScene& p = scene.packed;
     if (p.environment.root != shared::kNone) {
-        Box box;
-        box.add(p.boundsLo);
-        box.add(p.boundsHi);
-        return box.ball(p.origin);
+        const glm::dvec3 lo(p.boundsLo), hi(p.boundsHi);
+        // A single point still needs a distance to be seen from.
+        return {p.origin + 0.5 * (lo + hi), std::max(0.5 * glm::length(hi - lo), 1e-6)};
     }
     const Camera& c = scene.scene.camera;
     return {c.target, 0.5 * glm::length(c.eye - c.target)};
@@ -86,13 +70,13 @@ Ball boundsOf(const ViewScene& scene) {
 
 Ball boundsOf(const ViewScene& scene, uint32_t object, const glm::dvec3& hit, double distance) {
     const PackedScene& p = scene.packed;
-    Box box;
+    Extent box;
     visitBalls(p, object, [&](const glm::dvec3& point, double radius) {
-        box.add(point - radius);
-        box.add(point + radius);
+        box.include(point - radius);
+        box.include(point + radius);
     });
     if (box.empty()) return {hit, std::max(0.1 * distance, 1e-6)};
-    const glm::dvec3 center = 0.5 * (box.lo + box.hi);
+    const glm::dvec3 center = box.center();
     double reach = 1e-6;
     visitBalls(p, object, [&](const glm::dvec3& point, double radius) {
         reach = std::max(reach, glm::length(point - center) + radius);
@@ -109,7 +93,7 @@ Moments::Moments(const std::filesystem::path& path, const Loading& loading, std:
 
 Moment Moments::packed(Moment moment) {
     const bool kept = last_ && !moved_ && moment.edits == lastEdits_ &&
-                      (sameCamera(moment.file->camera, last_->scene.camera) ||
+                      (moment.file->camera == last_->scene.camera ||
                        keepsArrays(last_->packed, last_->scene, moment.file->camera));
     if (kept) return moment;
     // Trees are kept for whoever asks for the scene again, not for one that is shown once.
