@@ -2,8 +2,8 @@
 //
 // Traces the camera rays of a scene's picture, and shadow rays from what they hit to its first light, by
 // Embree and by the device's kernels, in turn, and prints millions of rays a second of clock time and of
-// processor time (the least of all repeats), ratios to Embree's single rays, tests a ray, and how many rays
-// differ in what they hit.
+// processor time (the least of all repeats), ratios to Embree's single rays, and how many rays differ in what
+// they hit.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -124,15 +124,7 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
     if (contestants.empty())
         throw Error(ErrorKind::Argument, "--only: no contestant \"" + settings.only + "\"");
     const std::vector<BenchRay> rays = cameraRays(packed, camera, settings.width, settings.height);
-    const auto tests = [&](DeviceRays& device) {
-        return static_cast<double>(device.countTests(rays)) / static_cast<double>(countRays(rays));
-    };
     compete(contestants, rays, false, settings.repeat);
-    if (settings.only.empty()) {
-        std::printf("  tests a ray: lane %.1f", tests(lane));
-        if (packet) std::printf(", packet %.1f", tests(*packet));
-        std::printf("\n");
-    }
     if (packed.lights.empty()) return;
     const std::vector<BenchRay> shadows = shadowRays(rays, contestants.front().hits, packed.lights[0]);
     if (countRays(shadows) > 0) compete(contestants, shadows, true, settings.repeat);

@@ -5,7 +5,7 @@
 
 #include "reference/tracer.h"
 #include "render/path_state.h"
-#include "render/scene_buffers.h"
+#include "verify/trace_batch.h"
 
 namespace glint::bench {
 namespace {
@@ -27,12 +27,12 @@ DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, rend
                        const Replacements& replaced)
     : scene_(scene),
       code_(replace(render::embeddedKernels(), replaced)),
-      renderer_(device, scene, optionsOf(traversal)) {}
+      queries_(device, scene, traversal, code_) {}
 
 Timing DeviceRays::trace(const std::vector<BenchRay>& rays, bool any, std::vector<BenchHit>& hits) {
     BatchTimes times;
-    const std::vector<WorldHit> found =
-        renderer_.trace(batchOf(rays, any ? HitDetail::Any : HitDetail::Nearest), &times);
+    const std::vector<WorldHit> found = verify::traceBatch(
+        queries_, scene_, batchOf(rays, any ? HitDetail::Any : HitDetail::Nearest), true, &times);
     hits.assign(rays.size(), {});
     for (size_t i = 0; i < rays.size(); ++i) {
         if (!found[i].hit) continue;
@@ -41,24 +41,8 @@ Timing DeviceRays::trace(const std::vector<BenchRay>& rays, bool any, std::vecto
     return {times.wall, times.processor};
 }
 
-uint64_t DeviceRays::countTests(const std::vector<BenchRay>& rays) {
-    RayBatch batch = batchOf(rays, HitDetail::Nearest);
-    batch.cost = true;
-    const std::vector<WorldHit> found = renderer_.trace(batch);
-    uint64_t sum = 0;
-    for (size_t i = 0; i < rays.size(); ++i) sum += rays[i].tMax > rays[i].tMin ? found[i].cost : 0;
-    return sum;
-}
-
 std::vector<WorldHit> DeviceRays::surfaces(const std::vector<BenchRay>& rays) {
-    return renderer_.trace(batchOf(rays, HitDetail::Surface));
-}
-
-render::Options DeviceRays::optionsOf(render::Traversal traversal) const {
-    render::Options options;
-    options.traversal = traversal;
-    options.kernels = &code_;
-    return options;
+    return verify::traceBatch(queries_, scene_, batchOf(rays, HitDetail::Surface), true);
 }
 
 RayBatch DeviceRays::batchOf(const std::vector<BenchRay>& rays, HitDetail detail) const {

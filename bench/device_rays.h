@@ -6,7 +6,7 @@
 
 #include "pack/packed_scene.h"
 #include "rays.h"
-#include "render/renderer.h"
+#include "render/ray_queries.h"
 #include "trace/ray_batch.h"
 
 namespace glint::bench {
@@ -24,20 +24,17 @@ class DeviceRays {
                const Replacements& replaced = {});
 
     Timing trace(const std::vector<BenchRay>& rays, bool any, std::vector<BenchHit>& hits);
-    // Boxes and primitives tested in all, by the kernel's own count.
-    uint64_t countTests(const std::vector<BenchRay>& rays);
     // Points and normals too.
     std::vector<WorldHit> surfaces(const std::vector<BenchRay>& rays);
 
   private:
-    render::Options optionsOf(render::Traversal traversal) const;
     // Rounded to fp32 they are what they were.
     RayBatch batchOf(const std::vector<BenchRay>& rays, HitDetail detail) const;
     uint32_t idOf(uint32_t primitive) const;
 
     const PackedScene& scene_;
     render::KernelCode code_;
-    render::Renderer renderer_;
+    render::RayQueries queries_;
 };
 
 // The camera rays of the picture, 8x8 tiles one after the other and in each the Morton curve, as the paths of

@@ -25,7 +25,7 @@ struct PacketLevels {
     uint depth;
 };
 const uint kLevels = 16u;
-const uint kLevelFirstShift = 9u;  // kMostPacketNodes in src/render/traversal_choice.h
+const uint kLevelFirstShift = 9u;  // kMostPacketNodes in src/render/kernel_choice.h
 const uint kLevelAscends = 256u;
 
 // Returns the next node to visit, or kNone if no level is left. `first`: first inner child of the current

@@ -11,7 +11,7 @@
 #include "core/text_file.h"
 #include "gpu/device.h"
 #include "pack/scene_arrays.h"
-#include "render/traversal_choice.h"
+#include "render/kernel_choice.h"
 #include "scene/cameras.h"
 #include "scene/sampling.h"
 #include "shared/dispatch.h"

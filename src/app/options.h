@@ -14,7 +14,7 @@
 #include "bvh/bvh.h"
 #include "core/file_source.h"
 #include "core/progress.h"
-#include "render/traversal_choice.h"
+#include "render/kernel_choice.h"
 #include "scene/frame_model.h"
 #include "scene/scene.h"
 #include "trace/backend.h"

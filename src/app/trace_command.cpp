@@ -8,7 +8,9 @@
 #include "core/error.h"
 #include "reference/loaded_truth.h"
 #include "reference/trace_rays.h"
+#include "render/ray_queries.h"
 #include "render/renderer.h"
+#include "verify/trace_batch.h"
 
 namespace glint::app {
 
@@ -49,10 +51,19 @@ RayBatch batchOf(const TraceCommand& command, std::ostream& err) {
 
 // The camera ray of a pixel's middle. The device makes its own, in fp32, as it does for a picture.
 std::vector<WorldHit> tracePixelOnDevice(const TraceCommand& command, const LoadedScene& loaded,
-                                         render::Renderer& renderer) {
+                                         const gpu::Device& device) {
+    render::Options options;
+    options.traversal = command.device.traversal;
+    render::Renderer renderer(device, loaded.packed, options);
     const auto [x, y] = *command.pixel;
     const Request request = requestOf(loaded, command.scene);
     return {hitOf(renderer.pixel(cameraOf(loaded, request), request, x, y))};
+}
+
+std::vector<WorldHit> traceRaysOnDevice(const TraceCommand& command, const LoadedScene& loaded,
+                                        const gpu::Device& device, const RayBatch& batch) {
+    render::RayQueries queries(device, loaded.packed, command.device.traversal);
+    return verify::traceBatch(queries, loaded.packed, batch);
 }
 
 std::vector<WorldHit> tracePixelOnHost(const TraceCommand& command, const LoadedScene& loaded) {
@@ -77,14 +88,9 @@ void print(const TraceCommand& command, const std::vector<WorldHit>& hits, int d
 void traceOnDevice(const TraceCommand& command, const LoadedScene& loaded, std::ostream& out,
                    std::ostream& err) {
     const gpu::Device device = openDevice(command.device, true);
-    std::vector<WorldHit> hits;
-    {
-        render::Options options;
-        options.traversal = command.device.traversal;
-        render::Renderer renderer(device, loaded.packed, options);
-        hits = command.pixel ? tracePixelOnDevice(command, loaded, renderer)
-                             : renderer.trace(batchOf(command, err));
-    }
+    const std::vector<WorldHit> hits =
+        command.pixel ? tracePixelOnDevice(command, loaded, device)
+                      : traceRaysOnDevice(command, loaded, device, batchOf(command, err));
     print(command, hits, kDeviceDigits, out);
     reportValidation(device, command.device, err);
 }

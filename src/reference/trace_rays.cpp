@@ -12,26 +12,34 @@ constexpr size_t kRaysPerTurn = 256;  // that a thread takes at a time
 
 }  // namespace
 
-WorldHit trace(const Tracer& tracer, const Ray& ray, HitDetail detail) {
+WorldHit worldHit(const Tracer& tracer, const Ray& ray, const Hit& hit) {
+    const Surface surface = tracer.surfaceAt(ray, hit);
     WorldHit found;
-    if (detail == HitDetail::Any) {
-        found.hit = tracer.occluded(ray, {}, &found.cost);
-        return found;
-    }
-    const std::optional<Hit> hit = tracer.closest(ray, {}, &found.cost);
-    if (!hit) return found;
     found.hit = true;
-    found.t = hit->t;
-    found.packed = hit->primitive;
-    if (detail == HitDetail::Nearest) return found;
-    const Surface surface = tracer.surfaceAt(ray, *hit);
-    found.u = hit->u;
-    found.v = hit->v;
+    found.t = hit.t;
+    found.packed = hit.primitive;
+    found.u = hit.u;
+    found.v = hit.v;
     found.point = tracer.model().origin + surface.position;
     found.normal = surface.geometricNormal;
     found.object = surface.object;
     found.face = surface.primitive;
     found.material = surface.material;
+    return found;
+}
+
+WorldHit trace(const Tracer& tracer, const Ray& ray, HitDetail detail) {
+    WorldHit found;
+    uint64_t cost = 0;
+    if (detail == HitDetail::Any) {
+        found.hit = tracer.occluded(ray, {}, &cost);
+    } else if (const std::optional<Hit> hit = tracer.closest(ray, {}, &cost)) {
+        found.hit = true;
+        found.t = hit->t;
+        found.packed = hit->primitive;
+        if (detail == HitDetail::Surface) found = worldHit(tracer, ray, *hit);
+    }
+    found.cost = cost;
     return found;
 }
 

@@ -1,8 +1,11 @@
-// Colours, losses and layers of a slice's pixels, from the path state.
+// Colours, losses and layers of a slice's pixels, and rays of chosen pixels, from the path state.
 #pragma once
 
+#include <unordered_map>
+
+#include "render/kernels.h"
 #include "render/path_state.h"
-#include "render/pipelines.h"
+#include "trace/trail.h"
 
 namespace glint::render {
 
@@ -24,6 +27,21 @@ struct AovRows {
 
     AovRows(const PathState& paths, const gpu::Device& device, uint32_t count);
     PixelData at(uint32_t path, const glm::dvec3& origin) const;
+};
+
+// Reads back the rays of chosen pixels after each bounce.
+class TrailRecorder {
+  public:
+    explicit TrailRecorder(const std::vector<glm::ivec2>& pixels);
+    // Call after the closest hits of a bounce and before its shading; the rows must hold AOVs.
+    void add(const PathState& paths, const gpu::Device& device, const Slice& slice);
+    std::vector<Trail> take() { return std::move(trails_); }
+
+  private:
+    static uint64_t keyOf(const glm::ivec2& pixel);
+
+    std::unordered_map<uint64_t, size_t> places_;
+    std::vector<Trail> trails_;
 };
 
 }  // namespace glint::render

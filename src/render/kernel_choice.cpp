@@ -1,8 +1,116 @@
 #include "render/kernel_choice.h"
 
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+#include "core/error.h"
 #include "pack/request_environment.h"
+#include "shared/dispatch.h"
 
 namespace glint::render {
+
+namespace {
+
+bool isGpu(const gpu::DeviceInfo& device) {
+    return device.type == "discrete GPU" || device.type == "integrated GPU" || device.type == "virtual GPU";
+}
+
+// Features that packets support or need not know. Any other feature, also one that comes later, is traced one
+// ray per lane.
+constexpr std::string_view kKnown[] = {
+    "triangles",      "spheres",           "planes",     "cuboids",  "anchoredSpheres", "vertexNormals",
+    "pointLights",    "directionalLights", "spotLights", "specular", "mirrors",         "parallelCamera",
+    "splitTriangles", "environmentMap",    "thinLens",   "slivers",  "openPlanes",      "texturedGlass"};
+
+bool isKnown(std::string_view feature) {
+    return std::find(std::begin(kKnown), std::end(kKnown), feature) != std::end(kKnown);
+}
+
+// Primitives in the leaves that packets test.
+size_t primitivesOfPackets(const PackedScene& scene) {
+    return scene.triangles.size() + scene.spheres.size() + scene.cuboids.size();
+}
+
+bool anyForPackets(const SceneFeatures& features) {
+    return features.triangles || features.spheres || features.cuboids;
+}
+
+std::string unknownToPackets(const SceneFeatures& features) {
+    std::string unknown;
+#define GLINT_CHECK(ID, NAME, field) \
+    if (features.field && !isKnown(#field)) unknown += (unknown.empty() ? "" : ", ") + std::string(#field);
+    GLINT_FEATURES(GLINT_CHECK)
+#undef GLINT_CHECK
+    return unknown;
+}
+
+TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
+                                  const Methods& methods) {
+    const bool able = runsPackets(device);
+    if (wanted == Traversal::Packet && !able) {
+        throw Error(ErrorKind::Device, "packets of rays need subgroups of " +
+                                           std::to_string(shared::kPacketWidth) +
+                                           " lanes that can shuffle; \"" + device.name + "\" has " +
+                                           std::to_string(device.limits.subgroupSize) +
+                                           " lanes: choose the traversal auto or lane");
+    }
+    if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
+    if (const std::string name = unknownToPackets(scene.features); !name.empty())
+        return {false, "packets do not know " + name};
+    if (methods != Methods{}) return {false, "packets know no other tests than the default ones"};
+    if (!anyForPackets(scene.features)) return {false, "the scene has no tree"};
+    if (scene.nodes.size() > kMostPacketNodes) return {false, "more nodes than packets can number"};
+    if (wanted == Traversal::Packet) return {true, "as asked for"};
+    if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};
+    if (primitivesOfPackets(scene) < kFewestForPackets)
+        return {false, "so few primitives that packets do not pay"};
+    return {true, "llvmpipe, subgroups of 8 lanes"};
+}
+
+// A ray seldom takes more than a hundred, and paths are short.
+constexpr uint32_t kFewestTrips = 1500;
+// From where on what packets save pays for their longer start: between 0.7 million rays (scenes/arcade.json)
+// and two.
+constexpr uint64_t kManyRays = 1'000'000;
+
+}  // namespace
+
+bool runsPackets(const gpu::DeviceInfo& device) {
+    return device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
+}
+
+bool loopsConverge(const gpu::DeviceInfo& device) {
+    return device.llvmpipe && runsPackets(device);
+}
+
+std::string_view nameOf(const TraversalChoice& choice) {
+    return glint::nameOf(choice.packets ? Traversal::Packet : Traversal::Lane);
+}
+
+TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
+                                const Methods& methods) {
+    if (wanted == Traversal::Lane) return {false, "as asked for"};
+    if (wanted == Traversal::Auto && isGpu(device)) return {false, "a GPU"};
+    return chooseOnProcessor(wanted, device, scene, methods);
+}
+
+uint32_t firstWholeTiles(uint64_t mostRays) {
+    constexpr uint64_t kRays = 1 << 14, kLeast = 64, kMost = 256;
+    return static_cast<uint32_t>(std::clamp(kRays / mostRays, kLeast, kMost));
+}
+
+bool wholePathsKnow(const TraceModes& modes) {
+    const bool robust = modes.methods.triangles == TriangleMethod::Watertight &&
+                        modes.methods.spheres == SphereMethod::Robust;
+    return robust && !modes.aovs && !modes.cost && !modes.tally;
+}
+
+bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice, const WholePathsWork& work) {
+    if (!device.llvmpipe || work.tripBudget < kFewestTrips) return false;
+    const bool many = work.rays == 0 || work.rays >= kManyRays;
+    return !(choice.packets && !work.furtherRays && many);
+}
 
 std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request, bool packets) {
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};

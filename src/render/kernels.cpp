@@ -52,4 +52,17 @@ KernelId packetKernel(KernelId id) {
     return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
 }
 
+TraceModes modesOf(const Request& request) {
+    TraceModes modes;
+    modes.methods = request.methods;
+    modes.cost = request.cost;
+    modes.aovs = request.wantsData();
+    modes.shadowless = !request.shadows;
+    modes.ledger = request.wantsLosses();
+    modes.tally = request.tally;
+    modes.scattered = request.samples.scattered();
+    modes.adaptive = request.samples.threshold.has_value();
+    return modes;
+}
+
 }  // namespace glint::render

@@ -1,10 +1,13 @@
-// The embedded SPIR-V of the kernels (kernels.def).
+// The embedded SPIR-V of the kernels (kernels.def), and their modes.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+
+#include "trace/methods.h"
+#include "trace/request.h"
 
 namespace glint::render {
 
@@ -40,5 +43,15 @@ const char* moduleOf(KernelId id);
 KernelId packetKernel(KernelId id);
 // Paths that an invocation of the kernel takes: more than one of those for packets.
 uint32_t raysOfLane(KernelId id);
+
+// Kernel modes that a request selects: GLINT_MODES in shaders/shared/dispatch.h, and the tests of rays.
+struct TraceModes {
+    bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
+    bool scattered = false, adaptive = false, tally = false, given = false;
+    bool list = false, leaves = false;
+    Methods methods = {};
+    auto operator<=>(const TraceModes&) const = default;
+};
+TraceModes modesOf(const Request& request);
 
 }  // namespace glint::render

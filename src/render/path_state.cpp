@@ -71,4 +71,20 @@ void PathState::writeEnded(const gpu::Device& device) const {
     gpu::upload(device, paths_, std::as_bytes(std::span(entries)));
 }
 
+void LivePaths::bounced(uint32_t alive) {
+    if (alive >= running_) return;
+    list_ ^= 1u;
+    listed_ = true;
+    running_ = alive;
+}
+
+uint32_t LivePaths::groups() const {
+    return divideUp(running_, shared::kWorkgroupSize);
+}
+
+void LivePaths::writeTo(shared::Dispatch& dispatch) const {
+    dispatch.listed = listed_ ? running_ : 0;
+    dispatch.listRead = list_;
+}
+
 }  // namespace glint::render

@@ -1,6 +1,7 @@
 #include "render/pipelines.h"
 
-#include "render/traversal_choice.h"
+#include "core/parallel.h"
+#include "render/kernel_choice.h"
 
 namespace glint::render {
 
@@ -69,19 +70,6 @@ SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
     return features;
 }
 
-TraceModes modesOf(const Request& request) {
-    TraceModes modes;
-    modes.methods = request.methods;
-    modes.cost = request.cost;
-    modes.aovs = request.wantsData();
-    modes.shadowless = !request.shadows;
-    modes.ledger = request.wantsLosses();
-    modes.tally = request.tally;
-    modes.scattered = request.samples.scattered();
-    modes.adaptive = request.samples.threshold.has_value();
-    return modes;
-}
-
 Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
                      const SceneFeatures& features, bool ownArithmetic)
     : device_(device),
@@ -112,8 +100,41 @@ uint64_t Pipelines::codeBytes() const {
     return bytes;
 }
 
-void Pipelines::add(KernelId id, const TraceModes& modes, gpu::Kernel kernel) {
-    kernels_.emplace(std::make_pair(id, modes), std::move(kernel));
+void Pipelines::start(const TraceModes& modes, const std::vector<KernelId>& ids) {
+    for (const KernelId id : ids) {
+        translating_[{id, modes}] = std::async(std::launch::async | std::launch::deferred,
+                                               [this, id, modes] { return make(id, modes); });
+    }
+}
+
+std::vector<KernelId> Pipelines::missing(const TraceModes& modes, const std::vector<KernelId>& ids) const {
+    std::vector<KernelId> missing;
+    for (const KernelId id : ids)
+        if (!kernels_.contains({id, modes})) missing.push_back(id);
+    return missing;
+}
+
+gpu::Kernel Pipelines::translated(KernelId id, const TraceModes& modes) {
+    const auto started = translating_.find({id, modes});
+    gpu::Kernel kernel = started == translating_.end() ? make(id, modes) : started->second.get();
+    kernel.bind(buffers_);
+    return kernel;
+}
+
+// The first dispatch compiles on some drivers (lavapipe). Each kernel has a thread: drivers translate SPIR-V
+// on the caller's, and lavapipe then makes machine code of one kernel after the other on a thread of its own
+// (docs/lab/speed.md).
+void Pipelines::compile(const TraceModes& modes, const std::vector<KernelId>& ids,
+                        const shared::Dispatch& dispatch) {
+    std::vector<gpu::Kernel> made(ids.size());
+    parallelFor({.threads = static_cast<unsigned>(ids.size())}, ids.size(), [&](size_t i) {
+        made[i] = translated(ids[i], modes);
+        gpu::Submission first(device_);
+        first.dispatch(made[i], 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+        first.submit();
+    });
+    for (size_t i = 0; i < ids.size(); ++i)
+        kernels_.emplace(std::make_pair(ids[i], modes), std::move(made[i]));
 }
 
 gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {

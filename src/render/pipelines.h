@@ -1,27 +1,17 @@
 // The pipelines of one scene, each made when first used.
 #pragma once
 
+#include <future>
 #include <map>
-#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "gpu/compute.h"
 #include "pack/packed_scene.h"
 #include "render/kernels.h"
 #include "render/scene_buffers.h"
-#include "render/traversal_choice.h"
-#include "trace/request.h"
 
 namespace glint::render {
-
-// Kernel modes that a request selects: GLINT_MODES in shaders/shared/dispatch.h, and the tests of rays.
-struct TraceModes {
-    bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
-    bool scattered = false, adaptive = false, tally = false, given = false;
-    bool list = false, leaves = false;
-    Methods methods = {};
-    auto operator<=>(const TraceModes&) const = default;
-};
-TraceModes modesOf(const Request& request);
 
 // Features that at least one of the two has.
 SceneFeatures either(SceneFeatures features, const SceneFeatures& also);
@@ -45,15 +35,21 @@ class Pipelines {
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
     const gpu::Kernel& get(KernelId id, const TraceModes& modes);
 
-    // A kernel that `add` may keep for `get`, once it is bound. From any thread, at any time.
-    gpu::Kernel make(KernelId id, const TraceModes& modes) const;
-    void bindTo(gpu::Kernel& kernel) const { kernel.bind(buffers_); }
-    void add(KernelId id, const TraceModes& modes, gpu::Kernel kernel);
+    // Starts to translate kernels on other threads, for compile(). Do not move the pipelines from then on.
+    void start(const TraceModes& modes, const std::vector<KernelId>& ids);
+    // Those of the kernels that are not made yet.
+    std::vector<KernelId> missing(const TraceModes& modes, const std::vector<KernelId>& ids) const;
+    // Makes kernels and runs each once, by `dispatch`, which must find no live path.
+    void compile(const TraceModes& modes, const std::vector<KernelId>& ids, const shared::Dispatch& dispatch);
 
     // SPIR-V of the kernels made so far.
     uint64_t codeBytes() const;
 
   private:
+    // From any thread, at any time; not bound.
+    gpu::Kernel make(KernelId id, const TraceModes& modes) const;
+    gpu::Kernel translated(KernelId id, const TraceModes& modes);
+
     const gpu::Device& device_;
     const KernelCode& code_;
     gpu::Access access_;
@@ -61,6 +57,7 @@ class Pipelines {
     OwnArithmetic own_;
     std::vector<const gpu::Buffer*> buffers_;
     std::map<std::pair<KernelId, TraceModes>, gpu::Kernel> kernels_;
+    std::map<std::pair<KernelId, TraceModes>, std::future<gpu::Kernel>> translating_;
 };
 
 }  // namespace glint::render

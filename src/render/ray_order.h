@@ -1,16 +1,43 @@
-// In which order a batch's rays go to the device. Rays that go about the same way side by side keep its lanes
-// together; no answer depends on it.
+// Rays that the host brings instead of a camera, as the kernels read them, and the order in which a batch's
+// rays go to the device. Rays that go about the same way side by side keep its lanes together; no answer
+// depends on it.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
 
-#include "render/rays.h"
+#include "core/context.h"
+#include "shared/layout.h"
+#include "trace/ray_batch.h"
 
 namespace glint::render {
+
+// A ray as the kernels read it: local and fp32. Nothing is done to it on the way.
+struct RayInput {
+    glm::vec3 origin{0};
+    glm::vec3 direction{0, 0, -1};
+    float tMin = 0;
+    float tMax = shared::kInfinity;
+};
+
+// Rays that are read, written and put in order at a time.
+inline constexpr size_t kRayBlock = 1024;
+
+// The ray as the kernels read it. t that fp32 cannot hold becomes kInfinity; NaN stays NaN and misses. tMin
+// is clamped to 0: kernels may otherwise report hits behind the origin.
+inline RayInput roundedRay(const LocalRay& ray) {
+    const auto bound = [](double t) {
+        constexpr double kLimit = static_cast<double>(shared::kInfinity);
+        return static_cast<float>(std::clamp(t, -kLimit, kLimit));
+    };
+    return {glm::vec3(ray.origin), glm::vec3(ray.direction), std::max(bound(ray.tMin), 0.0f),
+            bound(ray.tMax)};
+}
 
 // Which rays of a batch some are, one after the other.
 struct RayNumbers {

@@ -13,7 +13,6 @@
 #include "render/path_limits.h"
 #include "render/path_state.h"
 #include "render/pipelines.h"
-#include "render/ray_blocks.h"
 #include "render/ray_slot.h"
 #include "render/scene_buffers.h"
 
@@ -62,9 +61,10 @@ using ListTake = std::function<void(size_t i, std::span<const FoundHit> hits)>;
 struct RayQueries::State {
     const gpu::Device& device;
     const PackedScene& scene;
+    const KernelCode& kernels;
     SceneFeatures features;
     gpu::Access access;
-    bool inPlace;
+    bool inPlace, alwaysPackets;
     TraversalChoice traversal;
     uint32_t tripBudget, rowCount, piece;
     SceneBuffers buffers;
@@ -72,13 +72,15 @@ struct RayQueries::State {
     std::condition_variable freed;
     std::vector<std::unique_ptr<Slot>> slots;
 
-    State(const gpu::Device& dev, const PackedScene& packed)
+    State(const gpu::Device& dev, const PackedScene& packed, Traversal wanted, const KernelCode& code)
         : device(dev),
           scene(packed),
+          kernels(code),
           features(hitFeatures(packed.features)),
           access(chooseAccess(dev.info(), arraySizes(packed))),
           inPlace(dev.info().software),
-          traversal(chooseTraversal(Traversal::Auto, dev.info(), packed)),
+          alwaysPackets(wanted == Traversal::Packet),
+          traversal(chooseTraversal(wanted, dev.info(), packed)),
           tripBudget(deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
           rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kListRows),
           piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
@@ -97,7 +99,7 @@ struct RayQueries::State {
                 return *slot;
             }
             if (slots.size() < (inPlace ? 1u : 2u)) {
-                Pipelines pipelines(device, embeddedKernels(), access, features);
+                Pipelines pipelines(device, kernels, access, features);
                 slots.push_back(std::make_unique<Slot>(device, std::move(pipelines), access, buffers, piece,
                                                        rowCount, inPlace));
                 slots.back()->busy = true;
@@ -132,8 +134,9 @@ struct RayQueries::State {
     void giveGathered(const RayTask& task, size_t first, const RowEntry* gathered, size_t count) const;
     void givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered, size_t count) const;
     RayOrder orderOf(const RayTask& task, size_t first) const;
-    bool packetsKnow(RayTask::Ask ask) const {
-        return traversal.packets && (ask == RayTask::Ask::Nearest || ask == RayTask::Ask::Any);
+    bool packetsKnow(const RayTask& task) const {
+        return traversal.packets && task.methods == Methods{} &&
+               (task.ask == RayTask::Ask::Nearest || task.ask == RayTask::Ask::Any);
     }
     // While one piece is on a GPU, one thread prepares the next.
     Context hostContext() const { return inPlace ? device.context() : Context{.threads = 1}; }
@@ -258,7 +261,8 @@ void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, si
     fill(slot, placement, task, rays, count);
     const ProcessorWatch processor;
     const Stopwatch watch;
-    trace(slot, placement.places() * kBlock, kernelOf(task.ask), {.leaves = task.leaves}, packets);
+    trace(slot, placement.places() * kBlock, kernelOf(task.ask),
+          {.leaves = task.leaves, .methods = task.methods}, packets);
     if (task.kernels) {
         const std::lock_guard lock(mutex);
         task.kernels->wall += watch.seconds();
@@ -321,8 +325,9 @@ void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first
     }
 }
 
-RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene)
-    : state_(std::make_unique<State>(device, scene)) {}
+RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene, Traversal traversal,
+                       const KernelCode& kernels)
+    : state_(std::make_unique<State>(device, scene, traversal, kernels)) {}
 RayQueries::~RayQueries() = default;
 
 void RayQueries::prepare() {
@@ -344,9 +349,9 @@ bool RayQueries::update() {
 // A GPU takes rays as they are given: it was not measured whether sorting would pay there.
 RayOrder RayQueries::State::orderOf(const RayTask& task, size_t first) const {
     const size_t count = task.count - first;
-    if (!inPlace || scene.nodes.size() < kFewestForOrder) return {count, task.coherent, {}, 1};
-    return orderRays(task.fill, first, count, {scene.boundsLo, scene.boundsHi}, task.coherent,
-                     device.context());
+    const bool coherent = task.coherent || alwaysPackets;
+    if (!inPlace || scene.nodes.size() < kFewestForOrder) return {count, coherent, {}, 1};
+    return orderRays(task.fill, first, count, {scene.boundsLo, scene.boundsHi}, coherent, device.context());
 }
 
 bool RayQueries::run(const RayTask& task) {
@@ -363,7 +368,7 @@ bool RayQueries::run(const RayTask& task) {
     for (size_t first = 0; first < task.count && !stopped;) {
         const RayOrder order = state_->orderOf(task, first);
         const RayNumbers rays = order.from(first);
-        const bool packets = order.coherent && state_->packetsKnow(task.ask);
+        const bool packets = order.coherent && state_->packetsKnow(task);
         const auto gathered = state_->gatherFor(task, order);
         const size_t pieces = (order.count + usable - 1) / usable;
         const auto countOf = [&](size_t i) { return std::min(usable, order.count - i * usable); };

@@ -1,5 +1,5 @@
-// Rays of a caller's, answered with no more than the kernels find: nothing is shaded, and an answer is 20
-// bytes. What libglint's queries are made of; Renderer::trace answers in full.
+// Answers rays of a caller: the closest hit, any hit, a count of crossings, or the closest primitive. Nothing
+// is shaded, and an answer has 20 bytes. `glint trace` and libglint use it.
 #pragma once
 
 #include <functional>
@@ -8,6 +8,7 @@
 
 #include "gpu/compute.h"
 #include "pack/packed_scene.h"
+#include "render/kernel_choice.h"
 #include "render/path_state.h"
 #include "render/ray_order.h"
 #include "trace/ray_batch.h"
@@ -57,6 +58,7 @@ struct RayTask {
     // Nearest; Any: whether there is a hit, FoundHit::primitive alone and any of them; Count:
     // FoundHit::crossings, of a scene packed without split triangles.
     enum class Ask { Nearest, Any, Count } ask = Ask::Nearest;
+    Methods methods = {};
     bool leaves = false;                   // rays start on surfaces (docs/design/numerics.md)
     bool coherent = false;                 // the caller says that neighbours go about the same way
     bool spreads = false;                  // `take` writes to several places for each ray
@@ -69,8 +71,10 @@ struct RayTask {
 // turns at the device.
 class RayQueries {
   public:
-    // Keeps references to both. Throws Error(Device) for arrays that do not fit.
-    RayQueries(const gpu::Device& device, const PackedScene& scene);
+    // Keeps references to all three. Traversal::Packet traces all rays in packets, coherent or not. Throws
+    // Error(Device) for arrays that do not fit, and as chooseTraversal.
+    RayQueries(const gpu::Device& device, const PackedScene& scene, Traversal traversal = Traversal::Auto,
+               const KernelCode& kernels = embeddedKernels());
     ~RayQueries();
 
     // Takes over what SceneBuffers::update can: the scene given to the constructor has changed since, in

@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <stdexcept>
 
 #include "core/stopwatch.h"
+#include "pack/request_environment.h"
 #include "render/film.h"
-#include "render/host_rays.h"
-#include "render/live_paths.h"
-#include "render/renderer_state.h"
-#include "render/whole_paths.h"
+#include "render/path_limits.h"
+#include "render/path_state.h"
+#include "render/pipelines.h"
+#include "render/scene_buffers.h"
 
 namespace glint::render {
 
@@ -20,6 +22,96 @@ namespace {
 constexpr double kWholeSliceSeconds = 2.0;
 
 }  // namespace
+
+struct Renderer::State {
+    const gpu::Device& device;
+    const PackedScene& scene;
+    Options options;
+    SceneFeatures features;  // of the pipelines
+    gpu::Access access;
+    TraversalChoice traversal;  // with the default methods, which have the most to choose from
+    uint32_t tripBudget;
+    bool wholePathsGivenUp = false;  // one ran out of trips
+    SceneBuffers buffers;
+    gpu::Buffer counters;
+    Pipelines pipelines;
+    PathState paths;
+    gpu::Submission submission;
+    StageTimes times;
+    RayCounts rayCounts;
+    shared::Environment environment;    // as it is on the device
+    std::vector<shared::Light> lights;  // the same
+    uint32_t sliceTiles = 256;          // of the next slice, of the next picture too
+    TrailRecorder* recorder = nullptr;  // of the image at hand, or null
+    // Longest submission of the current slice, in seconds.
+    double longestInSlice = 0;
+
+    State(const gpu::Device& dev, const PackedScene& packed, const Options& opts)
+        : device(dev),
+          scene(packed),
+          options(opts),
+          features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
+          access(opts.access ? *opts.access : chooseAccess(dev.info(), arraySizes(packed))),
+          traversal(chooseTraversal(opts.traversal, dev.info(), packed)),
+          tripBudget(opts.tripBudget ? opts.tripBudget
+                                     : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
+          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(), access, features,
+                    opts.ownArithmetic),
+          submission(dev),
+          environment(packed.environment),
+          lights(packed.lights) {
+        options.expected = nullptr;
+        if (opts.expected) {
+            const TraversalChoice choice = traversalOf(opts.expected->methods);
+            const TraceModes modes = modesOf(*opts.expected);
+            const shared::Environment wanted = glint::environmentOf(scene, *opts.expected);
+            pipelines.start(modes, kernelsFor(*opts.expected, modes, choice, wanted));
+        }
+        const Stopwatch watch;
+        buffers = SceneBuffers(device, scene, access, traversal);
+        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
+                               gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
+        times.upload += watch.seconds();
+    }
+
+    uint32_t* counter() const { return static_cast<uint32_t*>(counters.mapped()); }
+    // `rebind`: another buffer has been replaced.
+    void reservePaths(uint32_t capacity, uint32_t rows, bool rebind = false);
+    shared::Dispatch dispatchFor(const Slice& slice) const;
+    void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
+    // The time goes to that kernel's account.
+    void submit(double KernelTimes::*account);
+    // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none.
+    // With `packets`, it is the one for packets that starts.
+    void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
+                   bool packets, double KernelTimes::*account);
+    // All lights of a bounce; false if that was cancelled.
+    bool castShadows(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets,
+                     const std::function<bool()>& cancelled);
+    void traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets);
+    TraversalChoice traversalOf(const Methods& methods) const;
+    // Trip budget of a path in whole.comp.
+    uint32_t wholeBudget(const shared::Environment& of) const;
+    bool drawsWholePaths(const TraceModes& modes, const TraversalChoice& choice,
+                         const shared::Environment& of) const;
+    std::vector<KernelId> kernelsFor(const Request& request, const TraceModes& modes,
+                                     const TraversalChoice& choice, const shared::Environment& of) const;
+    void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
+    void setSurroundings(const shared::Environment& wanted, const std::vector<shared::Light>& wantedLights);
+    shared::Environment environmentOf(const shared::Camera& camera, const Request& request) const;
+    bool renderSlice(const Slice& slice, const Request& request, const TraceModes& modes, double progressFrom,
+                     double progressTo);
+    // After a sample of an adaptive picture; false if no pixel goes on.
+    bool adapt(const Slice& slice, shared::Dispatch dispatch, const PackedSamples& samples,
+               const TraceModes& modes);
+    bool renderSample(const Slice& slice, shared::Dispatch dispatch, const Request& request,
+                      const TraceModes& modes);
+    // The same by whole.comp. `complete` becomes false if a path ran out of trips.
+    bool renderWholeSample(const Slice& slice, shared::Dispatch dispatch, const Request& request,
+                           const TraceModes& modes, bool& complete);
+    void readSlice(const Slice& slice, const TraceModes& modes, Picture& picture);
+    void sizeNextSlice(const Slice& slice, bool whole, double seconds);
+};
 
 void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows, bool rebind) {
     if (paths.capacity() < capacity || paths.rows() < rows) {
@@ -58,6 +150,50 @@ shared::Environment Renderer::State::environmentOf(const shared::Camera& camera,
         wanted.eyeMedium3 = media.w;
     }
     return wanted;
+}
+
+TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
+    if (methods == Methods{}) return traversal;
+    return chooseTraversal(options.traversal, device.info(), scene, methods);
+}
+
+uint32_t Renderer::State::wholeBudget(const shared::Environment& of) const {
+    return options.tripBudget ? options.tripBudget
+                              : wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of);
+}
+
+// Auto excludes what whole.comp lacks: times of each step, packets, and the caller's kernels.
+bool Renderer::State::drawsWholePaths(const TraceModes& modes, const TraversalChoice& choice,
+                                      const shared::Environment& of) const {
+    if (options.wholePaths == WholePaths::Off || wholePathsGivenUp || !wholePathsKnow(modes)) return false;
+    if (options.wholePaths == WholePaths::On) return true;
+    const bool free = options.traversal != Traversal::Packet && !options.profile && !options.kernels;
+    const WholePathsWork work = {
+        .furtherRays = goesOnAfterHits(scene.features) && of.maxDepth > 0,
+        .tripBudget = wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of),
+        .rays = options.cameraRays * (1 + uint64_t{of.lightCount})};
+    return free && wholePathsPay(device.info(), choice, work);
+}
+
+std::vector<KernelId> Renderer::State::kernelsFor(const Request& request, const TraceModes& modes,
+                                                  const TraversalChoice& choice,
+                                                  const shared::Environment& of) const {
+    return drawsWholePaths(modes, choice, of) ? wholeKernelsOf(request)
+                                              : kernelsOf(scene, request, choice.packets);
+}
+
+void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelId>& ids) {
+    const std::vector<KernelId> missing = pipelines.missing(modes, ids);
+    if (missing.empty()) return;
+    const Stopwatch watch;
+    Slice nothing;
+    nothing.region = {0, 0, 1, 1};
+    shared::Dispatch dispatch = dispatchFor(nothing);
+    // Kernels run in any order, so no path may be alive; they read the path's rows even so.
+    dispatch.capacity = shared::kWorkgroupSize;
+    paths.writeEnded(device);
+    pipelines.compile(modes, missing, dispatch);
+    times.compile += watch.seconds();
 }
 
 shared::Dispatch Renderer::State::dispatchFor(const Slice& slice) const {
@@ -247,34 +383,6 @@ void Renderer::State::sizeNextSlice(const Slice& slice, bool whole, double secon
                             kMaxSlicePaths / shared::kWorkgroupSize);
 }
 
-void Renderer::State::traceBatch(std::span<const RayInput> rays, const LocalBatch& wanted,
-                                 std::span<RayHit> hits) {
-    const TraversalChoice choice = traversalOf(wanted.methods);
-    const bool any = wanted.detail == HitDetail::Any, surface = wanted.detail == HitDetail::Surface;
-    const TraceModes modes = {.aovs = surface, .cost = wanted.cost, .methods = wanted.methods};
-    const uint32_t count = static_cast<uint32_t>(rays.size());
-    const uint32_t groups = (count + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
-    writeRays(paths, device, features, modes, rays);
-    Slice slice;
-    slice.region = {0, 0, 1, 1};
-    slice.tileCount = groups;
-    const shared::Dispatch dispatch = dispatchFor(slice);
-    const ProcessorWatch processor;
-    const Stopwatch watch;
-    traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups,
-              options.traversal == Traversal::Packet && choice.packets, &KernelTimes::primary);
-    if (wanted.times) {
-        wanted.times->wall += watch.seconds();
-        wanted.times->processor += processor.seconds();
-    }
-    readHits(paths, device, modes, hits);
-    if (!surface) return;
-    record(KernelId::Shade, modes, dispatch, groups);
-    submit(&KernelTimes::shade);
-    const AovRows rows(paths, device, count);
-    for (uint32_t i = 0; i < count; ++i) hits[i].data = rows.at(i, scene.origin);
-}
-
 Renderer::Renderer(const gpu::Device& device, const PackedScene& scene, const Options& options)
     : state_(std::make_unique<State>(device, scene, options)) {}
 Renderer::~Renderer() = default;
@@ -364,27 +472,11 @@ std::vector<Trail> Renderer::trails(const shared::Camera& camera, Request reques
     return recorder.take();
 }
 
-const PackedScene& Renderer::scene() const {
-    return state_->scene;
-}
-
-std::vector<RayHit> Renderer::traceLocal(std::span<const RayInput> rays, const LocalBatch& wanted) {
-    State& s = *state_;
-    const TraceModes modes = {.aovs = wanted.detail == HitDetail::Surface};
-    const uint32_t rows = pathRows(s.features, modes, s.environment.maxDepth);
-    const uint64_t groups = (rays.size() + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
-    const auto asked = static_cast<uint32_t>(std::clamp<uint64_t>(
-        groups, 1,
-        std::min(kMaxSlicePaths / shared::kWorkgroupSize, s.device.info().limits.maxWorkgroupCountX)));
-    const uint32_t fitting = fittingPaths(s.device.info(), s.access, asked * shared::kWorkgroupSize, rows);
-    const uint32_t batch = std::max(fitting / shared::kWorkgroupSize, 1u) * shared::kWorkgroupSize;
-    s.reservePaths(batch, rows);
-    std::vector<RayHit> hits(rays.size());
-    for (size_t first = 0; first < rays.size(); first += batch) {
-        const size_t count = std::min<size_t>(batch, rays.size() - first);
-        s.traceBatch(rays.subspan(first, count), wanted, std::span(hits).subspan(first, count));
-    }
-    return hits;
+PixelData Renderer::pixel(const shared::Camera& camera, Request request, int x, int y) {
+    request.region = {x, y, x + 1, y + 1};
+    request.samples = PackedSamples::fixed({{0.5, 0.5}});
+    request.data = true;
+    return render(camera, request).data[0];
 }
 
 }  // namespace glint::render

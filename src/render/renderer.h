@@ -3,22 +3,16 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
+#include "render/kernel_choice.h"
 #include "render/kernels.h"
-#include "render/rays.h"
-#include "render/traversal_choice.h"
-#include "render/whole_paths.h"
 #include "trace/picture.h"
-#include "trace/ray_batch.h"
 #include "trace/request.h"
 #include "trace/trail.h"
 
@@ -95,16 +89,8 @@ class Renderer {
     std::vector<Trail> trails(const shared::Camera& camera, Request request,
                               const std::vector<glm::ivec2>& pixels);
 
-    // Hits of a batch's rays, traced in pieces of bounded memory. Rays are rounded to fp32 relative to the
-    // scene's origin.
-    std::vector<WorldHit> trace(const RayBatch& batch, BatchTimes* times = nullptr);
-    // The same of local fp32 rays, bit for bit as they are: the closest hit of each, or with `any` whether
-    // there is a hit (then only RayHit::hit is filled).
-    std::vector<RayHit> trace(const std::vector<RayInput>& rays, bool any, const Methods& methods = {});
     // Data at the centre of pixel (x, y) of the requested image, as the device computes it.
     PixelData pixel(const shared::Camera& camera, Request request, int x, int y);
-
-    const PackedScene& scene() const;
 
     const StageTimes& times() const;  // of construction and all renders since
     const RayCounts& rays() const;
@@ -115,14 +101,6 @@ class Renderer {
     uint64_t codeBytes() const;  // SPIR-V of the kernels used so far
 
   private:
-    struct LocalBatch {
-        HitDetail detail = HitDetail::Surface;
-        bool cost = false;
-        Methods methods;
-        BatchTimes* times = nullptr;  // added to
-    };
-    std::vector<RayHit> traceLocal(std::span<const RayInput> rays, const LocalBatch& wanted);
-
     struct State;
     std::unique_ptr<State> state_;
 };

@@ -10,7 +10,7 @@
 
 #include "gpu/compute.h"
 #include "pack/packed_scene.h"
-#include "render/traversal_choice.h"
+#include "render/kernel_choice.h"
 #include "shared/dispatch.h"
 
 namespace glint::render {

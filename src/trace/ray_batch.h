@@ -1,4 +1,4 @@
-// Rays that the caller brings, in world coordinates, and what they hit: render::Renderer::trace on a device,
+// Rays that the caller brings, in world coordinates, and their hits: verify::traceBatch on a device,
 // reference::trace in double.
 #pragma once
 
@@ -33,24 +33,21 @@ enum class HitDetail {
 struct RayBatch {
     std::vector<WorldRay> rays;
     HitDetail detail = HitDetail::Surface;
-    Methods methods;    // see Tracing::methods
-    bool cost = false;  // WorldHit::cost
+    Methods methods;  // see Tracing::methods
 };
 
 // On a miss all but `hit` and `cost` are as they are here.
 struct WorldHit {
     bool hit = false;
     double t = std::numeric_limits<double>::infinity();
-    // Triangle: the point is (1 - u - v) a + u b + v c. Other surfaces: 0 from the reference, texture
-    // coordinates from a device.
-    double u = 0, v = 0;
+    double u = 0, v = 0;   // triangle: the point is (1 - u - v) a + u b + v c
     glm::dvec3 point{0};   // world
     glm::dvec3 normal{0};  // geometric, outward, unit
     uint32_t object = PixelData::kNoIndex;
     uint32_t face = PixelData::kNoIndex;  // of the object, in the file's order
     uint32_t material = PixelData::kNoIndex;
     uint32_t packed = PixelData::kNoIndex;  // the primitive's kind and index, as in shared/layout.h
-    uint64_t cost = 0;                      // boxes and primitives tested
+    uint64_t cost = 0;                      // boxes and primitives tested, of the reference
 };
 
 // Seconds that finding hits took, without preparing rays, compiling kernels or what HitDetail::Surface needs

@@ -4,7 +4,7 @@
 
 #include "app/cli.h"
 #include "gpu/device.h"
-#include "render/traversal_choice.h"
+#include "render/kernel_choice.h"
 
 namespace glint::app::test {
 

@@ -12,7 +12,7 @@ constexpr float kUnit = 0x1p-24f;
 class AnalyticTest : public RenderTest {
   protected:
     static RayHit hitOf(const PackedScene& scene, const RayInput& ray) {
-        Renderer renderer(device(), scene);
+        RayTracer renderer(device(), scene);
         const RayHit hit = renderer.trace({ray}, false)[0];
         EXPECT_EQ(renderer.trace({ray}, true)[0].hit, hit.hit) << text(ray);
         return hit;
@@ -133,7 +133,7 @@ TEST_F(AnalyticTest, RimSidesAndEdgeOfADisc) {
                                           rayOf({1, 1, 0}, {0, 0, 1}),   // t = 0
                                           rayOf({1, 1, 1}, {0, 0, 1})};  // behind
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     for (const RayHit& h : renderer.trace(hit, false)) {
         ASSERT_TRUE(h.hit);
         EXPECT_EQ(h.t, 2);
@@ -226,7 +226,7 @@ TEST_F(AnalyticTest, RaysThatAreNoneMiss) {
         rays.push_back(rayOf(vec3(value), vec3(value)));
     }
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     EXPECT_EQ(misses(renderer.trace(rays, false)), rays.size());
     EXPECT_EQ(misses(renderer.trace(rays, true)), rays.size());
     ASSERT_TRUE(hitOf(packed, rayOf({0, 0, 4}, {0, 0, -1})).hit);
@@ -234,7 +234,7 @@ TEST_F(AnalyticTest, RaysThatAreNoneMiss) {
 
 TEST_F(AnalyticTest, EmptySceneAndNoRays) {
     const PackedScene packed = packScene(emptyScene());
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     EXPECT_TRUE(renderer.trace({}, false).empty());
     EXPECT_EQ(misses(renderer.trace({rayOf({0, 0, 4}, {0, 0, -1})}, false)), 1u);
     EXPECT_EQ(misses(renderer.trace({rayOf({0, 0, 4}, {0, 0, -1})}, true)), 1u);
@@ -248,7 +248,7 @@ TEST_F(AnalyticTest, ManyRaysComeBackInOrder) {
     for (uint32_t i = 0; i < 150000; ++i)
         rays.push_back(rayOf({0, 0, 1.0f + static_cast<float>(i)}, {0, 0, -1}));
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     const std::vector<RayHit> hits = renderer.trace(rays, false);
     for (uint32_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].t, 1.0f + static_cast<float>(i));
 }

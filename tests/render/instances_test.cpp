@@ -62,7 +62,7 @@ class InstanceTest : public RenderTest {
   protected:
     static std::vector<RayHit> hitsOf(const PackedScene& packed, const std::vector<RayInput>& rays,
                                       const Options& options = {}) {
-        Renderer renderer(device(), packed, options);
+        RayTracer renderer(device(), packed, options);
         return renderer.trace(rays, false);
     }
     // Twelve turned, stretched and mirrored balls, two ellipsoids and an ellipse.
@@ -200,7 +200,7 @@ TEST_F(InstanceTest, T79translatedFarAway) {
         EXPECT_EQ(packed.origin == dvec3(0), both);
         const dvec3 center = dvec3(1e7, 1e7, -1e7) - packed.origin;
         Random random(79);
-        Renderer renderer(device(), packed);
+        RayTracer renderer(device(), packed);
         const reference::Tracer tracer(packed);
         for (int i = 0; i < 200; ++i) {
             const glm::vec3 from(center + 16.0 * glm::normalize(random.direction() + dvec3(0, 0, 1.5)));

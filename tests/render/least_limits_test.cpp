@@ -39,7 +39,7 @@ TEST_F(LeastLimits, RaysOfABatch) {
     std::vector<RayInput> rays;
     Random random(1);
     for (int i = 0; i < 500; ++i) rays.push_back(rayTowards({0, 3, 12}, random.box(4)));
-    Renderer small(least, c.packed), usual(device(), c.packed);
+    RayTracer small(least, c.packed), usual(device(), c.packed);
     EXPECT_TRUE(sameBits(small.trace(rays, false), usual.trace(rays, false), rays));
 }
 

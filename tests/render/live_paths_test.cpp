@@ -1,6 +1,6 @@
 // Kernels that run over the list of paths that go on: the rule, what it saves, and that the image stays the
 // same to the bit.
-#include "render/live_paths.h"
+#include "render/path_state.h"
 
 #include "render/path_limits.h"
 #include "support.h"

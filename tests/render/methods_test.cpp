@@ -24,7 +24,7 @@ TEST_F(MethodsTest, SameHitsOnPlainTriangles) {
     Scene scene = emptyScene();
     for (int i = 0; i < 20; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     std::vector<RayInput> rays;
     for (int i = 0; i < 3000; ++i) rays.push_back(rayTowards(9.0 * random.direction(), random.box(2)));
     for (const TriangleMethod method : kTriangleMethods) {
@@ -51,7 +51,7 @@ TEST_F(MethodsTest, OnlyTheWatertightTestIsWatertight) {
     Scene scene = emptyScene();
     addMesh(scene, {mesh.vertices.begin(), mesh.vertices.end()}, mesh.triangles);
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     Random random(9);
     std::vector<RayInput> rays;
     for (int i = 0; i < 20000; ++i) {
@@ -75,7 +75,7 @@ TEST_F(MethodsTest, OnlyTheRobustSphereIsRoundFromAfar) {
     addSphere(scene, dvec3(0), 1);
     scene.camera.eye = {0, 0, kDistance};
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     Random random(12);
     std::vector<RayInput> rays;
     std::vector<bool> inside;
@@ -117,7 +117,7 @@ TEST_F(MethodsTest, ASphereSeenFromOutsideShowsItsOutside) {
     addSphere(scene, dvec3(0.3, -0.2, 0.1), 1);
     scene.camera.eye = {0, 0, kDistance};
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     Random random(13);
     std::vector<RayInput> rays;
     for (int i = 0; i < 20000; ++i) {
@@ -150,7 +150,7 @@ TEST_F(MethodsTest, OnlyTheRobustSphereHoldsUnderTheEye) {
     scene.camera.eye = {0, 1, 0};
     scene.camera.target = {1, 0, 0};
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     const RayInput ray = rayTowards(dvec3(0.3, 1, 0.2) - packed.origin, dvec3(0.5, 0, 0.1) - packed.origin);
     const auto errorOf = [&](SphereMethod method) {
         const Methods methods{.spheres = method};
@@ -207,7 +207,7 @@ TEST_F(MethodsTest, PadsDoNotChangeWhatIsHitAwayFromEdges) {
     Scene scene = emptyScene();
     for (int i = 0; i < 40; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     std::vector<RayInput> rays;
     for (int i = 0; i < 2000; ++i) rays.push_back(rayTowards(9.0 * random.direction(), random.box(2)));
     const auto expected = renderer.trace(rays, false);

@@ -125,12 +125,12 @@ class PacketTest : public RenderTest {
                                 uint32_t tripBudget = 0) {
         Options packets = with(Traversal::Packet);
         packets.tripBudget = tripBudget;
-        Renderer lane(device(), packed, with(Traversal::Lane)), packet(device(), packed, packets);
+        RayTracer lane(device(), packed, with(Traversal::Lane)), packet(device(), packed, packets);
         ASSERT_TRUE(packet.traversal().packets);
         EXPECT_TRUE(sameBits(packet.trace(rays, false), lane.trace(rays, false), rays));
         const std::vector<RayHit> a = packet.trace(rays, true), b = lane.trace(rays, true);
         for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(a[i].hit, b[i].hit) << text(rays[i]);
-        EXPECT_TRUE(tripBudget == 0 || packet.times().resumes > 0);
+        EXPECT_TRUE(tripBudget == 0 || packet.resumes() > 0);
     }
     static void expectSamePicture(const Case& c) {
         EXPECT_TRUE(
@@ -191,9 +191,9 @@ TEST_F(PacketTest, PacketsThatGiveUpKeepTheOrderOfCoincidentSurfaces) {
 // More waits than the stack's 32 entries can hold; 60 primitives take too few trips to give up for those.
 TEST_F(PacketTest, PacketsThatRunOutOfStackLoseNothing) {
     const RayCase nested = nestedCase();
-    Renderer packet(device(), nested.c.packed, with(Traversal::Packet));
+    RayTracer packet(device(), nested.c.packed, with(Traversal::Packet));
     const std::vector<RayHit> hits = packet.trace(nested.rays, false);
-    EXPECT_GT(packet.times().resumes, 0u) << "no packet ran out of stack: the test shows nothing";
+    EXPECT_GT(packet.resumes(), 0u) << "no packet ran out of stack: the test shows nothing";
     for (const RayHit& hit : hits) EXPECT_EQ(hit.data.object, kNestedCount - 1);
     expectSameTrace(nested.c.packed, nested.rays);
 }
@@ -246,9 +246,9 @@ TEST_F(PacketTest, AnyHitPacketsThatRunOutOfLevelsLoseNothing) {
         // More than all loops make here: not trips run out.
         Options options = with(Traversal::Packet);
         options.tripBudget = 7000;
-        Renderer packet(device(), c.packed, options);
+        RayTracer packet(device(), c.packed, options);
         packet.trace(rays, true);
-        return packet.times().resumes;
+        return packet.resumes();
     };
     const Case few = outwardCase(60).c, many = outwardCase(130).c;
     EXPECT_EQ(resumesOf(few), 0u);

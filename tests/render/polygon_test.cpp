@@ -17,7 +17,7 @@ const std::vector<dvec3> kDiamond = {{0, 1, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}}
 class PolygonTest : public RenderTest {
   protected:
     static std::vector<RayHit> hitsOf(const PackedScene& packed, const std::vector<RayInput>& rays) {
-        Renderer renderer(device(), packed);
+        RayTracer renderer(device(), packed);
         return renderer.trace(rays, false);
     }
     static Scene sceneOf(const std::vector<dvec3>& vertices) {
@@ -149,7 +149,7 @@ TEST_F(PolygonTest, LongOutlinesHitAndMissed) {
         const double angle = random.uniform(0, 7), radius = nearest.back() + 0.5;
         rays.push_back(rayOf({radius * std::cos(angle), radius * std::sin(angle), 3}, {0, 0, -1}));
     }
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     const std::vector<RayHit> hits = renderer.trace(rays, false);
     for (size_t i = 0; i < rays.size(); ++i) {
         ASSERT_TRUE(hits[i].hit) << text(rays[i]);
@@ -159,10 +159,10 @@ TEST_F(PolygonTest, LongOutlinesHitAndMissed) {
     // A budget of one trip: every leaf in a dispatch of its own, and the same answers.
     Options options;
     options.tripBudget = 1;
-    Renderer tight(device(), packed, options);
+    RayTracer tight(device(), packed, options);
     const std::vector<RayInput> some(rays.begin(), rays.begin() + 64);
     EXPECT_TRUE(sameBits(tight.trace(some, false), {hits.begin(), hits.begin() + 64}, some));
-    EXPECT_GT(tight.times().resumes, 0u);
+    EXPECT_GT(tight.resumes(), 0u);
 }
 
 // Rays through a corner of the boxes of 40 rings, outside all outlines: 40 x 2048 loop trips to follow them,
@@ -181,13 +181,13 @@ TEST_F(PolygonTest, MoreEdgesThanLavapipeAllows) {
         return std::count_if(hits.begin(), hits.end(),
                              [](const RayHit& h) { return h.hit && h.data.object == kRings; });
     };
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     EXPECT_EQ(found(renderer.trace(rays, false)), 64);
-    EXPECT_GT(renderer.times().resumes, 0u);
+    EXPECT_GT(renderer.resumes(), 0u);
     const KernelCode naive = mutantKernels("naive");
     Options options = optionsWith(naive);
     options.tripBudget = 1u << 30;
-    Renderer ignorant(device(), packed, options);
+    RayTracer ignorant(device(), packed, options);
     EXPECT_EQ(found(ignorant.trace(rays, false)) < 64, endsLoops(device()));
 }
 

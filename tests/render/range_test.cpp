@@ -15,7 +15,7 @@ class RangeTest : public RenderTest {
     static RayHit hitOf(const Scene& scene, const RayInput& ray) {
         const PackedScene packed = packScene(scene);
         EXPECT_EQ(packed.origin, dvec3(0));
-        Renderer renderer(device(), packed);
+        RayTracer renderer(device(), packed);
         return renderer.trace({ray}, false)[0];
     }
     // A triangle, a sphere and a plane that rays down the z axis meet at z = 0; `size` is the triangle's and
@@ -66,7 +66,7 @@ TEST_F(RangeTest, PowersOfTwoChangeNoDigit) {
     for (int i = 0; i < 2000; ++i)
         rays.push_back(rayTowards(random.box(2) + dvec3(0, 0, 3),
                                   {random.uniform(-1, 1), random.uniform(-1, 1), 0}, true));
-    Renderer renderer(device(), unit);
+    RayTracer renderer(device(), unit);
     const std::vector<RayHit> expected = renderer.trace(rays, false);
     EXPECT_GT(rays.size() - misses(expected), 500u);
     for (const int exponent : {-30, -20, -10, -1, 1, 10, 20, 30}) {
@@ -74,7 +74,7 @@ TEST_F(RangeTest, PowersOfTwoChangeNoDigit) {
         const PackedScene packed = packScene(surfaces(scale)[0]);
         std::vector<RayInput> scaled = rays;
         for (RayInput& ray : scaled) ray.origin *= scale;
-        Renderer other(device(), packed);
+        RayTracer other(device(), packed);
         const std::vector<RayHit> hits = other.trace(scaled, false);
         for (size_t i = 0; i < rays.size(); ++i) {
             ASSERT_EQ(hits[i].hit, expected[i].hit) << exponent << ": " << text(scaled[i]);

@@ -6,6 +6,7 @@
 
 #include "reference/trace_rays.h"
 #include "support.h"
+#include "verify/trace_batch.h"
 
 namespace glint::render::test::ray_batch_test {
 using glm::dvec3;
@@ -17,7 +18,7 @@ class RayBatchTest : public RenderTest {};
 bool same(const WorldHit& a, const WorldHit& b) {
     return a.hit == b.hit && a.t == b.t && a.u == b.u && a.v == b.v && a.point == b.point &&
            a.normal == b.normal && a.object == b.object && a.face == b.face && a.material == b.material &&
-           a.packed == b.packed && a.cost == b.cost;
+           a.packed == b.packed;
 }
 
 RayBatch raysInto(const Case& c, size_t count, uint32_t seed) {
@@ -46,16 +47,17 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RayBatchScenes,
 
 TEST_P(RayBatchScenes, ABatchIsItsSingleRays) {
     const Case c = fileCase(GetParam(), 16, 12);
-    Renderer renderer(device(), c.packed);
+    RayQueries queries(device(), c.packed);
     const RayBatch batch = raysInto(c, 300, 1);
-    const std::vector<WorldHit> together = renderer.trace(batch), host = reference::trace(c.packed, batch);
+    const std::vector<WorldHit> together = verify::traceBatch(queries, c.packed, batch),
+                                host = reference::trace(c.packed, batch);
     ASSERT_EQ(together.size(), batch.rays.size());
     size_t hits = 0;
     for (size_t i = 0; i < batch.rays.size(); ++i) {
         RayBatch one = batch;
         one.rays = {batch.rays[i]};
         if (i % 3 == 0) {
-            EXPECT_TRUE(same(renderer.trace(one)[0], together[i])) << i;
+            EXPECT_TRUE(same(verify::traceBatch(queries, c.packed, one)[0], together[i])) << i;
         }
         EXPECT_TRUE(same(reference::trace(c.packed, one)[0], host[i])) << i;
         hits += host[i].hit;
@@ -64,15 +66,16 @@ TEST_P(RayBatchScenes, ABatchIsItsSingleRays) {
         }
     }
     EXPECT_GT(hits, 50u);
-    EXPECT_EQ(renderer.trace(RayBatch{}).size(), 0u);
+    EXPECT_EQ(verify::traceBatch(queries, c.packed, RayBatch{}).size(), 0u);
 }
 
 // Device and reference, of rays that need not be good to the last bit: fp32's share of the way.
 TEST_P(RayBatchScenes, BothTracersMeetTheSame) {
     const Case c = fileCase(GetParam(), 16, 12);
-    Renderer renderer(device(), c.packed);
+    RayQueries queries(device(), c.packed);
     const RayBatch batch = raysInto(c, 2000, 2);
-    const std::vector<WorldHit> device = renderer.trace(batch), host = reference::trace(c.packed, batch);
+    const std::vector<WorldHit> device = verify::traceBatch(queries, c.packed, batch),
+                                host = reference::trace(c.packed, batch);
     size_t agree = 0;
     for (size_t i = 0; i < host.size(); ++i) {
         if (device[i].hit != host[i].hit || device[i].object != host[i].object ||
@@ -92,16 +95,16 @@ TEST_P(RayBatchScenes, BothTracersMeetTheSame) {
 
 TEST_F(RayBatchTest, DetailsAreAsManyAsAskedFor) {
     const Case c = fileCase("knot", 16, 12);
-    Renderer renderer(device(), c.packed);
+    RayQueries queries(device(), c.packed);
     RayBatch batch = raysInto(c, 500, 3);
-    const std::vector<WorldHit> full = renderer.trace(batch), host = reference::trace(c.packed, batch);
+    const std::vector<WorldHit> full = verify::traceBatch(queries, c.packed, batch),
+                                host = reference::trace(c.packed, batch);
     batch.detail = HitDetail::Nearest;
-    batch.cost = true;
-    const std::vector<WorldHit> nearest = renderer.trace(batch),
+    const std::vector<WorldHit> nearest = verify::traceBatch(queries, c.packed, batch),
                                 hostNearest = reference::trace(c.packed, batch);
     batch.detail = HitDetail::Any;
     BatchTimes times;
-    const std::vector<WorldHit> any = renderer.trace(batch, &times),
+    const std::vector<WorldHit> any = verify::traceBatch(queries, c.packed, batch, false, &times),
                                 hostAny = reference::trace(c.packed, batch);
     EXPECT_GT(times.wall, 0);
     EXPECT_GT(times.processor, 0);
@@ -110,16 +113,14 @@ TEST_F(RayBatchTest, DetailsAreAsManyAsAskedFor) {
         EXPECT_EQ(nearest[i].t, full[i].t);
         EXPECT_EQ(nearest[i].packed, full[i].packed);
         EXPECT_EQ(nearest[i].object, PixelData::kNoIndex);
-        EXPECT_GT(nearest[i].cost, i % 11 == 0 ? -1.0 : 0.0);
+        EXPECT_GT(hostNearest[i].cost, i % 11 == 0 ? -1.0 : 0.0);
         EXPECT_EQ(hostNearest[i].t, host[i].t);
         EXPECT_EQ(hostNearest[i].packed, host[i].packed);
         EXPECT_EQ(any[i].hit, full[i].hit);
         EXPECT_EQ(any[i].t, kInfinity);
         EXPECT_EQ(hostAny[i].hit, host[i].hit);
-        WorldHit miss;
-        miss.cost = nearest[i].cost;
         if (!nearest[i].hit) {
-            EXPECT_TRUE(same(nearest[i], miss));
+            EXPECT_TRUE(same(nearest[i], WorldHit()));
         }
     }
 }
@@ -129,13 +130,13 @@ TEST_F(RayBatchTest, BordersOfPiecesAreNotSeen) {
     Scene scene = emptyScene();
     addSphere(scene, {0, 0, 0}, 1);
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayQueries queries(device(), packed);
     constexpr size_t kPattern = 37, kRays = (size_t{1} << 20) + 101;
     RayBatch batch;
     batch.detail = HitDetail::Nearest;
     for (size_t i = 0; i < kRays; ++i)
         batch.rays.push_back({{0.06 * static_cast<double>(i % kPattern), 0, 5}, {0, 0, -1}});
-    const std::vector<WorldHit> hits = renderer.trace(batch);
+    const std::vector<WorldHit> hits = verify::traceBatch(queries, packed, batch);
     ASSERT_EQ(hits.size(), kRays);
     size_t hit = 0, wrong = 0;
     for (size_t i = 0; i < kRays; ++i) {
@@ -157,7 +158,7 @@ TEST_F(RayBatchTest, FarAwayRaysKeepTheirDigits) {
     scene.camera.target = far;
     const PackedScene packed = packScene(scene);
     ASSERT_NE(packed.origin, dvec3(0));
-    Renderer renderer(device(), packed);
+    RayQueries queries(device(), packed);
     Random random(4);
     RayBatch batch;
     for (int i = 0; i < 1000; ++i) {
@@ -165,7 +166,8 @@ TEST_F(RayBatchTest, FarAwayRaysKeepTheirDigits) {
         const dvec3 from = far + 4.0 * random.direction();
         batch.rays.push_back({from, to - from});
     }
-    const std::vector<WorldHit> device = renderer.trace(batch), host = reference::trace(packed, batch);
+    const std::vector<WorldHit> device = verify::traceBatch(queries, packed, batch),
+                                host = reference::trace(packed, batch);
     size_t hits = 0;
     for (size_t i = 0; i < host.size(); ++i) {
         ASSERT_EQ(device[i].hit, host[i].hit) << i;

@@ -24,7 +24,7 @@ class SphereTest : public RenderTest {
         addSphere(scene, center, radius);
         const PackedScene packed = packScene(scene);
         EXPECT_EQ(packed.origin, dvec3(0));
-        Renderer renderer(device(), packed);
+        RayTracer renderer(device(), packed);
         const RayHit hit = renderer.trace({ray}, false)[0];
         return hit.hit ? std::optional<float>(hit.t) : std::nullopt;
     }
@@ -85,7 +85,7 @@ class BoxTest : public RenderTest {
     // Of the device and, as a check on the test, of the reference, which must agree about what is hit.
     static std::vector<RayHit> hitsOf(const Scene& scene, const std::vector<RayInput>& rays) {
         const PackedScene packed = packScene(scene);
-        Renderer renderer(device(), packed);
+        RayTracer renderer(device(), packed);
         const std::vector<RayHit> hits = renderer.trace(rays, false);
         const reference::Tracer tracer(packed);
         for (size_t i = 0; i < rays.size(); ++i) {
@@ -165,7 +165,7 @@ TEST_F(BoxTest, NoRayGetsThroughAWall) {
         }
     }
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     EXPECT_EQ(misses(renderer.trace(rays, false)), 0u);
     EXPECT_EQ(misses(renderer.trace(rays, true)), 0u);
 }
@@ -190,7 +190,7 @@ class QuadricTest : public RenderTest {
     }
     static std::vector<RayHit> hitsOf(const Shape& shape, const std::vector<RayInput>& rays) {
         const PackedScene packed = packScene(sceneOf(shape));
-        Renderer renderer(device(), packed);
+        RayTracer renderer(device(), packed);
         return renderer.trace(rays, false);
     }
     static double hitOf(const Shape& shape, const dvec3& origin, const dvec3& direction, float tMin = 0) {
@@ -298,7 +298,7 @@ TEST_F(QuadricTest, HugeCylinderUnderTheEye) {
     scene.camera.target = {0, 0, 0};
     scene.camera.up = {1, 0, 0};
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     for (const double h : {100.0, 1.0, 0.25}) {
         const vec3 eye(dvec3(0, h, 0) - packed.origin);
         const RayHit hit = renderer.trace({rayOf(eye, {0, -1, 0})}, false)[0];

@@ -14,7 +14,11 @@
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
 #include "render/kernels.h"
+#include "render/path_state.h"
+#include "render/pipelines.h"
+#include "render/ray_order.h"
 #include "render/renderer.h"
+#include "render/scene_buffers.h"
 #include "scene/scene.h"
 #include "support/packed_scene_maker.h"
 #include "support/scene_maker.h"
@@ -81,6 +85,44 @@ Picture draw(const gpu::Device& device, const Case& c, const Options& options = 
 
 // Renders with the given kernels, which must outlive the renderer.
 Options optionsWith(const KernelCode& code, Traversal traversal = Traversal::Lane);
+
+// A hit, and the surface as shade.comp computes it (closest hits only).
+struct RayHit {
+    bool hit = false;
+    float t = 0;
+    uint32_t kindAndIndex = shared::kNone;
+    PixelData data;
+};
+
+// Finds the hits of a test's own rays by the kernels of images, with their rule for surfaces in one place.
+// (RayQueries answers callers, who want each t as it is.)
+class RayTracer {
+  public:
+    // Keeps references to `device` and `scene`. Obeys the options that do not concern images alone.
+    RayTracer(const gpu::Device& device, const PackedScene& scene, const Options& options = {});
+    // The closest hit of each ray, or with `any` whether there is a hit (RayHit::hit alone).
+    std::vector<RayHit> trace(const std::vector<RayInput>& rays, bool any, const Methods& methods = {});
+    uint64_t resumes() const { return resumes_; }  // dispatches for unfinished rays so far
+    const TraversalChoice& traversal() const { return traversal_; }
+
+  private:
+    void writeRays(const TraceModes& modes, const std::vector<RayInput>& rays);
+    std::vector<RayHit> readHits(size_t count) const;
+    void dispatch(KernelId id, const TraceModes& modes, uint32_t groups);
+
+    const gpu::Device& device_;
+    const PackedScene& scene_;
+    Options options_;
+    SceneFeatures features_;
+    gpu::Access access_;
+    TraversalChoice traversal_;
+    SceneBuffers buffers_;
+    gpu::Buffer counters_;
+    Pipelines pipelines_;
+    PathState paths_;
+    gpu::Submission submission_;
+    uint64_t resumes_ = 0;
+};
 
 // The whole picture of a case with its data, and the reference's colours in double.
 Request wholeWithData(const Case& c);

@@ -167,7 +167,7 @@ TEST_F(TextureTest, AnglesAreGoodToTheirBound) {
         rays.push_back(rayTowards(2.0 * glm::normalize(d), dvec3(0)));
     }
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     double worstU = 0, worstV = 0;
     for (const RayHit& hit : renderer.trace(rays, false)) {
         ASSERT_TRUE(hit.hit);
@@ -191,7 +191,7 @@ TEST_F(TextureTest, CoordinatesOfFlatObjects) {
     addPlane(scene, {0, -5, 0}, {0, 1, 0}, material);
     addTriangle(scene, {20, 0, 0}, {24, 0, 0}, {20, 4, 0}, material);
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     const std::vector<RayHit> hits =
         renderer.trace({rayOf({1, 0.5f, 5}, {0, 0, -1}), rayOf({13, 0.5f, 5}, {0, 0, -1}),
                         rayOf({3, 0, 7}, {0, -1, 0}), rayOf({21, 2, 5}, {0, 0, -1})},
@@ -248,7 +248,7 @@ TEST_F(TextureTest, CoordinatesOfQuadrics) {
         scene.objects.push_back({"/objects/0", c.shape, material, c.transform});
         scene.camera.eye = c.from;
         const PackedScene packed = packScene(scene);
-        Renderer renderer(device(), packed);
+        RayTracer renderer(device(), packed);
         const auto hits =
             renderer.trace({rayOf(glm::vec3(c.from), glm::vec3(glm::normalize(c.towards)))}, false);
         ASSERT_TRUE(hits[0].hit);
@@ -273,7 +273,7 @@ TEST_F(TextureTest, CapsShowOneEndOfTheImage) {
     const dvec3 base(0.3, 0.1, -0.7), axis = glm::normalize(dvec3(0.37, 1, 0.21)), top = base + 1.7 * axis;
     scene.objects.push_back({"/objects/0", CylinderShape{base, top, 1, true}, addTextured(scene, rows), {}});
     const PackedScene packed = packScene(scene);
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     std::vector<RayInput> rays;
     Random random(5);
     for (int i = 0; i < 2000; ++i) {

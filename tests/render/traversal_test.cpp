@@ -186,13 +186,13 @@ TEST_P(TraversalTest, TreeAndBruteForceHitTheSame) {
     const PackedScene open = withOpenBoxes(packed_);
     Options testsAll;
     testsAll.traversal = Traversal::Lane;
-    Renderer brute(device(), open, testsAll);
+    RayTracer brute(device(), open, testsAll);
     const std::vector<RayHit> all = brute.trace(rays, false);
     for (const uint32_t tripBudget : {0u, 1u}) {  // with the stack, without
         Options options;
         options.traversal = Traversal::Lane;
         options.tripBudget = tripBudget;
-        Renderer tree(device(), packed_, options);
+        RayTracer tree(device(), packed_, options);
         SCOPED_TRACE(tripBudget);
         const std::vector<RayHit> hits = tree.trace(rays, false);
         size_t phantoms = 0;

@@ -121,7 +121,7 @@ class TreeLeaksTest : public RenderTest {
                                       const std::vector<RayInput>& rays) {
         Options options;
         options.traversal = traversal;
-        return Renderer(device(), packed, options).trace(rays, false);
+        return RayTracer(device(), packed, options).trace(rays, false);
     }
     Random random_{36};
 };
@@ -219,7 +219,7 @@ TEST_F(SplitTest, BeamsAreClosed) {
             rays.push_back(rayTowards(from, target, i % 2));
         }
     }
-    Renderer renderer(device(), packed);
+    RayTracer renderer(device(), packed);
     EXPECT_EQ(misses(renderer.trace(rays, false)), 0u);
 }
 

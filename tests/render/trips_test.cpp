@@ -112,16 +112,16 @@ TEST_F(TripTest, EveryPageOfALongBookIsFound) {
     };
     Options options;
     options.traversal = Traversal::Lane;
-    Renderer renderer(device(), c.packed, options);
+    RayTracer renderer(device(), c.packed, options);
     EXPECT_EQ(wrong(renderer.trace(rays, false)), 0u);
-    EXPECT_GT(renderer.times().resumes, 0u);
+    EXPECT_GT(renderer.resumes(), 0u);
     const reference::Tracer tracer(c.packed);
     for (size_t i = 0; i < pages.size(); i += 97) {
         const auto hit = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)});
         ASSERT_TRUE(hit);
         EXPECT_EQ(hit->id, pages[i]);
     }
-    Renderer ignorant(device(), c.packed, naive(naiveKernels_));
+    RayTracer ignorant(device(), c.packed, naive(naiveKernels_));
     EXPECT_EQ(wrong(ignorant.trace(rays, false)) > 0, endsLoops(device()));
 }
 
@@ -147,10 +147,10 @@ TEST_P(PileTest, LowestIdOfAPileWins) {
     std::vector<RayInput> rays;
     for (int i = 0; i < 64; ++i)
         rays.push_back(rayTowards({0.1 * (i % 8), 0.1 * (i / 8), 3}, {0.01 * (i % 8), -0.02 * (i / 8), 0}));
-    Renderer renderer(device(), c.packed);
+    RayTracer renderer(device(), c.packed);
     const std::vector<RayHit> hits = renderer.trace(rays, false);
     EXPECT_EQ(std::count_if(hits.begin(), hits.end(), lowest), 64);
-    Renderer ignorant(device(), c.packed, naive(naiveKernels_));
+    RayTracer ignorant(device(), c.packed, naive(naiveKernels_));
     const std::vector<RayHit> cut = ignorant.trace(rays, false);
     EXPECT_EQ(std::count_if(cut.begin(), cut.end(), lowest) < 64, endsLoops(device()));
 }

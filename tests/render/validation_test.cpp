@@ -28,8 +28,9 @@ TEST_P(ValidationTest, LayerIsSilent) {
         plain.cost = true;
         EXPECT_TRUE(renderer.render(c.camera, plain).complete);
         const std::vector<RayInput> rays(100, rayOf(c.camera.eye, c.camera.center));
-        renderer.trace(rays, false);
-        renderer.trace(rays, true);
+        RayTracer tracer(device, c.packed, options);
+        tracer.trace(rays, false);
+        tracer.trace(rays, true);
         if (scene == "knot") {
             EXPECT_GT(renderer.times().resumes, 0u);
         }

@@ -14,23 +14,23 @@ class WalkTest : public RenderTest {
     }
     // The stack traversal against the stackless one, which finishes rays from the budget on, and packets.
     static void expectSameTrace(const Case& c, const std::vector<RayInput>& rays, uint32_t tripBudget = 1) {
-        Renderer lane(device(), c.packed, optionsOf(Traversal::Lane));
-        Renderer resumed(device(), c.packed, optionsOf(Traversal::Lane, tripBudget));
+        RayTracer lane(device(), c.packed, optionsOf(Traversal::Lane));
+        RayTracer resumed(device(), c.packed, optionsOf(Traversal::Lane, tripBudget));
         const std::vector<RayHit> expected = lane.trace(rays, false), any = lane.trace(rays, true);
-        const auto expectSame = [&](Renderer& other) {
+        const auto expectSame = [&](RayTracer& other) {
             EXPECT_TRUE(sameBits(other.trace(rays, false), expected, rays));
             const std::vector<RayHit> found = other.trace(rays, true);
             for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found[i].hit, any[i].hit) << text(rays[i]);
         };
         for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(expected[i].hit, any[i].hit) << text(rays[i]);
         expectSame(resumed);
-        EXPECT_TRUE(c.packed.nodes.size() < 2 || resumed.times().resumes > 0);
+        EXPECT_TRUE(c.packed.nodes.size() < 2 || resumed.resumes() > 0);
         if (!runsPackets(device().info())) return;
-        Renderer packets(device(), c.packed, optionsOf(Traversal::Packet));
+        RayTracer packets(device(), c.packed, optionsOf(Traversal::Packet));
         expectSame(packets);
     }
     static void expectLowestId(const RayCase& tied) {
-        Renderer renderer(device(), tied.c.packed, optionsOf(Traversal::Lane));
+        RayTracer renderer(device(), tied.c.packed, optionsOf(Traversal::Lane));
         const std::vector<RayHit> hits = renderer.trace(tied.rays, false);
         for (size_t i = 0; i < hits.size(); ++i) {
             ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);

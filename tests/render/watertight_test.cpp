@@ -12,7 +12,7 @@ using glm::vec3;
 class WatertightTest : public RenderTest {
   protected:
     size_t missesOf(const PackedScene& scene, const std::vector<RayInput>& rays) {
-        Renderer renderer(device(), scene);
+        RayTracer renderer(device(), scene);
         return misses(renderer.trace(rays, false));
     }
 };

@@ -1,6 +1,6 @@
 // Pictures that one kernel draws: where, and that they have the bits of those drawn step by step, also where
 // a path does not finish.
-#include "render/whole_paths.h"
+#include "render/kernel_choice.h"
 
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"

@@ -28,8 +28,8 @@ TEST_F(CatalogueTest, NormalOfATransformedSphere) {
         1, 1);
     const dvec3 expected(0, 0.97014, -0.24254);
     const render::RayInput ray = render::test::rayOf({0, 3, -3}, {0, -1, 1});
-    render::Renderer renderer(device(), c.packed);
-    const render::RayHit hit = renderer.trace({ray}, false)[0];
+    render::test::RayTracer kernels(device(), c.packed);
+    const render::test::RayHit hit = kernels.trace({ray}, false)[0];
     ASSERT_TRUE(hit.hit);
     const reference::Tracer tracer(c.packed);
     const reference::Ray exact{dvec3(ray.origin), dvec3(ray.direction)};

@@ -19,16 +19,17 @@ using render::Renderer;
 using render::test::Case;
 using render::test::Random;
 
-// A renderer with the subject's kernels, which it keeps.
-class SubjectRenderer {
+// A Renderer or RayTracer with the subject's kernels, which it keeps.
+template <class Tracing>
+class SubjectTracing {
   public:
-    SubjectRenderer(const Subject& subject, const PackedScene& scene)
+    SubjectTracing(const Subject& subject, const PackedScene& scene)
         : access_(accessOf(subject, render::arraySizes(scene))),
           code_(subject.mutant.empty() ? render::embeddedKernels()
                                        : render::test::mutantKernels(subject.mutant)),
           mutant_(!subject.mutant.empty()),
-          renderer_(*subject.device, scene, options()) {}
-    Renderer& operator*() { return renderer_; }
+          tracing_(*subject.device, scene, options()) {}
+    Tracing& operator*() { return tracing_; }
 
   private:
     Options options() const {
@@ -42,8 +43,10 @@ class SubjectRenderer {
     gpu::Access access_;
     render::KernelCode code_;
     bool mutant_;
-    Renderer renderer_;
+    Tracing tracing_;
 };
+using SubjectRenderer = SubjectTracing<Renderer>;
+using SubjectTracer = SubjectTracing<render::test::RayTracer>;
 
 struct MeshData {
     std::vector<dvec3> positions;
@@ -118,7 +121,7 @@ LeakCount countLeaks(const Subject& subject, const LeakCase& leakCase, Aim aim, 
                      bool any) {
     constexpr size_t kChunk = 1u << 18;
     const PackedScene packed = packedMesh(leakCase);
-    SubjectRenderer renderer(subject, packed);
+    SubjectTracer kernels(subject, packed);
     const reference::Tracer tracer(packed);
     Random random(seed);
     LeakCount total;
@@ -128,7 +131,7 @@ LeakCount countLeaks(const Subject& subject, const LeakCase& leakCase, Aim aim, 
             rays[i] = render::test::rayTowards(insidePoint(leakCase, random),
                                                targetOf(leakCase, packed, aim, random), i % 2);
         }
-        const std::vector<render::RayHit> hits = (*renderer).trace(rays, any);
+        const std::vector<render::test::RayHit> hits = (*kernels).trace(rays, any);
         for (size_t i = 0; i < rays.size(); ++i) {
             if (hits[i].hit) continue;
             const bool truth = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)}).has_value();
