@@ -41,7 +41,7 @@ void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded, con
         return m.mirror != Color(0) || m.transmission != Color(0);
     };
     const auto& materials = loaded.scene.materials;
-    if (target.withinDepth || depthOf(loaded, request) > 0 ||
+    if (target.withinDepth || depthOf(loaded.packed, request) > 0 ||
         std::none_of(materials.begin(), materials.end(), reflects))
         return;
     throw Error(ErrorKind::Argument,
@@ -114,7 +114,7 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
     job.target.depthCounts = !target.withinDepth;
     job.radianceBound =
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));
-    request.maxDepth = static_cast<uint32_t>(depthOf(loaded, request));
+    request.limits.depth = depthOf(loaded.packed, request);
     job.rounding = roundingOf(loaded, request, backend);
     job.inDouble = backend == Backend::Cpu;
     // Batches are many, and each would count from 0 to 1.

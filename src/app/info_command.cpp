@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/text_file.h"
 #include "gpu/device.h"
+#include "pack/request_environment.h"
 #include "pack/scene_arrays.h"
 #include "render/kernel_choice.h"
 #include "scene/cameras.h"
@@ -176,7 +177,7 @@ ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream&
         << "  picture       " << image.width << " x " << image.height << ", "
         << counted(static_cast<uint64_t>(image.samplesPerPixel), "sample") << " per pixel"
         << samplerText(image) << ", at most "
-        << counted(static_cast<uint64_t>(depthOf(loaded, request)), "reflection") << '\n'
+        << counted(static_cast<uint64_t>(depthOf(loaded.packed, request)), "reflection") << '\n'
         << "  camera        " << cameraKind(scene.camera) << '\n';
     if (!scene.cameras.empty()) out << "  cameras       " << cameraNames(scene, kMostNames) << '\n';
     out << "  objects       " << scene.objects.size() << " (" << kindCounts(packed) << ")\n";

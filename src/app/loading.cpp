@@ -11,6 +11,7 @@
 #include "core/text_file.h"
 #include "pack/pack_samples.h"
 #include "pack/packed_scene.h"
+#include "pack/request_environment.h"
 #include "scene/sampling.h"
 
 namespace glint::app {
@@ -146,21 +147,16 @@ Request requestOf(const LoadedScene& loaded, const SceneOptions& options, bool u
         throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);
     Request request = requestOf(image, loaded.scene.camera.lensRadius > 0);
     request.methods = options.methods;
-    request.minContribution = options.minContribution;
-    if (options.maxDepth) request.maxDepth = static_cast<uint32_t>(*options.maxDepth);
+    request.limits = options.limits;
     return request;
-}
-
-int depthOf(const LoadedScene& loaded, const Request& request) {
-    return request.maxDepth ? static_cast<int>(*request.maxDepth) : loaded.scene.maxDepth;
 }
 
 SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request) {
     const auto& materials = loaded.scene.materials;
     SceneFeatures also;
-    also.mirrors =
-        depthOf(loaded, request) > 0 && std::any_of(materials.begin(), materials.end(),
-                                                    [](const Material& m) { return m.mirror != Color(0); });
+    also.mirrors = depthOf(loaded.packed, request) > 0 &&
+                   std::any_of(materials.begin(), materials.end(),
+                               [](const Material& m) { return m.mirror != Color(0); });
     return also;
 }
 

@@ -57,9 +57,6 @@ void checkScene(const std::filesystem::path& scene);
 // samples and filter that contradict each other. `untilError`: --error chooses the number of samples.
 Request requestOf(const LoadedScene& loaded, const SceneOptions& options, bool untilError = false);
 
-// The depth of the request or, without one, of the scene.
-int depthOf(const LoadedScene& loaded, const Request& request);
-
 // Features that a request needs of a device though the scene's own depth does without them.
 SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request);
 

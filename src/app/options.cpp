@@ -65,7 +65,7 @@ void addSceneOverrides(OptionTable& table, SceneOptions& options) {
                 options.spp);
     table.whole("--max-depth", "N",
                 "greatest number of reflections and refractions in a row instead of the scene's", 0,
-                kMaxBounces, options.maxDepth);
+                kMaxBounces, options.limits.depth);
     table.choice<BuildQuality>("--build-quality",
                                "time spent on the BVH: " + explainedChoices<BuildQuality>(),
                                options.buildQuality);
@@ -97,7 +97,7 @@ void addMethods(OptionTable& table, SceneOptions& options) {
 void addMinContribution(OptionTable& table, SceneOptions& options) {
     table.value("--min-contribution", "X",
                 "cut reflected and refracted rays that add less than X to a pixel (default 0)",
-                options.minContribution, parseNotNegative);
+                options.limits.minContribution, parseNotNegative);
 }
 
 void addSampling(OptionTable& table, SceneOptions& options) {

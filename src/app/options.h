@@ -19,6 +19,7 @@
 #include "scene/scene.h"
 #include "trace/backend.h"
 #include "trace/methods.h"
+#include "trace/request.h"
 
 namespace CLI {
 class App;
@@ -94,10 +95,9 @@ struct SceneOptions {
     std::optional<UpAxis> up;   // of a file without a camera
     std::optional<Size> size;
     std::optional<int> spp;
-    std::optional<int> maxDepth;
     BuildQuality buildQuality = BuildQuality::Default;
     Methods methods;
-    double minContribution = 0;  // branches that bring less to a pixel's colour are not followed
+    PathLimits limits;
     std::optional<Sampler> sampler;
     std::optional<FilterChoice> filter;
     std::optional<uint32_t> seed;

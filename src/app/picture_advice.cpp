@@ -7,6 +7,7 @@
 
 #include "app/common.h"
 #include "core/quantize.h"
+#include "pack/request_environment.h"
 #include "reference/tracer.h"
 #include "scene/cameras.h"
 
@@ -123,7 +124,7 @@ std::string blackReason(const Picture& picture, const Scene& scene, const Packed
     if (const auto inside = darkObjectAround(scout, scene)) return *inside;
     if (scout.all(scene, isBlack)) {
         if (!scout.all(scene, reflects)) return "the materials of what is seen are black";
-        const uint32_t depth = request.maxDepth.value_or(static_cast<uint32_t>(scene.maxDepth));
+        const uint32_t depth = depthOf(packed, request);
         return "what is seen shows only reflections and refractions, and " +
                (depth < 5 ? "maxDepth is " + std::to_string(depth) + "; use --max-depth 5"
                           : std::string("they are black"));

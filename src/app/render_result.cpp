@@ -15,6 +15,7 @@
 #include "core/quantize.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
+#include "pack/request_environment.h"
 #include "pack/scene_arrays.h"
 #include "scene/sampling.h"
 
@@ -150,7 +151,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["samplesPerPixel"] = outcome.request.image.samplesPerPixel;
     json["sampler"] = nameOf(samplerOf(outcome.request.image));
     json["samplesTaken"] = samplesJson(outcome);
-    json["maxDepth"] = depthOf(loaded, outcome.request);
+    json["maxDepth"] = depthOf(loaded.packed, outcome.request);
     visitKinds(loaded.packed, [&](const KindCount& kind) {
         if (kind.kind != shared::PrimitiveKind::Instance) json[kind.array] = kind.count;
     });
@@ -158,7 +159,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["sphere"] = nameOf(command.scene.methods.spheres);
     if (outcome.converged) json["error"] = errorJson(command.target, *outcome.converged);
     json["lost"] = lossesJson(outcome.picture);
-    json["minContribution"] = command.scene.minContribution;
+    json["minContribution"] = command.scene.limits.minContribution;
     json["notFinite"] = outcome.picture.notFinite;
     if (outcome.picture.notFinite > 0)
         json["firstNotFinite"] = {outcome.picture.firstNotFinite.x, outcome.picture.firstNotFinite.y};
@@ -290,7 +291,7 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
     warnOfNotFinite(picture, start, err);
     // That mirrors face each other without end is nothing new.
-    if (loaded.packed.features.transmission || command.scene.minContribution > 0)
+    if (loaded.packed.features.transmission || command.scene.limits.minContribution > 0)
         warnOfLosses(picture, start, err);
     if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
     const auto advice = outcome.bands ? outcome.bands->advice

@@ -75,7 +75,7 @@ void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostr
 nlohmann::json lossesJson(const Picture& picture);
 
 // A line for each kind of loss that may be seen, each after `start`: branches that were cut, that found no
-// room, media without room; branches beyond maxDepth if a pixel may lack 1/255 by them.
+// room, media without room; branches beyond the depth limit if a pixel may lack 1/255 by them.
 void warnOfLosses(const Picture& picture, const std::string& start, std::ostream& err);
 
 }  // namespace glint::app

@@ -17,6 +17,7 @@
 #include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "farm/cut.h"
+#include "pack/request_environment.h"
 #include "scene/sampling.h"
 
 namespace glint::app {
@@ -106,8 +107,8 @@ farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loade
     add("size", std::to_string(request.width) + "x" + std::to_string(request.height));
     add("crop", regionText(regionOf(request)));
     add("samples", samplesText(request.image));
-    add("maxDepth", std::to_string(depthOf(loaded, request)));
-    add("min-contribution", describe(command.scene.minContribution));
+    add("maxDepth", std::to_string(depthOf(loaded.packed, request)));
+    add("min-contribution", describe(command.scene.limits.minContribution));
     add("intersector", std::string(nameOf(command.scene.methods.triangles)));
     add("sphere", std::string(nameOf(command.scene.methods.spheres)));
     add("layers", layersText(command.aovs));
@@ -157,7 +158,8 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function
     });
     if (!result) return result;
     // Losses are told where a picture drawn at once would tell them.
-    if (!loaded_.packed.features.transmission && command_.scene.minContribution == 0) result->losses = {};
+    if (!loaded_.packed.features.transmission && command_.scene.limits.minContribution == 0)
+        result->losses = {};
     const DrawingFacts facts = drawing_.facts();
     result->part = part;
     result->producer = {facts.device, drawing_.backend() == Backend::Cpu ? "" : facts.driver,

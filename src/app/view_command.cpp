@@ -57,7 +57,7 @@ ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
         options.width = command.scene.size->width;
         options.height = command.scene.size->height;
     }
-    options.loading.maxDepth = command.scene.maxDepth;
+    options.loading.depth = command.scene.limits.depth;
     options.loading.samplesPerPixel = command.scene.spp;
     options.device = command.device.selector;
     options.validation = command.device.validation;

@@ -56,7 +56,7 @@ void describe(const LoadedScene& loaded, const Request& request, Result& result)
     result.width = request.width;
     result.height = request.height;
     result.samples = request.image.samplesPerPixel;
-    result.depth = static_cast<int>(environmentOf(packed, request).maxDepth);
+    result.depth = static_cast<int>(depthOf(packed, request));
     result.lights = packed.lights.size();
     result.triangles = packed.triangles.size() - packed.statistics.splitTriangles;
     visitKinds(packed, [&](const KindCount& kind) {

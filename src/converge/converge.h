@@ -30,7 +30,7 @@ struct Target {
 struct ErrorBudget {
     double sampling = std::numeric_limits<double>::infinity();  // with Target::confidence
     double rounding = 0;                                        // the scene's condition number times the ulp
-    double cut = 0;    // branches below Request::minContribution, or without room on the stack
+    double cut = 0;    // branches below PathLimits::minContribution, or without room on the stack
     double depth = 0;  // branches beyond the depth
     bool depthCounts = true;
     // The part that more samples do not reduce.

@@ -52,10 +52,10 @@ std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
     request.cancelled = [&] {
         return watch.seconds() > kAdviceSeconds || (job.request.cancelled && job.request.cancelled());
     };
-    uint32_t depth = job.request.maxDepth.value();
+    uint32_t depth = job.request.limits.depth.value();
     while (depth < kDeepestAdvice) {
         depth = std::min<uint32_t>(2 * depth + 1, kDeepestAdvice);
-        request.maxDepth = depth;
+        request.limits.depth = depth;
         Ledger ledger;
         const uint32_t count = leastSamples(job.image.filter);
         const Draw counted = [&](const Request& r) {

@@ -11,6 +11,7 @@
 #include "library/status.h"
 #include "library/views.h"
 #include "pack/pack_samples.h"
+#include "pack/request_environment.h"
 #include "scene/cameras.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"
@@ -124,11 +125,11 @@ converge::Target targetOf(const glint_picture& wanted) {
 }
 
 // An image at depth 0 has no code for reflections, and hence no account of missing ones.
-void checkDepthIsKnown(const Scene& scene, uint32_t maxDepth) {
+void checkDepthIsKnown(const Scene& scene, uint32_t depth) {
     const auto reflects = [](const Material& m) {
         return m.mirror != Color(0) || m.transmission != Color(0);
     };
-    if (maxDepth == 0 && std::any_of(scene.materials.begin(), scene.materials.end(), reflects))
+    if (depth == 0 && std::any_of(scene.materials.begin(), scene.materials.end(), reflects))
         refuse("picture.error: with a max_depth of none nobody counts what mirrors would show");
 }
 
@@ -136,8 +137,8 @@ Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, cons
                     const ImageSettings& image, Request request) {
     converge::Job job;
     job.target = targetOf(wanted);
-    if (!request.maxDepth) request.maxDepth = snapshot.part().packed.environment.maxDepth;
-    checkDepthIsKnown(snapshot.scene(), *request.maxDepth);
+    request.limits.depth = depthOf(snapshot.part().packed, request);
+    checkDepthIsKnown(snapshot.scene(), *request.limits.depth);
     job.image = image;
     job.image.adaptive.reset();
     if (job.image.sampler == Sampler::Grid) job.image.sampler = Sampler::LowDiscrepancy;
@@ -170,9 +171,9 @@ void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_opt
     const auto pixels = static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height);
     const Layers layers(wanted, pixels);
     Request request = requestOf(image, camera.lensRadius > 0);
-    // More is refused in files too (maxDepth in docs/reference/scene-format.md).
+    // More is refused in files too (docs/reference/scene-format.md).
     if (wanted.max_depth != 0)
-        request.maxDepth = static_cast<uint32_t>(std::clamp(wanted.max_depth, 0, 1000));
+        request.limits.depth = static_cast<uint32_t>(std::clamp(wanted.max_depth, 0, 1000));
     request.data = layers.needData();
     const Context context = contextOf(snapshot.device(), options);
     request.cancelled = context.cancelled;

@@ -23,7 +23,7 @@ struct SceneFeatures {
     bool pointLights = false;
     bool directionalLights = false;
     bool specular = false;  // some material has a highlight
-    bool mirrors = false;   // some material reflects, and maxDepth > 0
+    bool mirrors = false;   // some material reflects, and paths may have reflections
     bool spotLights = false;
     bool parallelCamera = false;  // the origin of camera rays moves with the pixel
     bool transmission = false;    // some material lets light through

@@ -110,10 +110,14 @@ float radianceBound(const PackedScene& scene, const shared::Environment& environ
     return bound < static_cast<double>(shared::kInfinity) ? static_cast<float>(bound) : shared::kInfinity;
 }
 
+uint32_t depthOf(const PackedScene& scene, const Tracing& tracing) {
+    return tracing.limits.depth.value_or(scene.environment.maxDepth);
+}
+
 shared::Environment environmentOf(const PackedScene& scene, const Tracing& tracing) {
     shared::Environment environment = scene.environment;
-    if (tracing.maxDepth) environment.maxDepth = *tracing.maxDepth;
-    environment.minContribution = static_cast<float>(tracing.minContribution);
+    environment.maxDepth = depthOf(scene, tracing);
+    environment.minContribution = static_cast<float>(tracing.limits.minContribution);
     if (tracing.lighting) {
         environment.lightCount = static_cast<uint32_t>(tracing.lighting->lights.size());
         environment.background = tracing.lighting->background;
@@ -122,7 +126,7 @@ shared::Environment environmentOf(const PackedScene& scene, const Tracing& traci
 }
 
 float radianceBoundOf(const PackedScene& scene, const Tracing& tracing) {
-    const bool deeper = tracing.maxDepth && *tracing.maxDepth > scene.environment.maxDepth;
+    const bool deeper = depthOf(scene, tracing) > scene.environment.maxDepth;
     if (!tracing.lighting && !deeper) return scene.environment.radianceBound;
     const shared::Environment environment = environmentOf(scene, tracing);
     return radianceBound(scene, environment, lightsOf(scene, tracing));

@@ -10,12 +10,15 @@ inline const std::vector<shared::Light>& lightsOf(const PackedScene& scene, cons
     return tracing.lighting ? tracing.lighting->lights : scene.lights;
 }
 
-// The greatest radiance, in any channel, that a ray of the tree can bring with environment.maxDepth rays
-// after it: the greatest of the background and, for each material, of ambient light, all `lights` unshadowed
-// and head on, and the branches. kInfinity if there is none: a light that falls off touches a box of the BVH,
-// or the sum overflows.
+// The greatest radiance, in any channel, that a ray of the tree can bring with the environment's depth of
+// rays after it: the greatest of the background and, for each material, of ambient light, all `lights`
+// unshadowed and head on, and the branches. kInfinity if there is none: a light that falls off touches a box
+// of the BVH, or the sum overflows.
 float radianceBound(const PackedScene& scene, const shared::Environment& environment,
                     const std::vector<shared::Light>& lights);
+
+// Reflections and refractions in a row that are followed.
+uint32_t depthOf(const PackedScene& scene, const Tracing& tracing);
 
 // The scene's environment with what `tracing` says instead. The radiance bound is the scene's: it holds for
 // its own lights, background and depth.

@@ -215,7 +215,7 @@ class Tracer {
     // +0.5), and, of a camera with a lens, point `lens` of the unit disc.
     Ray cameraRay(const rows::Camera& camera, double x, double y, const glm::dvec2& lens = {0, 0}) const;
 
-    // Follows a camera ray through at most environment.maxDepth reflections and refractions in a row.
+    // Follows a camera ray through at most the environment's depth of reflections and refractions in a row.
     // keepPath fills PixelRecord::path.
     PixelRecord trace(const Ray& cameraRay, const Jitter& jitter = {}, bool keepPath = false) const;
     // Follows one ray without the rays that leave its hit. A moved ray stays on its side of the surface that

@@ -239,7 +239,8 @@ Search searchScene(const Tracer& tracer, const Model& scene, const Ray& ray, con
 // The device's least contribution is a float.
 Tracing roundedTracing(const Tracing& tracing) {
     Tracing rounded = tracing;
-    rounded.minContribution = static_cast<double>(static_cast<float>(tracing.minContribution));
+    double& least = rounded.limits.minContribution;
+    least = static_cast<double>(static_cast<float>(least));
     return rounded;
 }
 
@@ -252,8 +253,8 @@ Tracer::Tracer(std::shared_ptr<const Model> model, const Tracing& tracing, doubl
       environment_(scene_.environment),
       lights_(scene_.lights) {
     environment_.radianceBound = radianceBound;
-    environment_.minContribution = tracing.minContribution;
-    if (tracing.maxDepth) environment_.maxDepth = *tracing.maxDepth;
+    environment_.minContribution = tracing.limits.minContribution;
+    if (tracing.limits.depth) environment_.maxDepth = *tracing.limits.depth;
     if (!tracing.lighting) return;
     environment_.background = glm::dvec3(tracing.lighting->background);
     lights_.assign(tracing.lighting->lights.begin(), tracing.lighting->lights.end());

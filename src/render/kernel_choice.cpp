@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "pack/request_environment.h"
+#include "render/path_limits.h"
 #include "shared/dispatch.h"
 
 namespace glint::render {
@@ -116,8 +117,7 @@ std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
     // Packets trace camera rays alone. Whether there are others is the scene's to say, not the code's that
     // the pipeline happens to hold: kernels for later bounces that never come would double a cold start.
-    const bool goesOn =
-        (scene.features.mirrors || scene.features.transmission) && environmentOf(scene, request).maxDepth > 0;
+    const bool goesOn = goesOnAfterHits(scene.features, environmentOf(scene, request));
     const bool hasLights = !lightsOf(scene, request).empty();
     for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
         if (id == KernelId::Light && !hasLights) continue;

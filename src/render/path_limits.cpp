@@ -140,17 +140,22 @@ bool goesOnAfterHits(const SceneFeatures& features) {
     return features.mirrors || features.transmission;
 }
 
+bool goesOnAfterHits(const SceneFeatures& features, const shared::Environment& environment) {
+    return goesOnAfterHits(features) && environment.maxDepth > 0;
+}
+
 uint32_t firstTreeRow(const SceneFeatures& features, const TraceModes& modes) {
     return commonRows(modes) + (features.instances ? 1 : 0) +
            (goesOnAfterHits(features) ? shared::kListRows : 0);
 }
 
 // At most one branch waits for each ray from the eye to the one at hand.
-uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32_t maxDepth) {
+uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes,
+                  const shared::Environment& environment) {
     const uint32_t first = firstTreeRow(features, modes);
     if (features.transmission)
         return first + shared::kTreeRowWaiting +
-               std::clamp(maxDepth, 1u, shared::kMaxWaiting) * shared::kWaitingRows;
+               std::clamp(environment.maxDepth, 1u, shared::kMaxWaiting) * shared::kWaitingRows;
     return first + (modes.ledger ? shared::kLedgerRows : 0);
 }
 
@@ -159,8 +164,9 @@ uint64_t PathRoom::bytes() const {
 }
 
 PathRoom roomFor(const gpu::DeviceInfo& device, gpu::Access access, const SceneFeatures& features,
-                 const TraceModes& modes, uint32_t maxDepth, const Region& region, uint32_t most) {
-    const uint32_t rows = pathRows(features, modes, maxDepth);
+                 const TraceModes& modes, const shared::Environment& environment, const Region& region,
+                 uint32_t most) {
+    const uint32_t rows = pathRows(features, modes, environment);
     const uint32_t limit = fittingPaths(device, access, most > 0 ? most : kMaxSlicePaths, rows);
     const uint32_t wanted =
         std::min({Slice::tilesIn(region), limit / shared::kWorkgroupSize, device.limits.maxWorkgroupCountX});

@@ -6,13 +6,15 @@
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
-#include "render/pipelines.h"
+#include "render/kernels.h"
 #include "trace/picture.h"
 
 namespace glint::render {
 
-// True if paths may have further rays after the camera's.
+// True if paths may have further rays after the camera's: by a pipeline with these features, and by a request
+// with this environment.
 bool goesOnAfterHits(const SceneFeatures& features);
+bool goesOnAfterHits(const SceneFeatures& features, const shared::Environment& environment);
 
 // Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows);
@@ -52,7 +54,8 @@ uint32_t lightsNext(uint32_t lights, uint32_t planeCount, bool unfinished, doubl
 // behind the instances' and the lists'; and all of them.
 uint32_t commonRows(const TraceModes& modes);
 uint32_t firstTreeRow(const SceneFeatures& features, const TraceModes& modes);
-uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32_t maxDepth);
+uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes,
+                  const shared::Environment& environment);
 
 // The state of the paths that a picture's slices have room for.
 struct PathRoom {
@@ -61,6 +64,7 @@ struct PathRoom {
 };
 // `most`: paths of a slice, 0: as many as do good.
 PathRoom roomFor(const gpu::DeviceInfo& device, gpu::Access access, const SceneFeatures& features,
-                 const TraceModes& modes, uint32_t maxDepth, const Region& region, uint32_t most = 0);
+                 const TraceModes& modes, const shared::Environment& environment, const Region& region,
+                 uint32_t most = 0);
 
 }  // namespace glint::render

@@ -169,7 +169,7 @@ bool Renderer::State::drawsWholePaths(const TraceModes& modes, const TraversalCh
     if (options.wholePaths == WholePaths::On) return true;
     const bool free = options.traversal != Traversal::Packet && !options.profile && !options.kernels;
     const WholePathsWork work = {
-        .furtherRays = goesOnAfterHits(scene.features) && of.maxDepth > 0,
+        .furtherRays = goesOnAfterHits(scene.features, of),
         .tripBudget = wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of),
         .rays = options.cameraRays * (1 + uint64_t{of.lightCount})};
     return free && wholePathsPay(device.info(), choice, work);
@@ -425,8 +425,8 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     const uint32_t tiles = Slice::tilesIn(picture.region);
     const uint32_t interleave = interleaveOf(s.device.info());
     const shared::Environment environment = s.environmentOf(camera, request);
-    const PathRoom room = roomFor(s.device.info(), s.access, s.features, modes, environment.maxDepth,
-                                  picture.region, s.options.maxSlicePixels);
+    const PathRoom room = roomFor(s.device.info(), s.access, s.features, modes, environment, picture.region,
+                                  s.options.maxSlicePixels);
     const uint32_t maxTiles = room.paths / shared::kWorkgroupSize;
     const bool grown = s.buffers.setSamples(s.device, samples.rows);
     s.reservePaths(room.paths, room.rows, grown);

@@ -58,13 +58,13 @@ class Plan {
     void addDepths(int sceneDepth) {
         for (int depth = 0;; depth = std::min(sceneDepth, depth < 4 ? depth + 1 : depth + depth / 2)) {
             Setting s;
-            s.depth = depth;
+            s.limits.depth = static_cast<uint32_t>(depth);
             add(s, "depth", 4);
             if (depth >= sceneDepth) break;
         }
         for (const double cut : {1e-4, 1e-3, 1e-2}) {
             Setting s;
-            s.minContribution = cut;
+            s.limits.minContribution = cut;
             add(s, "cut", 4);
         }
     }
@@ -94,8 +94,8 @@ std::string keyOf(const Setting& s) {
     std::string key = s.family + ' ' + std::string(nameOf(s.sampler)) + ' ' + std::to_string(s.spp);
     key += ' ' + std::string(nameOf(s.methods.triangles)) + ' ' + std::string(nameOf(s.methods.spheres));
     key += ' ' + std::string(nameOf(s.methods.slabs)) + ' ' + std::string(nameOf(s.methods.offsets));
-    key += " depth=" + (s.depth ? std::to_string(*s.depth) : std::string("scene"));
-    key += " cut=" + number(s.minContribution) + (s.leaveOut ? " pruned" : " full");
+    key += " depth=" + (s.limits.depth ? std::to_string(*s.limits.depth) : std::string("scene"));
+    key += " cut=" + number(s.limits.minContribution) + (s.leaveOut ? " pruned" : " full");
     if (s.error) key += " error=" + number(*s.error);
     if (s.contrast) key += " contrast=" + number(*s.contrast);
     if (s.onReference) key += " reference";

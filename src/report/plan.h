@@ -15,6 +15,7 @@
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
 #include "trace/methods.h"
+#include "trace/request.h"
 
 namespace glint::report {
 
@@ -25,8 +26,7 @@ struct Setting {
     Sampler sampler = Sampler::LowDiscrepancy;
     int spp = 4;
     Methods methods;
-    std::optional<int> depth;  // empty: the scene's
-    double minContribution = 0;
+    PathLimits limits;
     bool leaveOut = true;            // render::Options::leaveOut
     std::optional<double> error;     // instead of `spp` samples: --error
     std::optional<double> contrast;  // adaptive sampling from `spp` samples

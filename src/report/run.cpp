@@ -91,8 +91,8 @@ bool isDone(const SceneReport& report, const Setting& setting, int runs) {
 
 std::string labelOf(const Setting& s) {
     std::string name = s.family;
-    if (s.depth) name += " " + std::to_string(*s.depth);
-    if (s.minContribution > 0) name += " " + shortNumber(s.minContribution);
+    if (s.limits.depth) name += " " + std::to_string(*s.limits.depth);
+    if (s.limits.minContribution > 0) name += " " + shortNumber(s.limits.minContribution);
     return name + ", " + std::to_string(s.spp) + " spp";
 }
 

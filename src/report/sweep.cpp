@@ -15,6 +15,7 @@
 #include "core/quantize.h"
 #include "core/stopwatch.h"
 #include "pack/pack_samples.h"
+#include "pack/request_environment.h"
 #include "pack/scene_arrays.h"
 #include "reference/render.h"
 #include "report/write.h"
@@ -99,7 +100,7 @@ SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, Lo
     camera_ = cameraOf(loaded_, requestFor({}, 0));
     arrayBytes_ = rendererOf({})->deviceBytes();
     settings_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
-                          loaded_.scene.maxDepth, options_.devices);
+                          static_cast<int>(depthOf(loaded_.packed, {})), options_.devices);
     std::erase_if(settings_, [&](const Setting& s) {
         return !options.only.empty() &&
                std::none_of(options.only.begin(), options.only.end(),
@@ -121,7 +122,7 @@ SceneReport SceneSweep::emptyReport() const {
     report.hash = hashOf(readFile(path_), loaded_.packed);
     report.width = image_.width;
     report.height = image_.height;
-    report.depth = loaded_.scene.maxDepth;
+    report.depth = static_cast<int>(depthOf(loaded_.packed, {}));
     report.contents = contentsOf(loaded_);
     return report;
 }
@@ -144,8 +145,7 @@ Request SceneSweep::requestFor(const Setting& s, uint32_t seed) const {
     if (s.contrast) image.adaptive = AdaptiveSampling{64, *s.contrast};
     Request request = requestOf(image, loaded_.scene.camera.lensRadius > 0);
     request.methods = s.methods;
-    request.minContribution = s.minContribution;
-    if (s.depth) request.maxDepth = static_cast<uint32_t>(*s.depth);
+    request.limits = s.limits;
     request.cancelled = [this] { return options_.cancelled() || options_.secondsLeft() < -kOverdue; };
     return request;
 }
@@ -174,7 +174,7 @@ Picture SceneSweep::draw(const Setting& s, uint32_t seed) {
     job.image.sampler = s.sampler;
     job.image.seed = seed;
     job.request = request;
-    job.request.maxDepth = static_cast<uint32_t>(loaded_.scene.maxDepth);
+    job.request.limits.depth = depthOf(loaded_.packed, request);
     job.target.error = *s.error;
     job.rounding = (kappa_ + 1) * verify::kFloatUnit;
     job.target.depthCounts = false;  // the converged image has the same depth
@@ -298,7 +298,7 @@ bool SceneSweep::judgeArithmetic(const Setting& s, Measured& m) {
     m.arithmetic = measureArithmetic(picture.color, paths, same->colors, same->paths);
     const double pixels = static_cast<double>(paths.size());
     const TreeLosses& lost = picture.losses;
-    if (s.depth || s.minContribution > 0)
+    if (s.limits.depth || s.limits.minContribution > 0)
         m.bound = boundOf(lost.depth, pixels) + boundOf(lost.cut, pixels) + boundOf(lost.room, pixels);
     return true;
 }
@@ -358,8 +358,8 @@ SceneSweep::Outcome SceneSweep::run(const Setting& s, SceneReport& report) {
         m.family = s.family;
         m.sampler = nameOf(s.sampler);
         m.spp = s.spp;
-        m.depth = s.depth.value_or(report.depth);
-        m.minContribution = s.minContribution;
+        m.depth = static_cast<int>(depthOf(loaded_.packed, requestFor(s, 0)));
+        m.minContribution = s.limits.minContribution;
         m.asked = s.error.value_or(0);
         Picture warm;
         if (!judgeArithmetic(s, m)) return unfinished();

@@ -60,7 +60,7 @@ struct LostBranches {
 // Branches of the ray tree that the image omits.
 struct TreeLosses {
     LostBranches cut;    // below the least contribution asked for
-    LostBranches depth;  // beyond maxDepth
+    LostBranches depth;  // beyond the depth limit
     LostBranches room;   // more than could wait at a time
     uint64_t crowdedMedia =
         0;  // surfaces that a ray passed as if they were not there: it was in too many media

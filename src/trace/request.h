@@ -25,17 +25,22 @@ struct Lighting {
     glm::vec3 background{0};  // linear radiance; of a scene with an environment map: its factor
 };
 
+// Limits of a path's reflections and refractions.
+struct PathLimits {
+    // Reflections and refractions in a row; empty: the scene's (depthOf in pack/request_environment.h). A
+    // device whose pipeline leaves mirrors out (render::Options::also) sees none.
+    std::optional<uint32_t> depth = std::nullopt;
+    // Reflected and refracted rays that can add no more than this to any channel of a pixel's colour (linear
+    // radiance) are not followed, and what they might have added is in Picture::losses. 0 follows all.
+    double minContribution = 0;
+};
+
 // Settings of ray paths. Both tracers obey all but Methods::slabs and Methods::offsets, which only the device
 // has.
 struct Tracing {
     // The tests of rays with triangles and spheres; the defaults hold, the others show why they are needed.
     Methods methods = {};
-    // Reflections and refractions in a row; empty: the scene's. A device whose pipeline leaves mirrors out
-    // (render::Options::also) sees none.
-    std::optional<uint32_t> maxDepth = std::nullopt;
-    // Reflected and refracted rays that can add no more than this to any channel of a pixel's colour (linear
-    // radiance) are not followed, and what they might have added is in Picture::losses. 0 follows all.
-    double minContribution = 0;
+    PathLimits limits = {};
     bool shadows = true;  // false: lights shine through everything
     std::optional<Lighting> lighting = std::nullopt;
 };
@@ -66,7 +71,7 @@ struct Request : Tracing {
     std::function<bool()> cancelled;
 
     bool wantsData() const { return data || cost; }
-    bool wantsLosses() const { return ledger || minContribution > 0; }
+    bool wantsLosses() const { return ledger || limits.minContribution > 0; }
 };
 
 // The pixels that are asked for; empty if the region lies outside of the picture.

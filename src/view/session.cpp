@@ -58,10 +58,10 @@ double Pace::scale(double fullPixels) const {
     return std::clamp(std::floor(wanted * kSteps) / kSteps, kLeast, 1.0);
 }
 
-int Pace::depth(int maxDepth, double fullPixels, bool glass) const {
+int Pace::depth(int full, double fullPixels, bool glass) const {
     const double s = scale(fullPixels);
-    const int bound = s >= 0.75 ? maxDepth : s >= 0.4 ? 2 : 1;
-    return std::min(maxDepth, glass ? std::max(bound, kGlassDepth) : bound);
+    const int bound = s >= 0.75 ? full : s >= 0.4 ? 2 : 1;
+    return std::min(full, glass ? std::max(bound, kGlassDepth) : bound);
 }
 
 render::Options windowOptions(const ViewScene& scene) {
@@ -96,7 +96,7 @@ void Session::apply(const PictureSettings& settings) {
 // Lights that are off are left out altogether: their shadow rays cost most of a frame.
 Tracing Session::tracing() const {
     Tracing tracing;
-    tracing.maxDepth = settings_.depth();
+    tracing.limits.depth = settings_.depth();
     tracing.shadows = settings_.shadows;
     tracing.methods = settings_.methods;
     Lighting& lighting = tracing.lighting.emplace();
@@ -163,7 +163,7 @@ Picture Session::render(const Request& request) {
     const render::StageTimes& now = renderer_.times();
     facts_.width = request.width;
     facts_.height = request.height;
-    facts_.depth = static_cast<int>(request.maxDepth.value());
+    facts_.depth = static_cast<int>(request.limits.depth.value());
     facts_.renderSeconds = watch.seconds() - (now.compile - before.compile);
     facts_.traceSeconds = now.trace - before.trace;
     facts_.readbackSeconds = now.readback - before.readback;
@@ -180,7 +180,7 @@ bool Session::renderMoving(double scale, int depth) {
         return std::max(1, static_cast<int>(std::lround(pixels * scale)));
     };
     Request request = requestFor(wanted, scaled(width_), scaled(height_));
-    request.maxDepth = std::min(static_cast<uint32_t>(std::max(depth, 0)), settings_.depth());
+    request.limits.depth = std::min(static_cast<uint32_t>(std::max(depth, 0)), settings_.depth());
     coarse_ = render(request);
     coarseContent_ = wanted;
     ++version_;

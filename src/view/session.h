@@ -28,9 +28,9 @@ class Pace {
 
     // Width and height to render, as a part of those of a window of `fullPixels`: kLeast..1.
     double scale(double fullPixels) const;
-    // Reflections to follow out of `maxDepth`: fewer once the resolution has had to fall.
+    // Reflections to follow out of `full`: fewer once the resolution has had to fall.
     // In glass at least kGlassDepth: a ray that is not followed through glass is black.
-    int depth(int maxDepth, double fullPixels, bool glass = false) const;
+    int depth(int full, double fullPixels, bool glass = false) const;
 
     static constexpr int kGlassDepth = 3;  // into an object, one reflection within, and out of it
 

@@ -19,10 +19,11 @@ namespace glint::view {
 
 // How scenes are loaded, the first one and all later.
 struct Loading {
-    bool allowOutside = false;  // files outside the scene's folder may be read
-    std::string camera;         // by its name; empty: the scene's own
-    std::optional<UpAxis> up;   // of a file without a camera
-    std::optional<int> maxDepth, samplesPerPixel;
+    bool allowOutside = false;      // files outside the scene's folder may be read
+    std::string camera;             // by its name; empty: the scene's own
+    std::optional<UpAxis> up;       // of a file without a camera
+    std::optional<uint32_t> depth;  // PathLimits::depth
+    std::optional<int> samplesPerPixel;
     BuildQuality quality = BuildQuality::Default;
 };
 

@@ -38,7 +38,7 @@ namespace fs = std::filesystem;
 }  // namespace
 
 Scene withOverrides(Scene scene, const Loading& loading) {
-    if (loading.maxDepth) scene.maxDepth = *loading.maxDepth;
+    if (loading.depth) scene.maxDepth = static_cast<int>(*loading.depth);
     if (loading.samplesPerPixel) scene.image.samplesPerPixel = *loading.samplesPerPixel;
     return scene;
 }

@@ -150,8 +150,8 @@ bool Viewer::renderMoving() {
     Session& session = *model_.session;
     const double pixels = static_cast<double>(session.width()) * session.height();
     follows_ = std::exchange(traced_, false);
-    if (!session.renderMoving(pace_.scale(pixels),
-                              pace_.depth(model_.settings.maxDepth, pixels, model_.scene->hasGlass)))
+    if (!session.renderMoving(pace_.scale(pixels), pace_.depth(static_cast<int>(model_.settings.depth()),
+                                                               pixels, model_.scene->hasGlass)))
         return false;
     traced_ = true;
     const FrameFacts& facts = session.facts();

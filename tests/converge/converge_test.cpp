@@ -139,17 +139,17 @@ TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
     // Each further reflection loses half of the light.
     const Draw mirrors = [&](const Request& request) {
         Picture picture = drawn(film, request);
-        const double bound = std::ldexp(1.0, -static_cast<int>(request.maxDepth.value_or(2)));
+        const double bound = std::ldexp(1.0, -static_cast<int>(request.limits.depth.value_or(2)));
         for (size_t i = 0; i < picture.done.size(); ++i) picture.losses.depth.add(1, bound);
         return picture;
     };
     Job job = jobOf(0.01);
-    job.request.maxDepth = 2;
+    job.request.limits.depth = 2;
     const std::string deeper = refusalOf(mirrors, job);
     EXPECT_NE(deeper.find("beyond maxDepth may add 0.25; --max-depth 11 would do; --within-depth"),
               std::string::npos)
         << deeper;
-    job.request.maxDepth = 11;
+    job.request.limits.depth = 11;
     EXPECT_TRUE(converge(mirrors, job).reached());
 
     job = jobOf(0.01);

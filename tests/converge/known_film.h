@@ -68,7 +68,7 @@ inline Job jobOf(double error, uint32_t seed = 0) {
     job.request.width = job.request.height = kSide;
     job.image.width = job.image.height = kSide;
     job.image.seed = seed;
-    job.request.maxDepth = 5;
+    job.request.limits.depth = 5;
     job.target.error = error;
     return job;
 }

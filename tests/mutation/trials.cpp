@@ -46,7 +46,7 @@ void readOption(const std::string& text, Trial& trial, ImageSettings& image) {
     else if (name == "spheres")
         methods.spheres = valueOf<SphereMethod>(value);
     else if (name == "cut")
-        trial.options.minContribution = std::stod(value);
+        trial.options.limits.minContribution = std::stod(value);
     else if (name == "sampler")
         image.sampler = valueOf<Sampler>(value);
     else if (name == "adaptive")

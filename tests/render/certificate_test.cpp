@@ -144,7 +144,7 @@ TEST(Certificate, EachFurtherRayIsJudged) {
     render::test::addPlane(scene, {0, 0, -3}, {0, 0, 1}, mirror);
     render::test::addPlane(scene, {0, 0, 9}, {0, 0, -1}, mirror);
     const Case c = render::test::makeCase(scene, 8, 8);
-    const reference::Tracer tracer(c.packed, {.maxDepth = 3});
+    const reference::Tracer tracer(c.packed, {.limits = {.depth = 3}});
     const reference::Ray ray = rayAt(c, {0.5, 0.3, 0});
     const reference::PixelRecord record = tracer.trace(ray, {}, true);
     ASSERT_EQ(record.path.size(), 4u);

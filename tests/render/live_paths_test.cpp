@@ -50,8 +50,8 @@ TEST(PathRowsTest, ScenesWithoutBouncesHaveNoLists) {
     SceneFeatures plain, mirrors, glass;
     mirrors.mirrors = true;
     glass.transmission = true;
-    EXPECT_EQ(pathRows(plain, {}, 5), shared::kPathRows);
-    EXPECT_EQ(pathRows(mirrors, {}, 5), shared::kPathRows + shared::kListRows);
+    EXPECT_EQ(pathRows(plain, {}, {}), shared::kPathRows);
+    EXPECT_EQ(pathRows(mirrors, {}, {}), shared::kPathRows + shared::kListRows);
     EXPECT_EQ(firstTreeRow(glass, {}), shared::kPathRows + shared::kListRows);
 }
 
@@ -132,7 +132,7 @@ TEST_F(LivePathsImageTest, LeastContributionsAreAccountedForTheSame) {
     for (const char* name : {"corridor", "glass"}) {
         const Case c = fileCase(name, 32, 24);
         Request settings = settingsOf(c);
-        settings.minContribution = 0.5;
+        settings.limits.minContribution = 0.5;
         settings.data = settings.cost = settings.tally = false;
         const Drawn listed = drawn(c, settings), whole = drawn(c, settings, {}, WholePaths::On);
         EXPECT_GT(listed.picture.losses.cut.count, 0u) << name;

@@ -19,7 +19,7 @@ class OpticsTest : public RenderTest {
         settings.height = c.height;
         settings.data = true;
         settings.ledger = true;
-        settings.minContribution = minContribution;
+        settings.limits.minContribution = minContribution;
         return renderer.render(c.camera, settings);
     }
     static float channel(const Picture& picture, int c = 0) { return picture.color.at(0, 0, c); }
@@ -298,7 +298,7 @@ TEST_F(OpticsTest, AccountsAgreeWithTheReference) {
     const Case c = fileCase("glass", 48, 30);
     const Picture picture = drawWithLosses(c, {}, 0.01);
     Tracing cut;
-    cut.minContribution = 0.01;
+    cut.limits.minContribution = 0.01;
     const reference::Tracer tracer(c.packed, cut);
     TreeLosses expected;
     size_t samePaths = 0, same = 0;
@@ -344,10 +344,10 @@ TEST_F(OpticsTest, NothingIsMadeOfSubnormalThroughput) {
     const Case c = makeCase(scene, 1, 1);
     ASSERT_EQ(radianceBoundOf(c.packed, {}), shared::kInfinity);
     Tracing cut;
-    cut.minContribution = 1e-4;
+    cut.limits.minContribution = 1e-4;
     const reference::Tracer tracer(c.packed, cut);
     const reference::PixelRecord expected = tracer.trace(tracer.cameraRay(c.camera, 0.5, 0.5));
-    const Picture picture = drawWithLosses(c, {}, cut.minContribution);
+    const Picture picture = drawWithLosses(c, {}, cut.limits.minContribution);
     EXPECT_EQ(picture.at(0, 0).bounces, expected.bounces);
     EXPECT_EQ(picture.losses.cut.count, expected.lost.cut.count);
     EXPECT_EQ(picture.losses.cut.sum, 0);

@@ -23,9 +23,9 @@ const Wish kWishes[] = {
     {"geometric", [](Request& r) { r.methods.spheres = SphereMethod::Geometric; }},
     {"slabs", [](Request& r) { r.methods.slabs = SlabPad::None; }},
     {"offsets", [](Request& r) { r.methods.offsets = OriginOffset::Fixed; }},
-    {"depth 1", [](Request& r) { r.maxDepth = 1; }},
-    {"depth 0", [](Request& r) { r.maxDepth = 0; }},
-    {"cut", [](Request& r) { r.minContribution = 0.5; }},
+    {"depth 1", [](Request& r) { r.limits.depth = 1; }},
+    {"depth 0", [](Request& r) { r.limits.depth = 0; }},
+    {"cut", [](Request& r) { r.limits.minContribution = 0.5; }},
     {"no shadows", [](Request& r) { r.shadows = false; }},
     {"cost", [](Request& r) { r.cost = true; }},
     {"tally", [](Request& r) { r.tally = true; }},
@@ -43,7 +43,7 @@ TEST_F(RequestTest, KernelsOfLaterBouncesAreLeftOut) {
         options.also.mirrors = withMirrors;
         Renderer renderer(device(), c.packed, options);
         Request request = wholeWithData(c);
-        request.maxDepth = maxDepth;
+        request.limits.depth = maxDepth;
         renderer.render(c.camera, request);
         return renderer.codeBytes();
     };
@@ -109,7 +109,7 @@ TEST_F(RequestTest, LightingIsAsIfTheSceneHadIt) {
 
 Tracing toDepth(uint32_t depth) {
     Tracing tracing;
-    tracing.maxDepth = depth;
+    tracing.limits.depth = depth;
     return tracing;
 }
 
@@ -144,7 +144,7 @@ TEST_F(RequestTest, FurtherFeaturesServeFurtherRequests) {
     options.also.mirrors = options.also.parallelCamera = true;
     Renderer able(device(), flat.packed, options);
     EXPECT_TRUE(sameBits(able.render(parallel, request), draw(device(), makeCase(scene, 40, 30))));
-    request.maxDepth = 3;
+    request.limits.depth = 3;
     scene.maxDepth = 3;
     EXPECT_TRUE(sameBits(able.render(parallel, request), draw(device(), makeCase(scene, 40, 30))));
 }

@@ -148,7 +148,7 @@ RayTracer::RayTracer(const gpu::Device& device, const PackedScene& scene, const 
 void RayTracer::writeRays(const TraceModes& modes, const std::vector<RayInput>& rays) {
     const auto paths = static_cast<uint32_t>((rays.size() + shared::kWorkgroupSize - 1) /
                                              shared::kWorkgroupSize * shared::kWorkgroupSize);
-    const uint32_t rows = pathRows(features_, modes, scene_.environment.maxDepth);
+    const uint32_t rows = pathRows(features_, modes, scene_.environment);
     if (paths_.capacity() < paths || paths_.rows() < rows) {
         paths_ = PathState();
         paths_ = PathState(device_, access_, paths, rows);

@@ -136,7 +136,7 @@ TEST_P(GrowthTest, ErrorGrowsAsTheCurvatureSays) {
     for (int k = 0; k <= trap.bounces; ++k) {
         Request settings;
         settings.width = settings.height = kSide;
-        settings.maxDepth = k;
+        settings.limits.depth = k;
         const Picture picture = renderer.render(c.camera, settings);
         settings.exact = true;
         const Picture truth = reference::render(c.packed, c.camera, settings);
