@@ -37,26 +37,6 @@ struct Frame {
     fs::path path;
 };
 
-struct Drawn {
-    int number = 0;
-    double time = 0, seconds = 0;
-    AnimatedScene::Change change = AnimatedScene::Change::Scene;
-    std::string hash;
-    std::vector<fs::path> files;
-};
-
-const char* changeName(AnimatedScene::Change change) {
-    switch (change) {
-        case AnimatedScene::Change::Nothing:
-            return "nothing";
-        case AnimatedScene::Change::Camera:
-            return "camera";
-        case AnimatedScene::Change::Scene:
-            break;
-    }
-    return "scene";
-}
-
 void check(const RenderCommand& command) {
     const FrameRange& frames = *command.frames;
     if (command.scene.time) throw Error(ErrorKind::Argument, "--time: --frames says which moments are drawn");
@@ -109,12 +89,12 @@ class FrameRenderer {
     std::optional<AnimatedScene> scene_;
     double framesPerSecond_ = 24;
     bool loaded_ = false;
-    std::vector<Drawn> drawn_;
-    bool missed_ = false;  // --strict, and an error was not reached
+    nlohmann::json drawn_ = nlohmann::json::array();  // a frame each, as for --stats
+    bool missed_ = false;                             // --strict, and an error was not reached
     const Stopwatch total_;
 };
 
-// The frame rate may be the scene's own, so it is read before it is known which moment is wanted.
+// The frame rate may be the scene's own, so the scene is read before the time of the first frame is known.
 void FrameRenderer::open(const Frame& first) {
     scene_.emplace(command_.scene, std::nullopt, err_, command_.quiet);
     const LoadedScene& loaded = scene_->loaded();
@@ -132,18 +112,17 @@ void FrameRenderer::open(const Frame& first) {
 bool FrameRenderer::drawOne(const Frame& frame, double from, double to, Progress& progress) {
     const Stopwatch watch;
     const LoadedScene& loaded = scene_->loaded();
-    Drawn drawn;
-    drawn.number = frame.number;
-    drawn.time = timeOf(frame.number);
-    if (loaded_) drawn.change = scene_->moveTo(drawn.time);
+    using Change = AnimatedScene::Change;
+    const double time = timeOf(frame.number);
+    const Change change = loaded_ ? scene_->moveTo(time) : Change::Scene;
     Request request = requestOf(command_, loaded);
     request.progress = [&](double done) { progress.update(from + (to - from) * done); };
     std::optional<converge::Job> job;
     if (command_.target.error) job = jobOf(command_.target, loaded, command_.backend, request, progress);
     if (!loaded_)
         drawing_.load(loaded, request);
-    else if (drawn.change != AnimatedScene::Change::Nothing)
-        drawing_.reload(request, drawn.change == AnimatedScene::Change::Camera);
+    else if (change != Change::Nothing)
+        drawing_.reload(request, change == Change::Camera);
     loaded_ = true;
     Outcome outcome;
     outcome.request = request;
@@ -154,10 +133,13 @@ bool FrameRenderer::drawOne(const Frame& frame, double from, double to, Progress
     warnAboutPicture(outcome, command_, loaded, err_);
     missed_ = missed_ || (outcome.converged && !outcome.converged->reached());
     writePicture(outcome, command_, out_);
-    drawn.hash = outcome.hash;
-    drawn.files = outcome.files;
-    drawn.seconds = watch.seconds();
-    drawn_.push_back(std::move(drawn));
+    constexpr const char* kChanges[] = {"nothing", "camera", "scene"};
+    drawn_.push_back({{"frame", frame.number},
+                      {"time", time},
+                      {"hash", outcome.hash},
+                      {"seconds", watch.seconds()},
+                      {"changed", kChanges[static_cast<size_t>(change)]},
+                      {"files", filesJson(outcome.files)}});
     return true;
 }
 
@@ -182,23 +164,18 @@ void FrameRenderer::print(size_t there) const {
                                {"there", there},
                                {"treesBuilt", scene_ ? scene_->treesBuilt() : 0},
                                {"seconds", total_.seconds()},
-                               {"frames", nlohmann::json::array()}};
+                               {"frames", drawn_}};
         json.update(drawnJson(facts));
-        for (const Drawn& drawn : drawn_) {
-            json["frames"].push_back({{"frame", drawn.number},
-                                      {"time", drawn.time},
-                                      {"hash", drawn.hash},
-                                      {"seconds", drawn.seconds},
-                                      {"changed", changeName(drawn.change)},
-                                      {"files", filesJson(drawn.files)}});
-        }
         printJson(json, out_);
         return;
     }
     if (command_.quiet) return;
+    const auto fileOf = [](const nlohmann::json& frame) {
+        return shown(frame["files"][0].get<std::string>());
+    };
     if (!drawn_.empty())
-        out_ << "wrote " << counted(drawn_.size(), "frame") << ", " << shown(drawn_.front().files.front())
-             << (drawn_.size() > 1 ? " to " + shown(drawn_.back().files.front()) : "") << '\n';
+        out_ << "wrote " << counted(drawn_.size(), "frame") << ", " << fileOf(drawn_.front())
+             << (drawn_.size() > 1 ? " to " + fileOf(drawn_.back()) : "") << '\n';
     if (there > 0)
         out_ << counted(there, "frame") << (there == 1 ? " was" : " were")
              << " there already (--overwrite draws them again)\n";

@@ -18,8 +18,8 @@
 #include "core/stopwatch.h"
 #include "farm/checkpoint.h"
 #include "farm/merge.h"
-#include "farm/mpi_transport.h"
 #include "farm/ranks.h"
+#include "farm/transport.h"
 #include "farm/unit_file.h"
 
 namespace glint::app {

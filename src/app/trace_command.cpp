@@ -49,50 +49,36 @@ RayBatch batchOf(const TraceCommand& command, std::ostream& err) {
     return batch;
 }
 
-// The camera ray of a pixel's middle. The device makes its own, in fp32, as it does for a picture.
-std::vector<WorldHit> tracePixelOnDevice(const TraceCommand& command, const LoadedScene& loaded,
-                                         const gpu::Device& device) {
+// The camera ray goes through the pixel's centre. The device makes its own, in fp32, as it does for an image.
+std::vector<WorldHit> traceOnDevice(const TraceCommand& command, const LoadedScene& loaded,
+                                    const Request& request, const gpu::Device& device, std::ostream& err) {
+    if (!command.pixel) {
+        render::RayQueries queries(device, loaded.packed, command.device.traversal);
+        return verify::traceBatch(queries, loaded.packed, batchOf(command, err));
+    }
     render::Options options;
     options.traversal = command.device.traversal;
     render::Renderer renderer(device, loaded.packed, options);
-    const auto [x, y] = *command.pixel;
-    const Request request = requestOf(loaded, command.scene);
-    return {hitOf(renderer.pixel(cameraOf(loaded, request), request, x, y))};
+    return {hitOf(
+        renderer.pixel(cameraOf(loaded, request), request, command.pixel->first, command.pixel->second))};
 }
 
-std::vector<WorldHit> traceRaysOnDevice(const TraceCommand& command, const LoadedScene& loaded,
-                                        const gpu::Device& device, const RayBatch& batch) {
-    render::RayQueries queries(device, loaded.packed, command.device.traversal);
-    return verify::traceBatch(queries, loaded.packed, batch);
-}
-
-std::vector<WorldHit> tracePixelOnHost(const TraceCommand& command, const LoadedScene& loaded) {
-    const auto [x, y] = *command.pixel;
-    const Request request = requestOf(loaded, command.scene);
-    const reference::Tracer tracer(reference::truthOf(loaded), request,
-                                   radianceBoundOf(loaded.packed, request));
-    return {reference::trace(tracer,
-                             tracer.cameraRay(reference::truthCamera(loaded, request), x + 0.5, y + 0.5))};
-}
-
-std::vector<WorldHit> traceOnHost(const LoadedScene& loaded, const RayBatch& batch) {
-    const reference::Tracer tracer(reference::truthOf(loaded), {.methods = batch.methods}, 0);
-    return reference::trace(tracer, batch);
+std::vector<WorldHit> traceOnHost(const TraceCommand& command, const LoadedScene& loaded,
+                                  const Request& request, std::ostream& err) {
+    const auto truth = reference::truthOf(loaded);
+    if (!command.pixel) {
+        const RayBatch batch = batchOf(command, err);
+        return reference::trace(reference::Tracer(truth, {.methods = batch.methods}, 0), batch);
+    }
+    const reference::Tracer tracer(truth, request, radianceBoundOf(loaded.packed, request));
+    return {
+        reference::trace(tracer, tracer.cameraRay(reference::truthCamera(loaded, request),
+                                                  command.pixel->first + 0.5, command.pixel->second + 0.5))};
 }
 
 void print(const TraceCommand& command, const std::vector<WorldHit>& hits, int digits, std::ostream& out) {
     out << kHitCsvHeading;
     for (const WorldHit& hit : hits) out << hitCsv(hit, digits, command.any);
-}
-
-void traceOnDevice(const TraceCommand& command, const LoadedScene& loaded, std::ostream& out,
-                   std::ostream& err) {
-    const gpu::Device device = openDevice(command.device, true);
-    const std::vector<WorldHit> hits =
-        command.pixel ? tracePixelOnDevice(command, loaded, device)
-                      : traceRaysOnDevice(command, loaded, device, batchOf(command, err));
-    print(command, hits, kDeviceDigits, out);
-    reportValidation(device, command.device, err);
 }
 
 void checkPixel(const Request& image, std::pair<int, int> pixel) {
@@ -111,13 +97,14 @@ ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) 
         throw Error(ErrorKind::Argument, "--rays: SCENE reads standard input already");
     checkDeviceOptions(command.backend, command.device);
     const LoadedScene loaded = loadAndPack(command.scene, err);
-    if (command.pixel) checkPixel(requestOf(loaded, command.scene), *command.pixel);
+    const Request request = command.pixel ? requestOf(loaded, command.scene) : Request();
+    if (command.pixel) checkPixel(request, *command.pixel);
     if (command.backend == Backend::Gpu) {
-        traceOnDevice(command, loaded, out, err);
+        const gpu::Device device = openDevice(command.device, true);
+        print(command, traceOnDevice(command, loaded, request, device, err), kDeviceDigits, out);
+        reportValidation(device, command.device, err);
     } else {
-        print(command,
-              command.pixel ? tracePixelOnHost(command, loaded) : traceOnHost(loaded, batchOf(command, err)),
-              kReferenceDigits, out);
+        print(command, traceOnHost(command, loaded, request, err), kReferenceDigits, out);
     }
     return ExitCode::Done;
 }

@@ -35,8 +35,7 @@ std::string samplesText(const ImageSettings& image) {
 }
 
 std::string regionText(const Region& r) {
-    return std::to_string(r.x0) + "," + std::to_string(r.y0) + "," + std::to_string(r.x1) + "," +
-           std::to_string(r.y1);
+    return format("%d,%d,%d,%d", r.x0, r.y0, r.x1, r.y1);
 }
 
 std::string layersText(const std::vector<Aov>& aovs) {
@@ -56,17 +55,15 @@ uint64_t pixelsOf(const std::vector<Region>& regions) {
 std::string hashOf(const std::vector<std::vector<Region>>& cut) {
     std::string text;
     for (const auto& regions : cut) {
-        for (const Region& r : regions)
-            for (const int value : {r.x0, r.y0, r.x1, r.y1}) text += std::to_string(value) + ",";
+        for (const Region& r : regions) text += regionText(r) + ",";
         text += ";";
     }
     return hashText(contentHash(text));
 }
 
-// Units of a second or so on a processor: they get lost with who draws them, and shared out. Beyond a
-// thousand both grow, their number and what each takes: a picture of so much work is for many processes, of
-// which each needs several units, and each unit costs all of them a look at the folder, or rank 0 two
-// messages.
+// Units of about a second on a processor: a process that ends loses its unit, and several processes share
+// them out. Beyond a thousand units, their number and their cost both grow, because each unit costs rank 0
+// two messages.
 int partsFor(const farm::CostMap& costs, uint32_t samples) {
     constexpr double kTests = 1e8, kLeast = 16, kMany = 1024, kMost = 16384;
     const auto total =

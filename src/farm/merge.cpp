@@ -40,6 +40,29 @@ std::vector<int> missingParts(const std::map<int, std::filesystem::path>& there,
     return missing;
 }
 
+// The file of each part of one picture.
+std::map<int, std::filesystem::path> filesOfParts(const std::vector<std::filesystem::path>& files,
+                                                  UnitHeader& header, uint64_t& largest) {
+    std::map<int, std::filesystem::path> there;
+    for (const std::filesystem::path& path : files) {
+        const PartOutline outline = outlineOf(path);
+        largest = std::max(largest, outline.bytes);
+        if (there.empty()) header = outline.header;
+        const std::string other = difference(outline.header.identity, header.identity);
+        if (!other.empty())
+            fail(path.string() + ": belongs to another picture than " + files.front().string() + ": " +
+                 other);
+        const auto [known, isNew] = there.emplace(outline.part, path);
+        if (!isNew)
+            fail(path.string() + ": holds " + namesOfParts({outline.part}, header.parts) + ", which " +
+                 (known->second == path ? "it" : known->second.string()) + " holds already");
+    }
+    const std::vector<int> missing = missingParts(there, header.parts);
+    if (!missing.empty())
+        fail(namesOfParts(missing, header.parts) + (missing.size() > 1 ? " are" : " is") + " missing");
+    return there;
+}
+
 }  // namespace
 
 Assembly::Assembly(const Region& whole, const std::vector<Aov>& aovs)
@@ -131,33 +154,6 @@ Rows Assembly::take() {
     }
     return rows;
 }
-
-namespace {
-
-// The file of each part of one picture.
-std::map<int, std::filesystem::path> filesOfParts(const std::vector<std::filesystem::path>& files,
-                                                  UnitHeader& header, uint64_t& largest) {
-    std::map<int, std::filesystem::path> there;
-    for (const std::filesystem::path& path : files) {
-        const PartOutline outline = outlineOf(path);
-        largest = std::max(largest, outline.bytes);
-        if (there.empty()) header = outline.header;
-        const std::string other = difference(outline.header.identity, header.identity);
-        if (!other.empty())
-            fail(path.string() + ": belongs to another picture than " + files.front().string() + ": " +
-                 other);
-        const auto [known, isNew] = there.emplace(outline.part, path);
-        if (!isNew)
-            fail(path.string() + ": holds " + namesOfParts({outline.part}, header.parts) + ", which " +
-                 (known->second == path ? "it" : known->second.string()) + " holds already");
-    }
-    const std::vector<int> missing = missingParts(there, header.parts);
-    if (!missing.empty())
-        fail(namesOfParts(missing, header.parts) + (missing.size() > 1 ? " are" : " is") + " missing");
-    return there;
-}
-
-}  // namespace
 
 void mergeParts(const std::vector<std::filesystem::path>& files,
                 const std::function<void(const UnitHeader&, uint64_t largest)>& begin,

@@ -1,5 +1,3 @@
-#include "farm/mpi_transport.h"
-
 #include <dlfcn.h>
 
 #include <charconv>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "farm/transport.h"
 #include "mpi/module.h"
 
 namespace glint::farm {
