@@ -2,95 +2,52 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <glm/glm.hpp>
 #include <limits>
-
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#else
-#include <cstring>
-#endif
 
 #include "bvh/bvh.h"
 
 namespace glint {
 
-#if defined(__SSE2__)
-
+// By the vector extension of GCC and Clang, which has the same results on every processor.
 struct Lanes {
-    __m128 v;
+    typedef float Floats __attribute__((vector_size(16)));
+    typedef int32_t Ints __attribute__((vector_size(16)));
+    Floats v;
 
-    static Lanes all(float x) { return {_mm_set1_ps(x)}; }
-    static Lanes load(const float* aligned) { return {_mm_load_ps(aligned)}; }
-    static Lanes of(float x, float y, float z) { return {_mm_setr_ps(x, y, z, 0.0f)}; }
-    void store(float* aligned) const { _mm_store_ps(aligned, v); }
-    // Rounds towards zero.
-    void storeInts(int32_t* aligned) const {
-        _mm_store_si128(reinterpret_cast<__m128i*>(aligned), _mm_cvttps_epi32(v));
-    }
-    static __m128 mask() { return _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0)); }
-    Lanes withoutW() const { return {_mm_and_ps(v, mask())}; }
-    Lanes withWOf(Lanes other) const {
-        return {_mm_or_ps(_mm_and_ps(v, mask()), _mm_andnot_ps(mask(), other.v))};
-    }
-};
-inline Lanes min(Lanes a, Lanes b) {
-    return {_mm_min_ps(a.v, b.v)};
-}
-inline Lanes max(Lanes a, Lanes b) {
-    return {_mm_max_ps(a.v, b.v)};
-}
-inline Lanes operator+(Lanes a, Lanes b) {
-    return {_mm_add_ps(a.v, b.v)};
-}
-inline Lanes operator-(Lanes a, Lanes b) {
-    return {_mm_sub_ps(a.v, b.v)};
-}
-inline Lanes operator*(Lanes a, Lanes b) {
-    return {_mm_mul_ps(a.v, b.v)};
-}
-
-#else
-
-struct alignas(16) Lanes {
-    float v[4];
-
-    static Lanes all(float x) { return {{x, x, x, x}}; }
+    static Lanes all(float x) { return {Floats{x, x, x, x}}; }
+    static Lanes of(float x, float y, float z) { return {Floats{x, y, z, 0.0f}}; }
     // Bytes: the fourth word may be of another type.
     static Lanes load(const float* p) {
         Lanes a;
-        std::memcpy(a.v, p, sizeof(a.v));
+        std::memcpy(&a.v, p, sizeof(a.v));
         return a;
     }
-    static Lanes of(float x, float y, float z) { return {{x, y, z, 0.0f}}; }
-    void store(float* p) const { std::memcpy(p, v, sizeof(v)); }
+    void store(float* p) const { std::memcpy(p, &v, sizeof(v)); }
+    // Rounds towards zero.
     void storeInts(int32_t* p) const {
-        for (int i = 0; i < 4; ++i) p[i] = static_cast<int32_t>(v[i]);
+        const Ints ints = __builtin_convertvector(v, Ints);
+        std::memcpy(p, &ints, sizeof(ints));
     }
-    Lanes withoutW() const { return {{v[0], v[1], v[2], 0.0f}}; }
-    Lanes withWOf(Lanes other) const { return {{v[0], v[1], v[2], other.v[3]}}; }
+    Lanes withoutW() const { return {Floats{v[0], v[1], v[2], 0.0f}}; }
+    Lanes withWOf(Lanes other) const { return {Floats{v[0], v[1], v[2], other.v[3]}}; }
 };
-template <class F>
-Lanes lanewise(Lanes a, Lanes b, F f) {
-    return {{f(a.v[0], b.v[0]), f(a.v[1], b.v[1]), f(a.v[2], b.v[2]), f(a.v[3], b.v[3])}};
-}
 inline Lanes min(Lanes a, Lanes b) {
-    return lanewise(a, b, [](float x, float y) { return x < y ? x : y; });
+    return {a.v < b.v ? a.v : b.v};
 }
 inline Lanes max(Lanes a, Lanes b) {
-    return lanewise(a, b, [](float x, float y) { return x > y ? x : y; });
+    return {a.v > b.v ? a.v : b.v};
 }
 inline Lanes operator+(Lanes a, Lanes b) {
-    return lanewise(a, b, [](float x, float y) { return x + y; });
+    return {a.v + b.v};
 }
 inline Lanes operator-(Lanes a, Lanes b) {
-    return lanewise(a, b, [](float x, float y) { return x - y; });
+    return {a.v - b.v};
 }
 inline Lanes operator*(Lanes a, Lanes b) {
-    return lanewise(a, b, [](float x, float y) { return x * y; });
+    return {a.v * b.v};
 }
-
-#endif
 
 inline glm::vec3 toVec3(Lanes a) {
     alignas(16) float f[4];

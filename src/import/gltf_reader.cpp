@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/vectors.h"
 #include "import/gltf_file.h"
 #include "import/gltf_material.h"
 #include "import/gltf_scene.h"
@@ -322,10 +323,7 @@ class Reader final : public GltfScene {
     // To a plane, a line or a point.
     bool flattened(const Instance& instance) const {
         const glm::dmat3& m = instance.place.linear;
-        const auto finite = [](const glm::dvec3& v) {
-            return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-        };
-        if (!(finite(m[0]) && finite(m[1]) && finite(m[2]) && finite(instance.place.offset)))
+        if (!(isFinite(m[0]) && isFinite(m[1]) && isFinite(m[2]) && isFinite(instance.place.offset)))
             file_.item(GltfList::Nodes, instance.node)
                 .fail("its transform, with those of its parents, is not finite");
         return !(conditionNumber(m) <= kMaxCondition);

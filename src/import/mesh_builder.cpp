@@ -1,11 +1,11 @@
 #include "import/mesh_builder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "core/quantize.h"
 #include "core/text_file.h"
+#include "core/vectors.h"
 #include "import/polygon_split.h"
 #include "import/text_scanner.h"
 
@@ -122,10 +122,7 @@ void MeshBuilder::decodeColors(const std::string& file, std::vector<std::string>
 
 // A normal that is not finite would spread through the shading; the triangle is flat without it.
 void MeshBuilder::dropBadNormals() {
-    const auto bad = [this](uint32_t index) {
-        const glm::dvec3& n = normals[index];
-        return !std::isfinite(n.x) || !std::isfinite(n.y) || !std::isfinite(n.z);
-    };
+    const auto bad = [this](uint32_t index) { return !isFinite(normals[index]); };
     for (glm::uvec3& corners : mesh_.normalCorners) {
         if (corners == kNoCorners || !(bad(corners.x) || bad(corners.y) || bad(corners.z))) continue;
         corners = kNoCorners;

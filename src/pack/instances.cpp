@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "core/vectors.h"
 #include "pack/extent.h"
 #include "pack/pack_geometry.h"
 #include "pack/pack_textures.h"
@@ -22,14 +23,6 @@ namespace {
 // Boxes of a prototype's top that each instance's box encloses after the transform. Measured,
 // docs/lab/building.md.
 constexpr size_t kTopBoxes = 64;
-
-glm::dmat3 magnitudes(const glm::dmat3& m) {
-    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
-}
-
-double greatest(const glm::dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 // The boxes of `most` or fewer nodes that enclose everything between them, the greatest split first.
 std::vector<Box> topBoxes(const std::vector<shared::Node>& nodes, size_t most) {
@@ -174,8 +167,8 @@ Box worldBox(const std::vector<Box>& boxes, const glm::dmat3& linear, const glm:
     }
     Box box;
     constexpr float kInf = std::numeric_limits<float>::infinity();
-    if (!(greatest(lo) < std::numeric_limits<float>::max() &&
-          greatest(hi) < std::numeric_limits<float>::max()))
+    if (!(greatestMagnitude(lo) < std::numeric_limits<float>::max() &&
+          greatestMagnitude(hi) < std::numeric_limits<float>::max()))
         return box;
     for (int i = 0; i < 3; ++i) {
         box.lo[i] = std::nextafter(static_cast<float>(lo[i]), -kInf);
@@ -218,7 +211,7 @@ std::vector<glm::dvec3> Instances::corners(const Scene& scene, uint32_t object) 
     for (int i = 0; i < 8 && !box.empty(); ++i) {
         const glm::dvec3 corner(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y,
                                 i & 4 ? box.hi.z : box.lo.z);
-        corners.push_back(world.linear * corner + world.offset);
+        corners.push_back(apply(world, corner));
     }
     return corners;
 }
@@ -256,9 +249,9 @@ Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint3
     row.material = mesh != nullptr && !mesh->mesh->materials.empty() ? shared::kNone : shown.material;
     placed.box = worldBox(prototype.boxes, back, glm::dvec3(row.place));
     if (placed.box.empty()) return placed;
-    placed.gain = greatest(magnitudes(back) * (magnitudes(toObject) * glm::dvec3(1)));
+    placed.gain = greatestMagnitude(magnitudes(back) * (magnitudes(toObject) * glm::dvec3(1)));
     const glm::dvec3 far = glm::max(glm::abs(glm::dvec3(placed.box.lo)), glm::abs(glm::dvec3(placed.box.hi)));
-    placed.reach = 2 * greatest(row.place) + greatest(far);
+    placed.reach = 2 * greatestMagnitude(row.place) + greatestMagnitude(far);
     return placed;
 }
 

@@ -22,10 +22,6 @@ namespace {
 
 using glm::dvec3;
 
-dvec3 apply(const Affine& transform, const dvec3& point) {
-    return transform.linear * point + transform.offset;
-}
-
 // Two unit vectors across a unit normal, u x v = normal: u horizontal and v upwards on what stands upright or
 // leans, u = x where the normal is vertical, to within a sine of 1e-4.
 struct SurfaceAxes {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel.h"
 
@@ -10,8 +11,20 @@ namespace glint {
 namespace {
 
 constexpr size_t kChunk = 8192;
+constexpr size_t chunksOf(size_t count) {
+    return (count + kChunk - 1) / kChunk;
+}
 constexpr uint32_t kMaxParts = 64;  // of one triangle
 constexpr int kLevels = 20;         // of halving planes: finer ones split nothing that is worth it
+
+// Calls body(chunk, i) for each i < count, by several threads in chunks.
+template <typename Body>
+void forEach(const Context& context, size_t count, const Body& body) {
+    parallelFor(context, chunksOf(count), [&](size_t chunk) {
+        const size_t end = std::min(count, (chunk + 1) * kChunk);
+        for (size_t i = chunk * kChunk; i < end; ++i) body(chunk, i);
+    });
+}
 
 // A plane of the grid that halves the root's box `level` times along `axis`.
 struct Plane {
@@ -157,18 +170,11 @@ Corners triangleCorners(Primitives::Source source, const Scene& scene, const Fra
 // The factor from importance to parts that makes the sum of all further parts come as near to `wanted` as
 // bisection finds.
 double scaleFor(const std::vector<float>& importances, double wanted, const Context& context) {
-    const size_t chunks = (importances.size() + kChunk - 1) / kChunk;
-    std::vector<double> sums(chunks);
     const auto further = [&](double scale) {
-        const auto add = [&](size_t chunk) {
-            const size_t end = std::min(importances.size(), (chunk + 1) * kChunk);
-            sums[chunk] = 0;
-            for (size_t i = chunk * kChunk; i < end; ++i) sums[chunk] += partsFor(importances[i], scale) - 1;
-        };
-        parallelFor(context, chunks, add);
-        double sum = 0;
-        for (const double s : sums) sum += s;
-        return sum;
+        std::vector<double> sums(chunksOf(importances.size()));
+        forEach(context, importances.size(),
+                [&](size_t chunk, size_t i) { sums[chunk] += partsFor(importances[i], scale) - 1; });
+        return std::accumulate(sums.begin(), sums.end(), 0.0);
     };
     const double greatest = *std::max_element(importances.begin(), importances.end());
     if (!(greatest > 0)) return 0;
@@ -185,25 +191,18 @@ double scaleFor(const std::vector<float>& importances, double wanted, const Cont
 
 double boxEmptiness(const Primitives& primitives, const Scene& scene, const Frame& frame,
                     const Context& context) {
-    const size_t count = primitives.boxes.size(), chunks = (count + kChunk - 1) / kChunk;
-    std::vector<double> sums(chunks);
-    std::vector<Box> boxes(chunks);
-    const auto add = [&](size_t chunk) {
-        const size_t end = std::min(count, (chunk + 1) * kChunk);
-        for (size_t i = chunk * kChunk; i < end; ++i) {
-            boxes[chunk].include(primitives.boxes[i]);
-            if (primitives.kinds[i] != shared::kKindTriangle) continue;
-            const Corners corners = triangleCorners(primitives.sources[i], scene, frame);
-            sums[chunk] += primitives.boxes[i].halfArea() - idealHalfArea(corners);
-        }
-    };
-    parallelFor(context, chunks, add);
+    const size_t count = primitives.boxes.size();
+    std::vector<double> sums(chunksOf(count));
+    std::vector<Box> boxes(chunksOf(count));
+    forEach(context, count, [&](size_t chunk, size_t i) {
+        boxes[chunk].include(primitives.boxes[i]);
+        if (primitives.kinds[i] != shared::kKindTriangle) return;
+        const Corners corners = triangleCorners(primitives.sources[i], scene, frame);
+        sums[chunk] += primitives.boxes[i].halfArea() - idealHalfArea(corners);
+    });
     Box root;
-    double sum = 0;
-    for (size_t i = 0; i < chunks; ++i) {
-        root.include(boxes[i]);
-        sum += sums[i];
-    }
+    for (const Box& box : boxes) root.include(box);
+    const double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
     const double area = root.halfArea();
     return area > 0 ? sum / area : 0;
 }
@@ -218,32 +217,23 @@ uint32_t splitLargeTriangles(Primitives& primitives, const Scene& scene, const F
     const auto cornersOf = [&](size_t entry) {
         return triangleCorners(primitives.sources[entry], scene, frame);
     };
-    const size_t chunks = (count + kChunk - 1) / kChunk;
     std::vector<float> importances(count, 0.0f);
-    const auto judge = [&](size_t chunk) {
-        const size_t end = std::min(count, (chunk + 1) * kChunk);
-        for (size_t i = chunk * kChunk; i < end; ++i)
-            if (primitives.kinds[i] == shared::kKindTriangle)
-                importances[i] = static_cast<float>(importance(cornersOf(i), primitives.boxes[i], root));
-    };
-    parallelFor(context, chunks, judge);
-
+    forEach(context, count, [&](size_t, size_t i) {
+        if (primitives.kinds[i] == shared::kKindTriangle)
+            importances[i] = static_cast<float>(importance(cornersOf(i), primitives.boxes[i], root));
+    });
     const double scale = scaleFor(importances, budget * triangles, context);
-    std::vector<std::vector<Box>> added(chunks);
-    std::vector<std::vector<Primitives::Source>> sources(chunks);
-    const auto split = [&](size_t chunk) {
-        const size_t end = std::min(count, (chunk + 1) * kChunk);
-        for (size_t i = chunk * kChunk; i < end; ++i) {
-            const uint32_t parts = partsFor(importances[i], scale);
-            if (parts < 2) continue;
-            const std::vector<Box> boxes = splitTriangle(cornersOf(i), root, parts);
-            primitives.boxes[i] = boxes[0];
-            added[chunk].insert(added[chunk].end(), boxes.begin() + 1, boxes.end());
-            sources[chunk].insert(sources[chunk].end(), boxes.size() - 1, primitives.sources[i]);
-        }
-    };
-    parallelFor(context, chunks, split);
-    for (size_t chunk = 0; chunk < chunks; ++chunk) {
+    std::vector<std::vector<Box>> added(chunksOf(count));
+    std::vector<std::vector<Primitives::Source>> sources(chunksOf(count));
+    forEach(context, count, [&](size_t chunk, size_t i) {
+        const uint32_t parts = partsFor(importances[i], scale);
+        if (parts < 2) return;
+        const std::vector<Box> boxes = splitTriangle(cornersOf(i), root, parts);
+        primitives.boxes[i] = boxes[0];
+        added[chunk].insert(added[chunk].end(), boxes.begin() + 1, boxes.end());
+        sources[chunk].insert(sources[chunk].end(), boxes.size() - 1, primitives.sources[i]);
+    });
+    for (size_t chunk = 0; chunk < chunksOf(count); ++chunk) {
         primitives.boxes.insert(primitives.boxes.end(), added[chunk].begin(), added[chunk].end());
         primitives.sources.insert(primitives.sources.end(), sources[chunk].begin(), sources[chunk].end());
     }

@@ -7,6 +7,7 @@
 #include "core/vectors.h"
 #include "scene/cameras.h"
 #include "scene/frame_model.h"
+#include "scene/transform.h"
 
 namespace glint {
 
@@ -85,7 +86,7 @@ class PartVisitor {
     }
 
   private:
-    glm::dvec3 world(const glm::dvec3& p) const { return transform_.linear * p + transform_.offset; }
+    glm::dvec3 world(const glm::dvec3& p) const { return apply(transform_, p); }
     void point(const glm::dvec3& p) const { visit_(world(p), nullptr); }
     void triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const {
         if (!isFinite(a) || !isFinite(b) || !isFinite(c)) return;
@@ -141,27 +142,24 @@ double reach(const glm::dmat3* axes, const glm::dvec3& direction) {
     return axes == nullptr ? 0 : glm::length(direction * *axes);  // axes^T direction
 }
 
-struct Frame {
-    glm::dvec3 right, up, back;  // orthonormal; back points to the eye
-};
-
-Frame viewFrame(UpAxis up) {
-    const glm::dvec3 back = glm::normalize(fromYUp(kTowardsEye, up));
-    const glm::dvec3 right = glm::normalize(glm::cross(fromYUp({0, 1, 0}, up), back));
-    return {right, glm::cross(back, right), back};
+CameraFrame viewFrame(UpAxis up) {
+    Camera camera;
+    camera.eye = fromYUp(kTowardsEye, up);
+    camera.up = fromYUp(camera.up, up);
+    return cameraFrame(camera);
 }
 
-// The distance from `middle` along frame.back at which everything is inside the picture. The sides of the
+// The distance from `middle` along frame.w at which everything is inside the picture. The sides of the
 // picture are planes through the eye with the outward normals n = cos a (+-right or +-up) + sin a back, a
 // half the picture's angle; p is inside if n.(p - eye) <= 0, that is with eye = middle + D back if D >= n.(p
 // - middle) / sin a.
-double viewingDistance(const Scene& scene, DrawnVertices& drawn, const Frame& frame,
+double viewingDistance(const Scene& scene, DrawnVertices& drawn, const CameraFrame& frame,
                        const glm::dvec3& middle) {
     const double tanY = std::tan(kFovY * std::numbers::pi / 360) / kMargin;
     const double tanX = tanY * scene.image.width / scene.image.height;
     double distance = 0;
-    const glm::dvec3 normals[] = {frame.right / tanX + frame.back, -frame.right / tanX + frame.back,
-                                  frame.up / tanY + frame.back, -frame.up / tanY + frame.back};  // n / sin a
+    const glm::dvec3 normals[] = {frame.u / tanX + frame.w, -frame.u / tanX + frame.w,
+                                  frame.v / tanY + frame.w, -frame.v / tanY + frame.w};  // n / sin a
     forEachPart(scene, drawn, [&](const glm::dvec3& center, const glm::dmat3* axes) {
         for (const glm::dvec3& normal : normals)
             distance = std::max(distance, glm::dot(normal, center - middle) + reach(axes, normal));
@@ -194,7 +192,7 @@ void lightModel(Scene& scene) {
 void frameCamera(Scene& scene, UpAxis up) {
     scene.camera = Camera{};
     scene.camera.up = fromYUp(scene.camera.up, up);
-    const Frame frame = viewFrame(up);
+    const CameraFrame frame = viewFrame(up);
     DrawnVertices drawn;
     Box box;
     forEachPart(scene, drawn, [&](const glm::dvec3& center, const glm::dmat3* axes) {
@@ -210,7 +208,7 @@ void frameCamera(Scene& scene, UpAxis up) {
     distance = std::max({distance, 1e-6 * glm::length(middle), 1e-12});
 
     scene.camera.target = middle;
-    scene.camera.eye = middle + distance * frame.back;
+    scene.camera.eye = middle + distance * frame.w;
     scene.camera.fovY = kFovY;
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <unordered_set>
 
+#include "core/vectors.h"
 #include "scene/transform.h"
 
 namespace glint {
@@ -30,8 +31,7 @@ std::optional<Shape> bakedShape(const BoxShape& box, const Affine& transform) {
         for (int row = 0; row < 3; ++row)
             if (row == column ? !(transform.linear[column][row] > 0) : transform.linear[column][row] != 0)
                 return std::nullopt;
-    return BoxShape{transform.linear * box.min + transform.offset,
-                    transform.linear * box.max + transform.offset};
+    return BoxShape{apply(transform, box.min), apply(transform, box.max)};
 }
 
 template <class S>
@@ -49,18 +49,10 @@ std::optional<Shape> bakedShape(const MeshShape& shape, const Affine& transform)
     return MeshShape{std::make_shared<const Mesh>(transformed(*shape.mesh, transform))};
 }
 
-glm::dmat3 magnitudes(const glm::dmat3& m) {
-    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
-}
-
-double greatest(const glm::dvec3& v) {
-    return std::max({v.x, v.y, v.z});
-}
-
 glm::dvec3 halfSizeOfMesh(const Mesh& mesh) {
     glm::dvec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
     for (const glm::dvec3& p : mesh.positions) {
-        if (!std::isfinite(p.x + p.y + p.z)) continue;
+        if (!isFinite(p)) continue;
         lo = glm::min(lo, p);
         hi = glm::max(hi, p);
     }
@@ -71,7 +63,7 @@ glm::dvec3 halfSizeOfMesh(const Mesh& mesh) {
 void makeUnit(Object& object) {
     if (const auto* disc = std::get_if<DiscShape>(&object.shape)) {
         const glm::dvec3 size = glm::abs(disc->normal);
-        const glm::dvec3 n = glm::normalize(disc->normal / greatest(size));
+        const glm::dvec3 n = glm::normalize(disc->normal / greatestMagnitude(size));
         glm::dvec3 aside(0);
         aside[std::abs(n.x) < 0.6 ? 0 : std::abs(n.y) < 0.6 ? 1 : 2] = 1;
         const glm::dvec3 u = glm::normalize(glm::cross(aside, n));
@@ -140,7 +132,7 @@ bool takesTransform(const Shape& shape) {
 double transformLoss(const glm::dmat3& linear, const glm::dvec3& halfSize) {
     const glm::dmat3 a = magnitudes(linear), w = magnitudes(inverse({linear, glm::dvec3(0)}).linear);
     const glm::dvec3 size = a * halfSize;
-    return greatest(size) > 0 ? greatest(a * (w * size)) / greatest(size) : 0;
+    return greatestMagnitude(size) > 0 ? greatestMagnitude(a * (w * size)) / greatestMagnitude(size) : 0;
 }
 
 glm::dvec3 halfSizeOf(const Shape& shape) {

@@ -72,10 +72,6 @@ class NormalTransform {
 // Difference between equal factors that a matrix written with seven digits leaves.
 constexpr double kTolerance = 1e-6;
 
-glm::dvec3 apply(const Affine& transform, const glm::dvec3& point) {
-    return transform.linear * point + transform.offset;
-}
-
 double frobenius(const glm::dmat3& m) {
     return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
 }
@@ -98,6 +94,14 @@ Affine rotation(const glm::dvec3& axis, double degrees) {
     const auto [s, c] = sinCosDegrees(degrees);
     const glm::dmat3 cross(0, a.z, -a.y, -a.z, 0, a.x, a.y, -a.x, 0);  // by columns
     return {c * glm::dmat3(1) + s * cross + (1 - c) * glm::outerProduct(a, a), glm::dvec3(0)};
+}
+
+glm::dvec3 apply(const Affine& transform, const glm::dvec3& point) {
+    return transform.linear * point + transform.offset;
+}
+
+glm::dmat3 magnitudes(const glm::dmat3& m) {
+    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
 }
 
 Affine then(const Affine& first, const Affine& second) {

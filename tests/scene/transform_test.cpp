@@ -12,10 +12,6 @@ namespace glint::transform_test {
 
 using glm::dvec3;
 
-dvec3 apply(const Affine& t, const dvec3& p) {
-    return t.linear * p + t.offset;
-}
-
 void expectNear(const dvec3& a, const dvec3& b, double tolerance) {
     for (int i = 0; i < 3; i++) EXPECT_NEAR(a[i], b[i], tolerance);
 }

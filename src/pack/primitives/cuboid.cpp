@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/vectors.h"
 #include "pack/primitives.h"
 #include "scene/transform.h"
 
@@ -24,7 +25,7 @@ Edges edgesOf(const Object& object) {
     const auto& box = std::get<BoxShape>(object.shape);
     const Affine placed = object.transform.value_or(Affine{});
     const dvec3 half = 0.5 * box.max - 0.5 * box.min;
-    return {placed.linear * (box.min + half) + placed.offset,
+    return {apply(placed, box.min + half),
             {placed.linear[0] * half.x, placed.linear[1] * half.y, placed.linear[2] * half.z}};
 }
 
@@ -42,10 +43,6 @@ dvec3 anchorOf(const dvec3& eye, const dvec3& half) {
     const dvec3 nearest = glm::clamp(eye, -half, half);
     const double greatest = std::max({half.x, half.y, half.z});
     return glm::distance(eye, nearest) < 0.5 * greatest ? nearest : dvec3(0);
-}
-
-bool isFinite(const glm::vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 class CuboidPacker final : public KindPacker {

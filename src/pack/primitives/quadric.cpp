@@ -5,6 +5,7 @@
 
 #include "core/vectors.h"
 #include "pack/primitives.h"
+#include "scene/transform.h"
 
 namespace glint {
 namespace {
@@ -247,15 +248,11 @@ std::optional<dvec3> anchorOf(const Form& form, const dvec3& eye) {
     return anchor;
 }
 
-double greatestOf(const dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
 // Coefficients near 1, by a power of two.
 void scaleEquation(Form& form) {
-    const double greatest =
-        std::max({greatestOf(form.squares[0]), greatestOf(form.squares[1]), greatestOf(form.squares[2]),
-                  greatestOf(form.linear), std::abs(form.constant)});
+    const double greatest = std::max({greatestMagnitude(form.squares[0]), greatestMagnitude(form.squares[1]),
+                                      greatestMagnitude(form.squares[2]), greatestMagnitude(form.linear),
+                                      std::abs(form.constant)});
     const double unit = binade(greatest);
     form.squares /= unit;
     form.linear /= unit;
@@ -325,11 +322,8 @@ Box quadricBox(const Object& object, const Frame& frame, const shared::Quadric& 
     const dmat3 back = glm::inverse(toLocal);
     const dvec3 point = dvec3(rounded.point) + frame.origin;
     const dvec3 reach = glm::max(glm::abs(extent.lo - point), glm::abs(extent.hi - point));
-    const auto magnitude = [](const dmat3& m, const dvec3& v) {
-        return glm::abs(m[0]) * v.x + glm::abs(m[1]) * v.y + glm::abs(m[2]) * v.z;
-    };
     const dvec3 size = glm::min(dvec3(rounded.hi - rounded.lo), dvec3(2 * kRoom));
-    const dvec3 margin = magnitude(back, 0x1p-22 * magnitude(toLocal, reach) + 0x1p-20 * size);
+    const dvec3 margin = magnitudes(back) * (0x1p-22 * (magnitudes(toLocal) * reach) + 0x1p-20 * size);
     Box box;
     for (int axis = 0; axis < 3; ++axis) {
         constexpr float kInf = std::numeric_limits<float>::infinity();
