@@ -5,6 +5,7 @@
 #include <iosfwd>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "core/available_memory.h"
 #include "core/error.h"
@@ -23,6 +24,9 @@ Progress progressOf(const std::string& label, ProgressMode mode, std::ostream& e
 [[gnu::format(printf, 1, 2)]] std::string format(const char* form, ...);
 
 std::string formatSeconds(double seconds);
+
+// "a, b, c"
+std::string joined(const std::vector<std::string>& words, const std::string& between = ", ");
 
 // Prints a document; bytes of file names that are not UTF-8 are replaced.
 void printJson(const nlohmann::json& json, std::ostream& out);

@@ -21,12 +21,6 @@ namespace glint::app {
 
 namespace {
 
-std::string words(const std::vector<std::string>& list) {
-    std::string text;
-    for (const std::string& item : list) text += (text.empty() ? "" : ", ") + item;
-    return text.empty() ? "nothing" : text;
-}
-
 std::string arraySize(const PackedScene& packed) {
     uint64_t bytes = 0;
     visitArrays(packed, [&](const char*, const auto& array) { bytes += array.size() * sizeof(array[0]); });
@@ -38,23 +32,26 @@ constexpr size_t kMostNames = 16;
 
 // ": "red", "glass"", or nothing.
 std::string materialNames(const Scene& scene) {
-    std::string text;
-    for (size_t i = 0; i < std::min(scene.materials.size(), kMostNames); ++i)
-        text += (i == 0 ? ": \"" : ", \"") + printable(scene.materials[i].name) + '"';
-    return text + (scene.materials.size() > kMostNames ? ", ..." : "");
+    std::vector<std::string> names;
+    for (const Material& material : scene.materials) names.push_back('"' + printable(material.name) + '"');
+    if (names.size() > kMostNames) {
+        names.resize(kMostNames);
+        names.emplace_back("...");
+    }
+    return names.empty() ? "" : ": " + joined(names);
 }
 
 // ": 2 point, 1 spot", or nothing.
 std::string lightKinds(const Scene& scene) {
     constexpr const char* kKinds[] = {"point", "directional", "spot"};
     static_assert(std::size(kKinds) == std::variant_size_v<Light>);
-    std::string text;
+    std::vector<std::string> kinds;
     for (size_t kind = 0; kind < std::size(kKinds); ++kind) {
         const auto count = std::count_if(scene.lights.begin(), scene.lights.end(),
                                          [kind](const Light& light) { return light.index() == kind; });
-        if (count > 0) text += (text.empty() ? ": " : ", ") + std::to_string(count) + " " + kKinds[kind];
+        if (count > 0) kinds.push_back(std::to_string(count) + " " + kKinds[kind]);
     }
-    return text;
+    return kinds.empty() ? "" : ": " + joined(kinds);
 }
 
 // A corner of the bounds: without the margin of the BVH, to five digits of `extent`.
@@ -66,13 +63,12 @@ std::string cornerText(const glm::dvec3& corner, double extent) {
 
 // "12 triangles, 1 sphere, ..."; instances have a line of their own.
 std::string kindCounts(const PackedScene& packed) {
-    std::string text;
+    std::vector<std::string> counts;
     visitKinds(packed, [&](const KindCount& kind) {
-        if (kind.kind == shared::PrimitiveKind::Instance) return;
-        text += (text.empty() ? "" : ", ") + std::to_string(kind.count) + " " +
-                (kind.count == 1 ? kind.one : kind.many);
+        if (kind.kind != shared::PrimitiveKind::Instance)
+            counts.push_back(std::to_string(kind.count) + " " + (kind.count == 1 ? kind.one : kind.many));
     });
-    return text;
+    return joined(counts);
 }
 
 // The kernel that --traversal auto chooses on the default device, or the text that no device exists.
@@ -192,7 +188,9 @@ ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream&
     GLINT_FEATURES(GLINT_LIST)
 #undef GLINT_LIST
     out << "  traversal     " << traversalText(packed, request) << '\n';
-    out << "  features used " << words(used) << '\n' << "  left out      " << words(leftOut) << '\n';
+    for (std::vector<std::string>* list : {&used, &leftOut})
+        if (list->empty()) list->emplace_back("nothing");
+    out << "  features used " << joined(used) << '\n' << "  left out      " << joined(leftOut) << '\n';
     out << "  tests         triangles " << nameOf(command.methods.triangles) << ", spheres "
         << nameOf(command.methods.spheres) << '\n';
     return ExitCode::Done;

@@ -47,25 +47,17 @@ namespace {
 
 constexpr const char* kMadeBy = "# Made by glint pages; not to be edited.\n";
 
-Text joined(const std::vector<Text>& words, const Text& between = " ") {
-    Text made;
-    for (const Text& word : words) made += (made.empty() ? "" : between) + word;
-    return made;
-}
-
 Text commandNames(const CLI::App& program) {
-    Text names;
-    for (const CLI::App* command : commandsOf(program))
-        names += (names.empty() ? "" : " ") + command->get_name();
-    return names;
+    std::vector<Text> names;
+    for (const CLI::App* command : commandsOf(program)) names.push_back(command->get_name());
+    return joined(names, " ");
 }
 
-// The names of all options; of `value` for arguments that are known by their place.
 Text optionNames(const std::vector<Argument>& arguments) {
-    Text names;
+    std::vector<Text> names;
     for (const Argument& argument : arguments)
-        if (!argument.positional) names += (names.empty() ? "" : " ") + joined(argument.names);
-    return names;
+        if (!argument.positional) names.insert(names.end(), argument.names.begin(), argument.names.end());
+    return joined(names, " ");
 }
 
 // In single quotes, for all three shells; `special` characters get a backslash.
@@ -83,7 +75,7 @@ Text bashCase(const Text& command, const Argument& argument) {
     std::vector<Text> patterns;
     for (const Text& name : argument.names) patterns.push_back("'" + command + " " + name + "'");
     Text then = "return";
-    if (!argument.choices.empty()) then = "words='" + joined(argument.choices) + "'";
+    if (!argument.choices.empty()) then = "words='" + joined(argument.choices, " ") + "'";
     if (argument.file) then = "compopt -o default; return";
     if (argument.folder) then = "compopt -o dirnames; return";
     return "        " + joined(patterns, " | ") + ") " + then + " ;;\n";
@@ -95,7 +87,7 @@ Text zshSpec(const Argument& argument) {
         const Text quoted = quotedFor(plain, "[]:\\", "'\\''");
         return quoted.substr(1, quoted.size() - 2);
     };
-    const Text action = !argument.choices.empty() ? "(" + joined(argument.choices) + ")"
+    const Text action = !argument.choices.empty() ? "(" + joined(argument.choices, " ") + ")"
                         : argument.file           ? "_files"
                         : argument.folder         ? "_files -/"
                                                   : " ";
@@ -104,7 +96,7 @@ Text zshSpec(const Argument& argument) {
     const Text rest = "[" + inner(argument.help) + "]" +
                       (argument.takesValue ? ":" + argument.form + ":" + action : "") + "'";
     if (argument.names.size() == 1) return "'" + argument.names[0] + rest;
-    return "'(" + joined(argument.names) + ")'{" + joined(argument.names, ",") + "}'" + rest;
+    return "'(" + joined(argument.names, " ") + ")'{" + joined(argument.names, ",") + "}'" + rest;
 }
 
 Text fishQuoted(const Text& plain) {
@@ -117,7 +109,7 @@ Text fishLine(const Text& condition, const Argument& argument) {
         for (const Text& name : argument.names)
             made += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
     if (!argument.choices.empty())
-        made += " -x -a '" + joined(argument.choices) + "'";
+        made += " -x -a '" + joined(argument.choices, " ") + "'";
     else if (argument.file)
         made += argument.positional ? " -F" : " -r -F";
     else if (argument.folder)
@@ -237,9 +229,9 @@ Text italic(const Text& plain) {
 
 // "-o, --output FILE" and its help.
 Text entry(const Argument& argument) {
-    Text tag;
-    for (const Text& name : argument.names)
-        tag += (tag.empty() ? "" : ", ") + (argument.positional ? italic(name) : bold(name));
+    std::vector<Text> names;
+    for (const Text& name : argument.names) names.push_back(argument.positional ? italic(name) : bold(name));
+    Text tag = joined(names);
     if (!argument.form.empty()) tag += " " + italic(argument.form);
     return ".TP\n" + tag + "\n" + roff(argument.help) + "\n";
 }

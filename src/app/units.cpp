@@ -38,12 +38,6 @@ std::string regionText(const Region& r) {
     return format("%d,%d,%d,%d", r.x0, r.y0, r.x1, r.y1);
 }
 
-std::string layersText(const std::vector<Aov>& aovs) {
-    std::string text;
-    for (const Aov aov : aovs) text += (text.empty() ? "" : ",") + std::string(nameOf(aov));
-    return text;
-}
-
 uint64_t pixelsOf(const std::vector<Region>& regions) {
     uint64_t pixels = 0;
     for (const Region& r : regions)
@@ -108,7 +102,7 @@ farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loade
     add("min-contribution", describe(command.scene.limits.minContribution));
     add("intersector", std::string(nameOf(command.scene.methods.triangles)));
     add("sphere", std::string(nameOf(command.scene.methods.spheres)));
-    add("layers", layersText(command.aovs));
+    add("layers", joined(namesOf(command.aovs), ","));
     add("backend", std::string(nameOf(command.backend)));
     add("traversal", std::string(nameOf(command.device.traversal)));
     add("build-quality", std::string(nameOf(command.scene.buildQuality)));
@@ -246,12 +240,12 @@ std::string producerText(const farm::Producer& producer) {
 
 void warnOfMixedBits(const std::vector<farm::Producer>& producers, const std::string& start,
                      std::ostream& err) {
-    std::string list;
+    std::vector<std::string> own;
     for (const farm::Producer& producer : producers)
-        if (!producer.sharesBits) list += (list.empty() ? "" : "; ") + producerText(producer);
-    if (producers.size() < 2 || list.empty()) return;
-    err << start << "the parts come from several devices, and the bits of some are their own (" << list
-        << "): the last digits may differ from part to part\n";
+        if (!producer.sharesBits) own.push_back(producerText(producer));
+    if (producers.size() < 2 || own.empty()) return;
+    err << start << "the parts come from several devices, and the bits of some are their own ("
+        << joined(own, "; ") << "): the last digits may differ from part to part\n";
 }
 
 }  // namespace glint::app
