@@ -133,7 +133,7 @@ Box Certifier::boxOf(const Branch& branch, const Step& step) const {
         const double way = kStepUnits * kFloatUnit * next.scale + 2 * next.clearance;
         box.add(next.ray.origin, dvec3(way));
         box.add(glm::normalize(next.ray.direction), dvec3(turn));
-        box.add(next.throughput, kFloatUnit * (next.slack + 8.0 * next.throughput));
+        box.add(next.throughput, kFloatUnit * (next.slack + 8.0 * next.throughput) + kUnderflow);
     }
     return box;
 }
@@ -184,7 +184,8 @@ bool Certifier::matches(const Outcome& outcome, const TrailRay& ray) const {
     const dvec3 light = lightOf(cursor_);
     for (int i = 0; i < 3; ++i) device[static_cast<size_t>(i)] = light[i];
     if (!first && ray.hit) device[kColorQuantities] = ray.t;
-    const size_t count = first ? kQuantities : kColorQuantities + (ray.hit ? 1 : 0);
+    const size_t ofFirst = seen_.fromDevice ? kQuantities : kSceneQuantities;
+    const size_t count = first ? ofFirst : kColorQuantities + (ray.hit ? 1 : 0);
     return outcome.box.contains(0, std::span(device).first(count), outcome.stretch);
 }
 

@@ -5,6 +5,7 @@
 
 #include "reference/sampling.h"
 #include "shared/shading.h"
+#include "verify/quantities.h"
 #include "verify/stiffness.h"
 
 namespace glint::verify {
@@ -70,7 +71,7 @@ bool Film::isMean(const Pixel& pixel, const float* color, uint32_t taken) const 
     const double units = kFloatUnit * (2 * pixel.additions + 4);
     const glm::dvec4 error =
         glm::abs(glm::dvec4(color[0], color[1], color[2], color[3]) * static_cast<double>(taken) - pixel.sum);
-    return glm::all(glm::lessThanEqual(error, units * pixel.magnitudes + 0x1p-120 * taken));
+    return glm::all(glm::lessThanEqual(error, units * pixel.magnitudes + kUnderflow * taken));
 }
 
 std::vector<size_t> Film::differing(const Picture& whole) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/vectors.h"
 #include "reference/error_box.h"
@@ -12,7 +13,19 @@ namespace glint::verify {
 
 namespace {
 
-enum { kDepth = 3, kPosition = 4, kNormal = 7, kGeometric = 10, kU = 13, kV = 14, kShadows = 15 };
+enum {
+    kDepth = 3,
+    kPosition = 4,
+    kNormal = 7,
+    kGeometric = 10,
+    kU = 13,
+    kV = 14,
+    kShadows = 15,
+    kObject = 16,
+    kPrimitive = 17,
+    kMaterial = 18,
+    kClearance = 19
+};
 
 void put(Quantities& q, size_t at, const glm::dvec3& v) {
     for (int i = 0; i < 3; ++i) q[at + static_cast<size_t>(i)] = v[i];
@@ -36,12 +49,18 @@ Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& 
     q[kU] = isTriangle(*record.hit) ? record.hit->u : surface.uv.x;
     q[kV] = isTriangle(*record.hit) ? record.hit->v : surface.uv.y;
     q[kShadows] = record.shadowBits;
+    q[kObject] = surface.object;
+    q[kPrimitive] = surface.primitive;
+    q[kMaterial] = surface.material;
+    const double clearance = reference::clearanceOf(surface.error, surface.geometricNormal);
+    q[kClearance] = std::isnan(clearance) ? 0 : clearance;
     return q;
 }
 
 Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
     Quantities q{};
     put(q, 0, glm::dvec3(color));
+    q[kClearance] = data.clearance;
     if (data.object == PixelData::kNoIndex) return q;
     q[kDepth] = data.depth;
     put(q, kPosition, data.position);
@@ -50,6 +69,9 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
     q[kU] = data.u;
     q[kV] = data.v;
     q[kShadows] = data.shadowBits;
+    q[kObject] = data.object;
+    q[kPrimitive] = data.primitive;
+    q[kMaterial] = data.material;
     return q;
 }
 
@@ -71,10 +93,14 @@ Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, co
 // coordinates, and of a triangle its corners', 16 units with the last rounding; normals and texture
 // coordinates take as many of numbers up to 1 (8 to 12, shading/texture.glsl), of coordinates beyond it up
 // to what they are sums of. A camera that is moved with the scene's origin rounds the sum once more.
+//
+// The clearance is a sum of magnitudes, which rounding cannot cancel: it errs by at most 4096 units of 2^-24,
+// and by what the floors of point, normal (of a quadric: its gradient) and barycentrics add to its terms. On
+// a cone it may be unknown, where two sums meet.
 Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
                     const reference::Ray& ray) {
     Quantities f{};
-    for (int i = 0; i < 3; ++i) f[static_cast<size_t>(i)] = record.rounding[i] + 0x1p-120;
+    for (int i = 0; i < 3; ++i) f[static_cast<size_t>(i)] = record.rounding[i] + kUnderflow;
     if (!record.hit) return f;
     const reference::Surface& surface = *record.surface;
     const auto [way, turn, slant] = reachOf(scene, record, ray);
@@ -85,31 +111,12 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     }
     f[kU] = 16 * kFloatUnit * std::max(slant, surface.uvScale.x);
     f[kV] = 16 * kFloatUnit * std::max(slant, surface.uvScale.y);
-    return f;
-}
-
-// The clearance is a sum of magnitudes, which rounding cannot cancel: it errs by at most 4096 units of 2^-24,
-// by gamma_16 of the error of the point, and by the turn of the normal, or of a quadric's gradient. If a ray
-// is tangent, or a textbook method loses digits, point and normal err by more than their floors, which is
-// judged elsewhere. So are the barycentrics of a needle, which may change although the point does not.
-bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
-                 const PixelData& device) {
-    if (!record.hit) return device.clearance == 0;
-    const reference::Surface& surface = *record.surface;
-    const auto [way, turn, ignored] = reachOf(scene, record, ray);
     const glm::dvec3 error = surface.error;
-    if (std::isnan(error.x)) return true;  // of a cone, where its two sums meet
-    const glm::dvec3 seen = glm::abs(glm::dvec3(device.geometricNormal));
-    const double turned = glm::length(seen - glm::abs(surface.geometricNormal));
-    const double moved = glm::distance(device.position, scene.origin + surface.position);
-    const double share = std::max(0x1p-12, 2 * (turn * kFloatUnit + turned));
-    const double shifted = !isTriangle(*record.hit)
-                               ? 0
-                               : std::abs(device.u - record.hit->u) + std::abs(device.v - record.hit->v);
-    const double room = share * (error.x + error.y + error.z) +
-                        reference::gammaOf(16) * std::max(16 * kFloatUnit * way, moved) +
-                        reference::gammaOf(7) * 4 * shifted * surface.scale;
-    return std::abs(device.clearance - reference::clearanceOf(error, surface.geometricNormal)) <= room;
+    const double corners = isTriangle(*record.hit) ? 4 * (f[kU] + f[kV]) * surface.scale : 0;
+    f[kClearance] = std::max(0x1p-12, 6 * f[kNormal]) * (error.x + error.y + error.z) +
+                    2 * reference::gammaOf(16) * f[kPosition] + reference::gammaOf(7) * corners;
+    if (std::isnan(f[kClearance])) f[kClearance] = std::numeric_limits<double>::infinity();
+    return f;
 }
 
 void Box::add(const glm::dvec3& value, const glm::dvec3& error) {
@@ -131,7 +138,7 @@ void Box::include(const Box& other) {
 bool Box::contains(size_t at, std::span<const double> values, double stretch) const {
     for (const double value : values) {
         const double room = floors[at] + stretch * (hi[at] - lo[at]);
-        if (!(value >= lo[at] - room && value <= hi[at] + room)) return false;
+        if (!(value >= lo[at] - room && value <= hi[at] + room) && !std::isinf(room)) return false;
         ++at;
     }
     return true;

@@ -10,10 +10,14 @@
 
 namespace glint::verify {
 
-// Colour (3), then of the first hit depth, position (3), shading normal (3), geometric normal (3), u, v, and
-// the bits of the lights that are hidden from it, which nothing may add to.
-inline constexpr size_t kColorQuantities = 3, kQuantities = 16;
+// Colour (3), then of the first hit depth, position (3), shading normal (3), geometric normal (3), u, v; the
+// bits of hidden lights, object, primitive and material, which must agree; the distance from the hit at which
+// further rays begin, which depends on the packing of a scene.
+inline constexpr size_t kColorQuantities = 3, kSceneQuantities = 19, kQuantities = 20;
 using Quantities = std::array<double, kQuantities>;
+
+// Error of fp32 numbers near 0: a device may take subnormal numbers for 0.
+inline constexpr double kUnderflow = 0x1p-120;
 
 Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& origin);
 Quantities quantitiesOf(const glm::vec3& color, const PixelData& data);
@@ -32,10 +36,6 @@ struct Reach {
 };
 Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray);
 
-// True if rays that leave the first hit start as far from it as rounding demands.
-bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
-                 const PixelData& device);
-
 // The least bounds of numbers seen, and the rounding error that may be added to each.
 struct Box {
     std::vector<double> lo, hi, floors;
@@ -44,7 +44,8 @@ struct Box {
         : lo(q.begin(), q.end()), hi(lo), floors(errors.begin(), errors.end()) {}
     void add(const glm::dvec3& value, const glm::dvec3& error);
     void include(const Box& other);
-    // Each number from `at` on within its floor, and `stretch` times the box's size, of the box. NaN is not.
+    // Each number from `at` on within its floor, and `stretch` times the box's size, of the box. NaN is not,
+    // unless the floor is infinite.
     bool contains(size_t at, std::span<const double> values, double stretch) const;
     bool contains(size_t at, const glm::dvec3& value, double stretch) const {
         return contains(at, std::span(&value.x, 3), stretch);

@@ -29,11 +29,9 @@ constexpr size_t kFewPixels = 64;
 // ten the longest hardly ever.
 constexpr double kMoveGain = 4;
 
-bool isSameSurface(const reference::PixelRecord& a, const reference::PixelRecord& b) {
-    if (a.bounces != b.bounces || a.hit.has_value() != b.hit.has_value()) return false;
-    return !a.hit ||
-           (a.surface->object == b.surface->object && a.surface->primitive == b.surface->primitive &&
-            a.surface->material == b.surface->material);
+// True if a box has the quantities of a pixel, other than those that depend on packing.
+bool containsScene(const Box& box, const Quantities& quantities, double stretch) {
+    return box.contains(0, std::span(quantities).first<kSceneQuantities>(), stretch);
 }
 
 }  // namespace
@@ -76,11 +74,9 @@ void RepresentationCheck::compare(int x, int y, uint32_t sample, const reference
     doubt.rounded = quantitiesOf(rounded, packed_.origin);
     if (truth.pathHash == rounded.pathHash) {
         const Box box(quantitiesOf(truth, packed_.origin), floorsOf(packed_, truth, ray));
-        const bool sound = isSameSurface(truth, rounded);
-        if (sound && box.contains(0, doubt.rounded, 0)) return;
+        if (containsScene(box, doubt.rounded, 0)) return;
         doubt.decisions = truth.decisions;
         doubt.classes.push_back({truth.decisions, box, 1});
-        if (!sound) doubt.state = Doubt::State::Unexplained;
     }
     row.doubts.push_back(std::move(doubt));
 }
@@ -103,7 +99,7 @@ void RepresentationCheck::draw(uint64_t seed, std::vector<Doubt*>& open) const {
             if (at == doubt.classes.end()) at = doubt.classes.insert(at, {record.decisions, box, 0});
             at->box.include(box);
             ++at->members;
-            if (!at->box.contains(0, doubt.rounded, at->members > 1 ? kMoveGain : 0)) continue;
+            if (!containsScene(at->box, doubt.rounded, at->members > 1 ? kMoveGain : 0)) continue;
             const bool alike = doubt.decisions == record.decisions;
             doubt.state = alike ? Doubt::State::Predicted : Doubt::State::Explained;
         }
@@ -149,20 +145,17 @@ Representation RepresentationCheck::judge(size_t worstCount) {
     for (Row& row : rows_) {
         differences.insert(differences.end(), row.differences.begin(), row.differences.end());
         squares += row.squares;
-        for (Doubt& doubt : row.doubts) {
-            shown.push_back(&doubt);
-            if (doubt.state == Doubt::State::Open) open.push_back(&doubt);
-        }
+        for (Doubt& doubt : row.doubts) open.push_back(&doubt);
     }
+    shown = open;
     result.asked = differences.size();
     for (const float d : differences) result.greatest = std::max(result.greatest, static_cast<double>(d));
     result.rmse = std::sqrt(squares / (3 * static_cast<double>(std::max<uint64_t>(result.asked, 1))));
     result.p99 = percentile99(std::move(differences));
     search(open, result.asked);
-    for (Doubt* doubt : open) doubt->state = Doubt::State::Unexplained;
     std::erase_if(shown, [](const Doubt* doubt) { return doubt->state == Doubt::State::Predicted; });
     const auto rank = [](const Doubt* doubt) {
-        return std::tuple(doubt->state != Doubt::State::Unexplained, -doubt->difference, doubt->y, doubt->x);
+        return std::tuple(doubt->state != Doubt::State::Open, -doubt->difference, doubt->y, doubt->x);
     };
     std::sort(shown.begin(), shown.end(), [&](const Doubt* a, const Doubt* b) { return rank(a) < rank(b); });
     for (const Doubt* doubt : shown) {

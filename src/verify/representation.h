@@ -59,7 +59,7 @@ class RepresentationCheck {
         std::optional<uint32_t> decisions = {};  // of the truth, on the same path
         double difference = 0;
         std::vector<Class> classes = {};
-        enum class State { Open, Predicted, Explained, Unexplained } state = State::Open;
+        enum class State { Open, Predicted, Explained } state = State::Open;
     };
     struct Row {
         std::vector<float> differences;

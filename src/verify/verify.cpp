@@ -38,15 +38,6 @@ struct Row {
     std::vector<DifferingPixel> differing;
 };
 
-// True if the device's layers of the first hit agree with the reference path.
-bool isSameHit(const PixelData& data, const reference::PixelRecord& expected) {
-    if (data.bounces != expected.bounces) return false;
-    if (!expected.hit) return data.object == PixelData::kNoIndex;
-    const reference::Surface& surface = *expected.surface;
-    return data.object == surface.object && data.primitive == surface.primitive &&
-           data.material == surface.material;
-}
-
 // True if the pixel's alpha is the sample's weight where the device has hit anything, and 0 elsewhere. The
 // weight is rounded once, and so are the inverse of the count and the product with it.
 bool isCovered(float alpha, const PixelData& data, double weight) {
@@ -232,18 +223,16 @@ void Verification::comparePixel(int x, int y, uint32_t sample, const Picture& de
     pixel.difference = finite ? greatestMagnitude(difference) : std::numeric_limits<double>::infinity();
     addColors(pixel, row);
     if (representation_) representation_->compare(x, y, sample, expected);
-    const bool samePath = data.pathHash == expected.pathHash, sameHit = isSameHit(data, expected);
-    if (samePath && sameHit)
+    const bool samePath = data.pathHash == expected.pathHash;
+    const bool alike = samePath && data.bounces == expected.bounces;
+    if (alike)
         row.account.addAlike(expected.lost, std::abs(weight));
     else
         row.account.addOther(data.bounces, std::abs(weight));
-    const bool covered = isCovered(device.color.at(x, y, 3), data, weight);
-    const bool predicted = finite && covered && samePath && sameHit &&
-                           isPredicted(tracer_, ray, expected, scene_, quantitiesOf(pixel.deviceColor, data));
-    if (predicted && beginsClear(scene_, expected, ray, data)) return;
-    // Rounding of a ray cannot explain a pixel that is wrong only in the starts of its rays or in the
-    // indices of a hit.
-    pixel.inDoubt = covered && finite && !predicted && (!samePath || sameHit);
+    const bool judged = finite && isCovered(device.color.at(x, y, 3), data, weight);
+    if (judged && alike && isPredicted(tracer_, ray, expected, scene_, quantitiesOf(pixel.deviceColor, data)))
+        return;
+    pixel.inDoubt = judged && (alike || !samePath);
     row.differing.push_back(std::move(pixel));
 }
 

@@ -217,6 +217,15 @@ TEST_F(VerdictTest, TheVerdictAloneIsTheSame) {
     }
 }
 
+// Of a ray through dark glass the device's throughput is 0, and the reference's 1e-112.
+TEST_F(VerdictTest, LightTooWeakForFp32IsNoDefect) {
+    const Case c = fileCase("../tests/mutation/scenes/glass_corner", 97, 73);
+    Renderer renderer(device(), c.packed);
+    const verify::Report report = verified(renderer, c);
+    EXPECT_EQ(report.unexplained, 0u);
+    EXPECT_GT(report.edges, 26u);
+}
+
 // The verdict, and what is counted, do not hang on how bright a picture is.
 TEST_F(VerdictTest, ADarkerPictureGetsTheSameVerdict) {
     verify::Report reports[2];
