@@ -35,9 +35,7 @@ TEST_P(RoundTrip, KernelDoublesWhatWasUploaded) {
     const uint32_t texels = 1000;
     const Buffer buffer = make("values", texels * 16);
     write(device_, buffer, counting(texels * 4, 7));
-    Kernel kernel = scaleKernel(device_, buffer.access(), {2, 0});
-    const Buffer* const buffers[] = {&buffer};
-    kernel.bind(buffers);
+    Kernel kernel = scaleKernel(device_, buffer, {2, 0});
     Submission submission(device_);
     submission.dispatch(kernel, groupsFor(texels), bytesOf(ScalePush{texels, 0}));
     submission.submit();

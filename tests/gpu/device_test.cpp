@@ -140,9 +140,7 @@ TEST(Validation, SilentWhenEverythingIsDestroyed) {
         device.state().physical.unified = false;  // so that there is a staging buffer
         const Buffer buffer(device, "buffer", 64, Access::TexelBuffer, MemoryKind::Device);
         write(device, buffer, counting(16));
-        Kernel kernel = scaleKernel(device, Access::TexelBuffer, {2, 0});
-        const Buffer* const buffers[] = {&buffer};
-        kernel.bind(buffers);
+        Kernel kernel = scaleKernel(device, buffer, {2, 0});
         Submission submission(device);
         submission.dispatch(kernel, 1, bytesOf(ScalePush{4, 0}));
         submission.submit();
@@ -154,9 +152,7 @@ TEST(Validation, SilentWhenEverythingIsDestroyed) {
 void doubleOn(const Device& device, std::vector<uint32_t>& values) {
     const Buffer buffer(device, "values", values.size() * 4, Access::TexelBuffer, MemoryKind::Device);
     write(device, buffer, values);
-    Kernel kernel = scaleKernel(device, Access::TexelBuffer, {2, 0});
-    const Buffer* const buffers[] = {&buffer};
-    kernel.bind(buffers);
+    Kernel kernel = scaleKernel(device, buffer, {2, 0});
     const uint32_t texels = static_cast<uint32_t>(values.size() / 4);
     Submission submission(device);
     submission.dispatch(kernel, groupsFor(texels), bytesOf(ScalePush{texels, 0}));

@@ -86,8 +86,9 @@ inline uint32_t groupsFor(uint32_t texels) {
     return (texels + 63) / 64;
 }
 
-// constants: FACTOR, then ADDS.
+// constants: FACTOR, then ADDS. With a buffer, bound to it.
 Kernel scaleKernel(const Device& device, Access access, std::vector<uint32_t> constants);
+Kernel scaleKernel(const Device& device, const Buffer& buffer, std::vector<uint32_t> constants);
 Kernel reverseKernel(const Device& device);
 Kernel twistsKernel(const Device& device);
 Kernel emptyKernel(const Device& device);

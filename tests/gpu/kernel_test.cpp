@@ -37,11 +37,9 @@ TEST_P(KernelTest, SpecializationConstantsFollowTheirIds) {
 }
 
 TEST_P(KernelTest, PushConstantsChangeFromDispatchToDispatch) {
-    Kernel kernel = scaleKernel(device_, GetParam(), {1, 1});
     const Buffer buffer(device_, "values", 256, GetParam(), MemoryKind::Device);
     write(device_, buffer, counting(64));
-    const Buffer* const buffers[] = {&buffer};
-    kernel.bind(buffers);
+    Kernel kernel = scaleKernel(device_, buffer, {1, 1});
     Submission submission(device_);
     submission.dispatch(kernel, 1, bytesOf(ScalePush{16, 100}));  // all
     submission.dispatch(kernel, 1, bytesOf(ScalePush{4, 1000}));  // the first 4 texels

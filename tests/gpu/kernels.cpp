@@ -21,6 +21,13 @@ Kernel scaleKernel(const Device& device, Access access, std::vector<uint32_t> co
     return Kernel(device, options);
 }
 
+Kernel scaleKernel(const Device& device, const Buffer& buffer, std::vector<uint32_t> constants) {
+    Kernel kernel = scaleKernel(device, buffer.access(), std::move(constants));
+    const Buffer* const buffers[] = {&buffer};
+    kernel.bind(buffers);
+    return kernel;
+}
+
 Kernel reverseKernel(const Device& device) {
     KernelOptions options;
     options.name = "reverse";

@@ -12,15 +12,11 @@ TEST_F(SubmissionTest, DispatchesOfABatchAreOrdered) {
     const Buffer source(device_, "source", texels * 16, Access::TexelBuffer, MemoryKind::Device);
     const Buffer destination(device_, "destination", texels * 16, Access::StorageBuffer, MemoryKind::Device);
     write(device_, source, counting(texels * 4));
-    Kernel add = scaleKernel(device_, Access::TexelBuffer, {1, 1});
+    Kernel add = scaleKernel(device_, source, {1, 1});
     Kernel reverse = reverseKernel(device_);
-    Kernel triple = scaleKernel(device_, Access::StorageBuffer, {3, 0});
-    const Buffer* const sources[] = {&source};
+    Kernel triple = scaleKernel(device_, destination, {3, 0});
     const Buffer* const both[] = {&source, &destination};
-    const Buffer* const destinations[] = {&destination};
-    add.bind(sources);
     reverse.bind(both);
-    triple.bind(destinations);
 
     Submission submission(device_);
     submission.dispatch(add, groupsFor(texels), bytesOf(ScalePush{texels, 1}));
@@ -41,9 +37,7 @@ TEST_F(SubmissionTest, CopiesTakeTheirTurn) {
     const Buffer b(device_, "b", 256, Access::TexelBuffer, MemoryKind::Host);
     write(device_, a, counting(64));
     write(device_, b, std::vector<uint32_t>(64, 7));
-    Kernel twice = scaleKernel(device_, Access::StorageBuffer, {2, 0});
-    const Buffer* const buffers[] = {&a};
-    twice.bind(buffers);
+    Kernel twice = scaleKernel(device_, a, {2, 0});
     Submission submission(device_);
     submission.dispatch(twice, 1, bytesOf(ScalePush{16, 0}));
     submission.copy(a, 128, b, 64, 64);  // 64, 66, ... to b[16..31]
@@ -60,9 +54,7 @@ TEST_F(SubmissionTest, CopiesTakeTheirTurn) {
 TEST_F(SubmissionTest, IsReusable) {
     const Buffer buffer(device_, "values", 64, Access::StorageBuffer, MemoryKind::Device);
     write(device_, buffer, counting(16, 1));
-    Kernel twice = scaleKernel(device_, Access::StorageBuffer, {2, 0});
-    const Buffer* const buffers[] = {&buffer};
-    twice.bind(buffers);
+    Kernel twice = scaleKernel(device_, buffer, {2, 0});
     Submission first(device_);
     Submission submission = std::move(first);
     for (int i = 0; i < 10; ++i) {
@@ -122,9 +114,7 @@ TEST_F(SubmissionTest, TimestampsLieWithinTheWallTime) {
     const auto texels = static_cast<uint32_t>(
         std::min<uint64_t>(device_.info().limits.maxTexelBufferElements, uint64_t{1} << 20));
     const Buffer buffer(device_, "values", uint64_t{16} * texels, Access::TexelBuffer, MemoryKind::Device);
-    Kernel kernel = scaleKernel(device_, Access::TexelBuffer, {2, 0});
-    const Buffer* const buffers[] = {&buffer};
-    kernel.bind(buffers);
+    Kernel kernel = scaleKernel(device_, buffer, {2, 0});
     Submission submission(device_);
     submission.dispatch(kernel, groupsFor(texels), bytesOf(ScalePush{texels, 0}));
     const Submission::Times times = submission.submit();
