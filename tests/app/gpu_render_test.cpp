@@ -1,15 +1,9 @@
 // What `glint render` writes from a device.
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/image_io.h"
-#include "render_cases.h"
-
-namespace glint::app::test::render_cases {
-INSTANTIATE_TEST_SUITE_P(Gpu, RenderEither, ::testing::Values("gpu"));
-
-}  // namespace glint::app::test::render_cases
+#include "support.h"
 
 namespace glint::app::test::gpu_render_test {
 class GpuRender : public SmallSceneTest {
@@ -66,6 +60,15 @@ TEST_F(GpuRender, DeviceThatDoesNotExist) {
         EXPECT_EQ(ran.out, "");
     }
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+}
+
+TEST_F(GpuRender, TraceOnAMissingDeviceLeavesStandardOutputEmpty) {
+    writeText("r.csv", "0,0,5,0,0,-1\n");
+    for (const char* what : {"--rays r.csv", "--pixel 1,1"}) {
+        const Ran ran = runGlint("trace a.json --device none", what);
+        EXPECT_EQ(ran.code, 4);
+        EXPECT_EQ(ran.out, "");
+    }
 }
 
 // What is true of lavapipe alone.

@@ -3,12 +3,7 @@
 #include <cmath>
 
 #include "core/image_io.h"
-#include "render_cases.h"
-
-namespace glint::app::test::render_cases {
-INSTANTIATE_TEST_SUITE_P(Host, RenderEither, ::testing::Values("cpu"));
-
-}  // namespace glint::app::test::render_cases
+#include "support.h"
 
 namespace glint::app::test::render_test {
 class Render : public SmallSceneTest {

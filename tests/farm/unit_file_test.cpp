@@ -1,12 +1,17 @@
-#include "farm/unit_file.h"
-
+// Files of units, the checkpoints made of them and the identities that they hold.
 #include <cmath>
 #include <functional>
 #include <limits>
 
+#include "core/file_io.h"
+#include "farm/checkpoint.h"
+#include "farm/merge.h"
+#include "farm/unit.h"
+#include "farm/unit_file.h"
 #include "support.h"
 
 namespace glint::farm::test::unit_file_test {
+
 using glint::test::errorOf;
 using glint::test::writeBytes;
 
@@ -116,6 +121,95 @@ TEST_F(UnitFiles, UnfinishedFilesHoldTheirWholeUnits) {
         EXPECT_EQ(file.results.size(), (size - head.size()) / unit.size());
         EXPECT_EQ(file.wholeBytes, head.size() + file.results.size() * unit.size());
     }
+}
+
+using glint::test::readBytes;
+
+const std::vector<Aov> kAovs = {Aov::Radiance};
+
+void nothingFound(const UnitResult& result) {
+    ADD_FAILURE() << result.part;
+}
+
+class Checkpoints : public glint::test::WorkingFolderTest {
+  protected:
+    const Request request_ = requestFor(64, 48);
+    const UnitHeader header_ = headerOf(request_, 4, kAovs);
+    const std::vector<UnitResult> results_ = partsOf(request_, 4, kAovs);
+    std::string errorOfOpening(const UnitHeader& header) const {
+        return errorOf(ErrorKind::Failed, [&] { Checkpoint checkpoint("a.check", header, nothingFound); });
+    }
+};
+
+// Cut off anywhere, as a process that is killed leaves it, it holds the units that were whole, goes on, and
+// the picture has the bits of one that was never stopped.
+TEST_F(Checkpoints, GoOnFromWhereverTheyWereCutOff) {
+    {
+        Checkpoint checkpoint("a.check", header_, nothingFound);
+        for (int i = 0; i < 3; ++i) checkpoint.append(results_[i]);
+    }
+    const std::vector<uint8_t> whole = readBytes("a.check");
+    const size_t head = encodeHeader(header_).size();
+    for (size_t size = head; size <= whole.size(); size += 1 + (whole.size() - head) / 23) {
+        writeBytes("a.check", {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)});
+        Assembly assembly(header_.region, kAovs);
+        size_t found = 0;
+        Checkpoint checkpoint("a.check", header_, [&](const UnitResult& result) {
+            assembly.add(result);
+            ++found;
+        });
+        for (size_t i = found; i < results_.size(); ++i) {
+            checkpoint.append(results_[i]);
+            assembly.add(results_[i]);
+        }
+        EXPECT_TRUE(assembly.complete());
+        EXPECT_EQ(assembly.take().picture.color.pixels, draw(request_).color.pixels);
+        EXPECT_EQ(readUnits("a.check").results.size(), 4u) << size;
+    }
+}
+
+TEST_F(Checkpoints, OfAnotherPictureAreRefused) {
+    { Checkpoint checkpoint("a.check", header_, nothingFound); }
+    UnitHeader other = header_;
+    other.identity.facts[0].second = "b.json";
+    EXPECT_EQ(
+        errorOfOpening(other),
+        "a.check: is a checkpoint of another picture: scene is uneven.json there and b.json here; remove it, "
+        "or give another name");
+    glint::test::writeText("a.check", "something else");
+    EXPECT_EQ(errorOfOpening(header_),
+              "a.check: damaged: it is no file that glint render --part or --checkpoint wrote");
+}
+
+TEST_F(Checkpoints, HaveOneWriter) {
+    Checkpoint checkpoint("a.check", header_, nothingFound);
+    EXPECT_EQ(errorOfOpening(header_), "a.check: another glint writes this checkpoint");
+    checkpoint.remove();
+    EXPECT_TRUE(names().empty());
+}
+
+const Identity kHere = {{{"glint", "1"}, {"file a.obj", "12"}, {"size", "4x3"}}};
+
+TEST(Identity, NamesTheFirstFactThatDiffers) {
+    Identity there = kHere;
+    EXPECT_EQ(difference(there, kHere), "");
+    there.facts[0].second = "2";
+    EXPECT_EQ(difference(there, kHere), "glint is 2 there and 1 here");
+    there = kHere;
+    there.facts[2].second = "8x6";
+    EXPECT_EQ(difference(there, kHere), "size is 8x6 there and 4x3 here");
+    there.facts[1].second = "13";
+    EXPECT_EQ(difference(there, kHere), "file a.obj has other contents there");
+    there = kHere;
+    there.facts.erase(there.facts.begin() + 1);
+    EXPECT_EQ(difference(there, kHere), "file a.obj is used here alone");
+    EXPECT_EQ(difference(kHere, there), "file a.obj is used there alone");
+    there = kHere;
+    there.facts.emplace_back("cut", "1");
+    EXPECT_EQ(difference(there, kHere), "cut is used there alone");
+    std::swap(there.facts[0], there.facts[3]);
+    there.facts.pop_back();
+    EXPECT_NE(difference(there, kHere), "");
 }
 
 }  // namespace glint::farm::test::unit_file_test

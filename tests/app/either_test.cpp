@@ -1,19 +1,77 @@
-// `glint trace` with rays whose hits are known, and which fp32 holds exactly; trace_test.cpp and
-// gpu_trace_test.cpp run them on their backends.
-#pragma once
-
+// `glint render` and `glint trace` on either backend: app_tests and app_gpu_tests compile this file with
+// theirs.
 #include <cmath>
 #include <cstdio>
 
+#include "core/image_io.h"
 #include "support.h"
 
-namespace glint::app::test::trace_test {
-namespace {
+namespace glint::app::test::either_test {
+const std::string kBackend = GLINT_BACKEND;
+
+class RenderEither : public SmallSceneTest {
+  protected:
+    static void render(Words options) {
+        const Ran ran = runGlint(Words("render a.json -q --backend") + kBackend, options);
+        EXPECT_EQ(ran.code, 0);
+        EXPECT_EQ(ran.out + ran.err, "");
+    }
+};
+
+TEST_F(RenderEither, SameBytesOnEveryRun) {
+    render("-o 1.png");
+    render("-o 2.png");
+    render("-o 1.exr --aov color,depth,cost --spp 3");
+    render("-o 2.exr --aov color,depth,cost --spp 3");
+    EXPECT_FALSE(readBytes("1.png").empty());
+    EXPECT_EQ(readBytes("1.png"), readBytes("2.png"));
+    EXPECT_EQ(readBytes("1.exr"), readBytes("2.exr"));
+}
+
+TEST_F(RenderEither, CropIsThePartOfTheWhole) {
+    render("-o whole.pfm");
+    render("-o part.pfm --crop 5,7,41,32");
+    const Image whole = readImage("whole.pfm"), part = readImage("part.pfm");
+    ASSERT_EQ(std::pair(part.width, part.height), std::pair(36, 25));
+    int different = 0;
+    for (int y = 0; y < part.height; ++y) {
+        for (int x = 0; x < part.width; ++x) {
+            for (int c = 0; c < 3; ++c) different += part.at(x, y, c) == whole.at(x + 5, y + 7, c) ? 0 : 1;
+        }
+    }
+    EXPECT_EQ(different, 0);
+}
+
+// Wishes are in the request: an image has the bits of the image of a file that says the same, even if its own
+// file has no reflections.
+TEST_F(RenderEither, OptionsHaveTheBitsOfTheFile) {
+    const std::string rest = R"("background": [0.2, 0.4, 0.6], "ambient": 0.2,
+        "materials": {"m": {"diffuse": 0.2, "mirror": 0.7}},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"},
+                    {"type": "sphere", "center": [1.5, 0.5, 1], "radius": 0.7, "material": "m"}])";
+    writeText("a.json", sceneText(16, 12, R"("maxDepth": 0, )" + rest));
+    std::string text = sceneText(24, 18, R"("maxDepth": 3, )" + rest);
+    text.replace(text.find("\"width\""), 0, R"("samplesPerPixel": 4, "sampler": "jittered", "seed": 9, )");
+    writeText("b.json", text);
+    const auto draw = [](Words args) {
+        args.insert(args.begin(), "render");
+        args.insert(args.end(), {"--backend", kBackend, "-q"});
+        const Ran ran = runGlint(args);
+        EXPECT_EQ(ran.code, 0) << ran.err;
+    };
+    draw("b.json -o b.pfm");
+    draw("a.json -o a.pfm --size 24x18 --max-depth 3 --spp 4 --sampler jittered --seed 9");
+    EXPECT_EQ(readBytes("a.pfm"), readBytes("b.pfm"));
+    draw("b.json -o c.pfm --max-depth 0");
+    EXPECT_NE(readBytes("c.pfm"), readBytes("b.pfm"));
+}
+
+// Rays whose hits are known, and which fp32 holds exactly.
 
 constexpr const char* kHeader = "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n";
 constexpr const char* kMiss = "0,,,,,,,,,,,\n";
 
-class Trace : public FolderTest, public ::testing::WithParamInterface<std::string> {
+class Trace : public FolderTest {
   protected:
     // A unit sphere at the origin, object 0, and the triangle (2,0,0) (4,0,0) (2,4,0), object 1.
     void SetUp() override {
@@ -25,7 +83,7 @@ class Trace : public FolderTest, public ::testing::WithParamInterface<std::strin
 
     std::string trace(const std::string& rays, bool any = false) {
         writeText("r.csv", rays);
-        Words args = {"trace", "a.json", "--rays", "r.csv", "--backend", GetParam()};
+        Words args = {"trace", "a.json", "--rays", "r.csv", "--backend", kBackend};
         if (any) args.push_back("--any");
         const Ran ran = runGlint(args);
         EXPECT_EQ(ran.code, 0) << ran.err;
@@ -35,7 +93,7 @@ class Trace : public FolderTest, public ::testing::WithParamInterface<std::strin
     }
 };
 
-TEST_P(Trace, SphereFromOutsideInsideAndPast) {
+TEST_F(Trace, SphereFromOutsideInsideAndPast) {
     EXPECT_EQ(trace("0,0,5,0,0,-1\n"), "1,4,0,0,0,0,0,0,1,0,0,1\n");
     EXPECT_EQ(trace("0,0,0,0,0,-1\n"), "1,1,0,0,0,0,0,0,-1,0,0,-1\n");  // the normal stays the outward one
     EXPECT_EQ(trace("0,0,-5,0,0,-1\n"), kMiss);
@@ -43,17 +101,17 @@ TEST_P(Trace, SphereFromOutsideInsideAndPast) {
 
 // P = (1-u-v)a + u b + v c: (3, 1, 0) is a + 1/2 (b-a) + 1/4 (c-a). The winding's normal is +z, from behind
 // too.
-TEST_P(Trace, TriangleHasBarycentricsAndTheWindingsNormal) {
+TEST_F(Trace, TriangleHasBarycentricsAndTheWindingsNormal) {
     EXPECT_EQ(trace("3,1,2,0,0,-1\n"), "1,2,0.5,0.25,1,0,3,1,0,0,0,1\n");
     EXPECT_EQ(trace("3,1,-2,0,0,1\n"), "1,2,0.5,0.25,1,0,3,1,0,0,0,1\n");
 }
 
-TEST_P(Trace, TIsInUnitsOfTheDirection) {
+TEST_F(Trace, TIsInUnitsOfTheDirection) {
     EXPECT_EQ(trace("0,0,5,0,0,-4\n"), "1,1,0,0,0,0,0,0,1,0,0,1\n");
     EXPECT_EQ(trace("0,0,5,0,0,-0.5\n"), "1,8,0,0,0,0,0,0,1,0,0,1\n");
 }
 
-TEST_P(Trace, BoundsOfT) {
+TEST_F(Trace, BoundsOfT) {
     EXPECT_EQ(trace("0,0,5,0,0,-1,0,4\n"), "1,4,0,0,0,0,0,0,1,0,0,1\n");  // tMin < t <= tMax
     EXPECT_EQ(trace("0,0,5,0,0,-1,0,3.75\n"), kMiss);
     EXPECT_EQ(trace("0,0,5,0,0,-1,4\n"), "1,6,0,0,0,0,0,0,-1,0,0,-1\n");
@@ -61,14 +119,14 @@ TEST_P(Trace, BoundsOfT) {
     EXPECT_EQ(trace("0,0,5,0,0,-1,0,inf\n"), "1,4,0,0,0,0,0,0,1,0,0,1\n");
 }
 
-TEST_P(Trace, RaysThatAreNoneMiss) {
+TEST_F(Trace, RaysThatAreNoneMiss) {
     EXPECT_EQ(trace("nan,0,5,0,0,-1\n0,0,5,0,0,inf\n0,0,5,0,0,0\n0,0,inf,0,0,-1\n0,0,5,nan,0,-1\n"
                     "0,0,5,0,0,-1,nan\n0,0,5,0,0,-1,0,nan\n"),
               std::string(kMiss) + kMiss + kMiss + kMiss + kMiss + kMiss + kMiss);
 }
 
 // Powers of two scale exactly: t must be 4 * 2^900 and 4 * 2^-900.
-TEST_P(Trace, DirectionsOfAnyLength) {
+TEST_F(Trace, DirectionsOfAnyLength) {
     const auto scaled = [this](double length) {
         char ray[64];
         std::snprintf(ray, sizeof(ray), "0,0,5,0,0,%.17g,0,%.17g\n", -length, 4.5 / length);
@@ -76,28 +134,28 @@ TEST_P(Trace, DirectionsOfAnyLength) {
         EXPECT_TRUE(line.starts_with("1,") && line.ends_with(",0,0,1\n")) << line;
         return std::stod(line.substr(2)) * length;
     };
-    const double tolerance = GetParam() == "cpu" ? 0 : 1e-8;  // %.9g
+    const double tolerance = kBackend == "cpu" ? 0 : 1e-8;  // %.9g
     for (const int exponent : {0, 31, 32, 33, 60, 64, 200, 900, -31, -32, -33, -64, -200, -900})
         EXPECT_NEAR(scaled(std::ldexp(1, exponent)), 4.0, tolerance) << exponent;
 }
 
-TEST_P(Trace, NoRays) {
+TEST_F(Trace, NoRays) {
     writeText("r.csv", "# none\n");
-    const Ran ran = runGlint({"trace", "a.json", "--rays", "r.csv", "--backend", GetParam()});
+    const Ran ran = runGlint({"trace", "a.json", "--rays", "r.csv", "--backend", kBackend});
     EXPECT_EQ(ran.out, kHeader);
     EXPECT_EQ(ran.err, "glint: warning: r.csv: holds no rays\n");
 }
 
-TEST_P(Trace, AnyTellsHitsOnly) {
+TEST_F(Trace, AnyTellsHitsOnly) {
     EXPECT_EQ(trace("0,0,5,0,0,-1\n0,0,5,0,0,1\n0,0,5,0,0,-1,0,3\n3,1,2,0,0,-1\n", true),
               std::string("1,,,,,,,,,,,\n") + kMiss + kMiss + "1,,,,,,,,,,,\n");
 }
 
 // The middle pixel of 3 x 3 looks along -z; the first one, at 45 degrees to each side of a 90 degree picture
 // times 2/3, sees nothing.
-TEST_P(Trace, PixelIsTheCameraRayOfItsCentre) {
+TEST_F(Trace, PixelIsTheCameraRayOfItsCentre) {
     const auto pixel = [](const std::string& where, bool any = false) {
-        Words args = {"trace", "a.json", "--pixel", where, "--backend", GetParam()};
+        Words args = {"trace", "a.json", "--pixel", where, "--backend", kBackend};
         if (any) args.push_back("--any");
         const Ran ran = runGlint(args);
         EXPECT_EQ(ran.code, 0);
@@ -109,14 +167,14 @@ TEST_P(Trace, PixelIsTheCameraRayOfItsCentre) {
     EXPECT_EQ(pixel("0,0", true), kMiss);
 }
 
-TEST_P(Trace, SizeIsThePicturesThatThePixelIsIn) {
-    const Ran ran = runGlint({"trace", "a.json", "--pixel", "4,4", "--size", "9x9", "--backend", GetParam()});
+TEST_F(Trace, SizeIsThePicturesThatThePixelIsIn) {
+    const Ran ran = runGlint({"trace", "a.json", "--pixel", "4,4", "--size", "9x9", "--backend", kBackend});
     EXPECT_EQ(ran.out, std::string(kHeader) + "1,4,0,0,0,0,0,0,1,0,0,1\n");
 }
 
 // `object` is the index in the scene's list, also where another object comes first in the BVH; `primitive`
 // the face's.
-TEST_P(Trace, FacesAreNumberedAsInTheFile) {
+TEST_F(Trace, FacesAreNumberedAsInTheFile) {
     writeText("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nf 1 2 3 4\nf 5 6 7\n");
     writeText("a.json", sceneText(3, 3, R"("meshes": {"m": {"file": "m.obj"}}, "objects": [
         {"type": "plane", "point": [0, 0, -9], "normal": [0, 0, 1]}, {"type": "mesh", "mesh": "m"}])"));
@@ -131,5 +189,4 @@ TEST_P(Trace, FacesAreNumberedAsInTheFile) {
     EXPECT_EQ(ids, (std::vector<std::string>{"1,0", "1,0", "1,1", "0,0"}));
 }
 
-}  // namespace
-}  // namespace glint::app::test::trace_test
+}  // namespace glint::app::test::either_test
