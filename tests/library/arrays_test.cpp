@@ -37,7 +37,7 @@ TEST_F(LibraryArrays, EveryOutputOfAKnownHit) {
     hits.uv = outOf(uv);
     hits.point = outOf(point);
     hits.normal = outOf(normal);
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
     EXPECT_EQ(hit, (std::vector<uint8_t>{1, 0}));
     EXPECT_EQ(t[0], 0.5);  // in units of the direction
     EXPECT_EQ(geometry[0], 0u);
@@ -74,7 +74,7 @@ TEST_F(LibraryArrays, StridesOfAnySign) {
     rays.directions = {base + offsetof(Row, way), 5, stride, GLINT_F64, 0};
     GLINT_INIT(glint_hits, hits);
     hits.t = {reinterpret_cast<char*>(rows.data()) + offsetof(Row, t), 5, stride, GLINT_F64, 0};
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
     for (int i = 0; i < 5; ++i) {
         double t = 0;
         std::memcpy(&t, reinterpret_cast<char*>(&rows[i]) + offsetof(Row, t), sizeof(t));
@@ -140,10 +140,10 @@ TEST_F(LibraryArrays, RaysThatAreNoneHitNothing) {
     glint_rays rays = raysFrom(origins, directions);
     std::vector<uint8_t> hit(4, 9);
     const glint_out out = outOf(hit);
-    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_query_any(scene(), &rays, &out, nullptr));
     EXPECT_EQ(hit, (std::vector<uint8_t>{0, 0, 0, 0}));
     rays.origins.count = 0;
-    EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK);
+    EXPECT_OK(glint_query_any(scene(), &rays, &out, nullptr));
 }
 
 TEST_F(LibraryArrays, NothingWantedIsNothingDone) {
@@ -155,7 +155,7 @@ TEST_F(LibraryArrays, NothingWantedIsNothingDone) {
     int asked = 0;
     options.user = &asked;
     options.cancelled = [](void* user) { return ++*static_cast<int*>(user), 0; };
-    EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, &options), GLINT_OK);
+    EXPECT_OK(glint_query_closest(scene(), &rays, &hits, &options));
     EXPECT_EQ(asked, 0);
 }
 
@@ -167,7 +167,7 @@ TEST_F(LibraryArrays, WhatIsRefusedIsNamed) {
     glint_out out = outOf(hit);
     refused(glint_query_any(scene(), &rays, &out, nullptr), "has not been committed");
     addSquare();
-    EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK);
+    EXPECT_OK(glint_query_any(scene(), &rays, &out, nullptr));
     rays.directions = viewOf(two);
     refused(glint_query_any(scene(), &rays, &out, nullptr), "rays.directions has 2 elements, and 3");
     rays.directions = viewOf(three);
@@ -215,7 +215,7 @@ TEST_F(LibraryArrays, StridesThatOverlapAreRefused) {
     hits.normal.stride = -8;
     refused(glint_query_closest(scene(), &rays, &hits, nullptr), "hits.normal has a stride of -8 bytes");
     hits.normal.stride = 0;
-    EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
 }
 
 // An empty batch may come with anything: a loop over lists, one of which is empty.
@@ -231,7 +231,7 @@ TEST_F(LibraryArrays, NoRaysAreAskedNothing) {
         rays.directions = viewOf(some);
         rays.t_min = {ends.data(), bounds, 0, GLINT_F64, 0};
         rays.t_max = rays.t_min;
-        EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_OK(glint_query_any(scene(), &rays, &out, nullptr));
     }
     EXPECT_EQ(hit[0], 9);
 }
@@ -276,7 +276,7 @@ TEST_F(LibraryArrays, WhatReachesBeyondAllMemoryIsRefused) {
     // Room that is not touched may be of any size.
     rays.origins.count = 1;
     out.count = ~uint64_t{0};
-    EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_OK(glint_query_any(scene(), &rays, &out, nullptr));
 }
 
 TEST_F(LibraryArrays, PicturesThatNobodyCanDrawAreTheCallersFault) {
@@ -313,7 +313,7 @@ TEST_F(LibraryArrays, ShorterStructs) {
     std::memset(static_cast<void*>(&rays.t_min), 0x5a, sizeof(rays) - offsetof(glint_rays, t_min));
     std::vector<uint8_t> hit(1, 9);
     const glint_out out = outOf(hit);
-    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_query_any(scene(), &rays, &out, nullptr));
     EXPECT_EQ(hit[0], 1);
 }
 

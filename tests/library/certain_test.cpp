@@ -31,7 +31,7 @@ struct Asked : Found {
         if (!tMin.empty()) rays.t_min = viewOf(tMin);
         if (!tMax.empty()) rays.t_max = viewOf(tMax);
         const glint_hits hits = outputs(origins.size(), true);
-        ASSERT_EQ(glint_query_closest(scene, &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        ASSERT_OK(glint_query_closest(scene, &rays, &hits, nullptr));
     }
     void add(const D3& from, const D3& along) {
         origins.push_back(from);
@@ -210,8 +210,7 @@ TEST_F(LibraryCertain, InstancesToo) {
     std::vector<Closed> meshes = {mesh};
     for (const auto& m : places) {
         uint32_t instance = GLINT_NONE;
-        ASSERT_EQ(glint_scene_add_instance(scene(), geometry, m.data(), &instance), GLINT_OK)
-            << glint_last_error();
+        ASSERT_OK(glint_scene_add_instance(scene(), geometry, m.data(), &instance));
         Closed moved = mesh;
         for (D3& v : moved.vertices) {
             const D3 x = v;
@@ -387,20 +386,20 @@ TEST_F(LibraryCertain, Outputs) {
     GLINT_INIT(glint_hits, hits);
     hits.t_lower = outOf(lower);
     hits.t_upper = outOf(upper);
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
     EXPECT_LT(static_cast<double>(lower[0]), 1.0 / 3);
     EXPECT_GT(static_cast<double>(upper[0]), 1.0 / 3);
     EXPECT_EQ(std::nextafter(lower[0], 1.0f), upper[0]);
     hits.t_lower = hits.t_upper = {};
     hits.sure = outOf(sure);
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
     EXPECT_EQ(sure[0], 1);
     EXPECT_EQ(glint_query_all(scene(), &rays, nullptr, &hits, nullptr, nullptr), GLINT_ERROR_ARGUMENT);
     EXPECT_NE(std::string(glint_last_error()).find("closest hits"), std::string::npos);
     // A caller of an older header, whose struct ends before them.
     hits.size = offsetof(glint_hits, sure);
     sure[0] = 7;
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
     EXPECT_EQ(sure[0], 7);
 }
 

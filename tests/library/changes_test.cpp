@@ -60,7 +60,7 @@ class LibraryChanges : public LibraryTest {
     }
     void setVertices(uint32_t mesh, const std::vector<D3>& vertices) {
         const glint_view view = viewOf(vertices);
-        ASSERT_EQ(glint_scene_set_vertices(scene(), mesh, &view), GLINT_OK) << glint_last_error();
+        ASSERT_OK(glint_scene_set_vertices(scene(), mesh, &view));
     }
 
     // fill(scene) makes the scene from nothing, as it is now.
@@ -130,10 +130,9 @@ TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
     const auto fill = [&](glint_scene* to, double at) {
         test::addMesh(to, sheet(0), corners);
         uint32_t instance = 0;
-        ASSERT_EQ(glint_scene_add_instance(to, 0, placed(1, 0.5 * at, 1 + at, 0.3).data(), &instance),
-                  GLINT_OK);
+        ASSERT_OK(glint_scene_add_instance(to, 0, placed(1, 0.5 * at, 1 + at, 0.3).data(), &instance));
         test::addMesh(to, small, {{0, 1, 2}});
-        ASSERT_EQ(glint_scene_set_transform(to, 2, placed(at, 0, 0, at).data()), GLINT_OK);
+        ASSERT_OK(glint_scene_set_transform(to, 2, placed(at, 0, 0, at).data()));
         addJson(to, R"({"materials": {"m": {}}, "camera": {"eye": [0, 0, 20],
             "target": [0, 0, 0]}, "objects": [
             {"type": "plane", "point": [0, 0, -1], "normal": [0, 0, 1], "material": "m"},
@@ -144,8 +143,8 @@ TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
     ASSERT_EQ(info().triangles, 2 * corners.size() + 1);
     for (uint32_t step = 1; step <= 4; ++step) {
         const double at = 0.1 * step;
-        ASSERT_EQ(glint_scene_set_transform(scene(), 1, placed(1, 0.5 * at, 1 + at, 0.3).data()), GLINT_OK);
-        ASSERT_EQ(glint_scene_set_transform(scene(), 2, placed(at, 0, 0, at).data()), GLINT_OK);
+        ASSERT_OK(glint_scene_set_transform(scene(), 1, placed(1, 0.5 * at, 1 + at, 0.3).data()));
+        ASSERT_OK(glint_scene_set_transform(scene(), 2, placed(at, 0, 0, at).data()));
         commit();
         expectAsAnew([&](glint_scene* to) { fill(to, at); }, step);
     }
@@ -157,14 +156,14 @@ TEST_F(LibraryChanges, WhateverElseChangesIsBuiltAnew) {
     const auto fill = [&](glint_scene* to, double at) {
         test::addMesh(to, sheet(at), corners);
         uint32_t instance = 0;
-        ASSERT_EQ(glint_scene_add_instance(to, 0, placed(1, 0, 1).data(), &instance), GLINT_OK);
+        ASSERT_OK(glint_scene_add_instance(to, 0, placed(1, 0, 1).data(), &instance));
         addSpheres(to, {{2, 2, 2}}, {0.5});
-        ASSERT_EQ(glint_scene_set_transform(to, 2, placed(at, at, 0).data()), GLINT_OK);
+        ASSERT_OK(glint_scene_set_transform(to, 2, placed(at, at, 0).data()));
     };
     fill(scene(), 0);
     commit();
     setVertices(0, sheet(0.2));
-    ASSERT_EQ(glint_scene_set_transform(scene(), 2, placed(0.2, 0.2, 0).data()), GLINT_OK);
+    ASSERT_OK(glint_scene_set_transform(scene(), 2, placed(0.2, 0.2, 0).data()));
     commit();
     expectAsAnew([&](glint_scene* to) { fill(to, 0.2); }, 0);
 }
@@ -253,15 +252,15 @@ TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
     const std::string beside = R"({"lights": [{"type": "point", "position": [1, 2, 9]}],
         "objects": [{"type": "plane", "point": [0, 0, -3], "normal": [0, 0, 1]}]})";
     const auto place = [&](glint_scene* to, double at) {
-        ASSERT_EQ(glint_scene_set_transform(to, 0, placed(at, 0, 0).data()), GLINT_OK);
-        ASSERT_EQ(glint_scene_set_transform(to, 1, placed(at + 0.5, 0, 1).data()), GLINT_OK);
+        ASSERT_OK(glint_scene_set_transform(to, 0, placed(at, 0, 0).data()));
+        ASSERT_OK(glint_scene_set_transform(to, 1, placed(at + 0.5, 0, 1).data()));
     };
     const auto fill = [&](glint_scene* to, double at, bool ball) {
         std::vector<D3> vertices = sheet(0);
         vertices[20] = vertices[21];
         test::addMesh(to, vertices, corners);
         uint32_t instance = 0;
-        ASSERT_EQ(glint_scene_add_instance(to, 0, placed(0, 0, 0).data(), &instance), GLINT_OK);
+        ASSERT_OK(glint_scene_add_instance(to, 0, placed(0, 0, 0).data(), &instance));
         place(to, at);
         addJson(to, beside);
         if (!ball) return;
@@ -324,8 +323,8 @@ TEST_F(LibraryChanges, EightThreadsAskWhileOneChanges) {
         for (uint32_t version = 1; version <= kVersions; ++version) {
             const std::vector<D3> vertices = flat(version);
             const glint_view view = viewOf(vertices);
-            EXPECT_EQ(glint_scene_set_vertices(scene(), 0, &view), GLINT_OK) << glint_last_error();
-            EXPECT_EQ(glint_scene_commit(scene()), GLINT_OK) << glint_last_error();
+            EXPECT_OK(glint_scene_set_vertices(scene(), 0, &view));
+            EXPECT_OK(glint_scene_commit(scene()));
         }
         done = true;
     }

@@ -30,7 +30,7 @@ class LibraryClosestPoint : public LibraryTest {
         glint_hits hits = found.outputs(points.size());
         hits.origin = {};
         const glint_view given = viewOf(points);
-        EXPECT_EQ(glint_query_closest_point(scene(), &given, &hits, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_OK(glint_query_closest_point(scene(), &given, &hits, nullptr));
         return found;
     }
     static std::vector<D3> pointsAbout(double center, double reach, size_t count) {
@@ -91,7 +91,7 @@ TEST_F(LibraryClosestPoint, AgreesWithBruteForce) {
         const std::vector<D3> moved = mesh.movedBy(place);
         const uint32_t geometry = addMesh(moved, mesh.corners);
         uint32_t instance = 0;
-        ASSERT_EQ(glint_scene_add_instance(scene(), geometry, matrix, &instance), GLINT_OK);
+        ASSERT_OK(glint_scene_add_instance(scene(), geometry, matrix, &instance));
         commit();
         std::vector<dvec3> vertices[2];
         for (const D3& v : moved) {

@@ -50,7 +50,7 @@ class LibraryCrossings : public LibraryTest {
         std::vector<uint8_t> where(points.size(), 9);
         const glint_view view = viewOf(points);
         const glint_out out = outOf(where);
-        EXPECT_EQ(glint_query_inside(scene(), &view, &out, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_OK(glint_query_inside(scene(), &view, &out, nullptr));
         return where;
     }
 };
@@ -80,8 +80,8 @@ TEST_F(LibraryCrossings, Instances) {
     const uint32_t first = addClosed(mesh, 0);
     const double turned[12] = {0.6, 0.8, 0, 0, -0.8, 0.6, 0, 0, 0, 0, -1, 0};
     const double around[12] = {9, 1, 0, 0, 0, 9, 2, 0, 1, 0, 9, 0};
-    ASSERT_EQ(glint_scene_add_instance(scene(), first, turned, nullptr), GLINT_OK);
-    ASSERT_EQ(glint_scene_add_instance(scene(), first, around, nullptr), GLINT_OK);
+    ASSERT_OK(glint_scene_add_instance(scene(), first, turned, nullptr));
+    ASSERT_OK(glint_scene_add_instance(scene(), first, around, nullptr));
     commit();
     // Inside all three from the middle: three crossings more or less than a multiple of two.
     EXPECT_EQ(wrongCounts({mesh.vertices, mesh.corners, 0.4, 30}, 0, Aim::Corners, 5), 0u);

@@ -24,7 +24,7 @@ struct Cast : Found {
 // From a sphere around the scene's box to points in it.
 Cast raysInto(const glint_scene* scene, size_t count, uint32_t seed) {
     GLINT_INIT(glint_scene_info, info);
-    EXPECT_EQ(glint_scene_info_of(scene, &info), GLINT_OK);
+    EXPECT_OK(glint_scene_info_of(scene, &info));
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(0, 1);
     std::normal_distribution<double> normal;
@@ -55,7 +55,7 @@ class LibraryQueries : public LibraryTest {
         glint_rays rays = cast.rays();
         rays.flags = flags;
         const glint_hits hits = cast.hits();
-        ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
     }
     struct Answers {
         std::vector<uint8_t> hit;
@@ -73,13 +73,13 @@ TEST_F(LibraryQueries, AgreeWithTheReference) {
         load(name);
         glint_device* cpu = nullptr;
         glint_scene* exact = nullptr;
-        ASSERT_EQ(glint_device_open("cpu", &cpu), GLINT_OK);
-        ASSERT_EQ(glint_scene_load(cpu, sceneFile(name).c_str(), &exact), GLINT_OK) << glint_last_error();
+        ASSERT_OK(glint_device_open("cpu", &cpu));
+        ASSERT_OK(glint_scene_load(cpu, sceneFile(name).c_str(), &exact));
         Cast here = raysInto(scene(), 3000, 1), there = here;
         closest(here);
         const glint_rays rays = there.rays();
         const glint_hits hits = there.hits();
-        ASSERT_EQ(glint_query_closest(exact, &rays, &hits, nullptr), GLINT_OK);
+        ASSERT_OK(glint_query_closest(exact, &rays, &hits, nullptr));
         size_t found = 0, agree = 0;
         for (size_t i = 0; i < here.t.size(); ++i) {
             found += there.geometry[i] != GLINT_NONE;
@@ -112,10 +112,10 @@ TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
         hits.t = outOf(t);
         hits.normal = outOf(normal);
         hits.point = outOf(point);
-        ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
         GLINT_INIT(glint_hits, exact);
         exact.point = outOf(exactPoint);
-        ASSERT_EQ(glint_query_closest(scene(), &rays, &exact, nullptr), GLINT_OK) << glint_last_error();
+        ASSERT_OK(glint_query_closest(scene(), &rays, &exact, nullptr));
         size_t found = 0;
         for (size_t i = 0; i < t.size(); ++i) {
             found += cast.geometry[i] != GLINT_NONE;
@@ -144,7 +144,7 @@ TEST_F(LibraryQueries, NamesAreTheSameByThemselves) {
             hits.geometry = outOf((*names)[0]);
             hits.primitive = outOf((*names)[1]);
             hits.material = outOf((*names)[2]);
-            ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+            ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
         }
         EXPECT_EQ(alone, with) << name;
         EXPECT_GT(std::set<uint32_t>(with[2].begin(), with[2].end()).size(), 1u) << name;  // GLINT_NONE too
@@ -272,7 +272,7 @@ TEST_F(LibraryQueries, CancelledAndReported) {
         w->fell = w->fell || part < w->last;
         w->last = part;
     };
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, &options), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_query_closest(scene(), &rays, &hits, &options));
     EXPECT_EQ(watch.last, 1);
     EXPECT_FALSE(watch.fell);
     EXPECT_GT(watch.asked, 1);
@@ -293,7 +293,7 @@ TEST_F(LibraryQueries, PicturesAndTheirLayers) {
     picture.color = outOf(color);
     picture.depth = outOf(depth);
     picture.geometry = outOf(geometry);
-    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_render(scene(), &picture, nullptr));
     size_t seen = 0;
     for (size_t i = 0; i < depth.size(); ++i) {
         EXPECT_EQ(std::isfinite(depth[i]), geometry[i] != GLINT_NONE);
@@ -311,7 +311,7 @@ TEST_F(LibraryQueries, PicturesAndTheirLayers) {
     EXPECT_EQ(glint_render(scene(), &picture, nullptr), GLINT_ERROR_ARGUMENT) << "both";
     picture.camera_name = nullptr;
     const std::vector<double> before = depth;
-    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_render(scene(), &picture, nullptr));
     EXPECT_NE(depth, before);
     EXPECT_GT(depth[kWidth * kHeight / 2 + kWidth / 2], 900);
     GLINT_INIT(glint_options, options);
@@ -330,7 +330,7 @@ TEST_F(LibraryQueries, BoundsHoldMoreThanSampling) {
         << R"({"background": [0.3, 0.5, 0.7], "camera": {"eye": [0, 0, 5], "target": [0, 0, 9]},
                               "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})";
     glint_scene* sky = nullptr;
-    ASSERT_EQ(glint_scene_load(device(), path.c_str(), &sky), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_scene_load(device(), path.c_str(), &sky));
     std::vector<std::array<float, 4>> color(16 * 16);
     double bound = -1;
     GLINT_INIT(glint_picture, picture);
@@ -339,7 +339,7 @@ TEST_F(LibraryQueries, BoundsHoldMoreThanSampling) {
     picture.error = 0.01;
     picture.max_samples = 2;
     picture.bound = &bound;
-    EXPECT_EQ(glint_render(sky, &picture, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_OK(glint_render(sky, &picture, nullptr));
     EXPECT_EQ(color[0][1], 0.5f);
     const double unseen = (1 - std::sqrt(0.05)) / 16;
     EXPECT_GE(bound, unseen + 0x1p-24 - 1e-15);
@@ -358,20 +358,20 @@ TEST_F(LibraryQueries, PicturesToAnError) {
     picture.color = outOf(color);
     picture.error = 0.02;
     picture.bound = &bound;
-    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_render(scene(), &picture, nullptr));
     EXPECT_GT(bound, 0);
     EXPECT_LE(bound, 0.02);
 
     // The samples end, and the bound says so.
     picture.error = 1e-3;
     picture.max_samples = 2;
-    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_render(scene(), &picture, nullptr));
     EXPECT_GT(bound, 1e-3);
 
     // A caller of the version before, whose struct ended with the layers.
     picture.size = offsetof(glint_picture, error);
     picture.samples = 4;
-    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_render(scene(), &picture, nullptr));
     picture.size = sizeof(picture);
     EXPECT_EQ(glint_render(scene(), &picture, nullptr), GLINT_ERROR_ARGUMENT);  // samples and error
     picture.samples = 0;

@@ -28,12 +28,10 @@ TEST_F(LibraryScene, GeometriesAreNumberedAsTheyCome) {
     EXPECT_EQ(addTriangleAt(0), 0u);
     EXPECT_EQ(addSpheres(scene(), {{10, 0, 0}}, {2}), 1u);
     uint32_t first = 9, count = 9;
-    ASSERT_EQ(glint_scene_add_json(scene(), R"({"materials": {"red": {"diffuse": [1, 0, 0]}}, "objects": [
+    ASSERT_OK(glint_scene_add_json(scene(), R"({"materials": {"red": {"diffuse": [1, 0, 0]}}, "objects": [
         {"type": "disc", "center": [20, 0, 3], "normal": [0, 0, 1], "radius": 1, "material": "red"},
         {"type": "box", "min": [29, -1, 0], "max": [31, 1, 5], "material": "red"}]})",
-                                   nullptr, &first, &count),
-              GLINT_OK)
-        << glint_last_error();
+                                   nullptr, &first, &count));
     EXPECT_EQ(first, 2u);
     EXPECT_EQ(count, 2u);
     EXPECT_EQ(addTriangleAt(40), 4u);
@@ -44,7 +42,7 @@ TEST_F(LibraryScene, GeometriesAreNumberedAsTheyCome) {
     expectBelow({30, 0}, 95, 3);
     expectBelow({40.2, 0.2}, 100, 4);
     uint32_t material = 9;
-    EXPECT_EQ(glint_scene_find_material(scene(), "red", &material), GLINT_OK);
+    EXPECT_OK(glint_scene_find_material(scene(), "red", &material));
     EXPECT_EQ(material, 0u);
     EXPECT_EQ(glint_scene_find_material(scene(), "blue", &material), GLINT_ERROR_ARGUMENT);
     EXPECT_EQ(info().geometries, 5u);
@@ -69,20 +67,20 @@ TEST_F(LibraryScene, InstancesAndTransforms) {
     const double moved[12] = {1, 0, 0, 7, 0, 1, 0, 0, 0, 0, 1, 2},
                  doubled[12] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 4};
     uint32_t instance = 9;
-    ASSERT_EQ(glint_scene_add_instance(scene(), triangle, moved, &instance), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_scene_add_instance(scene(), triangle, moved, &instance));
     EXPECT_EQ(instance, 1u);
     commit();
     expectBelow({0.2, 0.2}, 100, 0);
     expectBelow({7.2, 0.2}, 98, 1);
     // Not seen before it is committed; of an instance it replaces the transform.
-    ASSERT_EQ(glint_scene_set_transform(scene(), instance, doubled), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_scene_set_transform(scene(), instance, doubled));
     expectBelow({7.2, 0.2}, 98, 1);
     commit();
     EXPECT_EQ(below(7.2, 0.2).second, GLINT_NONE);
     expectBelow({0.8, 0.8}, 96, 1);
     const std::vector<D3> vertices = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, few(2);
     const glint_view view = viewOf(vertices), short_view = viewOf(few);
-    ASSERT_EQ(glint_scene_set_vertices(scene(), triangle, &view), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_scene_set_vertices(scene(), triangle, &view));
     commit();
     expectBelow({0.8, 0.8}, 94, 1);  // 2 * 1 + 4
     EXPECT_EQ(glint_scene_set_vertices(scene(), triangle, &short_view), GLINT_ERROR_ARGUMENT);
@@ -169,16 +167,16 @@ TEST_F(LibraryScene, DegenerateTrianglesKeepTheirNumbers) {
     EXPECT_EQ(closest(raysFrom(origins, directions)).primitive[0], 2u);
     EXPECT_GE(info().warnings, 1u);
     const char* text = nullptr;
-    EXPECT_EQ(glint_scene_warning(scene(), 0, &text), GLINT_OK);
+    EXPECT_OK(glint_scene_warning(scene(), 0, &text));
     EXPECT_EQ(glint_scene_warning(scene(), info().warnings, &text), GLINT_ERROR_ARGUMENT);
 }
 
 TEST_F(LibraryScene, DevicesAndVersions) {
     uint32_t count = 0;
-    ASSERT_EQ(glint_device_count(&count), GLINT_OK);
+    ASSERT_OK(glint_device_count(&count));
     ASSERT_GE(count, 1u);
     GLINT_INIT(glint_device_info, info);
-    ASSERT_EQ(glint_device_describe(count - 1, &info), GLINT_OK);
+    ASSERT_OK(glint_device_describe(count - 1, &info));
     EXPECT_STREQ(info.name, "cpu");
     EXPECT_TRUE(info.usable && info.reference);
     EXPECT_EQ(glint_device_describe(count, &info), GLINT_ERROR_ARGUMENT);
@@ -195,13 +193,13 @@ TEST_F(LibraryScene, DevicesAndVersions) {
 // The scene outlives its device's handle, and its own first owner.
 TEST_F(LibraryScene, HandlesAreCounted) {
     glint_device* device = nullptr;
-    ASSERT_EQ(glint_device_open("cpu", &device), GLINT_OK);
+    ASSERT_OK(glint_device_open("cpu", &device));
     glint_scene* own = nullptr;
-    ASSERT_EQ(glint_scene_create(device, &own), GLINT_OK);
+    ASSERT_OK(glint_scene_create(device, &own));
     glint_device_release(device);
     glint_scene_retain(own);
     glint_scene_release(own);
-    EXPECT_EQ(glint_scene_commit(own), GLINT_OK);
+    EXPECT_OK(glint_scene_commit(own));
     glint_scene_release(own);
 }
 

@@ -143,7 +143,7 @@ TEST_F(LibrarySettings, EachRefusalIsAStatusAndLosesNothing) {
             EXPECT_TRUE(std::strstr(glint_last_error(), "callback refused") != nullptr) << glint_last_error();
             ++refused;
             if (scene_ != nullptr) {
-                EXPECT_EQ(glint_scene_commit(scene_), GLINT_OK) << glint_last_error();
+                EXPECT_OK(glint_scene_commit(scene_));
             }
         }
         close();
@@ -157,14 +157,14 @@ TEST_F(LibrarySettings, WhatQueriesSeeOutlivesARefusedChange) {
     given.memory = memory;
     ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
     ASSERT_EQ(fill(), GLINT_OK);
-    ASSERT_EQ(glint_scene_commit(scene_), GLINT_OK);
+    ASSERT_OK(glint_scene_commit(scene_));
     double before = 0, after = 0;
     ASSERT_EQ(ask(before), GLINT_OK);
     told_.refuseAt = told_.asked + 2;  // set_vertices gets its copy, the commit its version not
     EXPECT_EQ(change(2), GLINT_ERROR_MEMORY);
     ASSERT_EQ(ask(after), GLINT_OK);
     EXPECT_EQ(after, before);
-    EXPECT_EQ(glint_scene_commit(scene_), GLINT_OK) << glint_last_error();
+    EXPECT_OK(glint_scene_commit(scene_));
     ASSERT_EQ(ask(after), GLINT_OK);
     EXPECT_NE(after, before);
 }
@@ -184,7 +184,7 @@ TEST_F(LibrarySettings, TheLogTellsWhatHappens) {
     given.log = log;
     ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
     ASSERT_EQ(fill(), GLINT_OK);
-    ASSERT_EQ(glint_scene_commit(scene_), GLINT_OK);
+    ASSERT_OK(glint_scene_commit(scene_));
     ASSERT_EQ(change(1.1f), GLINT_OK);
     ASSERT_EQ(told_.lines.size(), 5u);
     EXPECT_EQ(told_.lines[0].second.substr(0, 8), "device: ");
@@ -213,7 +213,7 @@ TEST_F(LibrarySettings, OneThreadIsEnoughIfSoSet) {
         ++seen.all;
         return 0;
     };
-    ASSERT_EQ(glint_scene_commit_with(scene_, &options), GLINT_OK) << glint_last_error();
+    ASSERT_OK(glint_scene_commit_with(scene_, &options));
     EXPECT_GT(callers.all, 0);
     EXPECT_EQ(callers.others, 0);
 }
@@ -225,7 +225,7 @@ TEST_F(LibrarySettings, CommitsAreCancelledAnywhere) {
     given.memory = memory;
     ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
     ASSERT_EQ(fill(), GLINT_OK);
-    ASSERT_EQ(glint_scene_commit(scene_), GLINT_OK);
+    ASSERT_OK(glint_scene_commit(scene_));
     double before = 0, after = 0;
     ASSERT_EQ(ask(before), GLINT_OK);
     struct Count {
@@ -243,7 +243,7 @@ TEST_F(LibrarySettings, CommitsAreCancelledAnywhere) {
     int cancelled = 0;
     for (count.last = 1; count.last < 200 && status == GLINT_ERROR_CANCELLED; ++count.last) {
         count.asked = 0;
-        ASSERT_EQ(glint_scene_set_vertices(scene_, 0, &view), GLINT_OK);
+        ASSERT_OK(glint_scene_set_vertices(scene_, 0, &view));
         status = glint_scene_commit_with(scene_, &options);
         if (status != GLINT_ERROR_CANCELLED) break;
         ++cancelled;
@@ -287,8 +287,7 @@ TEST_F(LibrarySettings, LoadsAreCancelledAnywhere) {
         const std::string file = sceneFile(name).string();
         Loading whole;
         const glint_options watch = whole.options();
-        ASSERT_EQ(glint_scene_load_with(device_, file.c_str(), &watch, &scene_), GLINT_OK)
-            << glint_last_error();
+        ASSERT_OK(glint_scene_load_with(device_, file.c_str(), &watch, &scene_));
         glint_scene_release(scene_);
         EXPECT_EQ(told_.held, before) << name;
         EXPECT_GT(whole.asked.load(), 4) << name;
@@ -316,12 +315,12 @@ TEST_F(LibrarySettings, LoadsAndCommitsTellHowFarTheyAre) {
         EXPECT_GE(loading.told.front(), 0);
         EXPECT_EQ(loading.told.back(), 1);
     };
-    ASSERT_EQ(glint_scene_load_with(device_, sceneFile("instances.json").string().c_str(), &options, &scene_),
-              GLINT_OK);
+    ASSERT_OK(
+        glint_scene_load_with(device_, sceneFile("instances.json").string().c_str(), &options, &scene_));
     expectRising();
     loading.told.clear();
     ASSERT_EQ(fill(), GLINT_OK);
-    ASSERT_EQ(glint_scene_commit_with(scene_, &options), GLINT_OK);
+    ASSERT_OK(glint_scene_commit_with(scene_, &options));
     expectRising();
 }
 

@@ -13,6 +13,10 @@
 
 #include "glint/glint.h"
 
+// A call of the C API succeeds.
+#define EXPECT_OK(call) EXPECT_EQ(call, GLINT_OK) << glint_last_error()
+#define ASSERT_OK(call) ASSERT_EQ(call, GLINT_OK) << glint_last_error()
+
 namespace glint::library::test {
 
 // A program for each, by on_reference.cpp and on_device.cpp: the reference needs no Vulkan, the device is
@@ -113,7 +117,7 @@ uint32_t addMesh(glint_scene* scene, const std::vector<std::array<T, 3>>& vertic
     triangles.vertices = viewOf(vertices);
     if (!corners.empty()) triangles.indices = viewOf(corners);
     uint32_t geometry = GLINT_NONE;
-    EXPECT_EQ(glint_scene_add_triangles(scene, &triangles, &geometry), GLINT_OK) << glint_last_error();
+    EXPECT_OK(glint_scene_add_triangles(scene, &triangles, &geometry));
     return geometry;
 }
 // The triangles of side x side squares, whose vertices are given row by row.
@@ -135,7 +139,7 @@ inline uint32_t addSpheres(glint_scene* scene, const std::vector<D3>& centers,
     spheres.centers = viewOf(centers);
     spheres.radii = viewOf(radii);
     uint32_t first = GLINT_NONE;
-    EXPECT_EQ(glint_scene_add_spheres(scene, &spheres, &first), GLINT_OK) << glint_last_error();
+    EXPECT_OK(glint_scene_add_spheres(scene, &spheres, &first));
     return first;
 }
 inline void addJson(glint_scene* scene, const std::string& text) {
@@ -156,9 +160,7 @@ inline std::filesystem::path sceneFile(const std::string& name) {
 // One device for all tests of a suite, and the scene of a test.
 class LibraryTest : public testing::Test {
   protected:
-    static void SetUpTestSuite() {
-        ASSERT_EQ(glint_device_open(selector(), &device_), GLINT_OK) << glint_last_error();
-    }
+    static void SetUpTestSuite() { ASSERT_OK(glint_device_open(selector(), &device_)); }
     static void TearDownTestSuite() {
         glint_device_release(device_);
         device_ = nullptr;
@@ -168,7 +170,7 @@ class LibraryTest : public testing::Test {
     static glint_device* device() { return device_; }
     glint_scene* scene() {
         if (scene_ == nullptr) {
-            EXPECT_EQ(glint_scene_create(device_, &scene_), GLINT_OK) << glint_last_error();
+            EXPECT_OK(glint_scene_create(device_, &scene_));
         }
         return scene_;
     }
@@ -179,10 +181,9 @@ class LibraryTest : public testing::Test {
     }
     void load(const std::string& name) {
         glint_scene_release(scene_);
-        ASSERT_EQ(glint_scene_load(device_, sceneFile(name).c_str(), &scene_), GLINT_OK)
-            << glint_last_error();
+        ASSERT_OK(glint_scene_load(device_, sceneFile(name).c_str(), &scene_));
     }
-    void commit() { ASSERT_EQ(glint_scene_commit(scene()), GLINT_OK) << glint_last_error(); }
+    void commit() { ASSERT_OK(glint_scene_commit(scene())); }
 
     template <class T>
     uint32_t addMesh(const std::vector<std::array<T, 3>>& vertices, const std::vector<U3>& corners = {}) {
@@ -190,26 +191,26 @@ class LibraryTest : public testing::Test {
     }
     glint_scene_info info() {
         GLINT_INIT(glint_scene_info, info);
-        EXPECT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK) << glint_last_error();
+        EXPECT_OK(glint_scene_info_of(scene(), &info));
         return info;
     }
 
     Found closest(const glint_rays& rays, bool certified = false) {
         Found found;
         const glint_hits hits = found.outputs(countOf(rays), certified);
-        EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
         return found;
     }
     std::vector<uint8_t> any(const glint_rays& rays) {
         std::vector<uint8_t> hit(countOf(rays), 9);
         const glint_out out = outOf(hit);
-        EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_OK(glint_query_any(scene(), &rays, &out, nullptr));
         return hit;
     }
     std::vector<uint32_t> counts(const glint_rays& rays) {
         std::vector<uint32_t> crossings(countOf(rays), 99);
         const glint_out out = outOf(crossings);
-        EXPECT_EQ(glint_query_count(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_OK(glint_query_count(scene(), &rays, &out, nullptr));
         return crossings;
     }
     Listed list(const glint_rays& rays) {
@@ -217,8 +218,7 @@ class LibraryTest : public testing::Test {
         listed.offsets.resize(countOf(rays) + 1);
         const glint_out offsets = outOf(listed.offsets);
         uint64_t total = 0;
-        EXPECT_EQ(glint_query_all(scene(), &rays, &offsets, nullptr, &total, nullptr), GLINT_OK)
-            << glint_last_error();
+        EXPECT_OK(glint_query_all(scene(), &rays, &offsets, nullptr, &total, nullptr));
         listed.t.resize(total);
         listed.geometry.resize(total);
         listed.primitive.resize(total);
@@ -228,8 +228,7 @@ class LibraryTest : public testing::Test {
         hits.geometry = outOf(listed.geometry);
         hits.primitive = outOf(listed.primitive);
         hits.normal = outOf(listed.normal);
-        EXPECT_EQ(glint_query_all(scene(), &rays, &offsets, &hits, &total, nullptr), GLINT_OK)
-            << glint_last_error();
+        EXPECT_OK(glint_query_all(scene(), &rays, &offsets, &hits, &total, nullptr));
         return listed;
     }
 
