@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
-#include <webp/encode.h>
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +12,7 @@
 #include "support/support.h"
 
 #if GLINT_WEBP
+#include <webp/encode.h>
 #endif
 
 namespace glint::decode_test {
