@@ -8,7 +8,6 @@
 #include "core/codecs.h"
 #include "core/image_io.h"
 #include "core/quantize.h"
-#include "png_file.h"
 #include "support/support.h"
 
 #if GLINT_WEBP
@@ -18,7 +17,6 @@
 namespace glint::decode_test {
 
 using test::errorOf;
-using test::pngBytes;
 using test::readBytes;
 using test::writeBytes;
 
@@ -56,33 +54,6 @@ TEST_F(Decode, Jpeg) {
     for (float sample : image.pixels) {
         EXPECT_NEAR(sample, expected, 1e-6);
     }
-}
-
-TEST_F(Decode, Png16Bits) {
-    test::PngFile png{2, 1, 16, 0, {}, {0x80, 0x01, 0xff, 0xff}};
-    writeBytes(file("a.png"), pngBytes(png));
-    const Image image = readImage(file("a.png"));
-    ASSERT_EQ(image.channels, 1);
-    // All 16 bits count: 0x8001 / 0xffff.
-    EXPECT_FLOAT_EQ(image.pixels[0], static_cast<float>(linearFromSrgb(32769.0 / 65535.0)));
-    EXPECT_NE(image.pixels[0], static_cast<float>(linearFromSrgb(32768.0 / 65535.0)));
-    EXPECT_EQ(image.pixels[1], 1.0f);
-}
-
-TEST_F(Decode, PngGreyWithAlphaBecomesRgba) {
-    test::PngFile png{1, 1, 8, 4, {}, {255, 51}};
-    writeBytes(file("a.png"), pngBytes(png));
-    const Image image = readImage(file("a.png"));
-    EXPECT_EQ(image.channels, 4);
-    EXPECT_EQ(image.pixels, (std::vector<float>{1, 1, 1, 0.2f}));  // 51 / 255, without curve
-}
-
-TEST_F(Decode, PngPalette) {
-    test::PngFile png{3, 1, 8, 3, {255, 0, 0, 0, 255, 255}, {1, 0, 1}};
-    writeBytes(file("a.png"), pngBytes(png));
-    const Image image = readImage(file("a.png"));
-    EXPECT_EQ(image.channels, 3);
-    EXPECT_EQ(image.pixels, (std::vector<float>{0, 1, 1, 1, 0, 0, 0, 1, 1}));
 }
 
 TEST_F(Decode, TheContentsCountAndNotTheName) {

@@ -21,7 +21,18 @@
 namespace glint::exr_kinds_test {
 using test::errorOf;
 
-class ExrKinds : public test::FolderTest {};
+class ExrKinds : public test::FolderTest {
+  protected:
+    // The image that a reader finds in the file of one part.
+    Image written(const Imf::Header& header, const Imf::FrameBuffer& buffer, int rows) {
+        {
+            Imf::OutputFile out(file("a.exr").c_str(), header);
+            out.setFrameBuffer(buffer);
+            out.writePixels(rows);
+        }
+        return readImage(file("a.exr"));
+    }
+};
 
 constexpr int kWidth = 70, kHeight = 45;
 
@@ -56,12 +67,7 @@ TEST_F(ExrKinds, EveryCompression) {
     for (int kind = 0; kind < Imf::NUM_COMPRESSION_METHODS; ++kind) {
         SCOPED_TRACE(kind);
         const auto compression = static_cast<Imf::Compression>(kind);
-        {
-            Imf::OutputFile out(file("a.exr").c_str(), headerOf(compression));
-            out.setFrameBuffer(bufferOf(image));
-            out.writePixels(kHeight);
-        }
-        const Image back = readImage(file("a.exr"));
+        const Image back = written(headerOf(compression), bufferOf(image), kHeight);
         // PXR24 keeps 24 bits of floats; B44 leaves floats as they are; DWA is lossy by its level.
         const bool dwa = compression == Imf::DWAA_COMPRESSION || compression == Imf::DWAB_COMPRESSION;
         const float bound = compression == Imf::PXR24_COMPRESSION ? 1e-4f : dwa ? 0.1f : 0.0f;
@@ -97,24 +103,14 @@ TEST_F(ExrKinds, HalvesAndWholeNumbers) {
     for (size_t c = 0; c < 3; ++c)
         buffer.insert(names[c],
                       Imf::Slice(Imf::HALF, reinterpret_cast<char*>(halves.data() + c), 6, 6 * kWidth));
-    {
-        Imf::OutputFile out(file("half.exr").c_str(), header);
-        out.setFrameBuffer(buffer);
-        out.writePixels(kHeight);
-    }
-    EXPECT_EQ(readImage(file("half.exr")).pixels, image.pixels);
+    EXPECT_EQ(written(header, buffer, kHeight).pixels, image.pixels);
 
     Imf::Header whole(2, 1);
     whole.channels().insert("Y", Imf::Channel(Imf::UINT));
     unsigned numbers[] = {7, 4000000000u};
     Imf::FrameBuffer ids;
     ids.insert("Y", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(numbers), 4, 8));
-    {
-        Imf::OutputFile out(file("id.exr").c_str(), whole);
-        out.setFrameBuffer(ids);
-        out.writePixels(1);
-    }
-    EXPECT_EQ(readImage(file("id.exr")).pixels, (std::vector<float>{7.0f, 4e9f}));
+    EXPECT_EQ(written(whole, ids, 1).pixels, (std::vector<float>{7.0f, 4e9f}));
 }
 
 TEST_F(ExrKinds, TheDataWindowCounts) {
@@ -129,12 +125,7 @@ TEST_F(ExrKinds, TheDataWindowCounts) {
         buffer.insert(names[c],
                       Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + c, header.dataWindow(),
                                        static_cast<size_t>(pixel), static_cast<size_t>(pixel * kWidth)));
-    {
-        Imf::OutputFile out(file("a.exr").c_str(), header);
-        out.setFrameBuffer(buffer);
-        out.writePixels(kHeight);
-    }
-    const Image back = readImage(file("a.exr"));
+    const Image back = written(header, buffer, kHeight);
     EXPECT_EQ(back.width, kWidth);
     EXPECT_EQ(back.pixels, image.pixels);
 }
@@ -165,12 +156,7 @@ TEST_F(ExrKinds, LuminanceWithAlpha) {
         buffer.insert(
             name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(samples + (name[0] == 'A' ? 2 : 0)), 4, 8));
     }
-    {
-        Imf::OutputFile out(file("a.exr").c_str(), header);
-        out.setFrameBuffer(buffer);
-        out.writePixels(1);
-    }
-    EXPECT_EQ(readImage(file("a.exr")).pixels,
+    EXPECT_EQ(written(header, buffer, 1).pixels,
               (std::vector<float>{0.25f, 0.25f, 0.25f, 0.75f, 0.5f, 0.5f, 0.5f, 1.0f}));
 }
 
@@ -202,12 +188,7 @@ TEST_F(ExrKinds, SubsampledChannelsAreRefused) {
     Imf::FrameBuffer buffer;
     buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(samples), 4, 8));
     buffer.insert("RY", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(samples), 4, 4, 2, 2));
-    {
-        Imf::OutputFile out(file("a.exr").c_str(), header);
-        out.setFrameBuffer(buffer);
-        out.writePixels(2);
-    }
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(file("a.exr")); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { written(header, buffer, 2); }),
               file("a.exr").string() + ": EXR files with subsampled channels are not supported");
 }
 
@@ -222,7 +203,7 @@ class ExrFloats : public ExrKinds {
         image.pixels[2] = std::bit_cast<float>(0xffc12345u);
         return image;
     }
-    void write(Imf::Header header, Image& image) {
+    Image writtenAmongOthers(Imf::Header header, Image& image) {
         // One that is not asked for, before and behind the others.
         std::vector<float> other(image.pixels.size(), 9.0f);
         Imf::FrameBuffer buffer = bufferOf(image);
@@ -230,9 +211,7 @@ class ExrFloats : public ExrKinds {
             header.channels().insert(name, Imf::Channel(Imf::FLOAT));
             buffer.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(other.data()), 4, 4 * kWidth));
         }
-        Imf::OutputFile out(file("a.exr").c_str(), header);
-        out.setFrameBuffer(buffer);
-        out.writePixels(kHeight);
+        return written(header, buffer, kHeight);
     }
     static std::vector<uint32_t> bitsOf(const Image& image) {
         std::vector<uint32_t> bits;
@@ -249,8 +228,7 @@ TEST_F(ExrFloats, KeepTheirBits) {
             SCOPED_TRACE(std::to_string(kind) + ", " + std::to_string(order));
             Imf::Header header = headerOf(kind);
             header.lineOrder() = order;
-            write(header, image);
-            EXPECT_EQ(bitsOf(readImage(file("a.exr"))), bitsOf(image));
+            EXPECT_EQ(bitsOf(writtenAmongOthers(header, image)), bitsOf(image));
         }
     }
 }

@@ -89,28 +89,18 @@ PngFile readPng(const std::filesystem::path& path) {
     return png;
 }
 
-std::vector<uint8_t> pngBytes(const PngFile& png) {
-    std::vector<uint8_t> file = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    std::vector<uint8_t> header;
-    append32(header, static_cast<uint32_t>(png.width));
-    append32(header, static_cast<uint32_t>(png.height));
-    header.insert(header.end(),
-                  {static_cast<uint8_t>(png.bitDepth), static_cast<uint8_t>(png.colorType), 0, 0, 0});
+std::vector<uint8_t> pngBytes(const PngParts& png) {
+    std::vector<uint8_t> file = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}, header;
+    append32(header, png.width);
+    append32(header, png.height);
+    header.insert(header.end(), {png.bits, png.colorType, 0, 0, png.interlace});
     appendChunk(file, "IHDR", header);
-    if (!png.palette.empty()) {
-        appendChunk(file, "PLTE", png.palette);
-    }
-    std::vector<uint8_t> rows;
-    const size_t rowSize = static_cast<size_t>(png.width) * png.bytesPerPixel();
-    for (size_t y = 0; y < static_cast<size_t>(png.height); ++y) {
-        rows.push_back(0);
-        rows.insert(rows.end(), png.samples.begin() + y * rowSize, png.samples.begin() + (y + 1) * rowSize);
-    }
-    uLongf size = compressBound(static_cast<uLong>(rows.size()));
-    std::vector<uint8_t> compressed(size);
-    EXPECT_EQ(compress(compressed.data(), &size, rows.data(), static_cast<uLong>(rows.size())), Z_OK);
-    compressed.resize(size);
-    appendChunk(file, "IDAT", compressed);
+    for (const auto& [type, data] : png.chunks) appendChunk(file, type, data);
+    uLongf size = compressBound(static_cast<uLong>(png.rows.size()));
+    std::vector<uint8_t> packed(size);
+    EXPECT_EQ(compress(packed.data(), &size, png.rows.data(), static_cast<uLong>(png.rows.size())), Z_OK);
+    packed.resize(size);
+    appendChunk(file, "IDAT", packed);
     appendChunk(file, "IEND", {});
     return file;
 }

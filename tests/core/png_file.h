@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace glint::test {
@@ -12,8 +14,7 @@ struct PngFile {
     int width = 0;
     int height = 0;
     int bitDepth = 8;
-    int colorType = 2;             // 0 grey, 2 RGB, 3 palette, 4 grey and alpha, 6 RGBA
-    std::vector<uint8_t> palette;  // RGB triples
+    int colorType = 2;             // 0 grey, 2 RGB, 4 grey and alpha, 6 RGBA
     std::vector<uint8_t> samples;  // rows from the top, 16-bit samples big endian
 
     int bytesPerPixel() const;
@@ -22,6 +23,13 @@ struct PngFile {
 // Adds a failure to the running test if the file is malformed. Knows the row filters None, Sub and Up.
 PngFile readPng(const std::filesystem::path& path);
 
-std::vector<uint8_t> pngBytes(const PngFile& png);
+struct PngParts {
+    uint32_t width, height;
+    uint8_t bits, colorType, interlace;
+    std::vector<uint8_t> rows;  // with the filter's byte before each
+    std::vector<std::pair<std::string, std::vector<uint8_t>>> chunks = {};
+};
+
+std::vector<uint8_t> pngBytes(const PngParts& png);
 
 }  // namespace glint::test

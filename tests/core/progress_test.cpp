@@ -23,16 +23,21 @@ class ProgressTest : public ::testing::Test {
         return text;
     }
 
+    // What an update of the part writes, in seconds after 100.
+    std::string shown(Progress& progress, double seconds, double part) {
+        now_ = 100 + seconds;
+        progress.update(part);
+        return output();
+    }
+
     std::atomic<double> now_{100.0};
     std::ostringstream sink_;
 };
 
 TEST_F(ProgressTest, BarShowsPartAndTimes) {
     Progress progress("render", ProgressMode::Bar, sink_, false, clock());
-    now_ = 112.0;
-    progress.update(0.47);
     // 9.4 of 20 marks; 12 s * 0.53 / 0.47 = 13.5 s left
-    EXPECT_EQ(output(), "\rrender  [#########-----------]  47 %  0:12 elapsed, 0:14 left");
+    EXPECT_EQ(shown(progress, 12, 0.47), "\rrender  [#########-----------]  47 %  0:12 elapsed, 0:14 left");
 }
 
 TEST_F(ProgressTest, NothingInTheFirstSecond) {
@@ -40,12 +45,8 @@ TEST_F(ProgressTest, NothingInTheFirstSecond) {
         now_ = 100.0;
         Progress progress("render", mode, sink_, true, clock());
         output();  // where the bar before has been cleared
-        now_ = 100.99;
-        progress.update(0.9);
-        EXPECT_EQ(output(), "");
-        now_ = 101.01;
-        progress.update(0.9);
-        EXPECT_NE(output(), "");
+        EXPECT_EQ(shown(progress, 0.99, 0.9), "");
+        EXPECT_NE(shown(progress, 1.01, 0.9), "");
     }
 }
 
@@ -72,9 +73,7 @@ TEST_F(ProgressTest, BarIsRedrawnTenTimesASecondAtMost) {
 
 TEST_F(ProgressTest, FinishClearsTheBar) {
     Progress progress("render", ProgressMode::Bar, sink_, true, clock());
-    now_ = 110.0;
-    progress.update(0.5);
-    const size_t length = output().size() - 1;  // without \r
+    const size_t length = shown(progress, 10, 0.5).size() - 1;  // without \r
     progress.finish();
     EXPECT_EQ(output(), std::string("\r").append(length, ' ') + "\r");
     now_ = 120.0;
@@ -85,57 +84,36 @@ TEST_F(ProgressTest, FinishClearsTheBar) {
 
 TEST_F(ProgressTest, ShorterLinesCoverLongerOnes) {
     Progress progress("render", ProgressMode::Bar, sink_, true, clock());
-    now_ = 110.0;
-    progress.update(0.002);  // 10 s * 0.998 / 0.002 = 4990 s = 1:23:10
-    const std::string longLine = output();
+    // 10 s * 0.998 / 0.002 = 4990 s = 1:23:10
+    const std::string longLine = shown(progress, 10, 0.002);
     EXPECT_NE(longLine.find("0:10 elapsed, 1:23:10 left"), std::string::npos) << longLine;
-    now_ = 111.0;
-    progress.update(0.5);
-    const std::string shortLine = output();
+    const std::string shortLine = shown(progress, 11, 0.5);
     EXPECT_EQ(shortLine.size(), longLine.size());
     EXPECT_TRUE(shortLine.ends_with("0:11 left   ")) << shortLine;
 }
 
 TEST_F(ProgressTest, NoEstimateWithoutProgress) {
     Progress progress("build", ProgressMode::Bar, sink_, true, clock());
-    now_ = 161.0;
-    progress.update(0.0);
-    EXPECT_EQ(output(), "\rbuild  [--------------------]   0 %  1:01 elapsed");
+    EXPECT_EQ(shown(progress, 61, 0.0), "\rbuild  [--------------------]   0 %  1:01 elapsed");
 }
 
 TEST_F(ProgressTest, NeverGoesBackAndStaysInItsRange) {
     Progress progress("render", ProgressMode::Bar, sink_, true, clock());
-    now_ = 110.0;
-    progress.update(0.5);
-    EXPECT_NE(output().find(" 50 %"), std::string::npos);
-    now_ = 111.0;
-    progress.update(0.25);
-    EXPECT_NE(output().find(" 50 %"), std::string::npos);
-    now_ = 112.0;
-    progress.update(std::numeric_limits<double>::quiet_NaN());
-    EXPECT_NE(output().find(" 50 %"), std::string::npos);
-    now_ = 113.0;
-    progress.update(7.0);
-    EXPECT_EQ(output(), "\rrender  [####################]  100 %  0:13 elapsed, 0:00 left");
+    EXPECT_NE(shown(progress, 10, 0.5).find(" 50 %"), std::string::npos);
+    EXPECT_NE(shown(progress, 11, 0.25).find(" 50 %"), std::string::npos);
+    EXPECT_NE(shown(progress, 12, std::numeric_limits<double>::quiet_NaN()).find(" 50 %"), std::string::npos);
+    EXPECT_EQ(shown(progress, 13, 7.0), "\rrender  [####################]  100 %  0:13 elapsed, 0:00 left");
 }
 
 TEST_F(ProgressTest, PlainLinesEveryTwoSecondsOrTenPercent) {
     Progress progress("render", ProgressMode::Plain, sink_, false, clock());
-    now_ = 102.0;
-    progress.update(0.02);
-    EXPECT_EQ(output(), "render   2 %  0:02 elapsed, 1:38 left\n");  // 2 s * 0.98 / 0.02 = 98 s
-    now_ = 103.0;
-    progress.update(0.05);
-    EXPECT_EQ(output(), "");
-    now_ = 104.0;
-    progress.update(0.08);
-    EXPECT_EQ(output(), "render   8 %  0:04 elapsed, 0:46 left\n");  // 4 s * 0.92 / 0.08
-    now_ = 104.5;
-    progress.update(0.125);
-    EXPECT_EQ(output(), "render  12 %  0:04 elapsed, 0:32 left\n");  // 4.5 s * 0.875 / 0.125 = 31.5 s
-    now_ = 105.0;
-    progress.update(0.15);
-    EXPECT_EQ(output(), "");
+    EXPECT_EQ(shown(progress, 2, 0.02),
+              "render   2 %  0:02 elapsed, 1:38 left\n");  // 2 s * 0.98 / 0.02 = 98 s
+    EXPECT_EQ(shown(progress, 3, 0.05), "");
+    EXPECT_EQ(shown(progress, 4, 0.08), "render   8 %  0:04 elapsed, 0:46 left\n");  // 4 s * 0.92 / 0.08
+    EXPECT_EQ(shown(progress, 4.5, 0.125),
+              "render  12 %  0:04 elapsed, 0:32 left\n");  // 4.5 s * 0.875 / 0.125 = 31.5 s
+    EXPECT_EQ(shown(progress, 5, 0.15), "");
     progress.finish();
     EXPECT_EQ(output(), "");
 }
@@ -144,9 +122,7 @@ TEST_F(ProgressTest, AutoIsABarOnATerminalOnly) {
     for (bool terminal : {true, false}) {
         now_ = 100.0;
         Progress progress("render", ProgressMode::Auto, sink_, terminal, clock());
-        now_ = 110.0;
-        progress.update(0.5);
-        EXPECT_EQ(output().starts_with("\rrender  [###"), terminal);
+        EXPECT_EQ(shown(progress, 10, 0.5).starts_with("\rrender  [###"), terminal);
     }
 }
 
