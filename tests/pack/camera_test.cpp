@@ -4,8 +4,11 @@
 #include <numbers>
 
 #include "pack/packed_scene.h"
+#include "support/scene_maker.h"
 
 namespace glint::camera_test {
+using test::aim;
+
 // As shared/layout.h defines the camera ray of a film point.
 glm::dvec3 direction(const shared::Camera& c, double x, double y) {
     return glm::normalize(glm::dvec3(c.center) + (x - c.halfWidth) * glm::dvec3(c.stepX) +
@@ -29,8 +32,7 @@ constexpr double kRounding = 4e-7;
 
 Camera lookingDownZ(double fovY) {
     Camera camera;
-    camera.eye = {0, 0, 0};
-    camera.target = {0, 0, -1};
+    aim(camera, {0, 0, 0}, {0, 0, -1});
     camera.fovY = fovY;
     return camera;
 }
@@ -76,8 +78,7 @@ TEST(PackCamera, WindowSpansTheFilm) {
 // Eye on +x looking at the origin with z up: right is u = up x w = z x x = y, and up stays z.
 TEST(PackCamera, FrameOfAnotherView) {
     Camera camera;
-    camera.eye = {5, 0, 0};
-    camera.target = {0, 0, 0};
+    aim(camera, {5, 0, 0}, {0, 0, 0});
     camera.up = {1, 0, 2};  // leans towards the viewer; only its part across the view counts
     camera.fovY = 90;
     const shared::Camera packed = packCamera(camera, 2, 2, glm::dvec3(0));
@@ -90,8 +91,7 @@ TEST(PackCamera, FrameOfAnotherView) {
 TEST(PackCamera, EyeIsRelativeToOrigin) {
     const double small = std::ldexp(1.0, -20);
     Camera camera;
-    camera.eye = {1e7 + small, -1e7, 3};
-    camera.target = {1e7 + small, -1e7, 2};
+    aim(camera, {1e7 + small, -1e7, 3}, {1e7 + small, -1e7, 2});
     const shared::Camera packed = packCamera(camera, 4, 4, glm::dvec3(1e7, -1e7, 0));
     EXPECT_EQ(packed.eye, glm::vec3(small, 0, 3));
     expectNear(packed.center, {0, 0, -1}, kRounding);
@@ -140,8 +140,7 @@ TEST(PackCamera, EachKindHasStepsOfItsOwn) {
 TEST(PackCamera, OrthographicPixelSteps) {
     Camera camera;
     camera.projection = Projection::Orthographic;
-    camera.eye = {7, 2, 3};
-    camera.target = {7, 2, -9};
+    aim(camera, {7, 2, 3}, {7, 2, -9});
     camera.height = 5;
     const shared::Camera packed = packCamera(camera, 200, 100, glm::dvec3(0));
     expectNear(packed.originStepX, {0.05, 0, 0}, 1e-8);
@@ -160,8 +159,7 @@ TEST(PackCamera, OrthographicPixelSteps) {
 TEST(PackCamera, OrthographicRaysAreRelativeToOrigin) {
     Camera camera;
     camera.projection = Projection::Orthographic;
-    camera.eye = {1e7, 0.25, 3};
-    camera.target = {1e7, 0.25, 0};
+    aim(camera, {1e7, 0.25, 3}, {1e7, 0.25, 0});
     camera.window = ViewWindow{0, 0.5, 0, 0.5};
     const shared::Camera packed = packCamera(camera, 2, 2, glm::dvec3(1e7, 0, 0));
     expectNear(rayOrigin(packed, 0.5, 1.5), {0.125, 0.375, 3}, 1e-6);
@@ -173,8 +171,7 @@ TEST(PackCamera, ObliqueParallel) {
     Camera camera;
     camera.projection = Projection::Orthographic;
     const double half = std::sqrt(0.125);
-    camera.eye = {-half, half, 1};
-    camera.target = {0, 0, 0};
+    aim(camera, {-half, half, 1}, {0, 0, 0});
     camera.height = 4;
     for (const double side : {1.0, -3.0}) {  // either side of the plane will do
         camera.planeNormal = {0, 0, side};
@@ -191,8 +188,7 @@ TEST(PackCamera, ObliqueParallel) {
 // window's edges at D + l U + t V.
 TEST(PackCamera, ObliquePerspective) {
     Camera camera;
-    camera.eye = {0, 0, 0};
-    camera.target = {0, 3, -3};
+    aim(camera, {0, 0, 0}, {0, 3, -3});
     camera.planeNormal = {0, 0, 1};
     camera.window = ViewWindow{-1, 1, -1, 1};
     const shared::Camera packed = packCamera(camera, 10, 10, glm::dvec3(0));

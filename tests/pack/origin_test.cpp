@@ -13,8 +13,7 @@ using namespace test;
 // Of extent 4 around `offset`, with one of everything. All coordinates are multiples of 1/4.
 Scene sceneAt(const glm::dvec3& offset) {
     Scene scene;
-    scene.camera.eye = offset + glm::dvec3(0.5, 1.25, 4);
-    scene.camera.target = offset;
+    aim(scene.camera, offset + glm::dvec3(0.5, 1.25, 4), offset);
     scene.lights.push_back(PointLight{offset + glm::dvec3(2, 5, 3.75), {1, 1, 1}});
     scene.lights.push_back(DirectionalLight{{1, -2, 3}, {1, 1, 1}});
     addObject(scene, MeshShape{gridMesh(4, offset + glm::dvec3(-2, -2, 0.25))});
@@ -152,8 +151,7 @@ TEST(PackOrigin, IsNearTheGeometry) {
 // Without bounded geometry the eye, what it looks at and the planes below it decide.
 TEST(PackOrigin, PlanesAlone) {
     Scene scene;
-    scene.camera.eye = {1e7, 1, 0};
-    scene.camera.target = {1e7, 1, -4};
+    aim(scene.camera, {1e7, 1, 0}, {1e7, 1, -4});
     addObject(scene, PlaneShape{{0, 0, 0}, {0, 1, 0}});
     const PackedScene packed = packScene(scene);
     // Half extent 2 = 0.5 * 2^2: a multiple of 4.

@@ -185,8 +185,7 @@ TEST(PackDisc, BoxesFitTheRim) {
 
 TEST(PackDisc, CountsForTheLocalFrame) {
     Scene scene;
-    scene.camera.eye = {1e7, 0, 5};
-    scene.camera.target = {1e7, 0, 0};
+    aim(scene.camera, {1e7, 0, 5}, {1e7, 0, 0});
     addObject(scene, DiscShape{{1e7, 0, 0}, {0, 0, 1}, 3});
     const PackedScene packed = packScene(scene);
     EXPECT_NEAR(packed.origin.x, 1e7, 8);

@@ -96,8 +96,7 @@ class PlaneTest : public AnalyticTest {
   protected:
     static Scene ground() {
         Scene scene = emptyScene();
-        scene.camera.eye = {0, 1, 0};
-        scene.camera.target = {0, 1, -1};
+        aim(scene.camera, {0, 1, 0}, {0, 1, -1});
         addPlane(scene, {0, 0, 0}, {0, 1, 0});
         return scene;
     }

@@ -21,8 +21,7 @@ class CameraTest : public RenderTest {};
 Scene orthographicScene() {
     Scene scene = emptyScene();
     scene.camera.projection = Projection::Orthographic;
-    scene.camera.eye = {2, 1, 7};
-    scene.camera.target = {2, 1, 0};
+    aim(scene.camera, {2, 1, 7}, {2, 1, 0});
     scene.camera.height = 3;  // 48 rows of 1/16
     return scene;
 }
@@ -63,8 +62,7 @@ TEST_F(CameraTest, CancellationIsExplained) {
     oblique.camera.planeNormal = dvec3(1, 0, 0.004);
     oblique.camera.window = ViewWindow{-1.11, 1.23, -0.53, 0.71};
     parallel.camera.projection = Projection::Orthographic;
-    parallel.camera.eye = {0, 0, 1e-3};
-    parallel.camera.target = {0, 0, 0};
+    aim(parallel.camera, {0, 0, 1e-3}, {0, 0, 0});
     parallel.camera.window = ViewWindow{-0.05, 4.11, -3.19, 0.05};  // 0 is near its upper left corner
     for (Scene& scene : {std::ref(oblique), std::ref(parallel)}) {
         const bool isParallel = scene.camera.projection == Projection::Orthographic;

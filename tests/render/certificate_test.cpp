@@ -255,9 +255,7 @@ class VerifyTest : public render::test::RenderTest {};
 TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
     const Case c = render::test::fileCase("triangles", 40, 30);
     render::Renderer renderer(device(), c.packed);
-    Options options;
-    options.width = c.width;
-    options.height = c.height;
+    auto options = sized<Options>(c);
     options.samples = PackedSamples::fixed(sampleOffsets(4));
     double progress = 0;
     options.progress = [&](double fraction) {
@@ -288,9 +286,7 @@ TEST_F(VerifyTest, SensitiveScenesAreJudgedByTheirPrediction) {
     scene.camera.eye = {0.3, 0.2, 8};
     scene.maxDepth = 8;
     const Case c = render::test::makeCase(scene, 96, 72);
-    Options options;
-    options.width = c.width;
-    options.height = c.height;
+    auto options = sized<Options>(c);
     render::Renderer right(device(), c.packed);
     const Report good = verify(right, c.packed, c.camera, options);
     EXPECT_TRUE(good.passed()) << good.explained() << ' ' << good.allowedExplained();
@@ -323,9 +319,7 @@ TEST_F(VerifyTest, RaysThatBeginClearOfMirrorsArePredicted) {
 TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
     const Case c = render::test::fileCase("triangles", 40, 30);
     render::Renderer renderer(device(), c.packed);
-    Options options;
-    options.width = c.width;
-    options.height = c.height;
+    auto options = sized<Options>(c);
     options.cancelled = [] { return true; };
     const Report report = verify(renderer, c.packed, c.camera, options);
     EXPECT_TRUE(report.interrupted);

@@ -98,9 +98,7 @@ TEST_F(FlatMeshTest, NeedlesDoNotShadeTheirNeighbours) {
     const dvec3 along = 10.0 * u, across = 0.0025 * w;
     addTriangle(scene, middle - along - across, middle + along - across, middle + along + across);
     addTriangle(scene, middle - along - across, middle + along + across, middle - along + across);
-    scene.camera.eye = middle + 0.3 * u + 0.3 * v;
-    scene.camera.target = middle + 0.3 * u;
-    scene.camera.up = w;
+    aim(scene.camera, middle + 0.3 * u + 0.3 * v, middle + 0.3 * u, w);
     scene.camera.fovY = 0.9;
     scene.lights.push_back(DirectionalLight{-u - 0.0175 * v - 0.5 * w, Color(1)});
     const Case c = makeCase(std::move(scene), 160, 120);

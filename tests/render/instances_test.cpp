@@ -170,8 +170,7 @@ TEST_F(InstanceTest, ExtremeScalesKeepTheirNormals) {
         scene.lights.push_back(DirectionalLight{{-0.5, -1, -0.7}, Color(0.8)});
         for (const double x : {-1.3, 1.3})
             addObject(scene, MeshShape{mesh}, then(scaling(scale), translation({x * size, 0, 0})));
-        scene.camera.eye = size * dvec3(0, 2, 6);
-        scene.camera.target = {0, 0, 0};
+        aim(scene.camera, size * dvec3(0, 2, 6), {0, 0, 0});
         const Case c = makeCase(scene, 64, 48);
         ASSERT_EQ(c.packed.instances.size(), 2u);
         const verify::Report report = verified(c);
@@ -194,8 +193,7 @@ TEST_F(InstanceTest, T79translatedFarAway) {
             const Affine back = then(then(shape, translation(dvec3(side))), translation(dvec3(-side)));
             EXPECT_EQ(back.offset, dvec3(0));
         }
-        scene.camera.eye = {1e7, 1e7, -1e7 + 20};
-        scene.camera.target = {1e7, 1e7, -1e7};
+        aim(scene.camera, {1e7, 1e7, -1e7 + 20}, {1e7, 1e7, -1e7});
         const PackedScene packed = packScene(scene);
         EXPECT_EQ(packed.origin == dvec3(0), both);
         const dvec3 center = dvec3(1e7, 1e7, -1e7) - packed.origin;
@@ -300,8 +298,7 @@ TEST_F(InstanceTest, ShadowsOfMirroredGlassHaveItsPicture) {
     PointLight lamp;
     lamp.position = {0.2, 9, 0.3};
     scene.lights.push_back(lamp);
-    scene.camera.eye = {0, 5, 9};
-    scene.camera.target = {0, -1, 0};
+    aim(scene.camera, {0, 5, 9}, {0, -1, 0});
     const Case c = makeCase(scene, 96, 72);
     ASSERT_EQ(c.packed.instances.size(), 2u);
     ASSERT_TRUE(c.packed.features.coloredShadows && c.packed.features.uvs);

@@ -137,9 +137,7 @@ TEST_F(LimitsTest, ArrayBeyondTheStorageRangeIsRendered) {
     EXPECT_EQ(renderer.access(), gpu::Access::TexelBuffer);
     EXPECT_GT(renderer.deviceBytes(), range);
     EXPECT_TRUE(sameBits(draw(small, c), renderer.render(c.camera, [&] {
-        Request settings;
-        settings.width = c.width;
-        settings.height = c.height;
+        auto settings = sized<Request>(c);
         settings.data = true;
         return settings;
     }())));

@@ -58,9 +58,7 @@ TEST(PathRowsTest, ScenesWithoutBouncesHaveNoLists) {
 // ---- the same bits ----
 
 Request settingsOf(const Case& c) {
-    Request settings;
-    settings.width = c.width;
-    settings.height = c.height;
+    auto settings = sized<Request>(c);
     settings.data = settings.cost = settings.ledger = settings.tally = true;
     return settings;
 }
@@ -169,9 +167,7 @@ Case mirrorsFor(int columns, uint32_t depth) {
     }
     scene.maxDepth = static_cast<int>(depth);
     scene.camera.projection = Projection::Orthographic;
-    scene.camera.eye = {0, 0, 5};
-    scene.camera.target = {0, 0, 0};
-    scene.camera.up = {0, 1, 0};
+    aim(scene.camera, {0, 0, 5}, {0, 0, 0}, {0, 1, 0});
     scene.camera.height = 64;
     return makeCase(scene, 64, 64);
 }

@@ -147,8 +147,7 @@ TEST_F(MethodsTest, ASphereSeenFromOutsideShowsItsOutside) {
 TEST_F(MethodsTest, OnlyTheRobustSphereHoldsUnderTheEye) {
     Scene scene = emptyScene();
     addSphere(scene, {0, -1e6, 0}, 1e6);
-    scene.camera.eye = {0, 1, 0};
-    scene.camera.target = {1, 0, 0};
+    aim(scene.camera, {0, 1, 0}, {1, 0, 0});
     const PackedScene packed = packScene(scene);
     RayTracer renderer(device(), packed);
     const RayInput ray = rayTowards(dvec3(0.3, 1, 0.2) - packed.origin, dvec3(0.5, 0, 0.1) - packed.origin);
@@ -167,9 +166,7 @@ TEST_F(MethodsTest, OnlyTheRobustSphereHoldsUnderTheEye) {
 // Pictures of the device alone, green channel.
 size_t litPixels(const gpu::Device& device, const Case& c, OriginOffset offset) {
     Renderer renderer(device, c.packed);
-    Request request;
-    request.width = c.width;
-    request.height = c.height;
+    auto request = sized<Request>(c);
     request.methods.offsets = offset;
     const Picture picture = renderer.render(c.camera, request);
     size_t lit = 0;

@@ -19,8 +19,7 @@ class NearSolidsTest : public RenderTest {
         scene.objects.push_back({"/objects/0", shape, 0});
         scene.objects.back().transform = transform;
         scene.lights.push_back(PointLight{eye + dvec3(1, 3, 2), Color(1)});
-        scene.camera.eye = eye;
-        scene.camera.target = target;
+        aim(scene.camera, eye, target);
         scene.camera.fovY = fovY;
         const Case c = makeCase(scene, 48, 36);
         return verified(c);
@@ -88,8 +87,7 @@ class FarSceneTest : public RenderTest {
   protected:
     static verify::Report seen(Scene scene, const dvec3& middle, double fovY) {
         scene.lights.push_back(PointLight{middle + dvec3(5, 4, 1), Color(0.9)});
-        scene.camera.eye = middle + dvec3(6, 1.5, 0.5);
-        scene.camera.target = middle;
+        aim(scene.camera, middle + dvec3(6, 1.5, 0.5), middle);
         scene.camera.fovY = fovY;
         scene.ambient = Color(0.2);
         const Case c = makeCase(std::move(scene), 160, 120);

@@ -14,9 +14,7 @@ class OpticsTest : public RenderTest {
   protected:
     static Picture drawWithLosses(const Case& c, const Options& options = {}, double minContribution = 0) {
         Renderer renderer(device(), c.packed, options);
-        Request settings;
-        settings.width = c.width;
-        settings.height = c.height;
+        auto settings = sized<Request>(c);
         settings.data = true;
         settings.ledger = true;
         settings.limits.minContribution = minContribution;
@@ -44,9 +42,7 @@ uint32_t addPaint(Scene& scene, const Color& ambient) {
 // One pixel of parallel light along `direction` through `eye`.
 void look(Scene& scene, const dvec3& eye, const dvec3& direction) {
     scene.camera.projection = Projection::Orthographic;
-    scene.camera.eye = eye;
-    scene.camera.target = eye + direction;
-    scene.camera.up = {0, 0, 1};
+    aim(scene.camera, eye, eye + direction, {0, 0, 1});
     scene.camera.height = 1e-3;
 }
 

@@ -262,8 +262,7 @@ TEST_F(PacketTest, AnyHitPacketsThatRunOutOfLevelsLoseNothing) {
 TEST_F(PacketTest, ARayPaysForWhatItTests) {
     Scene scene = emptyScene();
     addSphere(scene, {0, 0, 0}, 1);
-    scene.camera.eye = {0.5, 0, 5};
-    scene.camera.target = {0.5, 0, 0};
+    aim(scene.camera, {0.5, 0, 5}, {0.5, 0, 0});
     Request request;
     request.width = request.height = 1;
     request.data = request.cost = true;
@@ -289,9 +288,7 @@ Case needlesBehindAWall() {
     for (int i = 0; i < 8; ++i)
         for (int k = 0; k < 8; ++k)
             addQuad(at(14, -1 + 0.5 * i, k - 4), at(14, -1 + 0.5 * i, k - 3), at(14, -0.5 + 0.5 * i, k - 3));
-    scene.camera.eye = at(0.3, 0.3, 0);
-    scene.camera.target = at(0.3, 0, 0);
-    scene.camera.up = w;
+    aim(scene.camera, at(0.3, 0.3, 0), at(0.3, 0, 0), w);
     scene.camera.fovY = 1;
     scene.lights.push_back(DirectionalLight{-u - 0.0175 * v - 0.5 * w, Color(1)});
     return makeCase(std::move(scene), 64, 48);

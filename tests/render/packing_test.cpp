@@ -82,9 +82,7 @@ class PackingTest : public RenderTest, public testing::WithParamInterface<Defect
   protected:
     static verify::Report run(const Case& c, const PackedScene& packed, const shared::Camera& camera) {
         Renderer renderer(device(), packed);
-        verify::Options options;
-        options.width = c.width;
-        options.height = c.height;
+        auto options = sized<verify::Options>(c);
         return verify::verify(renderer, packed, camera, options, &c.scene);
     }
     static Case caseOf(const char* scene) {
@@ -255,8 +253,7 @@ TEST_F(RenderTest, RoundingExplainsFacetsOfGlass) {
     scene.materials.push_back(glass);
     scene.objects.push_back({"", MeshShape{facettedBall(80, 20)}, 1});
     scene.objects.back().transform = then(scaling({0.3, 0.35, 0.32}), rotation({0.5, -0.4, -0.7}, 290));
-    scene.camera.eye = {0.27, -0.63, 1.87};
-    scene.camera.target = {0, 0, 0};
+    aim(scene.camera, {0.27, -0.63, 1.87}, {0, 0, 0});
     scene.camera.fovY = 30;
     const Case c = makeCase(scene, 64, 48);
     const verify::Report report = verified(c, true);

@@ -26,8 +26,7 @@ class RangeTest : public RenderTest {
         addSphere(scenes[1], {0, 0, -size}, size);
         addPlane(scenes[2], {0, 0, 0}, {0, 0, 1});
         for (Scene& scene : scenes) {
-            scene.camera.eye = {0, 0, 3 * size};
-            scene.camera.target = {0, 0, 0};
+            aim(scene.camera, {0, 0, 3 * size}, {0, 0, 0});
         }
         return scenes;
     }

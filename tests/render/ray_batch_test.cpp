@@ -154,8 +154,7 @@ TEST_F(RayBatchTest, FarAwayRaysKeepTheirDigits) {
     Scene scene = emptyScene();
     addSphere(scene, far, 1);
     addTriangle(scene, far + dvec3(2, -1, 0), far + dvec3(4, -1, 0), far + dvec3(3, 1, 0));
-    scene.camera.eye = far + dvec3(0, 0, 5);
-    scene.camera.target = far;
+    aim(scene.camera, far + dvec3(0, 0, 5), far);
     const PackedScene packed = packScene(scene);
     ASSERT_NE(packed.origin, dvec3(0));
     RayQueries queries(device(), packed);

@@ -12,9 +12,7 @@ namespace glint::render::test::sampling_test {
 class Sampling : public RenderTest {};
 
 Request settingsOf(const Case& c, const ImageSettings& image) {
-    Request settings;
-    settings.width = c.width;
-    settings.height = c.height;
+    auto settings = sized<Request>(c);
     settings.samples = packSamples(image, c.scene.camera.lensRadius > 0);
     return settings;
 }

@@ -13,8 +13,7 @@ TEST_F(ShadowTest, LightCloseToASurface) {
         addTriangle(scene, {-10, 0, -10}, {10, 0, -10}, {0, 0, 15});
         addTriangle(scene, {-8, 0.5 * distance, -8}, {8, 0.5 * distance, -8}, {0, 0.5 * distance, 12});
         scene.lights.push_back(PointLight{{0, distance, 0}, Color(1)});
-        scene.camera.eye = {0, 0.25 * distance, 0};
-        scene.camera.target = {0, 0, -0.5 * distance};
+        aim(scene.camera, {0, 0.25 * distance, 0}, {0, 0, -0.5 * distance});
         scene.camera.fovY = 40;
         const Case c = makeCase(scene, 32, 32);
         const Picture picture = draw(device(), c);
@@ -35,15 +34,11 @@ TEST_F(ShadowTest, WedgeIsDarkInsideAndLitOutside) {
     addTriangle(scene, {0, 0, -50}, {4, 0, 0}, {0, 0, 50});
     addTriangle(scene, {0, 0, -50}, {0, 0, 50}, {4, 0.004, 0});  // a thousandth of a radian above it
     scene.lights.push_back(DirectionalLight{{0, -1, 0}, Color(1)});
-    scene.camera.eye = {2, 3, 0};
-    scene.camera.target = {2, 0, 0};
-    scene.camera.up = {0, 0, 1};
+    aim(scene.camera, {2, 3, 0}, {2, 0, 0}, {0, 0, 1});
     scene.camera.fovY = 30;
     const Picture above = draw(device(), makeCase(scene, 32, 32));
     for (const PixelData& data : above.data) EXPECT_EQ(data.shadowBits, 0u);
-    scene.camera.eye = {3.9, 0.0015, 0};
-    scene.camera.target = {3.5, 0, 0};
-    scene.camera.up = {0, 1, 0};
+    aim(scene.camera, {3.9, 0.0015, 0}, {3.5, 0, 0}, {0, 1, 0});
     const Picture inside = draw(device(), makeCase(scene, 32, 32));
     int dark = 0;
     for (const PixelData& data : inside.data) {
@@ -63,9 +58,7 @@ TEST_F(ShadowTest, LightThatAddsNothingTakesNoRay) {
     addTriangle(scene, {-10, 0, -10}, {0, 0, 15}, {10, 0, -10}, floor);
     for (int i = 0; i < 16; ++i)
         addSphere(scene, {0.25 * (i % 4) - 0.4, 3, 0.25 * (i / 4) - 0.2}, 0.1, floor);
-    scene.camera.eye = {0, 1, 0};
-    scene.camera.target = {0, 0, 0};
-    scene.camera.up = {0, 0, 1};
+    aim(scene.camera, {0, 1, 0}, {0, 0, 0}, {0, 0, 1});
     const auto resumesOf = [&](const Scene& of, std::vector<float>& pixels) {
         const Case c = makeCase(of, 16, 16);
         Options options;

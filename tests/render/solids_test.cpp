@@ -294,9 +294,7 @@ TEST_F(QuadricTest, ALineThatTouchesANeckIsInside) {
 TEST_F(QuadricTest, HugeCylinderUnderTheEye) {
     Scene scene = emptyScene();
     scene.objects.push_back({"pipe", CylinderShape{{-1e6, -1e6, 0}, {1e6, -1e6, 0}, 1e6}, 0});
-    scene.camera.eye = {0, 1, 0};
-    scene.camera.target = {0, 0, 0};
-    scene.camera.up = {1, 0, 0};
+    aim(scene.camera, {0, 1, 0}, {0, 0, 0}, {1, 0, 0});
     const PackedScene packed = packScene(scene);
     RayTracer renderer(device(), packed);
     for (const double h : {100.0, 1.0, 0.25}) {

@@ -22,9 +22,7 @@ class SpotTest : public RenderTest {
 Scene floorFromAbove(double height) {
     Scene scene = emptyScene();
     scene.camera.projection = Projection::Orthographic;
-    scene.camera.eye = {0, 1, 0};
-    scene.camera.target = {0, 0, 0};
-    scene.camera.up = {0, 0, -1};
+    aim(scene.camera, {0, 1, 0}, {0, 0, 0}, {0, 0, -1});
     scene.camera.height = height;
     scene.materials[0].diffuse = Color(1);
     addPlane(scene, {0, 0, 0}, {0, 1, 0});

@@ -229,9 +229,7 @@ std::vector<RayHit> RayTracer::trace(const std::vector<RayInput>& rays, bool any
 }
 
 Request wholeWithData(const Case& c) {
-    Request request;
-    request.width = c.width;
-    request.height = c.height;
+    auto request = sized<Request>(c);
     request.data = request.exact = true;
     return request;
 }

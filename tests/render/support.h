@@ -35,6 +35,7 @@ using glint::test::addPlane;
 using glint::test::addPolygon;
 using glint::test::addSphere;
 using glint::test::addTriangle;
+using glint::test::aim;
 using glint::test::emptyScene;
 using glint::test::Random;
 using glint::test::SceneMaker;
@@ -123,6 +124,15 @@ class RayTracer {
     gpu::Submission submission_;
     uint64_t resumes_ = 0;
 };
+
+// A Request or verify::Options for the case's size.
+template <typename T>
+T sized(const Case& c) {
+    T settings;
+    settings.width = c.width;
+    settings.height = c.height;
+    return settings;
+}
 
 // The whole picture of a case with its data, and the reference's colours in double.
 Request wholeWithData(const Case& c);

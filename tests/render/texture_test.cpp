@@ -43,9 +43,8 @@ class Viewer {
 
     vec3 operator()(const dvec3& eye, const dvec3& target) {
         Camera camera;
-        camera.eye = eye;
-        camera.target = target;
-        camera.up = std::abs(glm::normalize(target - eye).y) > 0.9 ? dvec3(0, 0, -1) : dvec3(0, 1, 0);
+        aim(camera, eye, target,
+            std::abs(glm::normalize(target - eye).y) > 0.9 ? dvec3(0, 0, -1) : dvec3(0, 1, 0));
         camera.fovY = 1e-3;
         case_.camera = packCamera(camera, 1, 1, case_.packed.origin);
         const Picture picture = draw(renderer_, case_);
@@ -353,8 +352,7 @@ TEST_F(MaskTest, OpenBallsShowTheirInside) {
 TEST_F(MaskTest, NoRayMeetsAHoleTwice) {
     Scene scene = maskScene();
     addSphere(scene, {0, 0, 0}, 1, mask_);
-    scene.camera.eye = {0.3, 4, 0.3};
-    scene.camera.target = {0, 0, 0};
+    aim(scene.camera, {0.3, 4, 0.3}, {0, 0, 0});
     const Case c = makeCase(scene, 16, 16);
     Options options;
     options.wholePaths = WholePaths::Off;
@@ -372,8 +370,7 @@ TEST_F(MaskTest, ThousandsOfHolesAreAllPassed) {
         addPolygon(scene, {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}}, mask_);
     }
     for (int i = 0; i < 1000; ++i) addPlane(scene, {0, 0, -4 - 1e-3 * i}, {0, 0, 1}, mask_);
-    scene.camera.eye = {0.5, 0.5, 3};
-    scene.camera.target = {0.5, 0.5, 0};
+    aim(scene.camera, {0.5, 0.5, 3}, {0.5, 0.5, 0});
     scene.camera.projection = Projection::Orthographic;
     scene.camera.height = 1;
     const Case c = makeCase(scene, 16, 16);
@@ -393,8 +390,7 @@ TEST_F(TextureTest, CheckerEdgesAreExplained) {
     Scene scene = emptyScene();
     const uint32_t material = addTextured(scene, {CheckerTexture{Color(1), Color(0)}, dvec2(400)});
     addPlane(scene, {0.1, 0, 0.3}, {0, 1, 0}, material);
-    scene.camera.eye = {0.7, 1, 3};
-    scene.camera.target = {0.2, 0, 0};
+    aim(scene.camera, {0.7, 1, 3}, {0.2, 0, 0});
     const Case c = makeCase(scene, 200, 150);
     const verify::Report report = verified(c);
     EXPECT_EQ(report.unexplained, 0u);

@@ -168,8 +168,7 @@ Scene roof() {
     addTriangle(scene, {3, 3, 2}, {-3, 3, 2.5}, {3, -3, 3});
     addPlane(scene, {0, 0, 0}, {0, 0, 1});
     scene.lights.push_back(PointLight{{0, 0, 10}, Color(1)});
-    scene.camera.eye = {0, 0, 1.8};
-    scene.camera.target = {0, 0.2, 0};
+    aim(scene.camera, {0, 0, 1.8}, {0, 0.2, 0});
     scene.camera.fovY = 80;
     return scene;
 }

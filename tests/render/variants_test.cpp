@@ -64,9 +64,7 @@ TEST_F(PictureTest, RegionsAreCutFromTheWholePicture) {
     const Picture whole = draw(renderer, c);
     for (const Region region :
          {Region{0, 0, 8, 8}, Region{13, 11, 14, 12}, Region{5, 7, 62, 29}, Region{64, 0, 65, 63}}) {
-        Request settings;
-        settings.width = c.width;
-        settings.height = c.height;
+        auto settings = sized<Request>(c);
         settings.region = region;
         settings.data = true;
         const Picture part = renderer.render(c.camera, settings);
@@ -87,9 +85,7 @@ TEST_F(PictureTest, RegionsAreCutFromTheWholePicture) {
 
 TEST_F(PictureTest, CostIsCountedAndChangesNothing) {
     const Case c = fileCase("knot", 64, 48);
-    Request settings;
-    settings.width = c.width;
-    settings.height = c.height;
+    auto settings = sized<Request>(c);
     settings.cost = true;
     Renderer renderer(device(), c.packed);
     Picture counted = renderer.render(c.camera, settings);
@@ -109,9 +105,7 @@ TEST_F(PictureTest, CancelledRenderKeepsFinishedSlices) {
     options.maxSlicePixels = 1024;
     Renderer renderer(device(), c.packed, options);
     const Picture whole = draw(renderer, c);
-    Request settings;
-    settings.width = c.width;
-    settings.height = c.height;
+    auto settings = sized<Request>(c);
     settings.data = true;
     double progress = 0;
     settings.progress = [&](double fraction) {

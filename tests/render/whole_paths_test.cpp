@@ -103,9 +103,7 @@ class WholePathsTest : public RenderTest {
         return result;
     }
     static Request requestOf(const Case& c) {
-        Request request;
-        request.width = c.width;
-        request.height = c.height;
+        auto request = sized<Request>(c);
         request.ledger = true;
         return request;
     }
@@ -203,8 +201,7 @@ TEST_F(WholePathsTest, AfterAShadowInAnInstanceTheWorldsIdsAreItsOwn) {
     scene.maxDepth = 1;
     scene.lights.push_back(PointLight{{150, 24, 7.5}, Color(1)});
     scene.camera.projection = Projection::Orthographic;
-    scene.camera.eye = {24.25, 24.125, 5};
-    scene.camera.target = {24.25, 24.125, 0};
+    aim(scene.camera, {24.25, 24.125, 5}, {24.25, 24.125, 0});
     scene.camera.height = 8;
     const Case c = makeCase(scene, 8, 8);
     ASSERT_EQ(c.packed.instances.size(), 2u);

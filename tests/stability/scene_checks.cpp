@@ -16,6 +16,7 @@ using glm::dvec3;
 using glm::vec3;
 using render::Options;
 using render::Renderer;
+using render::test::aim;
 using render::test::Case;
 using render::test::Random;
 
@@ -158,8 +159,7 @@ Case acneCase(Kind kind, double offset, double size, bool moved) {
     }
     // Far behind, so that the scene's middle is the origin.
     if (!moved) render::test::addSphere(scene, -4.0 * center - dvec3(0, 9 * size, 0), size);
-    scene.camera.eye = center + size * dvec3(0.5, 2.5, 1);
-    scene.camera.target = center;
+    aim(scene.camera, center + size * dvec3(0.5, 2.5, 1), center);
     scene.lights.push_back(PointLight{center + size * dvec3(3, 4, 1), Color(1)});
     scene.lights.push_back(DirectionalLight{{1, -2, 1}, Color(0.5)});
     return render::test::makeCase(scene, 40, 40);
@@ -205,9 +205,7 @@ Case bodiesCase(double offset, double size, bool moved) {
     if (!moved) render::test::addSphere(scene, -4.0 * center - dvec3(0, 9 * size, 0), size);
     scene.lights.push_back(DirectionalLight{view, Color(1)});
     scene.camera.projection = Projection::Orthographic;
-    scene.camera.eye = center - 8 * size * view;
-    scene.camera.target = center;
-    scene.camera.up = up;
+    aim(scene.camera, center - 8 * size * view, center, up);
     scene.camera.height = 6 * size;
     return render::test::makeCase(scene, 128, 64);
 }
@@ -224,8 +222,7 @@ Case lidCase(double height, double gap) {
     // Keeps the packing from moving the origin.
     render::test::addSphere(scene, {0, -height - 2, 0}, 0.5);
     scene.lights.push_back(PointLight{{0.3, height + 2, 0.1}, Color(1)});
-    scene.camera.eye = {0, height + 0.5 * gap, 0.5};
-    scene.camera.target = {0, height, 0.5 - 4 * gap};
+    aim(scene.camera, {0, height + 0.5 * gap, 0.5}, {0, height, 0.5 - 4 * gap});
     scene.camera.fovY = 60;
     return render::test::makeCase(scene, 32, 32);
 }

@@ -13,6 +13,7 @@
 #include "verify/verify.h"
 
 namespace glint::stability::stiff_test {
+using render::test::aim;
 using render::test::Case;
 using render::test::draw;
 using render::test::fileCase;
@@ -34,9 +35,7 @@ class StiffTest : public RenderTest, public testing::WithParamInterface<std::str
 TEST_P(StiffTest, NothingIsUnexplained) {
     const Case c = fileCase("stiff/" + GetParam(), 160, 120);
     render::Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
+    auto options = sized<verify::Options>(c);
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
     std::cout << "[ measured ] " << GetParam() << ": kappa " << report.sensitivity.kappa << " ("
               << glint::nameOf(verify::classOf(report.sensitivity.kappa)) << "), expected "
@@ -125,9 +124,7 @@ class FarTest : public RenderTest {
         Scene scene = loadScene(path);
         std::filesystem::remove(path);
         scene.camera = {};
-        scene.camera.eye = base + glm::dvec3(0.25, -0.3, 0.35);
-        scene.camera.target = base + glm::dvec3(0.25, 0.25, 0);
-        scene.camera.up = {0, 0, 1};
+        aim(scene.camera, base + glm::dvec3(0.25, -0.3, 0.35), base + glm::dvec3(0.25, 0.25, 0), {0, 0, 1});
         scene.ambient = Color(0.1);
         scene.lights = {PointLight{base + glm::dvec3(-0.5, 0.2, 0.4), Color(0.9)}};
         return draw(device(), makeCase(std::move(scene), 160, 120));

@@ -85,6 +85,16 @@ std::shared_ptr<Mesh> gridMesh(uint32_t cells, const glm::dvec3& offset) {
     return mesh;
 }
 
+void aim(Camera& camera, const glm::dvec3& eye, const glm::dvec3& target) {
+    camera.eye = eye;
+    camera.target = target;
+}
+
+void aim(Camera& camera, const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up) {
+    aim(camera, eye, target);
+    camera.up = up;
+}
+
 Scene emptyScene() {
     Scene scene;
     addMaterial(scene, Color(0.8));
