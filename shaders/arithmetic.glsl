@@ -3,7 +3,7 @@
 // square root by more, pow and exp by thousands, and dot and length may be summed in any order
 // (docs/design/numerics.md 1). So everything else is made of those here, and a test looks for what goes by it
 // (tests/render/lint_test.cpp). Sums and
-// products need no `precise` besides: glint marks them all (src/gpu/strict.h).
+// products need no `precise` besides: glint marks them all (src/gpu/flatten.h).
 #ifndef GLINT_ARITHMETIC_GLSL
 #define GLINT_ARITHMETIC_GLSL
 

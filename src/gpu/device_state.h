@@ -20,7 +20,7 @@
 
 namespace glint::gpu {
 
-// ---- choices from plain data (choose.cpp, memory.cpp) ----
+// ---- choices from plain data (choose.cpp) ----
 
 // The family to compute on: one that does nothing else, so that the desktop's drawing does not wait behind a
 // dispatch, then any; of those, one with timestamps before one without. `presents`: a flag for each family,

@@ -24,21 +24,28 @@ bool endsOnce(const Function& function) {
     return returns == 1 && (last == OpReturn || last == OpReturnValue);
 }
 
+// Negations, sums, differences, products and quotients of floats, of vectors too (SPIR-V specification 1.3,
+// section 3.32).
+bool isFloatArithmetic(uint32_t op) {
+    constexpr uint32_t kFNegate = 127, kFAdd = 129, kFSub = 131, kFMul = 133, kFDiv = 136, kFRem = 140,
+                       kDot = 148;
+    return op == kFNegate || op == kFAdd || op == kFSub || op == kFMul || op == kFDiv ||
+           (op >= kFRem && op <= kDot);
+}
+
 class Flattener {
   public:
     explicit Flattener(Words spirv) : code_(Code::read(spirv)), ids_(code_) {
         for (size_t i = 0; i < code_.functions.size(); ++i) indexOf_[code_.functions[i].id()] = i;
-        std::erase_if(code_.globals, [&](const Instruction& i) {
-            const bool marks = opOf(i) == OpDecorate && i[2] == kDecorationNoContraction;
-            if (marks) exact_.set(i[1], 1);
-            return marks;
+        std::erase_if(code_.globals, [](const Instruction& i) {
+            return opOf(i) == OpDecorate && i[2] == kDecorationNoContraction;
         });
     }
 
     std::vector<uint32_t> written() {
         for (Function& function : code_.functions) flattenOnce(function);
         code_.keepCalledFunctions();
-        markExact();
+        markArithmetic();
         code_.header[kBound] = ids_.bound();
         return code_.written();
     }
@@ -123,11 +130,7 @@ class Flattener {
         for (size_t i = 1; i < callee.head.size(); ++i) names_.set(callee.head[i][2], call[3 + i]);
         for (const Block& block : callee.blocks) {
             for (const Instruction& i : block.body) {
-                const size_t at = resultPlace(i);
-                if (at == 0) continue;
-                const uint32_t id = ids_.fresh();
-                names_.set(i[at], id);
-                if (exact_[i[at]]) exact_.set(id, 1);
+                if (const size_t at = resultPlace(i)) names_.set(i[at], ids_.fresh());
             }
         }
         names_.set(callee.blocks.front().label, current_.label);  // which it goes on with
@@ -153,14 +156,14 @@ class Flattener {
         }
     }
 
-    // Decorations stand before the types.
-    void markExact() {
+    // A driver may then neither fuse nor reorder float arithmetic. Decorations stand before the types.
+    void markArithmetic() {
         std::vector<Instruction> marks;
         for (const Function& function : code_.functions)
             for (const Block& block : function.blocks)
                 for (const Instruction& i : block.body)
-                    if (const size_t at = resultPlace(i); at && exact_[i[at]])
-                        marks.push_back(make(OpDecorate, {i[at], kDecorationNoContraction}));
+                    if (isFloatArithmetic(opOf(i)))
+                        marks.push_back(make(OpDecorate, {i[2], kDecorationNoContraction}));
         const auto types = std::find_if(code_.globals.begin(), code_.globals.end(), [](const Instruction& i) {
             return opOf(i) >= OpTypeVoid && opOf(i) <= OpTypeForwardPointer;
         });
@@ -172,7 +175,6 @@ class Flattener {
     Tables tables_;
     std::unordered_map<uint32_t, size_t> indexOf_;  // of functions
     std::unordered_set<uint32_t> done_;
-    Table exact_;    // 1: not to be contracted
     Table names_;    // of what is in the function that is put in the place of a call
     Table results_;  // of calls
     // Resulting code of the current function.

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "gpu/device_state.h"
-#include "gpu/probe_cases.h"
 #include "probe.spv.h"
 
 namespace glint::gpu {

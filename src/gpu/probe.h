@@ -1,7 +1,9 @@
 // Tests a device's arithmetic for what Vulkan requires, and for further guarantees.
 #pragma once
 
+#include <span>
 #include <string>
+#include <vector>
 
 namespace glint::gpu {
 
@@ -22,5 +24,24 @@ struct Arithmetic {
     // One phrase about that, for people.
     std::string text() const;
 };
+
+// ---- private to src/gpu and its tests ----
+
+// Three rows of shaders/probe.comp.
+struct ProbeCase {
+    struct Given {
+        float a = 0, b = 0, c = 0, unused = 0;
+    };
+    struct Found {
+        float sum = 0, product = 0, both = 0, unused0 = 0, quotient = 0, root = 0, unused1 = 0, unused2 = 0;
+    };
+    Given given;
+    Found found;
+};
+static_assert(sizeof(ProbeCase) == 48);
+
+// 2^16, the same on every machine.
+std::vector<ProbeCase> probeCases();
+Arithmetic judged(std::span<const ProbeCase> cases);
 
 }  // namespace glint::gpu

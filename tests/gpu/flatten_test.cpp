@@ -6,7 +6,6 @@
 
 #include "gpu/specialize.h"
 #include "gpu/spirv_code.h"
-#include "gpu/strict.h"
 #include "specialized.h"
 #include "twists_flat.spv.h"
 
@@ -85,12 +84,12 @@ size_t unmarkedSumsIn(Words words) {
     return sums;
 }
 
-// What must not be contracted must not be in any copy of it either.
-TEST(Flatten, KeepsMarksOfWhatItCopies) {
+// Also in copies of functions.
+TEST(Flatten, MarksAllFloatArithmetic) {
     const std::vector<uint32_t> made =
         specialize(render::embeddedKernels()[render::KernelId::Light], constantsWhere(isAsked));
     EXPECT_GT(unmarkedSumsIn(made), 0u);
-    EXPECT_EQ(unmarkedSumsIn(flatten(strictArithmetic(made))), 0u);
+    EXPECT_EQ(unmarkedSumsIn(flatten(made)), 0u);
 }
 
 TEST(Flatten, FunctionsThatReturnEarlyStay) {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 
-#include "gpu/probe_cases.h"
 
 namespace glint::gpu::probe_test {
 using Change = std::function<void(ProbeCase&)>;

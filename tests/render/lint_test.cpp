@@ -3,8 +3,8 @@
 #include <map>
 #include <set>
 
+#include "gpu/flatten.h"
 #include "gpu/specialize.h"
-#include "gpu/strict.h"
 #include "render/kernels.h"
 #include "shared/dispatch.h"
 #include "spirv_lint.h"
@@ -39,7 +39,7 @@ std::vector<uint32_t> forDriver(Words kernel, bool own) {
     }
     EXPECT_GE(found, 1u);  // a kernel without roots has lost their constant
     const std::vector<uint32_t> constants(places.size(), own ? 1u : 0u);
-    return gpu::strictArithmetic(gpu::specialize(words, constants));
+    return gpu::flatten(gpu::specialize(words, constants));
 }
 
 TEST(Lint, NoKernelLeavesBitsToTheDriver) {
@@ -59,7 +59,7 @@ TEST(Lint, QuotientsAndRootsAreAllThatADeviceMayDo) {
     }
 }
 
-// The marks are strictArithmetic's: without it there are sums in every kernel that carry none.
+// The marks are flatten's: before it every kernel has sums without a mark.
 TEST(Lint, ThereIsArithmeticToMark) {
     for (const auto& [name, words] : allKernels())
         EXPECT_TRUE(variedByDrivers(words).contains("unmarked")) << name;
