@@ -16,7 +16,7 @@ namespace glint::verify {
 
 namespace {
 
-// Of larger images one of each 2 x 2 pixels is examined, at random.
+// Larger images have one of each 2 x 2 pixels examined, at random.
 constexpr size_t kSmallImage = 4096;
 // Scenes whose numbers are moved by up to one unit each, as packing moves them: at first, at least, and at
 // most for the few pixels that are left, kFewPixels and one in kFewPixels of those examined. More are a
