@@ -4,12 +4,11 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 // The closest hit of each live path, packet by packet: intersect.comp for subgroups of 8 lanes.
 #include "path_rows.glsl"
+#include "packet/traverse.glsl"
 #ifdef GLINT_ANY_HIT
-#include "packet/any.glsl"
 const uint kTurns = kPacketTurns;
 bool isAnyHit(Traversal traversal) { return true; }
 #else
-#include "packet/closest.glsl"
 const uint kTurns = 1u;
 bool isAnyHit(Traversal traversal) { return false; }
 #endif
@@ -28,7 +27,6 @@ void onePacket(uint turn) {
         before[r] = hitBefore(packet[r].ray, paths[r], kNone);
         packet[r].hit = before[r];
         packet[r].trips = 0u;
-        packet[r].cost = 0u;
         live[r] = present && isAlive(packet[r].ray);
         packet[r].ray.tMax = live[r] ? packet[r].hit.t : -1.0;
     }
@@ -49,10 +47,9 @@ void onePacket(uint turn) {
             storeRow(
                 kRowLight, paths[r],
                 uvec4(hit.id, floatBitsToUint(packet[r].nearest), floatBitsToUint(packet[r].ray.tMax), 0u));
-        if (MODE_AOVS || MODE_COST) {
+        if (MODE_AOVS) {
             uvec4 walkRow = loadRow(kRowWalk, paths[r]);
-            if (live[r])
-                storeRow(kRowWalk, paths[r], uvec4(kNone, hit.id, walkRow.z + packet[r].cost, walkRow.w));
+            if (live[r]) storeRow(kRowWalk, paths[r], uvec4(kNone, hit.id, walkRow.z, walkRow.w));
         }
         unfinished += goesOn ? 1u : 0u;
     }

@@ -1,15 +1,13 @@
-// Closest hits, or any hits, of a packet: the rays of all 8 lanes of a subgroup, kPacketRays in each, walk an
-// 8-wide tree together. Which node is next is the same in all lanes, so one load brings a node (lane c reads
-// child c) where the per-lane traversal needs one for each lane. Ancestry: Wald, Slusallek, Benthin, Wagner,
-// "Interactive Rendering with Coherent Ray Tracing", Computer Graphics Forum 20(3), 2001.
+// Hits of a packet: the rays of all 8 lanes of a subgroup, kPacketRays in each, traverse an 8-wide BVH
+// together. All lanes visit the same node, so one load brings a node: lane c reads child c. After Wald,
+// Slusallek, Benthin, Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer Graphics Forum
+// 20(3), 2001.
 //
-// What the packet's bounds enter of a node's boxes is tested against every ray: the boxes of small subtrees
-// are narrower than a packet, and bounds alone would enter most of them in vain. A hit is found by the
-// arithmetic of the per-lane traversal, so both kernels give the same bits.
+// Boxes that the packet's bounds enter are tested against every ray, as boxes of small subtrees are narrower
+// than a packet. Primitives are tested by the arithmetic of single rays, so both kernels give the same bits.
 //
-// Written for lavapipe: only subgroupShuffle and subgroupShuffleXor, which are one instruction there, never a
-// vote, ballot or broadcast; all loop conditions are the same in all lanes, as a shuffle reads a lane that
-// has left a loop as it was then.
+// Written for lavapipe: subgroupShuffle and subgroupShuffleXor are one instruction there, unlike votes,
+// ballots and broadcasts; all loop conditions are the same in all lanes, as shuffles need.
 #ifndef GLINT_PACKET_GLSL
 #define GLINT_PACKET_GLSL
 
@@ -18,14 +16,13 @@
 
 #define GLINT_EACH_RAY for (uint r = 0u; r < kPacketRays; ++r)
 
-// The packet of this invocation. Not handed to functions: the copies that takes cost the driver's compiler
-// half of its time.
+// The packet of this invocation. Global, as copies for arguments doubled the driver's time to compile.
 Traversal packet[kPacketRays];
 float packetEnds[kPacketRays];  // updateEnds
-uint packetTrips;               // of the packet, over all its walks
+uint packetTrips;               // of the packet, over all its traversals
 
-// The stack is the same for all lanes and held across them: entry i is in lane i % 8 of row i / 8. A packet
-// that needs more rows is given up and finished ray by ray.
+// The stack lies across the lanes: entry i is in lane i % 8 of row i / 8. A packet that needs more rows is
+// given up and finished ray by ray.
 #define GLINT_STACK_ROWS 4
 const uint kRowsMask = (1u << kPacketRays) - 1u;
 struct PacketStack {
@@ -94,19 +91,17 @@ uint sortLanes(uint key, uint lane) {
     return exchange(key, 1u, b0);
 }
 
-// Rays that agree in the signs of their direction and in its largest component walk together; a packet that
-// has several such groups walks once for each. Near and far planes and the turn of the triangle test are then
-// the same in all lanes.
+// Rays whose directions agree in signs and largest component form a group, which traverses by itself: near
+// and far planes and the turn of the triangle test are then the same in all lanes.
 uint groupOf(RayFrame frame) {
     return frame.axis | (frame.negative.x ? 4u : 0u) | (frame.negative.y ? 8u : 0u) |
            (frame.negative.z ? 16u : 0u);
 }
 bvec3 signsOf(uint group) { return bvec3((group & 4u) != 0u, (group & 8u) != 0u, (group & 16u) != 0u); }
 
-// Between these lie all rays of a group that have something to find.
+// Bounds of all live rays of a group.
 struct PacketBounds {
-    vec3 nearOrigin, farOrigin;    // the origins' corner from which near planes are nearest, and the one from
-                                   // which far planes are farthest
+    vec3 nearOrigin, farOrigin;    // corners of the origins: near planes are nearest, far planes farthest
     vec3 inverseLow, inverseHigh;  // of RayFrame::inverse
     float tMin;
 };
@@ -136,9 +131,8 @@ PacketBounds boundsOf(bvec3 negative) {
     return bounds;
 }
 
-// The later halves of intersectBox, of its planes that are already chosen; for a ray, and for a group, each
-// lane with a box of its own. Rounding is monotone, so the same operations on the bounds enclose what they
-// give for any ray, to the bit: a box that a ray enters is never left out.
+// intersectBox for chosen planes: of a ray, and of a group, each lane with a box of its own. Rounding is
+// monotone, so the bounds enclose the results of every ray to the bit: no box that a ray enters is left out.
 bool enters(Ray ray, RayFrame frame, vec3 nearPlane, vec3 farPlane, float tEnd) {
     precise vec3 t0 = (nearPlane - ray.origin) * frame.inverse;
     precise vec3 t1 = (farPlane - ray.origin) * frame.inverse;
@@ -166,8 +160,8 @@ uint rowsThatEnter(vec3 nearPlane, vec3 farPlane) {
     return anyOfLanes(entered);
 }
 
-// Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance
-// shorter by 7 ulp at most, 15 on the stack.
+// Positive floats are ordered like their bits. The lane replaces low bits, so a distance is shorter by at
+// most 7 ulp, on the stack by 15.
 uint keyOf(float distance, uint lane, bool entered) {
     uint bits = floatBitsToUint(distance > 0.0 ? distance : 0.0);
     return entered ? (bits & ~7u) | lane : kNone;
@@ -208,7 +202,6 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
     vec3 normal = fromLane(normals, lane / 3u);
     if (intersectTurned(one.ray, one.frame, a, b, c, v0, normal, t, u, v) && present)
         takeHit(one, Hit(t, u, v, primitive, kNone, id));
-    if (MODE_COST && present) ++one.cost;
 }
 
 // Tests primitives `first` to `end` - 1 against all rays.
@@ -223,7 +216,6 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
                     Hit hit;                                                                   \
                     if (hit##Kind(packet[r].ray, packet[r].frame, one, primitive, trips, hit)) \
                         accept(packet[r], hit);                                                \
-                    if (MODE_COST) ++packet[r].cost;                                           \
                 }                                                                              \
                 ++index;                                                                       \
                 ++trips;                                                                       \
@@ -250,7 +242,6 @@ Traversal takeRow(uint row) {
         one.hit.u = mine ? packet[r].hit.u : one.hit.u;
         one.hit.v = mine ? packet[r].hit.v : one.hit.v;
         one.hit.id = mine ? packet[r].hit.id : one.hit.id;
-        one.cost = mine ? packet[r].cost : one.cost;
     }
     return one;
 }
@@ -266,12 +257,11 @@ void putRow(uint row, Traversal one) {
         packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
         packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
         packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
-        packet[r].cost = mine ? one.cost : packet[r].cost;
     }
 }
 
-// Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or
-// two of four, and only a loop skips work (lanes.glsl). Two triangles for a load and a trip.
+// Row by row, only those that enter the leaf's box: with pixel-sized triangles one or two of four. Two
+// triangles for a load and a trip.
 void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
     uint left = first < end ? rows : 0u;
     do {
@@ -309,7 +299,7 @@ void testPacketLeaf(uint leaf, uint axis, uint lane, uint rows, inout uint trips
     if (FEATURE_CUBOIDS) testPacketCuboids(kind == kKindCuboid ? first : end, end, trips);
 }
 
-// Walks with the rays of a group: packet/closest.glsl or packet/any.glsl. False if the group was given up.
+// Traverses with the rays of a group: packet/traverse.glsl. False if the group was given up.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips);
 
 // Returns false if some group was given up.
@@ -350,8 +340,7 @@ bool traversePacket(uint root) {
     return complete;
 }
 
-// Packet version of the per-lane traversal's trace(). Returns false if the packet was given up: hits found so
-// far are kept, and rays that are not settled must start again.
+// trace() of a packet. False if it was given up: hits so far are kept, and rays not settled must start again.
 bool tracePacket(Environment environment) {
     GLINT_EACH_RAY {
         if (!prepare(packet[r], environment)) packet[r].ray.tMax = -1.0;
@@ -361,8 +350,8 @@ bool tracePacket(Environment environment) {
     return traversePacket(environment.root);
 }
 
-// Path r of this lane: those of a packet are consecutive, 8 being a block of 4x2 pixels, 16 one of 4x4, 32
-// one of 8x4. Where the dispatch has no such path, `present` is false and the path one that may be read.
+// Path r of this lane: those of a packet are consecutive, a block of 8x4 pixels. If the dispatch has no such
+// path, `present` is false and the path one that may be read.
 uint packetPath(uint turns, uint turn, uint r, out bool present) {
     uint lane = gl_LocalInvocationID.x & 7u;
     uint path = ((gl_GlobalInvocationID.x - lane) * turns + 8u * turn) * kPacketRays + lane + 8u * r;
@@ -370,13 +359,12 @@ uint packetPath(uint turns, uint turn, uint r, out bool present) {
     return present ? path : 0u;
 }
 
-// False only if the path has no ray to trace; to be had from one row. Each kernel has its own.
+// Each kernel defines it by one row of the path: false only if the path has no ray to trace.
 bool mayHaveRay(uint path);
 
-// A subgroup traces `turns` any-hit packets one after the other. Many packets of a picture's shadow rays are
-// empty, as nothing was hit there, and an empty packet costs the kernel's whole code (traversal/lanes.glsl).
-// Returns the next packet from `turn` on that may have rays, the last if none has; `turn` becomes the one
-// after it.
+// A subgroup traces `turns` any-hit packets one after the other, as many packets of shadow rays are empty,
+// and an empty packet would cost the kernel's whole code (traversal/lanes.glsl). Returns the next packet from
+// `turn` on that may have rays, the last if none has; `turn` becomes the one after it.
 uint nextPacket(uint turns, inout uint turn) {
     uint found = turn;
     bool searching = turn < turns;

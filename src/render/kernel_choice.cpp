@@ -61,7 +61,6 @@ TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& devic
         return {false, "packets do not know " + name};
     if (methods != Methods{}) return {false, "packets know no other tests than the default ones"};
     if (!anyForPackets(scene.features)) return {false, "the scene has no tree"};
-    if (scene.nodes.size() > kMostPacketNodes) return {false, "more nodes than packets can number"};
     if (wanted == Traversal::Packet) return {true, "as asked for"};
     if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};
     if (primitivesOfPackets(scene) < kFewestForPackets)

@@ -17,10 +17,6 @@ namespace glint::render {
 
 // ---- traversals ----
 
-// The any-hit packet traversal keeps a node's number in the upper 23 bits of a word (kLevelFirstShift in
-// packet/any.glsl). A wide tree has at most as many nodes as the binary one.
-inline constexpr size_t kMostPacketNodes = size_t{1} << 23;
-
 // Triangles, spheres and boxes below which packet kernels take longer to compile than they save: 9 samples of
 // scenes/spheres.json, whose tree is one leaf of three, take 0.78 s of processor time by lanes and 0.96 s by
 // packets; a Cornell box of 36 triangles is 2.6 times as fast by packets (lavapipe, Mesa 22.3.6).

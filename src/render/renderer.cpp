@@ -62,7 +62,7 @@ struct Renderer::State {
           lights(packed.lights) {
         options.expected = nullptr;
         if (opts.expected) {
-            const TraversalChoice choice = traversalOf(opts.expected->methods);
+            const TraversalChoice choice = traversalOf(opts.expected->methods, opts.expected->cost);
             const TraceModes modes = modesOf(*opts.expected);
             const shared::Environment wanted = glint::environmentOf(scene, *opts.expected);
             pipelines.start(modes, kernelsFor(*opts.expected, modes, choice, wanted));
@@ -89,7 +89,8 @@ struct Renderer::State {
     bool castShadows(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets,
                      const std::function<bool()>& cancelled);
     void traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets);
-    TraversalChoice traversalOf(const Methods& methods) const;
+    // cost: rays count their tests.
+    TraversalChoice traversalOf(const Methods& methods, bool cost) const;
     // Trip budget of a path in whole.comp.
     uint32_t wholeBudget(const shared::Environment& of) const;
     bool drawsWholePaths(const TraceModes& modes, const TraversalChoice& choice,
@@ -152,7 +153,8 @@ shared::Environment Renderer::State::environmentOf(const shared::Camera& camera,
     return wanted;
 }
 
-TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
+TraversalChoice Renderer::State::traversalOf(const Methods& methods, bool cost) const {
+    if (cost) return {false, "packets do not count their tests"};
     if (methods == Methods{}) return traversal;
     return chooseTraversal(options.traversal, device.info(), scene, methods);
 }
@@ -284,7 +286,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     const auto cancelled = [&] { return request.cancelled && request.cancelled(); };
     record(KernelId::Generate, modes, dispatch, slice.groups());
     if (options.profile) submit(&KernelTimes::generate);
-    const TraversalChoice choice = traversalOf(request.methods);
+    const TraversalChoice choice = traversalOf(request.methods, request.cost);
     LivePaths live(slice.paths());
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
         live.writeTo(dispatch);
@@ -335,7 +337,7 @@ bool Renderer::State::renderSlice(const Slice& slice, const Request& request, co
     ++times.slices;
     shared::Dispatch dispatch = dispatchFor(slice);
     const uint32_t count = samples.count();
-    const TraversalChoice choice = traversalOf(request.methods);
+    const TraversalChoice choice = traversalOf(request.methods, request.cost);
     bool whole = drawsWholePaths(modes, choice, environment);
     const uint64_t raysBefore = times.pathRays, invocationsBefore = times.invocations;
     uint32_t reported = 0;
@@ -398,7 +400,7 @@ gpu::Access Renderer::access() const {
     return state_->access;
 }
 TraversalChoice Renderer::traversal(const Methods& methods) const {
-    return state_->traversalOf(methods);
+    return state_->traversalOf(methods, false);
 }
 uint64_t Renderer::deviceBytes() const {
     return state_->buffers.bytes() + (state_->paths.capacity() ? state_->paths.buffer().size() : 0);
@@ -419,7 +421,7 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     const PackedSamples& samples = request.samples;
     if (lightsOf(s.scene, request).size() > s.scene.lights.size())
         throw std::invalid_argument("more lights than the scene has");
-    const TraversalChoice choice = s.traversalOf(request.methods);
+    const TraversalChoice choice = s.traversalOf(request.methods, request.cost);
     const TraceModes modes = modesOf(request);
 
     const uint32_t tiles = Slice::tilesIn(picture.region);

@@ -15,7 +15,7 @@ namespace {
 GLINT_SCENE_ARRAYS(GLINT_NAME_BINDING)
 #undef GLINT_NAME_BINDING
 
-// A packet's 8 lanes load as many texels from a triangle on, which has three itself (packet/closest.glsl): so
+// A packet's 8 lanes load as many texels from a triangle on, which has three itself (packet/packet.glsl): so
 // many bytes behind the last one must be there. What they hold is not used.
 constexpr size_t kPacketOverrun = 5 * sizeof(glm::vec4);
 // A triangle's colours stand behind its texture coordinates, where it has both (primitives/triangle.glsl): of

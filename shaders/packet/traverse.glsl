@@ -1,6 +1,7 @@
-// The closest hits of a group of a packet's rays: nodes in order of distance.
-#ifndef GLINT_PACKET_CLOSEST_GLSL
-#define GLINT_PACKET_CLOSEST_GLSL
+// Hits of a group of a packet's rays: the nearest nodes first for closest hits, the farthest for any hits,
+// which seldom lie in the neighbourhood that a ray leaves.
+#ifndef GLINT_PACKET_TRAVERSE_GLSL
+#define GLINT_PACKET_TRAVERSE_GLSL
 
 #include "packet/packet.glsl"
 
@@ -27,10 +28,12 @@ uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows)
     return empty ? kNone : child;
 }
 
-// The padded ends of the rays' intervals, and the farthest of all lanes' as a key.
+// The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has
+// hit needs nothing more.
 uint updateEnds() {
     float farthest = -1.0;
     GLINT_EACH_RAY {
+        if (settled(packet[r])) packet[r].ray.tMax = -1.0;
         precise float end = packet[r].ray.tMax * kFarPad;
         packetEnds[r] = end;
         farthest = larger(farthest, end);
@@ -39,7 +42,7 @@ uint updateEnds() {
     return farthest < 0.0 ? 0u : floatBitsToUint(farthest);
 }
 
-// Puts the children of a node that any row enters on the stack, the nearest last. False where the stack is
+// Pushes the children of a node that any row enters, the one that comes first last. False if the stack is
 // full or the budget spent; then the group must be given up.
 bool pushChildren(uint node, PacketBounds bounds, bvec3 negative, uint end, uint lane, uint budget,
                   inout PacketStack stack, inout uint trips) {
@@ -50,6 +53,7 @@ bool pushChildren(uint node, PacketBounds bounds, bvec3 negative, uint end, uint
     float near;
     bool entered = groupEnters(bounds, nearPlane, farPlane, uintBitsToFloat(end), near);
     uint key = keyOf(near, lane, entered);
+    if (isAnyHit(packet[0])) key = entered ? (0x7f800000u - (key & ~7u)) | lane : kNone;
     uint count = sumOfLanes(entered ? 1u : 0u);
     key = sortLanes(key, lane);
     uint child = subgroupShuffle(lower.child, key & 7u);
@@ -62,24 +66,19 @@ bool pushChildren(uint node, PacketBounds bounds, bvec3 negative, uint end, uint
             uint nextChild = subgroupShuffle(child, farther);
             uint place = nextKey & 7u;
             uint entering = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
-            pushOne(stack, (nextKey & ~kRowsMask) | entering, nextChild, entering != 0u, lane);
-            if (MODE_COST) {
-                GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
-            }
+            // Any-hit rays never shorten, so none of their entries gets out of reach.
+            uint distance = isAnyHit(packet[0]) ? 0u : nextKey & ~kRowsMask;
+            pushOne(stack, distance | entering, nextChild, entering != 0u, lane);
         }
     } while (farther > 0u);
     trips += count + 2u;
-    if (MODE_COST) {
-        GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
-    }
     return !full;
 }
 
-// Returns false for a group that was given up: it ran out of trips or of stack.
-// `trips` is no less than the trips that all loops have made: it is the same in all lanes, so the
-// driver's count for the subgroup is this one, and no more than 40 pass between two looks at the budget (8
-// children and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The per-lane budget, which leaves
-// room for every lane to take its own way, is far below what a packet could use, and is kept.
+// Returns false for a group that ran out of trips or of stack. `trips` is the same in all lanes, so it is at
+// least the driver's count for the subgroup, and at most 40 pass between two checks of the budget (8 children
+// and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The budget of single rays is far below what a
+// packet could use.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketStack stack;
     stack.child = uvec4(kNone);
@@ -103,8 +102,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
                     current = pushed ? popped : kNone;
                 }
             } while (isNode(current));
-            // A loop of its own: leaves often follow each other, and without it each would cost a masked pass
-            // over the nodes' loop.
+            // Leaves often follow each other: without a loop of their own each would run the nodes' code.
             do {
                 if (isLeaf(current)) {
                     testPacketLeaf(current, axis, lane, rows, trips);
