@@ -1,24 +1,18 @@
-// Arithmetic that gives the same bits on every device. Vulkan demands of `+`, `-`, `*`, of conversions and of
-// whole numbers that they be right to the last bit, and of nothing else: a quotient may be off by 2.5 ulp, a
-// square root by more, pow and exp by thousands, and dot and length may be summed in any order
-// (docs/design/numerics.md 1). So everything else is made of those here, and a test looks for what goes by it
-// (tests/render/lint_test.cpp). Sums and
-// products need no `precise` besides: glint marks them all (src/gpu/flatten.h).
+// Arithmetic with the same bits on every device. Vulkan rounds only `+`, `-`, `*`, conversions and integers
+// correctly: a quotient may be off by 2.5 ulp, pow and exp by thousands, and dot may sum in any order
+// (docs/design/numerics.md 1). Everything else is made of those here, which tests/render/lint_test.cpp
+// checks. Sums and products need no further `precise`: glint marks them all (src/gpu/flatten.h).
 #ifndef GLINT_ARITHMETIC_GLSL
 #define GLINT_ARITHMETIC_GLSL
 
 // ---- Quotients and square roots, correctly rounded ----
 //
-// The nearest float is one and the same however it is found. So a device whose own quotients and roots have
-// proved to be that (src/gpu/probe.h) computes them itself, at no cost, and the others by whole numbers: a
-// quotient of 25 bits, good to a few units by Newton's method, put right by its remainder. That is exact
-// modulo 2^32, and small.
+// A device whose own quotients and roots are correctly rounded (src/gpu/probe.h) computes them itself. Others
+// use integers: a quotient of 25 bits, good to a few units by Newton's method, corrected by its remainder,
+// which is exact modulo 2^32. Without branches: a kernel has hundreds of quotients, and SwiftShader's
+// compiler would take minutes.
 
-// Without branches: there are some hundred quotients in a kernel, and SwiftShader's compiler takes minutes
-// for as many branches.
-
-// The significand of a positive float, 24 bits, and the exponent that makes it
-// significand * 2^(exponent - 150).
+// A positive float is significand * 2^(exponent - 150), with 24 bits.
 uint significandOf(uint bits, out int exponent) {
     bool tiny = bits < 0x00800000u;
     int missing = tiny ? 23 - findMSB(bits | 1u) : 0;
@@ -37,8 +31,7 @@ float roundedQuotient(float dividend, float divisor) {
     uint doubled = n < d ? 1u : 0u;
     n <<= doubled;
     int exponent = exponentA - exponentB + 127 - int(doubled);
-    // 1 / (d / 2^23), first within 12 %: the difference of the exponents, and of significands taken for
-    // logarithms. Three steps leave 2^-22.
+    // 1 / (d / 2^23), first within 12 %: the significand approximates its logarithm. Three steps leave 2^-22.
     float unit = uintBitsToFloat(0x3f800000u | (d & 0x007fffffu));
     float inverse = uintBitsToFloat(0x7ef311c7u - floatBitsToUint(unit));
     inverse = inverse * (2.0 - unit * inverse);
@@ -52,7 +45,7 @@ float roundedQuotient(float dividend, float divisor) {
     int last = rest < 0 ? -1 : (rest >= int(d) ? 1 : 0);
     rest -= last * int(d);
     q += uint(off + last);
-    // To 24 bits, or fewer for what is no normal float; to even where it lies in the middle.
+    // To 24 bits, or fewer for a denormal; ties to even.
     int dropped = clamp(2 - exponent, 1, 26);
     uint kept = q >> dropped;
     uint below = q << (32 - dropped);
@@ -71,7 +64,7 @@ float roundedRoot(float square) {
     uint n = significandOf(bits & 0x7fffffffu, exponent);
     uint odd = ~uint(exponent) & 1u;  // the exponent without its bias, 127, is
     n <<= odd;
-    // n / 2^23, in [1, 4), and the inverse of its root, first within 4 %, then 2^-22.
+    // n / 2^23, in [1, 4), and 1 over its root, first within 4 %, then 2^-22.
     float unit = float(n) * 1.1920929e-7;
     float inverse = uintBitsToFloat(0x5f375a86u - (floatBitsToUint(unit) >> 1));
     inverse = inverse * (1.5 - 0.5 * unit * inverse * inverse);
@@ -106,8 +99,7 @@ float squareRoot(float x) {
 
 // ---- Vectors ----
 
-// Under the names that GLSL has for them. (glslang 12 refuses to redeclare the functions themselves.)
-
+// glslang 12 refuses to redeclare GLSL's own functions.
 float ownDot(vec2 a, vec2 b) { return a.x * b.x + a.y * b.y; }
 float ownDot(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 float ownLength(vec3 v) { return squareRoot(ownDot(v, v)); }
@@ -118,13 +110,10 @@ vec3 ownCross(vec3 a, vec3 b) {
 #define length ownLength
 #define cross ownCross
 
-// ---- Powers ----
-//
-// Polynomials and constants are those of S. L. Moshier's Cephes library (single/logf.c, log2f.c, expf.c,
-// exp2f.c; netlib.org/cephes). Errors measured: docs/design/numerics.md 1.1.
+// ---- Powers: polynomials of S. L. Moshier's Cephes library (single/logf.c, log2f.c, expf.c, exp2f.c;
+// netlib.org/cephes). Errors measured: docs/design/numerics.md 1.1. ----
 
-// x = m 2^n with m in [sqrt(1/2), sqrt(2)), for a normal x > 0: m - 1, which is exact. log(m) is that and
-// what logarithmRest gives.
+// A normal x > 0 is m 2^n with m in [sqrt(1/2), sqrt(2)). Returns m - 1, which is exact.
 float splitPower(float x, out float n) {
     uint bits = floatBitsToUint(x);
     int whole = int(bits - 0x3f3504f3u) >> 23;
@@ -163,12 +152,12 @@ float binaryLogarithm(float x) {
     return (((rest * 0.44269504 + f * 0.44269504) + rest) + f) + n;
 }
 
-// x 2^n for x in [1/2, 2) and a whole n; 0 where that might be no normal float, which devices may flush.
+// x 2^n for x in [1/2, 2) and an integer n; 0 if the result might be denormal, which devices may flush.
 float scaledBy(float x, float n) {
     return n < -125.0 ? 0.0 : uintBitsToFloat(floatBitsToUint(x) + (uint(int(n)) << 23));
 }
 
-// Within 1 ulp; of x beyond +-88 as of 88 or 0.
+// Within 1 ulp, for x clamped to +-88.
 float exponential(float x) {
     float within = clamp(x, -88.0, 88.0);
     float n = floor(within * 1.44269504 + 0.5);
@@ -183,7 +172,7 @@ float exponential(float x) {
 }
 vec3 exponential(vec3 x) { return vec3(exponential(x.x), exponential(x.y), exponential(x.z)); }
 
-// Within 1.2 ulp; of x beyond 127 as of 127.
+// Within 1.2 ulp, for x clamped to [-126, 127].
 float binaryExponential(float x) {
     float within = clamp(x, -126.0, 127.0);
     float n = floor(within + 0.5);
@@ -197,8 +186,8 @@ float binaryExponential(float x) {
     return scaledBy(sum * r + 1.0, n);
 }
 
-// For x in [0, 1] and y > 0. The relative error is that of y binaryLogarithm(x), which grows with the
-// logarithm of the result: within 2e-6 down to 1e-6.
+// For x in [0, 1] and y > 0. The relative error is at most 2e-6 for results down to 1e-6, and grows with
+// their logarithm.
 float powerOf(float x, float y) {
     return x < 1.17549435e-38 ? 0.0 : binaryExponential(y * binaryLogarithm(x));
 }

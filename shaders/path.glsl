@@ -12,9 +12,8 @@ uint pathIndex() { return gl_GlobalInvocationID.x; }
 // Scenes whose paths go on after the first hit: these list the paths that do.
 const bool kBounces = FEATURE_MIRRORS || FEATURE_TRANSMISSION;
 
-// The pixel of a path in the whole picture; false outside the region. A path keeps its column in the state
-// for as long as it lives, listed or not, so every kernel may ask. Paths follow a Morton curve in the tile,
-// so that 8 of them make a block of 4x2 pixels and 32 one of 8x4.
+// The pixel of a path in the image; false outside the region. Paths follow a Morton curve in the tile, so
+// that 8 of them make a block of 4x2 pixels and 32 one of 8x4.
 bool pixelOf(uint path, out uvec2 pixel) {
     uint group = path / kWorkgroupSize;
     uint tile = dispatch.firstTile + (group % dispatch.run) * dispatch.interleave + group / dispatch.run;

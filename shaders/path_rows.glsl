@@ -12,14 +12,14 @@ uvec4 loadWalkRow(uint path) {
     return row;
 }
 
-// Rays of a caller's at the beginning of their walk: nothing is known of them but themselves.
+// Rays of a caller before their traversal.
 const bool kFirstGiven = MODE_GIVEN && !MODE_RESUME;
 
 // A path that has ended keeps a ray whose interval is empty.
 bool isAlive(Ray ray) { return ray.tMin < kInfinity; }
 
-// The path that this invocation works on in kernels that may run over a list. `present` is false past the
-// list's end; the path is then one that may be read.
+// The path of this invocation in kernels that may run over a list. Past its end `present` is false, and the
+// path is one that may be read.
 uint listedPath(out bool present) {
     uint path = pathIndex();
     present = true;
@@ -64,8 +64,7 @@ void storeRay(uint path, Ray ray) {
     storeInstanceRow(path, uvec4(kNone, ray.sourceInstance, kNone, kNone));
 }
 
-// In the sign of a hit row's t, which is else positive: a packet was given up with this hit, and the ray is
-// to be started again.
+// The sign of a hit row's t: a packet was given up with this hit, and the ray starts again.
 const uint kStartAgain = 0x80000000u;
 
 // The best hit so far; before any, t is the end of the ray's interval. `id` is in the walk row.

@@ -1,7 +1,6 @@
-// Access to the arrays of a scene and to the path state. Each array is a storage texel buffer with a binding
-// of its own, or, if ARRAYS_TOGETHER, one storage buffer holds all arrays but the samples, for devices with
-// few bindings or small texel buffers (src/render/scene_buffers.h). The host removes the variables of the
-// other way before the driver sees the kernel (src/gpu/specialize.h).
+// The arrays of a scene and the path state. Each array is a storage texel buffer, or, if ARRAYS_TOGETHER, one
+// storage buffer holds all arrays but the samples, for devices with few bindings or small texel buffers
+// (src/render/scene_buffers.h). The host removes the other variables from the kernel (src/gpu/specialize.h).
 #ifndef GLINT_STORAGE_GLSL
 #define GLINT_STORAGE_GLSL
 
@@ -21,8 +20,7 @@ uvec4 loadTogether(uint array, uint index) {
     return row;
 }
 
-// The host takes no texel buffer of more than 2^27 texels. With the mask LLVM need not sign-extend the eight
-// offsets, which saves eight of 44 instructions.
+// Texel buffers have at most 2^27 texels. The mask saves llvmpipe 8 of 44 instructions (sign extensions).
 #define GLINT_READ_ARRAY(BINDING, name)                                                               \
     layout(set = 0, binding = BINDING, rgba32ui) readonly restrict uniform uimageBuffer name##Texels; \
     uvec4 name##Row(uint index) {                                                                     \

@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-// A sample from its camera ray to the end of its path, in one kernel: what generate.comp, intersect.comp,
-// light.comp and shade.comp do one after the other, without passing the path's state through memory. A path
-// that runs out of trips or rays is counted, and the host draws the slice again by those four.
+// A sample from its camera ray to the end of its path in one kernel, without passing the path's state through
+// memory as generate.comp, intersect.comp, light.comp and shade.comp do. If a path runs out of trips or rays,
+// the host renders the slice again by those four.
 #define GLINT_SHADOW_RAYS
 #include "primitives/robust.glsl"
 #include "shading/camera.glsl"
@@ -70,8 +70,7 @@ void main() {
     vec3 throughput;
     Ray ray = cameraRay(pixel, throughput);
     uvec4 sum = uvec4(0u);
-    // A load is made whatever the condition is (traversal/lanes.glsl): for the first sample all lanes the
-    // same row, as their own lie in pages that nobody has touched.
+    // Loads ignore conditions (traversal/lanes.glsl): the first sample loads one row, not untouched pages.
     uint summed = dispatch.sampleIndex == 0u ? 0u : path;
     if (!MODE_ADAPTIVE && dispatch.sampleIndex != 0u) sum = loadRow(kRowRadiance, summed);
     Ledger ledger = dispatch.sampleIndex == 0u ? emptyLedger() : loadLedger(path);

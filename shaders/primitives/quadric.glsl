@@ -27,8 +27,8 @@ struct QuadricPlace {
     float constant;
 };
 
-// A cone with a tip is measured from near the eye or from its apex. From near the eye the sums err by
-// 2 sqrt(n(y) n(a)) of their rounding, n(y) the sum of the magnitudes of y.Qy, and from the apex by n(y + a).
+// A cone with a tip is measured from near the eye, where sums err by 2 sqrt(n(y) n(a)) of their rounding,
+// n(y) the sum of the magnitudes of y.Qy, or from its apex, where they err by n(y + a).
 QuadricPlace placeOf(Quadric q, vec3 y) {
     QuadricPlace place = QuadricPlace(y, q.linear, q.constant);
     if ((q.caps & kFromApex) != 0u) {
@@ -128,9 +128,8 @@ void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint 
     if (kCountsSurfaces && valid) best.before = counted;
 }
 
-// The solid is cut out of the line by four numbers, the two roots and the two ends of the box, and every
-// surface is one end of what remains: so at a rim, where side and cap meet, the one begins where the other
-// ends, whatever rounding does.
+// The two roots and the two ends of the box cut the solid out of the line, and every surface is an end of
+// what remains: at a rim the cap begins exactly where the side ends.
 Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c, float capSlip) {
     Candidate best = Candidate(0.0, kPartSide, false, 0.0, 0.0, 0.0, capSlip);
     // The first stretch inside runs from a to b, the second from e to p.leave.
@@ -161,11 +160,10 @@ float slipOfCaps(RayFrame frame, Quadric q, vec3 offset, vec3 along) {
     return slip;
 }
 
-// t is the same in local coordinates, as they are linear in the world's. The equation is set up where the ray
-// comes into the box. If A C takes more than half of B^2 there, it is set up again half way between the roots
-// (-B / A): B^2 - A C then loses no digits to the ray's way there, as Hearn and Baker's discriminant does not
-// for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems, 2019, ch. 7). If not, it has them all, and
-// the middle, which may be a million times farther than the nearer root, would only cost that root's.
+// t is the same in local coordinates. The equation is set up where the ray enters the box. If A C exceeds
+// half of B^2 there, it is set up again half way between the roots (-B / A), so that B^2 - A C does not
+// cancel, like Hearn and Baker's discriminant for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems,
+// 2019, ch. 7). If not, nothing cancels, and the middle may be a million times farther than the nearer root.
 bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint trips, out Hit hit) {
     precise vec3 offset = ray.origin - q.point;
     vec3 o = toLocal(q, offset);
@@ -204,9 +202,9 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     precise float errorB = gammaBound(8.0) * magnitudeB;
     precise float slack = errorB * errorB + abs(A) * (gammaBound(9.0) * magnitudeC);
     if (fromSide) {
-        // The ray starts on the side: C is zero, whatever rounding says, and so is B where rounding decides
-        // its sign. The direction errs by gamma_3 of what its components here are sums of, and was rounded
-        // itself; so does the origin, which moreover stands off the surface by C over the gradient.
+        // The ray starts on the side: C is 0, and so is B if rounding decides its sign. The direction errs by
+        // gamma_3 of the sums of its components here, and was rounded itself; so does the origin, which also
+        // stands off the surface by C over the gradient.
         precise vec3 size3 = abs(ray.direction) * unit;
         precise vec3 terms =
             vec3(dot(abs(q.toLocal0), size3), dot(abs(q.toLocal1), size3), dot(abs(q.toLocal2), size3));
@@ -228,14 +226,13 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     return best.found && p.enter <= p.leave;
 }
 
-// Normal at a point where a line touches the side, like towardsRayAtLimb for spheres. Rounding alone would
-// decide which way the normal faces, and the bright limb of an open pipe would be shaded as its inside. A
-// line that touches is outside of the surface if the equation's A is positive, and arrives at it. If A is
-// negative, the line is inside and leaves.
-// The error bound of slope.d: y errs by gamma_8 of the magnitudes that it sums, as start and middle are sums
-// too; the sums of slope and product add as much again. A line that passes by within rounding is moved onto
-// the surface (`offset`), where the normal differs: a ray that leaves must leave with respect to this other
-// normal. A ray that starts on the side may leave through it.
+// Normal at a point where a line touches the side, like towardsRayAtLimb for spheres: rounding alone would
+// decide whether the bright limb of an open pipe is shaded as its inside. If A of the equation is positive,
+// the line is outside and arrives at the surface; if negative, it is inside and leaves. A ray that starts on
+// the side may leave through it.
+// Error bound of slope.d: y errs by gamma_8 of the magnitudes that it sums; the sums of slope and product add
+// as much again. A line that passes by within rounding is moved onto the surface (`offset`), and arrives or
+// leaves with respect to the normal there.
 vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 normal) {
     uint kindAndIndex = ~(kPartMask << kPartShift);
     if ((ray.source & kindAndIndex) == (hit.primitive & kindAndIndex)) return normal;
@@ -255,19 +252,17 @@ vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 nor
     vec3 unit = quotient(scaled, length(scaled));
     float away = dot(unit, ray.direction);
     float A = dot(along, bilinear(q.squares, q.products, along));
-    // A dot product errs by gamma_3, and of a line that touches it may be 0: more than that, so that whoever
-    // asks for its sign finds it.
+    // A dot product errs by gamma_3: the result exceeds that, so that its sign is certain.
     float square = dot(ray.direction, ray.direction);
     float clear = larger(abs(away), gammaBound(8.0) * squareRoot(square));
     float wanted = A < 0.0 ? clear : (A > 0.0 ? -clear : away);
     return unit + quotient(wanted - away, square) * ray.direction;
 }
 
-// One Newton step along the gradient from o + t d. What is left, n.(error) in world units: the rounding of
-// the left side of the equation, gamma_12 of the magnitudes it sums, and of y, gamma_5 of those, over the
-// gradient's length; then gamma_7 of what is added to the point. The gradient vanishes at a cone's apex and
-// on a double plane: there the surface faces the ray, and an error e of the left side moves it by no more
-// than sqrt(e) in local units.
+// One Newton step along the gradient from o + t d. The error left along the normal: rounding of the left side
+// of the equation, gamma_12 of the magnitudes it sums, and of y, gamma_5 of those, over the gradient's
+// length; then gamma_7 of what is added to the point. At a cone's apex and on a double plane the gradient
+// vanishes: there the surface faces the ray, and an error e of the left side moves it by at most sqrt(e).
 void surfaceOfQuadric(Ray ray, Hit hit, Quadric q, inout Surface surface) {
     uint part = (hit.primitive >> kPartShift) & kPartMask;
     precise vec3 offset = (ray.origin - q.point) + hit.t * ray.direction;

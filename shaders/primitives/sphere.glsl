@@ -28,9 +28,9 @@ bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t, ou
 }
 
 // Discriminant from the distance of the centre to the ray (Haines, Gunther, Akenine-Moller, "Precision
-// Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019, ch. 7), not from b^2 - a c, which loses
-// everything once the sphere is far away. An anchored sphere measures from a point of its surface, so that a
-// radius far greater than all distances cancels nothing.
+// Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019, ch. 7): b^2 - a c cancels if the sphere
+// is far away. An anchored sphere measures from a point of its surface, as its radius may exceed all
+// distances.
 bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
     precise vec3 o = ray.origin - sphere.point;
     precise float a = dot(ray.direction, ray.direction);
@@ -47,9 +47,8 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
         disc = anchoredDisc;
     }
     if (primitive == ray.source) {
-        // The ray starts on the surface: c is zero, whatever rounding says, and so is b where rounding
-        // decides its sign: that of the origin and the direction, too. A ray that a limb mirrors does not
-        // meet it again.
+        // The ray starts on the surface: c is 0, and so is b if rounding, also of origin and direction,
+        // decides its sign. A ray that a limb mirrors does not hit it again.
         precise vec3 reach = abs(ray.origin) + abs(sphere.point) + sphere.radius * abs(sphere.anchorNormal);
         precise float errorB = gammaBound(8.0) * dot(reach, abs(ray.direction));
         if (abs(b) <= errorB) b = 0.0;
@@ -66,12 +65,11 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
 // The test that the traversals call: primitives/robust.glsl or primitives/textbook.glsl.
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit);
 
-// Outward normal of a hit, turned towards the ray at the limb. If rounding makes the discriminant 0, t is
-// that of the closest approach, and the rounding of t alone decides whether the normal faces the ray. From
-// outside it must. Without this correction, 1 of 2.8 million camera rays of scenes/lens.json at 320x240
-// (radius 1/2, distance 13) shades the bright limb as the sphere's back; with a textbook's intersection many
-// do. t errs by gamma_8 |w| / |d| in any form, so n.d errs by gamma_8 |w| / r. A ray that starts on the
-// sphere may leave through it.
+// Outward normal of a hit, turned towards the ray at the limb. If rounding makes the discriminant 0, the
+// rounding of t alone decides whether the normal faces the ray, as from outside it must: 1 of 2.8 million
+// camera rays of scenes/lens.json at 320x240 would shade the bright limb as the sphere's back. t errs by
+// gamma_8 |w| / |d| in any form, so n.d errs by gamma_8 |w| / r. A ray that starts on the sphere may leave
+// through it.
 vec3 towardsRayAtLimb(Ray ray, Hit hit, Sphere sphere, vec3 outward) {
     vec3 w = ray.origin - sphereCenter(sphere);
     precise float away = dot(outward, ray.direction);

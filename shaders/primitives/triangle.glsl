@@ -5,11 +5,11 @@
 #include "traversal/instance.glsl"
 #include "primitives/surface.glsl"
 
-// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Edges shared by two triangles
-// get the same products with the same roundings, so no ray slips between them. t is that of the triangle's
-// plane, as of every flat surface: the paper's weighted sum errs by the ratio of a sliver's sides.
+// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Triangles that share an edge
+// compute the same products with the same roundings, so no ray slips between them. t is that of the plane, as
+// for every flat surface: the paper's weighted sum errs by the ratio of a sliver's sides.
 
-// The corners across the ray, and of each edge on which side of it the ray passes.
+// The corners across the ray, and on which side of each edge the ray passes.
 struct SeenTriangle {
     vec2 a, b, c;
     float ea, eb, ec;
@@ -76,18 +76,17 @@ bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, 
     return intersectTurned(ray, frame, a, b, c, anchor, turnToZ(normal, frame.axis), t, u, v);
 }
 
-// Side of the edge from p to q on which the ray passes. If rounding leaves the ray exactly on the edge
-// (product 0), the side is that of a ray moved by (e, e^2), with e > 0 arbitrarily small: (p - m) x (q - m) =
-// p x q + e (p.y - q.y) + e^2 (q.x - p.x). The other triangle of the edge, which goes from q to p, gets the
-// other sign (Edelsbrunner, Mucke, "Simulation of Simplicity", ACM Trans. Graph. 9(1), 1990).
+// Side of the edge from p to q on which the ray passes. If the ray is exactly on the edge (product 0), the
+// side is that of a ray moved by (e, e^2), e > 0 arbitrarily small: (p - m) x (q - m) = p x q + e (p.y - q.y)
+// + e^2 (q.x - p.x). The other triangle of the edge, from q to p, gets the other sign (Edelsbrunner, Mucke,
+// "Simulation of Simplicity", ACM Trans. Graph. 9(1), 1990).
 float sideOfEdge(float product, vec2 p, vec2 q) {
     float moved = p.y != q.y ? p.y - q.y : q.x - p.x;
     return product != 0.0 ? product : moved;
 }
 
-// True if the ray crosses this triangle, of those that share the edge or corner that it hits.
-// intersectTriangle must have reported a hit. If a ray ends at an edge, the edge may belong to both
-// triangles. If the ray continues and counts crossings, the edge belongs to one.
+// True if the ray crosses this triangle, of those that share the edge or corner that it hits: a ray that
+// continues must cross one of them. intersectTriangle must have reported a hit.
 bool crossesTriangle(Ray ray, RayFrame frame, Triangle triangle) {
     precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
     precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
@@ -98,12 +97,12 @@ bool crossesTriangle(Ray ray, RayFrame frame, Triangle triangle) {
            left == (sideOfEdge(seen.ec, seen.b, seen.a) > 0.0);
 }
 
-// The hit of a sliver, moved along its longest edge to where the ray passes. Its weights are off by the
-// rounding of the edge functions over its area, and so the point that they make by some units of the length's
-// square over the height: they are right across a sliver and wrong along it. What is left between that point
-// and the ray has nearly all its digits, as the weights add up to 1, and so has the share of the edge that
-// takes it away. Triangles with sides up to 32 times their height, twice haveSlivers' bound, are as they were
-// met. exchanged: u and v are, as in a mirrored instance.
+// The hit of a sliver, moved along its longest edge to where the ray passes. Its weights err by the rounding
+// of the edge functions over its area, and the point that they make by some units of the length's square over
+// the height: they are right across a sliver and wrong along it. The distance between that point and the ray
+// has nearly all its digits, as the weights add up to 1, and so has the share of the edge that removes it.
+// Triangles with sides up to 32 times their height, twice haveSlivers' bound, keep their hits. exchanged: u
+// and v are exchanged, as in a mirrored instance.
 void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
     Triangle triangle = loadTriangle(hit.primitive & kPrimitiveIndexMask);
     precise vec3 a = triangle.v0 - ray.origin;

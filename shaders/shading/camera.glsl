@@ -1,6 +1,5 @@
-// Camera rays (Shirley & Marschner, Fundamentals of Computer Graphics, ch. 4) of a pixel's samples: their
-// positions on the film and on the lens (docs/guide/sampling.md). The host has worked every kind of camera
-// into steps, see Camera in shared/layout.h.
+// Camera rays (Shirley & Marschner, Fundamentals of Computer Graphics, ch. 4) of a pixel's samples
+// (docs/guide/sampling.md). The host computes the steps of every kind of camera (shared/layout.h).
 #ifndef GLINT_CAMERA_GLSL
 #define GLINT_CAMERA_GLSL
 
@@ -10,8 +9,7 @@
 
 // ---- Samples ----
 
-// M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing of pcg4d: four numbers
-// of 32 random bits from four.
+// M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing of pcg4d.
 uvec4 pcg4d(uvec4 v) {
     v = v * 1664525u + 1013904223u;
     v.x += v.y * v.w;
@@ -26,9 +24,9 @@ uvec4 pcg4d(uvec4 v) {
     return v;
 }
 
-// Owen's scrambling (Owen 1995) by a hash in which every bit is flipped or not by the bits above it alone: B.
-// Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020, after Laine and Karras 2011, with N.
-// Vegdahl's constants.
+// Owen's scrambling (1995) by a hash in which only the bits above a bit decide whether it flips: B. Burley,
+// "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020, after Laine and Karras 2011, with N. Vegdahl's
+// constants.
 uvec2 owenScrambled(uvec2 x, uvec2 seed) {
     x = bitfieldReverse(x);
     x ^= x * 0x3d20adeau;
@@ -39,8 +37,8 @@ uvec2 owenScrambled(uvec2 x, uvec2 seed) {
     return bitfieldReverse(x);
 }
 
-// Seeds for that. Its first digits are the seed's lowest bits, and pcg4d's results are good in their highest:
-// with them as they are, places in neighbouring pixels correlate (docs/lab/accuracy.md).
+// Its seeds. Their lowest bits decide most, and pcg4d's results are random in their highest: without the
+// shift, places in neighbouring pixels correlate (docs/lab/accuracy.md).
 uvec4 scrambleSeeds(uvec4 v) {
     v = pcg4d(v);
     return v ^ (v >> 16u);
@@ -58,19 +56,17 @@ uvec2 sobolPair(uint index) {
     return uvec2(bitfieldReverse(index), y);
 }
 
-// Provides any number of dimensions: each pair uses the same two-dimensional points, shuffled and scrambled
-// by a hash of pixel and pair (padding; Burley 2020, sec. 3). An Owen shuffle keeps every aligned block of
-// 2^k samples a block of 2^k points. Each pair is therefore as even as the first two dimensions, and pairs
-// are independent of each other.
+// Any number of dimensions: each pair has the same points, shuffled and scrambled by a hash of pixel and pair
+// (padding; Burley 2020, sec. 3). An Owen shuffle maps aligned blocks of 2^k samples to blocks of 2^k points,
+// so each pair is as even as the first two dimensions, and pairs are independent.
 uvec2 paddedPair(uint index, uvec2 pixel, uint pair, uint seed) {
     uvec4 random = scrambleSeeds(uvec4(pixel, kPaddingKey + pair, seed));
     uint shuffled = owenScrambled(uvec2(index), random.xx).x;
     return owenScrambled(sobolPair(shuffled), random.yz);
 }
 
-// Dimensions 2 pair and 2 pair + 1 of sample `index` of the pixel, in units of 2^-32. `s`: the row of that
-// sample, which has the points of film and lens before they are scattered. Padded pairs do not depend on the
-// sampler.
+// Dimensions 2 pair and 2 pair + 1 of sample `index` of the pixel, in units of 2^-32. `s`: that sample, with
+// the points of film and lens before they are scattered.
 uvec2 samplePair(Sample s, uint index, uvec2 pixel, uint pair) {
     if (pair >= kFirstPaddedPair) return paddedPair(index, pixel, pair, s.seed);
     bool lens = pair == kPairLens;
@@ -102,8 +98,8 @@ float filmOffset(uint place, uint table) {
 }
 
 // The concentric map of the square onto the unit disc (P. Shirley, K. Chiu, "A Low Distortion Map Between
-// Disk and Square", JGT 2(3), 1997). Its angles are no greater than pi/4, where Taylor's polynomials are good
-// to (pi/4)^11 / 11! = 1.8e-9 and (pi/4)^10 / 10! = 2.5e-8; Vulkan asks of sin and cos for 2^-11 only.
+// Disk and Square", JGT 2(3), 1997). For angles up to pi/4, Taylor's polynomials err by at most 1.8e-9 and
+// 2.5e-8; Vulkan's sin and cos by 2^-11.
 vec2 concentricDisc(uvec2 place) {
     vec2 p = vec2(ivec2(place >> 8) - (1 << 23)) * (1.0 / float(1 << 23));
     bool wide = abs(p.x) > abs(p.y);
@@ -119,7 +115,7 @@ vec2 concentricDisc(uvec2 place) {
 
 // ---- Rays ----
 
-// The ray of the sample at hand through a pixel, and what it counts by.
+// The ray of the current sample through a pixel, and its weight.
 Ray cameraRay(uvec2 pixel, out vec3 weight) {
     Camera camera = loadCamera(0u);
     vec2 offset = dispatch.sampleOffset.xy;

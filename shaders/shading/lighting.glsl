@@ -16,9 +16,9 @@ struct LightSample {
     bool valid;
 };
 
-// The part of a spot light's intensity that goes along `toLight`, a unit vector back to it: a smoothstep of
-// the angle's cosine. |axis + toLight|^2 / 2 is 1 - cos, exact to the last digits for a narrow cone too. No
-// larger than 2, whatever the rounding, so that a cone of 180 degrees has no hole at its back.
+// The part of a spot light's intensity opposite to the unit vector `toLight`: a smoothstep of the cosine.
+// |axis + toLight|^2 / 2 is 1 - cos without cancellation, at most 2, so that a cone of 180 degrees has no
+// hole at its back.
 float spotFactor(Light light, vec3 toLight) {
     vec3 sum = light.axis + toLight;
     float away = min(0.5 * dot(sum, sum), 2.0);
@@ -90,9 +90,8 @@ struct Sight {
 };
 const Sight kNoSight = Sight(false, vec3(0.0));
 
-// A ray whose light would add nothing is not traced: most of those of surfaces that are mirrors or
-// dielectrics and nothing else. Pictures with data say which lights are hidden, and what counts rays counts
-// these too.
+// A ray whose light would add nothing is not traced, as on pure mirrors and dielectrics. Images with AOVs
+// need hidden lights, and counts of rays include these.
 const bool kTracesAllShadows = MODE_AOVS || MODE_COST || MODE_TALLY;
 
 // Makes the path's shadow ray to a light. begins: it has not been traced in part.

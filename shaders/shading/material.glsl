@@ -1,5 +1,4 @@
-// The material of a surface point: what the scene says, times textures and vertex colours; and the light of
-// the surroundings.
+// The material of a surface point, times textures and vertex colours; the light of the surroundings.
 #ifndef GLINT_MATERIAL_GLSL
 #define GLINT_MATERIAL_GLSL
 
@@ -7,9 +6,8 @@
 
 const bool kHasTextures = FEATURE_TEXTURES || FEATURE_CHECKERS;
 
-// Each texture of a material is looked up once, whatever it is for: mostly there is a single one, and a loop
-// has its code once where four look-ups in a row took the drivers' compilers seconds. All that changes stands
-// in an `if`: see the loops of docs/design/traversal.md.
+// Each texture of a material is looked up once. A loop has the code once: four look-ups in a row took
+// drivers' compilers seconds. All changes are in an `if`: see the loops of docs/design/traversal.md.
 void applyTextures(Surface surface, inout Material material) {
     uvec4 left = uvec4(material.ambientTexture, material.diffuseTexture,
                        FEATURE_SPECULAR ? material.specularTexture : 0u,
@@ -40,8 +38,7 @@ Material materialAt(Surface surface) {
     return material;
 }
 
-// Background radiance against `direction`. shift: added to the environment map's coordinates. `environment`:
-// the tracer's.
+// Background radiance against `direction`.
 vec3 surroundings(Environment environment, vec3 direction) {
     vec3 radiance = environment.background;
     if (FEATURE_ENVIRONMENT_MAP) {

@@ -21,9 +21,8 @@ void prefer(uint medium, inout uint best, inout uint bestRank) {
     bestRank = better ? rank : bestRank;
 }
 
-// The medium that counts where several overlap: of the greatest priority the one entered last (C. Schmidt, B.
-// Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of Graphics Tools 7(2), 2002; the rule for
-// equal priorities is glint's).
+// Of overlapping media the one of the greatest priority counts, of equal ones the last entered (C. Schmidt,
+// B. Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of Graphics Tools 7(2), 2002).
 uint rulingMedium(uvec4 media) {
     uint best = 0u;
     uint bestRank = 0u;
@@ -54,13 +53,11 @@ struct Crossing {
     uvec4 after;        // and behind it
     uint mediumBefore;  // those that rule there
     uint mediumAfter;
-    bool counts;  // false: the surface lies inside a medium of greater priority, and the ray goes on as if it
-                  // were not there
-    bool crowded;  // the list had no room for one more
+    bool counts;   // false: inside a medium of greater priority, which the ray crosses as if not there
+    bool crowded;  // the list was full
 };
 
-// medium: the surface's, 0 if it is no dielectric. A ray that leaves what it has not entered has been in it
-// from its start.
+// medium: the surface's, or 0. A ray that leaves a medium that it has not entered was in it from its start.
 Crossing crossingAt(uvec4 media, uint medium, bool entering) {
     bool known = any(equal(media, uvec4(medium)));
     bool full = media.w != 0u;
@@ -74,8 +71,7 @@ Crossing crossingAt(uvec4 media, uint medium, bool entering) {
     return c;
 }
 
-// Transmittance of a path of length `way`, by Beer's law (A. Beer, "Bestimmung der Absorption des rothen
-// Lichts in farbigen Fluessigkeiten", 1852).
+// Transmittance over the length `way` by the law of A. Beer (1852).
 vec3 transmittance(uint medium, float way) {
     if (!FEATURE_ATTENUATION) return vec3(1.0);
     vec3 attenuation = attenuationOf(medium);
@@ -113,8 +109,7 @@ Split splitAbout(vec3 m, vec3 d, float eta) {
     return s;
 }
 
-// Normals turned against d. About the geometric normal where the shading normal would send a branch to the
-// wrong side.
+// Normals turned against d. About the geometric normal if the shading normal sent a branch to the wrong side.
 Split splitAt(Surface surface, vec3 d, float eta) {
     Split s = splitAbout(surface.shadingNormal, d, eta);
     if (FEATURE_VERTEX_NORMALS) {
@@ -127,8 +122,7 @@ Split splitAt(Surface surface, vec3 d, float eta) {
     return s;
 }
 
-// The mirrored direction; about the geometric normal where the shading normal would send it through the
-// surface.
+// The mirrored direction; about the geometric normal if the shading normal sent it through the surface.
 vec3 mirrored(Surface surface, vec3 direction) {
     precise vec3 r = direction - 2.0 * dot(direction, surface.shadingNormal) * surface.shadingNormal;
     precise vec3 aboutNormal =
@@ -140,9 +134,8 @@ vec3 mirrored(Surface surface, vec3 direction) {
 
 // ---- Shadow rays ----
 
-// Light that a shadow ray keeps on its way through dielectrics: straight on, without refraction. The optical
-// depth is a sum over the surfaces that the ray crosses. Their order does not matter, so the traversal of the
-// BVH may be cut and resumed anywhere.
+// Light that a shadow ray keeps on its straight way through dielectrics. The optical depth is a sum over the
+// surfaces that the ray crosses, in any order, so the traversal may be resumed anywhere.
 struct Passage {
     vec3 depth;   // optical depth so far
     float reach;  // t of the light, 0 for one infinitely far away
@@ -157,8 +150,8 @@ vec3 attenuationAround(uvec4 media) {
 }
 
 // The way inside a medium is the sum of t over the surfaces where the ray leaves it less that over those
-// where it enters; a light that is itself inside is a last one where it leaves, so every t is counted from
-// the light. around: of the media that the ray starts in.
+// where it enters. A light inside is a last surface where it leaves, so every t counts from the light.
+// around: of the media that the ray starts in.
 Passage startPassage(vec3 around, float reach, float scale) {
     Passage passage = Passage(vec3(0.0), reach, scale, true);
     if (FEATURE_ATTENUATION) passage.depth = around * (reach * scale);

@@ -73,8 +73,7 @@ vec3 evaluate(Interaction at, vec3 toLight) {
     return part;
 }
 
-// ---- Rays that go on (T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980)
-// ----
+// ---- Further rays (T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980) ----
 
 // Transmission of a surface of this medium.
 vec3 transmissionAt(uint medium, Surface surface) {

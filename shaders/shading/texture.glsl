@@ -1,6 +1,5 @@
-// Texture coordinates (u, v) of surface points and directions, and images and checkers there
-// (docs/reference/shading.md). In plain arithmetic instead of samplers, whose filtering every device rounds
-// as it likes (Vulkan 1.3, sec. 16.8: 8 bits of weight are enough).
+// Texture coordinates of surface points and directions, images and checkers (docs/reference/shading.md). Not
+// by samplers, whose filtering each device rounds differently (Vulkan 1.3, sec. 16.8: 8 bits of weight).
 #ifndef GLINT_TEXTURE_GLSL
 #define GLINT_TEXTURE_GLSL
 
@@ -10,11 +9,10 @@
 
 // ---- Coordinates ----
 
-// The angle of (x, y) from the x axis in turns, in [-0.5, 0.5]; 0 for (0, 0). Not by atan(), which Vulkan
-// lets be off by 4096 ulp: Hastings' polynomial (Abramowitz & Stegun, Handbook of Mathematical Functions,
-// 1964, 4.4.49) for the octant, |error| <= 2e-8 radians. A division good to 2.5 ulp, and a unit each for the
-// nine steps of the sum, weighted by what they add, come to no more than 12 units of 2^-24 of at most 1/8
-// turn; the subtractions from 1/4 and 1/2 round to 2^-26. Together: below 2^-23 turns.
+// The angle of (x, y) from the x axis in turns, in [-0.5, 0.5]; 0 for (0, 0). Vulkan's atan() may err by 4096
+// ulp. Hastings' polynomial (Abramowitz & Stegun, Handbook of Mathematical Functions, 1964, 4.4.49) errs by
+// 2e-8 radians. The division and the nine steps of the sum add at most 12 units of 2^-24 of 1/8 turn, and the
+// subtractions from 1/4 and 1/2 round to 2^-26: together below 2^-23 turns.
 float turnsOf(float y, float x) {
     float ax = abs(x);
     float ay = abs(y);
@@ -60,8 +58,7 @@ vec2 objectUv(uint object, vec3 position, vec3 outward) {
         bool axial = FEATURE_QUADRICS && frame.uvKind == kUvAxial;
         bool round_ = FEATURE_QUADRICS && frame.uvKind == kUvRound;
         vec2 around = latitudeLongitude(axial || round_ ? vec3(u, v, w) : direction);
-        // A cap lies at 0 or 1 up to rounding: a repeated image would show either of its ends, pixel by
-        // pixel.
+        // A cap lies at 0 or 1 up to rounding: a repeated image would show both of its ends.
         float height = clamp(v, 0.0, kBelowOne);
         uv = frame.uvKind == kUvFlat ? vec2(u, v) : vec2(around.x, axial ? height : around.y);
     }
@@ -79,8 +76,8 @@ float wrapped(float s, uint wrap) {
                                       : (wrap == kTextureWrapClamp ? clamp(sound, 0.0, 1.0) : folded);
 }
 
-// The two texels of a row or column next to s, which lies in [0, 1], and the weight of the second. The centre
-// of texel i is at (i + 1/2) / size.
+// The two texels of a row or column next to s in [0, 1], and the weight of the second. The centre of texel i
+// is at (i + 1/2) / size.
 struct Taps {
     uint first;
     uint second;
@@ -129,8 +126,8 @@ vec3 checkerAt(Texture checker, vec3 cell) {
     return odd ? checker.colorB : checker.colorA;
 }
 
-// A point of an object in the object's own coordinates, from `corner` on. The two that may be far out are
-// subtracted first: near the corner nothing of the point is lost to them.
+// A point in the object's coordinates, from `corner` on. The two large numbers are subtracted first, so that
+// nothing cancels near the corner.
 vec3 objectPoint(ObjectFrame frame, vec3 position, vec3 corner) {
     precise float x = dot(frame.toObjectX, position) + (frame.offsetX - corner.x);
     precise float y = dot(frame.toObjectY, position) + (frame.offsetY - corner.y);

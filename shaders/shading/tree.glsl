@@ -1,7 +1,6 @@
-// The tree of rays below a camera ray, walked in depth-first order without recursion: of two branches one is
-// followed at once, the other waits in rows of the path's own. The first is the one on the outer side of the
-// surface: what it meets outside soon ends, while the inner one may be reflected to and fro inside for as
-// long as maxDepth allows, each time with a branch to leave; so few branches wait.
+// The tree of rays below a camera ray in depth-first order, without recursion: of two branches the outer one
+// is followed first, and the inner one waits in rows of the path. Outer branches soon end, while an inner one
+// may be reflected inside up to maxDepth, each time with a branch that leaves; so few branches wait.
 #ifndef GLINT_TREE_GLSL
 #define GLINT_TREE_GLSL
 
@@ -105,8 +104,8 @@ Branch branchFrom(Interaction at, vec3 outwards, vec3 direction, vec3 throughput
     return Branch(origin, direction, at.hit.primitive, at.hit.instance, throughput, media, depth, kind);
 }
 
-// The path's next ray in scenes without transmission. depth: rays before the one that met the surface.
-// Returns false if there is none.
+// The path's next ray in scenes without transmission; false if there is none. depth: rays before the one that
+// hit the surface.
 bool nextReflection(inout Ledger ledger, bool alive, Interaction at, uint depth, vec3 throughput,
                     Environment environment, out Branch next) {
     Scattering s = scatteringAt(at);
@@ -115,8 +114,8 @@ bool nextReflection(inout Ledger ledger, bool alive, Interaction at, uint depth,
     return isFollowed(ledger, alive && s.reflects, depth, next.throughput, environment);
 }
 
-// The path's next ray: one that leaves the interaction, or one that has waited. state: rays before the one at
-// hand on the way from the eye; branches waiting. Returns false if there is none.
+// The path's next ray: one that leaves the interaction, or one that has waited; false if there is none.
+// state: rays before the current one on the way from the eye; branches waiting.
 bool nextBranch(uint path, inout Ledger ledger, bool alive, Interaction at, inout uvec2 state,
                 vec3 throughput, Environment environment, out Branch next) {
     Scattering s = scatteringAt(at);

@@ -21,9 +21,8 @@
     V3U(A, hi1, reserved)
 
 // Shading data of a triangle. normal: unit, outward by winding, computed in double from the rounded vertices.
-// vertexNormals: index into the VertexNormals array, or kNone. attributes: the first of the triangle's rows
-// in the VertexAttribute array, with the flags kAttribute... in its upper bits; 0 if the triangle has no such
-// rows.
+// vertexNormals: index, or kNone. attributes: the triangle's first VertexAttribute, with the flags
+// kAttribute...; 0 for none.
 #define GLINT_TRIANGLE_SURFACE_ROWS(V3F, V3U, U4, A) \
     V3U(A, normal, object)                           \
     U4(A, primitive, material, vertexNormals, attributes)
@@ -36,9 +35,8 @@
 
 #define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4, A) V3F(A, position, reserved)
 
-// ...Texture: 1 + the index into the Texture array, or 0 for none. Where the diffuse texture's alpha is below
-// alphaCutoff the surface is not there. medium: 0, or 1 + the material's index in the optics array; the
-// number that stands for the material in lists of media.
+// ...Texture: 1 + the index of a Texture, or 0. alphaCutoff: below it, the diffuse texture's alpha is a hole.
+// medium: 1 + the index of the material's Optics, which also identifies it in lists of media, or 0.
 #define GLINT_MATERIAL_ROWS(V3F, V3U, U4, A) \
     V3F(A, ambient, shininess)               \
     V3F(A, diffuse, alphaCutoff)             \
@@ -46,18 +44,16 @@
     V3U(A, mirror, medium)                   \
     U4(A, ambientTexture, diffuseTexture, specularTexture, mirrorTexture)
 
-// Additional data of a dielectric material. density: -ln(transmission), so that the light that passes many
-// surfaces is the exponential of a sum. attenuation: per unit length. rank: the priority as an unsigned
-// number of the same order (kRankOfZero is priority 0).
+// Dielectrics. density: -ln(transmission), so that light through many surfaces is the exponential of a sum.
+// attenuation: per unit length. rank: the priority as an unsigned number of the same order.
 #define GLINT_OPTICS_ROWS(V3F, V3U, U4, A) \
     V3F(A, transmission, ior)              \
     V3U(A, attenuation, rank)              \
     V3U(A, density, transmissionTexture)
 
-// flags: kTexture... below. An image's texels stand from firstTexel on, by rows from the top. Its coordinates
-// are (u, v) * scale + offset; a checker's colours are colorA and colorB. `place`: offset, or, of a solid
-// checker, a corner of its cubes, whose edge is 1 / scaleU, in the coordinates of object frames. The
-// environment map is a texture too.
+// An image, whose texels are stored from firstTexel on by rows from the top, a checker of two colours, or the
+// environment map. flags: kTexture... Coordinates are (u, v) * scale + place; of a solid checker, `place` is
+// a corner of its cubes, whose edge is 1 / scaleU, in the coordinates of object frames.
 #define GLINT_TEXTURE_ROWS(V3F, V3U, U4, A) \
     U4(A, flags, width, height, firstTexel) \
     V3F(A, place, scaleU)                   \
@@ -66,13 +62,12 @@
 
 #define GLINT_TEXEL_ROWS(V3F, V3U, U4, A) V3F(A, color, alpha)
 
-// Rows of a triangle: with kAttributeUvs (u0 u1 u2), (v0 v1 v2); then, with kAttributeColors, the linear
-// colours of its three vertices.
+// Of a triangle: with kAttributeUvs (u0 u1 u2), (v0 v1 v2); then with kAttributeColors three linear colours.
 #define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4, A) V3F(A, value, reserved)
 
-// Coordinate frame of an object. Its own coordinates of a local position p are toObjectX.p + offsetX, ...,
-// counted from the cubes of solid checkers (src/pack/pack_textures.h). Texture coordinates are made, by
-// uvKind (kUv... below), of U = toU.p + offsetU, V and W.
+// Frame of an object (src/pack/pack_textures.h). The object's coordinates of a local position p are
+// toObjectX.p + offsetX, ... Texture coordinates follow, by uvKind (kUv...), from U = toU.p + offsetU, V and
+// W.
 #define GLINT_OBJECT_FRAME_ROWS(V3F, V3U, U4, A) \
     V3F(A, toObjectX, offsetX)                   \
     V3F(A, toObjectY, offsetY)                   \
@@ -82,21 +77,19 @@
     V3F(A, toW, offsetW)                         \
     U4(A, uvKind, reserved0, reserved1, reserved2)
 
-// kind: kLight... below. position: a unit vector towards the light if it is directional. axis: of a spot
-// light, unit, the way the light travels. Its full light ends at the angle whose 1 - cos is `inner`, all
-// light at that of `outer`: as differences from 1 they keep a narrow cone's digits. inner <= outer.
+// kind: kLight... position: of a directional light, the unit vector towards it. axis: unit, the way that the
+// light of a spot travels. inner <= outer: 1 - cos of the angles at which its full light and all light end;
+// as differences from 1 they keep a narrow cone's digits.
 #define GLINT_LIGHT_ROWS(V3F, V3U, U4, A) \
     V3U(A, position, kind)                \
     V3F(A, intensity, inner)              \
     V3F(A, axis, outer)
 
-// Camera ray of the film point (X, Y), in pixels from the top left corner, with x = X - width/2, y = Y -
-// height/2: origin = eye + x originStepX + y originStepY, direction = normalize(center + x stepX + y stepY).
-// The origin steps are 0 for a perspective camera, the direction's for a parallel one.
-// near, far bound t, the distance from the origin; far may be kInfinity.
-// Thin lens: the ray through the point (a, b) of the unit disc starts a lensX + b lensY beside the eye and
-// its direction, before it is normalised, is less by inverseFocus times that; inverseFocus is 1 over the
-// focus distance, so that all rays of a film point meet there. Without a lens all three are 0.
+// The ray of the film point (x, y), in pixels from the centre, has origin = eye + x originStepX +
+// y originStepY and direction = normalize(center + x stepX + y stepY), with nearT < t <= farT. A perspective
+// camera has no origin steps, a parallel one no direction steps. Through the point (a, b) of a thin lens, a
+// unit disc, the origin moves by m = a lensX + b lensY and the direction by -m inverseFocus, so that all rays
+// of a film point meet at the focus distance.
 #define GLINT_CAMERA_ROWS(V3F, V3U, U4, A) \
     V3F(A, eye, nearT)                     \
     V3F(A, center, farT)                   \
@@ -107,13 +100,11 @@
     V3F(A, lensX, inverseFocus)            \
     V3F(A, lensY, reserved2)
 
-// Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0.
-// radianceBound: no ray of the tree brings more, in any channel (kInfinity: not known); minContribution: what
-// brings less to the pixel is not followed. eyeMedium0..3: the media around the eye, outermost first, 0 where
-// the list has ended. With instances the boxes of the world's tree are wider by instancePad times the
-// greatest coordinate of the ray's origin, plus instancePadAtOrigin (pack/instances.cpp). map: 1 + the
-// environment map's index in the Texture array, `background` is then its factor; or 0. frameCount: of the
-// ObjectFrame array, 0 or the number of objects.
+// root: 0, or kNone if no primitive is in the BVH. radianceBound: the most that a ray brings in any channel
+// (kInfinity: unknown); rays that bring less than minContribution are not followed. eyeMedium...: the media
+// around the eye, outermost first, then 0. instancePad: with instances, boxes of the world's BVH are wider by
+// it times the greatest coordinate of the ray's origin, plus instancePadAtOrigin (src/pack/instances.cpp).
+// map: 0, or 1 + the index of the environment's Texture, times `background`. frameCount: of object frames.
 #define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4, A)           \
     V3F(A, background, minContribution)                   \
     V3F(A, ambient, radianceBound)                        \
@@ -123,11 +114,10 @@
     V3F(A, reserved1, instancePadAtOrigin)                \
     U4(A, map, frameCount, reserved2, reserved3)
 
-// One sample of all pixels (pack/pack_samples.h). Its place on the film and on the lens are numbers of [0, 1)
-// in units of 2^-32, to be scattered by `scatter`, one of kScatter... below, with random numbers hashed from
-// pixel, `key` and `seed`; `width`: the cells of a jittered sample. tableX, tableY: the filter tables that
-// turn the place on the film into the distance from the pixel's centre. weight: the same in all channels,
-// where the path's throughput starts. Sums of weights over a pixel's samples are their number.
+// A sample of all pixels (src/pack/pack_samples.h). Its places on film and lens, in units of 2^-32, are
+// scattered by `scatter` (kScatter...) with numbers hashed from pixel, `key` and `seed`, in cells of `width`.
+// tableX, tableY: filter tables from places on the film to distances from the pixel's centre. weight: the
+// throughput that the path starts with. Over a pixel's samples the weights sum to their number.
 #define GLINT_SAMPLE_ROWS(V3F, V3U, U4, A)        \
     U4(A, x, y, lensX, lensY)                     \
     U4(A, widthX, widthY, widthLensX, widthLensY) \
@@ -137,8 +127,8 @@
 // One corner of the box of a child of an 8-wide node: see packetTree (src/bvh/packet_tree.h).
 #define GLINT_PACKET_CORNER_ROWS(V3F, V3U, U4, A) V3U(A, corner, child)
 
-// X(binding, array, Struct, ROWS): every array of the device, and the struct that it is made of. `array`: the
-// field of PackedScene, where that has one. Binding 0 is the counters, 1 the path state.
+// X(binding, array, Struct, ROWS) for every array of the device. `array`: the field of PackedScene, if it has
+// one. Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)                                             \
     X(2, nodes, Node, GLINT_NODE_ROWS)                                    \
     X(3, triangles, Triangle, GLINT_TRIANGLE_ROWS)                        \
@@ -203,24 +193,21 @@ GLINT_SCENE_ARRAYS(GLINT_CPP_STRUCT)
 
 GLINT_CONST_UINT(kSamplesBinding, 22u);  // in GLINT_SCENE_ARRAYS
 GLINT_CONST_UINT(kNone, 0xffffffffu);
-// A ray's interval that has no far end holds this: the largest float, so that no infinity enters the
-// arithmetic.
+// The end of a ray's interval without an end: the largest float, as arithmetic must not meet infinities.
 GLINT_CONST_FLOAT(kInfinity, 3.402823466e38f);
 
-// A child is the index of a node, kNone for no child, or a leaf: kLeafFlag | kind << kLeafKindShift | (count
-// - 1) << kLeafCountShift | first, where `first` indexes the kind's array in leaf order. A leaf holds one
-// kind.
+// A child is the index of a node, kNone for no child, or a leaf of one kind: kLeafFlag | kind <<
+// kLeafKindShift | (count - 1) << kLeafCountShift | first, the first in the kind's array.
 GLINT_CONST_UINT(kLeafFlag, 0x80000000u);
-
-// In the id of a primitive: it is a dielectric. Of surfaces in one place the lowest id is hit, so an opaque
-// one before any dielectric.
-GLINT_CONST_UINT(kDielectricRank, 0x80000000u);
 GLINT_CONST_UINT(kLeafKindShift, 28u);
 GLINT_CONST_UINT(kLeafKindMask, 7u);
 GLINT_CONST_UINT(kLeafCountShift, 25u);
 GLINT_CONST_UINT(kLeafCountMask, 7u);
 GLINT_CONST_UINT(kLeafFirstMask, 0x01ffffffu);  // 2^25 = 33.5 million primitives of a kind
 GLINT_CONST_UINT(kMaxLeafSize, 8u);             // what kLeafCountMask can say
+
+// In the id of a dielectric primitive: of surfaces in one place the lowest id is hit, so an opaque one.
+GLINT_CONST_UINT(kDielectricRank, 0x80000000u);
 
 // A primitive is kind << kPrimitiveKindShift | index into the kind's array (leaf order); kNone for none.
 GLINT_CONST_UINT(kPrimitiveKindShift, 28u);
@@ -237,8 +224,8 @@ enum class PrimitiveKind : uint8_t { GLINT_PRIMITIVES(GLINT_KIND_NAME, GLINT_KIN
 static_assert(kKindCount <= kLeafKindMask + 1, "a leaf has three bits for its kind");
 #endif
 
-// For a solid with several surfaces, the primitive also holds the part that is hit, above the 25 bits that a
-// leaf leaves to an index. A ray that starts on this part must not hit it again, but may hit the others.
+// Above the 25 bits of a leaf's index, a solid with several surfaces has the part that is hit. A ray that
+// starts on this part must not hit it again, but may hit the others.
 GLINT_CONST_UINT(kPartShift, 25u);
 GLINT_CONST_UINT(kPartMask, 7u);
 // Parts and caps of a quadric:
@@ -258,10 +245,9 @@ GLINT_CONST_UINT(kLightSpot, 3u);
 GLINT_CONST_UINT(kLightSpotInverseSquare, 4u);
 
 GLINT_CONST_UINT(kRankOfZero, 0x80000000u);
-// Media that a ray can be inside of at a time; it does not notice the surface of one more.
+// Media that a ray can be inside of; it ignores the surface of one more.
 GLINT_CONST_UINT(kMaxMedia, 4u);
-// Branches of a path's tree that can wait to be followed; of one more and the one at hand, the lesser is
-// dropped.
+// Branches of a path's tree that can wait to be followed; beyond, the weaker of two is dropped.
 GLINT_CONST_UINT(kMaxWaiting, 16u);
 
 GLINT_CONST_UINT(kTextureWrapRepeat, 0u);
@@ -272,7 +258,7 @@ GLINT_CONST_UINT(kTextureWrapVShift, 2u);  // of v: the next two bits
 GLINT_CONST_UINT(kTextureNearest, 16u);    // else bilinear
 GLINT_CONST_UINT(kTextureChecker, 32u);    // else an image
 GLINT_CONST_UINT(kTextureSolid, 64u);      // a checker of cubes
-// Greater texture coordinates, which have no digits left for a place within a texel, and NaN count as 0.
+// Greater texture coordinates, which cannot resolve a texel, and NaN count as 0.
 GLINT_CONST_FLOAT(kMaxTextureCoordinate, 1e9f);
 
 // Texture coordinates of an object that is not a mesh: (U, V); the direction of the outward normal; that of
@@ -289,38 +275,32 @@ GLINT_CONST_UINT(kAttributeFirstMask, 0x3fffffffu);
 GLINT_CONST_UINT(kScatterNone, 0u);    // the same place in all pixels
 GLINT_CONST_UINT(kScatterJitter, 1u);  // at random in its cell
 GLINT_CONST_UINT(kScatterOwen, 2u);    // scrambled, by other random numbers in each pixel
-// The third word hashed for the shift of a pixel's jittered lens points; no sample has this key.
+// The key that shifts a pixel's jittered lens points; no sample has it.
 GLINT_CONST_UINT(kLensKey, 0xffffffffu);
-// The samples' array begins with two filter tables, the inverse of a cumulative distribution each: for each
-// of kFilterCells equal parts of [0, 1) the first and last distance from the pixel's centre, in units of
-// 2^-kFilterBits pixels, between which it is linear. Two cells fill a row, four rows stand in for a Sample.
+// The samples' array begins with two filter tables, inverse cumulative distributions: for each of
+// kFilterCells equal parts of [0, 1), the first and last distance from the pixel's centre in units of
+// 2^-kFilterBits pixels, linear between. A row holds two cells, a Sample four rows.
 GLINT_CONST_UINT(kFilterCells, 1024u);
 GLINT_CONST_UINT(kFilterCellShift, 22u);  // 2^32 / kFilterCells
 GLINT_CONST_UINT(kFilterBits, 18u);
 GLINT_CONST_UINT(kFilterRows, 512u);
 GLINT_CONST_UINT(kFirstSample, 256u);  // two tables
 
-// Levels of the BVH below the root that the builder may use, those of the world's tree and of a prototype's
-// together; a traversal pushes at most one entry per level.
+// Levels of the BVH below the root, of the world's and a prototype's together: the stack's entries.
 GLINT_CONST_UINT(kMaxBvhDepth, 48u);
-// Infinite planes are tested one by one, outside the BVH; the bound keeps that loop far below the 65,535
-// trips after which lavapipe ends every loop.
+// Each ray tests all planes: far fewer than the 65,535 trips after which lavapipe ends every loop.
 GLINT_CONST_UINT(kMaxPlanes, 1024u);
-// The outline of a polygon is followed by so many edges in one loop trip, for as many trips at the most: with
-// a leaf of 2^11 trips and 16 lanes lavapipe's 65,535 still leave a ray some 700 trips before it has to be
-// resumed (path_limits.cpp).
+// Edges of a polygon's outline per loop trip, and trips at most: with a leaf of 2^11 trips and 16 lanes,
+// lavapipe's 65,535 leave a ray some 700 trips before it must be resumed (path_limits.cpp).
 GLINT_CONST_UINT(kPolygonEdgesPerTrip, 4u);
 GLINT_CONST_UINT(kMaxPolygonTrips, 2048u);
-// Invocations per workgroup; one workgroup traces one 8x8 tile. Vulkan guarantees 128.
+// One workgroup traces one 8x8 tile. Vulkan guarantees 128 invocations.
 GLINT_CONST_UINT(kWorkgroupSize, 64u);
 GLINT_CONST_UINT(kTileSize, 8u);
 
-// Children of a node of the packets' tree, and lanes of the subgroups that walk it.
-GLINT_CONST_UINT(kPacketWidth, 8u);
-
-// Rays of a lane in packet kernels; packets that a subgroup traces one after the other in those for any hits.
-GLINT_CONST_UINT(kPacketRays, 4u);
-GLINT_CONST_UINT(kPacketTurns, 8u);
+GLINT_CONST_UINT(kPacketWidth, 8u);  // children of a node of the packets' BVH; lanes of a subgroup
+GLINT_CONST_UINT(kPacketRays, 4u);   // rays of a lane
+GLINT_CONST_UINT(kPacketTurns, 8u);  // any-hit packets that a subgroup traces one after the other
 
 #ifdef __cplusplus
 }  // namespace glint::shared

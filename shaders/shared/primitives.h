@@ -11,9 +11,9 @@
     V3U(A, v1, reserved1)                    \
     V3U(A, v2, reserved2)
 
-// Ordinary sphere: `point` is the centre, anchorNormal is zero. Anchored sphere (radius much greater than its
-// distance from the eye, so that centre and radius would cancel): `point` lies on the surface, anchorNormal n
-// is the unit outward normal there, and the surface is |x - point|^2 + 2 radius n.(x - point) = 0.
+// point: the centre; anchorNormal: 0. An anchored sphere, whose radius is so much greater than its distance
+// from the eye that they would cancel, has a `point` of its surface, with the unit outward normal n, and
+// consists of the points x with |x - point|^2 + 2 radius n.(x - point) = 0.
 #define GLINT_SPHERE_ROWS(V3F, V3U, U4, A) \
     V3F(A, point, radius)                  \
     V3U(A, anchorNormal, id)               \
@@ -31,9 +31,8 @@
     V3F(A, normal, radius)               \
     U4(A, object, primitive, material, reserved)
 
-// normal: unit; point: in the plane. The outline's vertices stand from firstVertex on, the first one again at
-// the end and as often as it takes to make `trips` times kPolygonEdgesPerTrip edges: an edge without length
-// crosses nothing.
+// normal: unit; point: in the plane. The outline's vertices are stored from firstVertex on; the first one is
+// repeated at the end until there are `trips` times kPolygonEdgesPerTrip edges.
 #define GLINT_POLYGON_ROWS(V3F, V3U, U4, A) \
     V3U(A, point, id)                       \
     V3U(A, normal, object)                  \
@@ -59,11 +58,10 @@
     V3F(A, lo, reserved1)                   \
     V3F(A, hi, reserved2)
 
-// A prototype, a tree of its own whose primitives have their own coordinates, ids from 0 and a material that
-// counts if the instance's is kNone. A point x of the world is W (x - place) there, W having the rows
-// toObject; the rows toWorld are those of the inverse of W as rounded. idBase: what the ids are counted from.
-// mirrored: 1 if the transform turns windings around, so that the second and third corner of triangles, and
-// with them u and v of a hit, are exchanged; else 0.
+// A prototype placed in the world. It has a BVH, coordinates, ids from 0, and materials, which count if the
+// instance's is kNone. A point x of the world is W (x - place) there, with the rows toObject of W; toWorld is
+// the inverse of the rounded W. idBase: added to the ids. mirrored: 1 if the transform reverses windings, so
+// that the second and third corner of triangles, and u and v of hits, are exchanged.
 #define GLINT_INSTANCE_ROWS(V3F, V3U, U4, A) \
     V3U(A, place, root)                      \
     V3U(A, toObjectX, idBase)                \
@@ -73,10 +71,9 @@
     V3F(A, toWorldY, reserved1)              \
     V3F(A, toWorldZ, reserved2)
 
-// The solid between three pairs of parallel faces: lo <= y <= hi for y = T (x - point). T has the rows
-// toLocal0..2, unit normals of the faces. Without a transform T is the identity and point is 0, so that the
-// faces are exactly at lo and hi. The part of a primitive (kPartShift) is 2 axis + 1 for the face at hi, 2
-// axis + 0 for the face at lo.
+// The solid lo <= y <= hi for y = T (x - point). T has the rows toLocal0..2, unit normals of the faces.
+// Without a transform T is the identity and point is 0, so that the faces are exactly at lo and hi. The part
+// (kPartShift) of the face at hi is 2 axis + 1, at lo 2 axis.
 #define GLINT_CUBOID_ROWS(V3F, V3U, U4, A) \
     V3U(A, point, id)                      \
     V3U(A, toLocal0, object)               \
@@ -107,7 +104,7 @@
 // For lists without instances.
 #define GLINT_NO_KIND(number, Kind, kinds, one, many)
 
-// X(FEATURE, kinds, loops): the loops, one within the other, that a leaf of each kind takes in the shaders.
+// X(FEATURE, kinds, loops): nested loops that a leaf of each kind takes in the shaders.
 #define GLINT_LEAF_LOOPS(X)     \
     X(TRIANGLES, triangles, 1u) \
     X(SPHERES, spheres, 1u)     \

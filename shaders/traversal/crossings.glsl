@@ -1,10 +1,9 @@
-// Crossings: how often a ray goes through surfaces, each time counted once, whatever was rounded.
+// Crossings of surfaces, each counted once despite rounding.
 //
-// In the plane across the ray (Woop's shear) each vertex has one rounded place, which all its triangles
-// share. So what is counted is a mesh that is closed if the given one is, seen from a point moved by (e, e^2)
-// (sideOfEdge): of that the signs are exact, as products that round to the same number are compared in whole
-// numbers. A line hence crosses a closed mesh an even number of times. t only tells what lies behind the
-// origin; where its sign is not beyond doubt the ray is reported, and the host counts anew.
+// In the plane across the ray (Woop's shear) all triangles of a vertex share its rounded place, so a closed
+// mesh stays closed. It is seen from a point moved by (e, e^2) (sideOfEdge), with exact signs: products that
+// round to the same number are compared as integers. A line hence crosses a closed mesh an even number of
+// times. t only decides what lies behind the origin; if its sign is in doubt, the host counts the ray again.
 #ifndef GLINT_CROSSINGS_GLSL
 #define GLINT_CROSSINGS_GLSL
 
@@ -125,8 +124,8 @@ bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips,
             float bound = boundOfSum(seen, vec3(az, bz, cz));
             precise float sum = ea * az + eb * bz + ec * cz;
             doubtful = crosses && nearest <= 0.0 && !(abs(sum) > bound);
-            // One that is certain lies between its corners, and so between the ray's ends, though t is
-            // rounded: it is counted elsewhere without a look at t.
+            // A certain crossing lies between its corners, and so between the ray's ends, whatever t rounds
+            // to.
             bool below = kPlacesMatter && certain && t < nearest;
             bool above = kPlacesMatter && certain && t > farthest;
             t = below ? nearest : (above ? farthest : t);

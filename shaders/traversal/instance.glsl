@@ -11,9 +11,8 @@ vec3 timesRows(vec3 x, vec3 y, vec3 z, vec3 v) {
     return product;
 }
 
-// Always from the ray in the world. The direction is not made a unit vector: t is the world's. The difference
-// comes first, so that errors go with the distance between the ray's origin and the instance, not with their
-// coordinates.
+// From the ray in the world. The direction keeps its length, so that t is the world's. The difference comes
+// first, so that errors grow with the distance to the instance, not with coordinates.
 void enterInstance(Instance instance, inout vec3 origin, inout vec3 direction) {
     precise vec3 away = origin - instance.place;
     origin = timesRows(instance.toObjectX, instance.toObjectY, instance.toObjectZ, away);
@@ -62,9 +61,8 @@ vec3 sizesInWorld(Instance instance, vec3 sizes) {
 }
 
 // A point with its error box. Rounding of the matrix, of products, sums and of adding the place: gamma_5 of
-// the sum of magnitudes (PBRT 4th ed., sec. 6.8). And a ray that starts there is rounded into the instance's
-// coordinates again, by gamma_4 of |W| |x - place|: it must come to lie on the same side of the surface there
-// too.
+// the sum of magnitudes (PBRT 4th ed., sec. 6.8). A ray that starts there must be on the same side of the
+// surface in the instance's coordinates, too, and is rounded into them by gamma_4 of |W| |x - place|.
 void leaveInstance(Instance instance, inout vec3 position, inout vec3 error) {
     vec3 away = timesRows(instance.toWorldX, instance.toWorldY, instance.toWorldZ, position);
     vec3 entered =

@@ -1,19 +1,18 @@
 // llvmpipe (Mesa's lavapipe) in one place: what it compiles differently from a GPU, and what shaders do about
 // it. The figures are in docs/lab/nodes.md; the driver is Mesa 22.3.6.
 //
-// - An `if` never jumps: both sides run with a mask. Only a loop that no lane enters is skipped. So work that
-//   is rare stands in a loop of its own, `do { if (mine) {...} } while (mine)`: a `while` loop would run its
-//   body once.
-// - Once a subgroup has made 65,535 trips through all of its loops together, every loop ends, silently. So
-//   each ray counts its trips and gives up at dispatch.tripBudget (src/render/path_limits.cpp).
-// - A store to a private array jumps lane by lane on whether the lane is in the loop, and is mispredicted
-//   once for each lane that leaves. With kConvergent all lanes run through all loops of a traversal together;
-//   a lane that is done changes nothing. Reading another lane is defined only while both are active, so all
-//   loops around such a loop are convergent, too.
+// - An `if` never jumps: both sides run with a mask. Only a loop that no lane enters is skipped. So rare work
+//   has a loop of its own, `do { if (mine) {...} } while (mine)`: a `while` loop runs its body once.
+// - After 65,535 trips of a subgroup through all of its loops together, every loop ends silently. So each ray
+//   counts its trips and gives up at dispatch.tripBudget (src/render/path_limits.cpp).
+// - A store to a private array jumps lane by lane on whether the lane is in the loop, and mispredicts once
+// for
+//   each lane that leaves. With kConvergent all lanes leave all loops of a traversal together; a finished
+//   lane changes nothing. A shuffle needs both lanes active, so all loops around such a loop are convergent,
+//   too.
 // - subgroupShuffleXor is one instruction; votes, ballots and broadcasts are loops over the lanes.
-// - A store to a buffer is made word by word and lane by lane, 14 instructions each: rows that do not change
-//   are not stored. A push constant costs 25 instructions wherever it is used: loops use a local copy. A load
-//   is made whatever the condition around it.
+// - A store to a buffer takes 14 instructions for each word and lane: rows that do not change are not stored.
+//   A push constant costs 25 instructions at each use: loops use a local copy. Loads ignore conditions.
 #ifndef GLINT_LANES_GLSL
 #define GLINT_LANES_GLSL
 

@@ -1,13 +1,11 @@
-// Rays, their bounds, boxes, and the arithmetic helpers of intersection. Everything here is `precise`: a
-// contracted product would break the sign argument of the watertight triangle test and the error bounds
-// (docs/design/numerics.md).
+// Rays, boxes, and the arithmetic of intersection. All of it is `precise`: a contracted product would break
+// the watertight triangle test and the error bounds (docs/design/numerics.md).
 #ifndef GLINT_RAY_GLSL
 #define GLINT_RAY_GLSL
 
 #include "storage.glsl"
 
-// gamma_n = n u / (1 - n u), u = 2^-24: the bound on the relative error of n roundings (Higham, Accuracy and
-// Stability, 2002, sec. 3.1).
+// gamma_n = n u / (1 - n u), u = 2^-24, bounds the relative error of n roundings (Higham 2002, sec. 3.1).
 const float kUnit = 5.9604645e-8;
 float gammaBound(float n) { return quotient(n * kUnit, 1.0 - n * kUnit); }
 
@@ -42,8 +40,8 @@ bool isFinite(vec3 v) { return all(lessThanEqual(abs(v), vec3(kInfinity))); }
 
 // Values of a ray that the box and triangle tests need, computed once per ray.
 struct RayFrame {
-    vec3 nearOrigin;  // the origin as near planes of boxes are measured from it
-    vec3 farOrigin;   // the same for far ones: apart where boxes are to be wider, see makeFrame
+    vec3 nearOrigin;  // the origin for near planes of boxes
+    vec3 farOrigin;   // and for far planes: another if boxes are to be wider, see makeFrame
     vec3 inverse;     // 1/d, finite, with the sign of d kept where d is 0
     bvec3 negative;   // 1/d < 0: the far plane of a slab is its lower one
     uint axis;        // of the largest component of d: 0, 1, 2
@@ -58,13 +56,11 @@ vec3 turnToZ(vec3 v, uint axis) { return axis == 0u ? v.yzx : (axis == 1u ? v.zx
 // Boxes are taken for wider by `pad` on all sides.
 RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     RayFrame frame;
-    // |1/d| stays below 2^125, so that (plane - origin) * inverse is +-inf or finite for any coordinates in
-    // range, never 0 * inf = NaN.
+    // |1/d| stays below 2^125, so that (plane - origin) * inverse is never 0 * inf = NaN.
     const float kTiny = 2.3509887e-38;  // 2^-125
-    vec3 guarded;
-    guarded.x = abs(d.x) < kTiny ? ((floatBitsToUint(d.x) >> 31) != 0u ? -kTiny : kTiny) : d.x;
-    guarded.y = abs(d.y) < kTiny ? ((floatBitsToUint(d.y) >> 31) != 0u ? -kTiny : kTiny) : d.y;
-    guarded.z = abs(d.z) < kTiny ? ((floatBitsToUint(d.z) >> 31) != 0u ? -kTiny : kTiny) : d.z;
+    bvec3 isNegative = notEqual(floatBitsToUint(d) >> 31, uvec3(0u));
+    vec3 tiny = mix(vec3(kTiny), vec3(-kTiny), isNegative);
+    vec3 guarded = mix(d, tiny, lessThan(abs(d), vec3(kTiny)));
     precise vec3 inverse = quotient(1.0, guarded);
     frame.inverse = inverse;
     frame.negative = lessThan(inverse, vec3(0.0));
@@ -98,27 +94,24 @@ float nextTowards(float x, float sense) {
 
 // ---- Boxes of the BVH ----
 
-// Distances along the ray of the two planes of each slab, the far one enlarged. A division good to 2.5 ulp
-// (Vulkan's promise), one subtraction and one product leave each plane within gamma_7 of its true distance
-// (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, with gamma_7 in place of his gamma_3), and what the
-// triangle test accepts may lie beside the ray by 11 u t |d| (edgeMargin, src/pack/primitives.h): both twice,
-// and a unit for the product itself and for what is of second order, make 1 + 38 u. So a box whose primitive
-// is hit is never missed. The same factor on the interval's end keeps one that is hit at exactly that t.
+// Factor of far planes and of the interval's end, 1 + 38 u: a box whose primitive is hit is never missed. A
+// division good to 2.5 ulp (Vulkan's promise), a subtraction and a product leave each plane within gamma_7 of
+// its true distance (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, has gamma_3), and what the triangle
+// test accepts may lie beside the ray by 11 u t |d| (edgeMargin, src/pack/primitives.h): both twice, and 2 u.
 const float kFarPad = 1.00000226497650;
-// The other two are for `glint report`: Ize's own, and none.
+// For `glint report` also Ize's own, and none.
 float farPad() {
     return SLAB_PAD == kSlabPlain ? 1.0 : (SLAB_PAD == kSlabGamma3 ? 1.00000035762791 : kFarPad);
 }
 
-// True if the box may hold a hit in the ray's interval that ends at tEnd = tMax * kFarPad. Both planes are
-// chosen by the sign of the direction, not by min and max, so that an empty box (lo > hi) is never hit.
+// True if the box may hold a hit up to tEnd = tMax * kFarPad. The sign of the direction chooses the planes,
+// so that an empty box (lo > hi) is never hit.
 bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out float tNear) {
     vec3 nearPlane = mix(lo, hi, frame.negative);
     vec3 farPlane = mix(hi, lo, frame.negative);
     precise vec3 t0 = (nearPlane - frame.nearOrigin) * frame.inverse;
     precise vec3 t1 = (farPlane - frame.farOrigin) * frame.inverse;
-    // Written as comparisons: these compile to one instruction each where min and max take three, for NaN's
-    // sake.
+    // Comparisons compile to one instruction each; min and max take three, for NaN's sake.
     float near = ray.tMin;
     near = t0.x > near ? t0.x : near;
     near = t0.y > near ? t0.y : near;
@@ -154,10 +147,9 @@ bool countsAt(Ray ray, float t) {
     return ahead && t > ray.tMin && near <= ray.tMax;
 }
 
-// How far the height of the origin above a flat surface may be off, with what surfaces in the same place may
-// differ by. n.w, w = anchor - o, errs by gamma_4 of the magnitudes that it sums and n by a unit; n.d, and
-// with it the way t d, by as much; the corners of another surface in this place are rounded, each by half a
-// unit of its coordinates.
+// Error bound of the origin's height above a flat surface, with the difference of surfaces in the same place.
+// n.w, w = anchor - o, errs by gamma_4 of the magnitudes that it sums and n by a unit; so does n.d, and with
+// it the way t d; the corners of another surface in this place are rounded by half a unit.
 float slipOfHeight(RayFrame frame, vec3 n, vec3 anchor, vec3 w, vec3 way) {
     precise vec3 terms = 2.0 * abs(anchor) + 6.0 * (abs(w) + abs(way));
     precise float height = kUnit * dot(abs(n), terms) + frame.slip;
@@ -170,8 +162,7 @@ float slipOfFlat(RayFrame frame, vec3 n, vec3 anchor, vec3 w, vec3 d, float t, f
     return kSlips ? slip : 0.0;
 }
 
-// tSlip of a round surface: the last roundings of t. Two of them coincide if they are stored with the same
-// numbers, and then have the same t.
+// tSlip of a round surface: the last roundings of t. Two that coincide have the same numbers and the same t.
 float slipOfRound(float t) {
     precise float slip = 8.0 * kUnit * abs(t);
     return kSlips ? slip : 0.0;
@@ -183,9 +174,9 @@ float clearance(vec3 error, vec3 n) {
     return d;
 }
 
-// A point safely on the side of the surface that `n` points to: `p` is off the true surface by at most
-// `error` on each axis (Pharr, Jakob, Humphreys, Physically Based Rendering, 4th ed., sec. 6.8.6). The other
-// two are for `glint report`: a distance that knows nothing of the scene's size, and none.
+// A point on the side of the surface that `n` points to: `p` is off the true surface by at most `error` on
+// each axis (Pharr, Jakob, Humphreys, PBRT 4th ed., sec. 6.8.6). For `glint report` also a fixed distance,
+// and none.
 vec3 offsetOrigin(vec3 p, vec3 error, vec3 n) {
     if (ORIGIN_OFFSET == kOffsetNone) return p;
     if (ORIGIN_OFFSET == kOffsetFixed) {

@@ -13,12 +13,12 @@
 // One entry for each level of the tree at most, and a free place above it.
 uint stack[kMaxBvhDepth + 1u];
 
-// Any-hit rays take the farther child first: most of them leave a surface at a grazing angle, and its
-// neighbourhood seldom shades them. Not if dielectrics filter the light, whose sum depends on the order.
+// Any-hit rays take the farther child first: the neighbourhood of the surface that they leave seldom shades
+// them. Not if dielectrics filter the light, whose sum depends on the order.
 bool isFarthestFirst(Traversal traversal) { return isAnyHit(traversal) && !FEATURE_COLORED_SHADOWS; }
 
-// Returns the first of the node's children that the ray enters, kNone if it enters none, and pushes the
-// other. `none` is as a comparison with kNone, which would take 6 % of the time of scenes/instances.json.
+// Returns the first of the node's children that the ray enters, or kNone, and pushes the other. `none` saves
+// a comparison with kNone, 6 % of the time of scenes/instances.json.
 uint enterNode(Traversal traversal, uint index, float tEnd, inout uint top, out bool none) {
     Node node = loadNode(index);
     float near0, near1;
@@ -70,8 +70,7 @@ uint descend(inout Traversal traversal, uint current, uint base, uint budget, in
 // would pay for the transform (traversal/lanes.glsl).
 bool isInSpace(uint child) { return child != kNone && !isInstance(child); }
 
-// From the root. Returns kNone when finished, else 0: the slot to begin from again, with what is known by
-// then.
+// From the root. Returns kNone when finished, else 0: the slot to begin from again, with the hit so far.
 uint traverse(inout Traversal traversal, uint root) {
     uint top = 0u;
     uint base = 0u;  // of the stack within an instance: entries below belong to the world
