@@ -5,8 +5,8 @@
 
 #include "primitives/surface.glsl"
 
-// Where a line enters and leaves each pair of planes of a closed box (Kay, Kajiya, "Ray Tracing Complex
-// Scenes", SIGGRAPH 1986).
+// The t at which a line enters and leaves each pair of planes of a closed box (Kay, Kajiya, "Ray Tracing
+// Complex Scenes", SIGGRAPH 1986).
 struct Slabs {
     vec3 near, far;   // t
     vec3 inverse;     // 1/d, 1 if the line is parallel to the planes

@@ -17,8 +17,8 @@ void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surfa
     surface.shadingNormal = normal;
 }
 
-// Where a ray crosses the plane of a flat primitive. t from an anchor point, not from a stored plane
-// constant: a distant constant would cancel.
+// The point at which a ray crosses the plane of a flat primitive. t from an anchor point, not from a stored
+// plane constant: a distant constant would cancel.
 struct PlaneCrossing {
     vec3 toAnchor;
     float speed;  // along the normal

@@ -21,7 +21,7 @@ void prefer(uint medium, inout uint best, inout uint bestRank) {
     bestRank = better ? rank : bestRank;
 }
 
-// Of overlapping media the one of the greatest priority counts, of equal ones the last entered (C. Schmidt,
+// The medium that counts among overlapping ones: the greatest priority, then the last entered (C. Schmidt,
 // B. Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of Graphics Tools 7(2), 2002).
 uint rulingMedium(uvec4 media) {
     uint best = 0u;

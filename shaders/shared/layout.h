@@ -62,7 +62,8 @@
 
 #define GLINT_TEXEL_ROWS(V3F, V3U, U4, A) V3F(A, color, alpha)
 
-// Of a triangle: with kAttributeUvs (u0 u1 u2), (v0 v1 v2); then with kAttributeColors three linear colours.
+// A triangle has, with kAttributeUvs, (u0 u1 u2), (v0 v1 v2); then with kAttributeColors three linear
+// colours.
 #define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4, A) V3F(A, value, reserved)
 
 // Frame of an object (src/pack/pack_textures.h). The object's coordinates of a local position p are
