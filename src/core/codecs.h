@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -49,72 +50,44 @@ Bytes encodePng(int width, int height, int channels, const Bytes& samples);
 // channels, a fourth is dropped.
 Bytes encodeHdr(const Image& image);
 
-// 1, 3 or 4 channels, a fourth is dropped. Every bit of a sample is kept, NaN included.
+// 1 to 4 channels; 2 get a third of zeros, a fourth is dropped. Every bit of a sample is kept, NaN included.
 Bytes encodePfm(const Image& image);
 
-// One plane of an EXR file.
-struct ExrChannel {
-    std::string name;
-    std::vector<float> samples;  // row 0 at the top
-};
+// By OpenEXR. 32-bit float channels in one part, named as writeLayers (core/image_io.h) states. Every bit of
+// a sample is kept. Notes become attributes of the header, numbers as doubles.
+Bytes encodeExr(const std::vector<Layer>& layers, const PictureNotes& notes = {});
 
-// By OpenEXR. 32-bit float channels in one part; sorts them by name as the format asks. Every bit of a sample
-// is kept. Notes become attributes of the header, numbers as doubles.
-Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels, const PictureNotes& notes = {});
+// The layer with that name; null if there is none.
+const Layer* findLayer(const std::vector<Layer>& layers, std::string_view name);
 
-// The same, written as rows arrive from the top.
-class ExrRows {
+// The 8-bit samples of a PNG and their channels: of the layer "color", whose alpha a layer "alpha" replaces,
+// or of "alpha" alone.
+Bytes pngSamples(const std::vector<Layer>& layers);
+int pngChannels(const std::vector<Layer>& layers);
+
+// Encodes a picture of any size as its rows arrive from the top.
+class RowEncoder {
   public:
-    ExrRows(ByteSink& sink, int width, int height, const std::vector<std::string>& channels,
-            const PictureNotes& notes = {});
-    ~ExrRows();
-    ExrRows(const ExrRows&) = delete;
-    ExrRows& operator=(const ExrRows&) = delete;
+    RowEncoder() = default;
+    virtual ~RowEncoder() = default;
+    RowEncoder(const RowEncoder&) = delete;
+    RowEncoder& operator=(const RowEncoder&) = delete;
 
-    void add(int rows, std::vector<ExrChannel>& channels);
+    virtual void add(const std::vector<Layer>& rows) = 0;
     // The last `rows` rows of the picture, all like the one given, which is encoded once.
-    void fill(int rows, std::vector<ExrChannel>& row);
-    void finish();
-
-  private:
-    struct State;
-    std::unique_ptr<State> state_;
+    virtual void fill(int rows, const std::vector<Layer>& row) = 0;
+    virtual void finish() = 0;
 };
 
-// encodePng as rows arrive from the top, of any size. The pixels are the same, the bytes need not be.
-class PngRows {
-  public:
-    PngRows(ByteSink& sink, int width, int height, int channels);
-    ~PngRows();
-    PngRows(const PngRows&) = delete;
-    PngRows& operator=(const PngRows&) = delete;
-
-    void add(ByteView samples);  // of whole rows
-    // So many rows like the one given, which are compressed by the block.
-    void fill(int rows, ByteView row);
-    void finish();
-
-  private:
-    struct State;
-    std::unique_ptr<State> state_;
-};
-
-// encodePfm as rows arrive from the top.
-class PfmRows {
-  public:
-    PfmRows(ByteSink& sink, int width, int height, int channels);
-    void add(const Image& rows);
-    // The last rows of the picture, all like the one given. Those that are zeros are not written: the file
-    // system keeps no bytes of them.
-    void fill(const Image& row);
-
-  private:
-    uint64_t positionOf(int rowsBelow) const;
-
-    ByteSink& sink_;
-    int width_, kept_, left_;  // rows that are still to come
-    uint64_t first_;           // byte behind the header
-};
+// `shape`: the layers as add() will get them; their images may be empty but for the channels. The sink must
+// outlive the encoder.
+std::unique_ptr<RowEncoder> exrRows(ByteSink& sink, int width, int height, const std::vector<Layer>& shape,
+                                    const PictureNotes& notes = {});
+// The pixels of encodePng; the bytes need not be the same.
+std::unique_ptr<RowEncoder> pngRows(ByteSink& sink, int width, int height, const std::vector<Layer>& shape);
+// The layer of that name, in a file of its own. Last rows of zeros are not written: the file system keeps no
+// bytes of them.
+std::unique_ptr<RowEncoder> pfmRows(ByteSink& sink, int width, int height, const Layer& shape);
 
 // The largest picture that is decoded: 16,384 x 16,384 pixels, 4 GiB of RGBA floats.
 inline constexpr uint64_t kMostPicturePixels = kMostPixels;

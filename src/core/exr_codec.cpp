@@ -200,10 +200,6 @@ Image readPart(Imf::InputPart& part, const Context& context) {
     return rows.take();
 }
 
-}  // namespace
-
-namespace exr {
-
 class SinkStream : public Imf::OStream {
   public:
     explicit SinkStream(ByteSink& sink) : OStream("the file"), sink_(sink) {}
@@ -236,120 +232,153 @@ class SinkStream : public Imf::OStream {
     std::exception_ptr fault_;
 };
 
-}  // namespace exr
+// One plane of an EXR file.
+struct ExrChannel {
+    std::string name;
+    std::vector<float> samples;  // row 0 at the top
+};
 
-struct ExrRows::State {
-    State(ByteSink& to, int w, int h, const std::vector<std::string>& names)
-        : sink(to), width(w), height(h), channels(names), stream(to), header(w, h) {
+std::vector<float> plane(const Image& image, int channel) {
+    std::vector<float> samples;
+    samples.reserve(image.pixels.size() / static_cast<size_t>(image.channels));
+    for (size_t i = static_cast<size_t>(channel); i < image.pixels.size();
+         i += static_cast<size_t>(image.channels)) {
+        samples.push_back(image.pixels[i]);
+    }
+    return samples;
+}
+
+void appendExrChannels(const Layer& layer, bool withAlpha, std::vector<ExrChannel>& channels) {
+    const int count = layer.image.channels;
+    if (layer.name == "color") {
+        const char* const names[] = {count == 1 ? "Y" : "R", "G", "B", "A"};
+        for (int c = 0; c < (withAlpha ? count : std::min(count, 3)); ++c) {
+            channels.push_back({names[c], plane(layer.image, c)});
+        }
+        return;
+    }
+    if (layer.name == "alpha") {
+        channels.push_back({"A", plane(layer.image, 0)});
+        return;
+    }
+    const char* const suffixes[] = {"Y", "UV", "XYZ"};  // for 1, 2 and 3 channels
+    for (int c = 0; c < count; ++c) {
+        channels.push_back({layer.name + "." + suffixes[count - 1][c], plane(layer.image, c)});
+    }
+}
+
+// The channels of an EXR that has all layers.
+std::vector<ExrChannel> exrChannels(const std::vector<Layer>& layers) {
+    const bool alphaIsLayer = findLayer(layers, "alpha") != nullptr;
+    std::vector<ExrChannel> channels;
+    for (const Layer& layer : layers) appendExrChannels(layer, !alphaIsLayer, channels);
+    return channels;
+}
+
+class ExrRows : public RowEncoder {
+  public:
+    ExrRows(ByteSink& sink, int width, int height, const std::vector<Layer>& shape, const PictureNotes& notes)
+        : sink_(sink), width_(width), height_(height), stream_(sink) {
+        makePool();
+        Imf::Header header(width, height);
         header.compression() = kCompression;
-        for (const std::string& name : names) {
-            if (name.size() >= 256) throw CodecError("the layer name " + name + " is too long for EXR");
-            header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        for (const ExrChannel& channel : exrChannels(shape)) {
+            if (channel.name.size() >= 256)
+                throw CodecError("the layer name " + channel.name + " is too long for EXR");
+            header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+        }
+        for (const auto& [name, value] : notes) {
+            if (const double* number = std::get_if<double>(&value))
+                header.insert(name, Imf::DoubleAttribute(*number));
+            else
+                header.insert(name, Imf::StringAttribute(std::get<std::string>(value)));
+        }
+        encoding([&] { file_.emplace(stream_, header, 0); });
+        firstChunk_ = stream_.tellp();
+    }
+
+    void add(const std::vector<Layer>& rows) override {
+        const int count = rows.front().image.height;
+        std::vector<ExrChannel> channels = exrChannels(rows);
+        Imf::FrameBuffer source;
+        // The library asks for row y of the picture at base + y * stride.
+        const auto before = static_cast<std::ptrdiff_t>(written_) * width_;
+        for (ExrChannel& channel : channels) {
+            source.insert(channel.name,
+                          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channel.samples.data() - before),
+                                     sizeof(float), sizeof(float) * static_cast<size_t>(width_)));
+        }
+        encoding([&] {
+            file_->setFrameBuffer(source);
+            file_->writePixels(count);
+        });
+        written_ += count;
+    }
+
+    // Writes again what the library wrote for the first of these rows, for all below it, and where these
+    // begin. With RLE a chunk is one row: its number, its bytes' count, its bytes (openexr.com, "OpenEXR File
+    // Layout").
+    void fill(int rows, const std::vector<Layer>& row) override {
+        if (rows == 0) return;
+        Bytes chunk, chunks;
+        stream_.copyTo(&chunk);
+        add(row);
+        stream_.copyTo(nullptr);
+        uint64_t position = stream_.tellp();
+        for (int y = written_; y < height_; ++y) {
+            const auto* const place = reinterpret_cast<const uint8_t*>(&position);
+            lastRows_.insert(lastRows_.end(), place, place + sizeof(position));
+            const size_t at = chunks.size();
+            chunks.insert(chunks.end(), chunk.begin(), chunk.end());
+            std::memcpy(chunks.data() + at, &y, sizeof(y));
+            position += chunk.size();
+            if (chunks.size() < kRepeatBytes && y + 1 < height_) continue;
+            sink_.write(chunks, position - chunks.size());
+            chunks.clear();
         }
     }
 
-    // Writes again what the library wrote for the last row, for all below it, and where these begin.
-    void repeat(const Bytes& chunk);
-
-    ByteSink& sink;
-    int width, height;
-    int written = 0;
-    uint64_t firstChunk = 0;  // the table of where rows begin ends here
-    Bytes lastRows;           // what the table lacks
-    std::vector<std::string> channels;
-    exr::SinkStream stream;
-    Imf::Header header;
-    std::optional<Imf::OutputFile> file;
-};
-
-namespace {
-
-template <typename Work>
-void encoding(const exr::SinkStream& stream, const Work& work) {
-    try {
-        work();
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& error) {
-        stream.check();
-        throw CodecError(std::string("cannot encode EXR (") + error.what() + ")");
+    void finish() override {
+        encoding([&] { file_.reset(); });
+        if (lastRows_.empty()) return;
+        // The library's own table has a 0 for rows that it did not write.
+        sink_.write(lastRows_, firstChunk_ - lastRows_.size());
     }
-    stream.check();
-}
+
+  private:
+    template <typename Work>
+    void encoding(const Work& work) {
+        try {
+            work();
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& error) {
+            stream_.check();
+            throw CodecError(std::string("cannot encode EXR (") + error.what() + ")");
+        }
+        stream_.check();
+    }
+
+    ByteSink& sink_;
+    int width_, height_;
+    int written_ = 0;
+    uint64_t firstChunk_ = 0;  // the table of where rows begin ends here
+    Bytes lastRows_;           // what the table lacks
+    SinkStream stream_;
+    std::optional<Imf::OutputFile> file_;
+};
 
 }  // namespace
 
-ExrRows::ExrRows(ByteSink& sink, int width, int height, const std::vector<std::string>& channels,
-                 const PictureNotes& notes)
-    : state_(std::make_unique<State>(sink, width, height, channels)) {
-    makePool();
-    for (const auto& [name, value] : notes) {
-        if (const double* number = std::get_if<double>(&value))
-            state_->header.insert(name, Imf::DoubleAttribute(*number));
-        else
-            state_->header.insert(name, Imf::StringAttribute(std::get<std::string>(value)));
-    }
-    encoding(state_->stream, [&] { state_->file.emplace(state_->stream, state_->header, 0); });
-    state_->firstChunk = state_->stream.tellp();
+std::unique_ptr<RowEncoder> exrRows(ByteSink& sink, int width, int height, const std::vector<Layer>& shape,
+                                    const PictureNotes& notes) {
+    return std::make_unique<ExrRows>(sink, width, height, shape, notes);
 }
 
-ExrRows::~ExrRows() = default;
-
-void ExrRows::add(int rows, std::vector<ExrChannel>& channels) {
-    Imf::FrameBuffer source;
-    // The library asks for row y of the picture at base + y * stride.
-    const auto before = static_cast<std::ptrdiff_t>(state_->written) * state_->width;
-    for (ExrChannel& channel : channels) {
-        source.insert(channel.name,
-                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channel.samples.data() - before),
-                                 sizeof(float), sizeof(float) * static_cast<size_t>(state_->width)));
-    }
-    encoding(state_->stream, [&] {
-        state_->file->setFrameBuffer(source);
-        state_->file->writePixels(rows);
-    });
-    state_->written += rows;
-}
-
-// With RLE a chunk is one row: its number, its bytes' count, its bytes (openexr.com, "OpenEXR File Layout").
-void ExrRows::State::repeat(const Bytes& chunk) {
-    uint64_t position = stream.tellp();
-    Bytes chunks;
-    for (int y = written; y < height; ++y) {
-        const auto* const place = reinterpret_cast<const uint8_t*>(&position);
-        lastRows.insert(lastRows.end(), place, place + sizeof(position));
-        const size_t at = chunks.size();
-        chunks.insert(chunks.end(), chunk.begin(), chunk.end());
-        std::memcpy(chunks.data() + at, &y, sizeof(y));
-        position += chunk.size();
-        if (chunks.size() < kRepeatBytes && y + 1 < height) continue;
-        sink.write(chunks, position - chunks.size());
-        chunks.clear();
-    }
-}
-
-void ExrRows::fill(int rows, std::vector<ExrChannel>& row) {
-    if (rows == 0) return;
-    Bytes chunk;
-    state_->stream.copyTo(&chunk);
-    add(1, row);
-    state_->stream.copyTo(nullptr);
-    state_->repeat(chunk);
-}
-
-void ExrRows::finish() {
-    encoding(state_->stream, [&] { state_->file.reset(); });
-    if (state_->lastRows.empty()) return;
-    // The library's own table has a 0 for rows that it did not write.
-    state_->sink.write(state_->lastRows, state_->firstChunk - state_->lastRows.size());
-}
-
-Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels, const PictureNotes& notes) {
-    std::vector<std::string> names;
-    for (const ExrChannel& channel : channels) names.push_back(channel.name);
+Bytes encodeExr(const std::vector<Layer>& layers, const PictureNotes& notes) {
     MemorySink sink;
-    ExrRows rows(sink, width, height, names, notes);
-    rows.add(height, channels);
+    ExrRows rows(sink, layers[0].image.width, layers[0].image.height, layers, notes);
+    rows.add(layers);
     rows.finish();
     return std::move(sink.bytes);
 }

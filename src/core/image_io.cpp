@@ -47,35 +47,6 @@ void checkImage(const Image& image, const std::string& what, bool isColorImage) 
     }
 }
 
-std::vector<float> plane(const Image& image, int channel) {
-    std::vector<float> samples;
-    samples.reserve(image.pixels.size() / static_cast<size_t>(image.channels));
-    for (size_t i = static_cast<size_t>(channel); i < image.pixels.size();
-         i += static_cast<size_t>(image.channels)) {
-        samples.push_back(image.pixels[i]);
-    }
-    return samples;
-}
-
-void appendExrChannels(const Layer& layer, bool withAlpha, std::vector<ExrChannel>& channels) {
-    const int count = layer.image.channels;
-    if (isColor(layer)) {
-        const char* const names[] = {count == 1 ? "Y" : "R", "G", "B", "A"};
-        for (int c = 0; c < (withAlpha ? count : std::min(count, 3)); ++c) {
-            channels.push_back({names[c], plane(layer.image, c)});
-        }
-        return;
-    }
-    if (isAlpha(layer)) {
-        channels.push_back({"A", plane(layer.image, 0)});
-        return;
-    }
-    const char* const suffixes[] = {"Y", "UV", "XYZ"};  // for 1, 2 and 3 channels
-    for (int c = 0; c < count; ++c) {
-        channels.push_back({layer.name + "." + suffixes[count - 1][c], plane(layer.image, c)});
-    }
-}
-
 // Runs an encoder or decoder; its failures get the file's name.
 template <typename Function>
 auto withPath(const std::filesystem::path& path, Function function) {
@@ -98,13 +69,6 @@ Format writableFormat(const fs::path& path) {
                 path.string() + ": " +
                     (extension.empty() ? "no file name extension" : "unknown picture format " + extension) +
                     " (use .png, .exr, .pfm or .hdr)");
-}
-
-// The layer with that name; null if there is none.
-const Layer* findLayer(const std::vector<Layer>& layers, std::string_view name) {
-    const auto found =
-        std::find_if(layers.begin(), layers.end(), [&](const Layer& layer) { return layer.name == name; });
-    return found == layers.end() ? nullptr : &*found;
 }
 
 // Throws CodecError for layers that cannot be written together.
@@ -136,81 +100,34 @@ Image withChannels(const Image& image, int channels) {
     return result;
 }
 
-// The channels of an EXR that has all layers.
-std::vector<ExrChannel> exrChannels(const std::vector<Layer>& layers) {
-    const bool alphaIsLayer = findLayer(layers, "alpha") != nullptr;
-    std::vector<ExrChannel> channels;
-    for (const Layer& layer : layers) appendExrChannels(layer, !alphaIsLayer, channels);
-    return channels;
-}
-
-int colorSampleChannels(const Image& image, const Image* alpha) {
-    return alpha == nullptr ? image.channels : std::min(image.channels, 3) + 1;
-}
-
-// The bytes of a PNG's pixels. `alpha` (may be null) replaces the picture's own.
-Bytes colorSamples(const Image& image, const Image* alpha) {
-    if (alpha == nullptr) return quantizeColor(image);
-    const int colors = std::min(image.channels, 3);
-    Bytes samples;
-    samples.reserve(alpha->pixels.size() * static_cast<size_t>(colors + 1));
-    for (size_t i = 0; i < alpha->pixels.size(); ++i) {
-        for (int c = 0; c < colors; ++c) {
-            samples.push_back(
-                srgbByte(image.pixels[i * static_cast<size_t>(image.channels) + static_cast<size_t>(c)]));
-        }
-        samples.push_back(linearByte(static_cast<double>(alpha->pixels[i])));
-    }
-    return samples;
-}
-
-Bytes alphaSamples(const Image& image) {
-    Bytes samples(image.pixels.size());
-    std::transform(image.pixels.begin(), image.pixels.end(), samples.begin(),
-                   [](float value) { return linearByte(static_cast<double>(value)); });
-    return samples;
-}
-
-Bytes encodeLayersExr(const std::vector<Layer>& layers, const PictureNotes& notes = {}) {
-    return encodeExr(layers[0].image.width, layers[0].image.height, exrChannels(layers), notes);
-}
-
-Bytes encodeColor(Format format, const Image& image, const Image* alpha) {
+Bytes encodeImage(Format format, const Image& image) {
     switch (format) {
         case Format::Png:
-            return encodePng(image.width, image.height, colorSampleChannels(image, alpha),
-                             colorSamples(image, alpha));
+            return encodePng(image.width, image.height, image.channels, quantizeColor(image));
         case Format::Exr:
-            return encodeLayersExr({{"color", image}});
+            return encodeExr({{"color", image}});
         case Format::Pfm:
             return encodePfm(image);
         case Format::Hdr:
-            return encodeHdr(image);
+            return encodeHdr(image.channels == 2 ? withChannels(image, 3) : image);
     }
     throw CodecError("unknown format");
 }
 
 // A layer other than color, in a file of its own.
 Bytes encodeData(Format format, const Layer& layer) {
-    if (format == Format::Png && isAlpha(layer)) {
-        return encodePng(layer.image.width, layer.image.height, 1, alphaSamples(layer.image));
+    const Image& image = layer.image;
+    if (format != Format::Png) return encodeImage(format, image);
+    if (isAlpha(layer)) return encodePng(image.width, image.height, 1, pngSamples({layer}));
+    // Padding comes after scaling: the zero must not take part in the range.
+    const Bytes scaled = quantizeData(image);
+    if (image.channels != 2) return encodePng(image.width, image.height, image.channels, scaled);
+    Bytes padded;
+    padded.reserve(scaled.size() / 2 * 3);
+    for (size_t i = 0; i < scaled.size(); i += 2) {
+        padded.insert(padded.end(), {scaled[i], scaled[i + 1], uint8_t{0}});
     }
-    if (format == Format::Png) {
-        // Padding comes after scaling: the zero must not take part in the range.
-        const Image& image = layer.image;
-        const Bytes scaled = quantizeData(image);
-        if (image.channels != 2) {
-            return encodePng(image.width, image.height, image.channels, scaled);
-        }
-        Bytes padded;
-        padded.reserve(scaled.size() / 2 * 3);
-        for (size_t i = 0; i < scaled.size(); i += 2) {
-            padded.insert(padded.end(), {scaled[i], scaled[i + 1], uint8_t{0}});
-        }
-        return encodePng(image.width, image.height, 3, padded);
-    }
-    const bool pad = layer.image.channels == 2;
-    return encodeColor(format, pad ? withChannels(layer.image, 3) : layer.image, nullptr);
+    return encodePng(image.width, image.height, 3, padded);
 }
 
 fs::path besidePath(const fs::path& path, const std::string& layer) {
@@ -222,7 +139,7 @@ std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const 
                                      const PictureNotes& notes) {
     checkLayers(layers);
     if (format == Format::Exr) {
-        return {{path, encodeLayersExr(layers, notes)}};
+        return {{path, encodeExr(layers, notes)}};
     }
     const bool hasColor = findLayer(layers, "color") != nullptr;
     const Layer* alpha = format == Format::Png && hasColor ? findLayer(layers, "alpha") : nullptr;
@@ -231,11 +148,13 @@ std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const 
         if (&layer == alpha) {
             continue;
         }
-        if (isColor(layer)) {
-            files.push_back(
-                {path, encodeColor(format, layer.image, alpha == nullptr ? nullptr : &alpha->image)});
-        } else {
+        if (!isColor(layer)) {
             files.push_back({besidePath(path, layer.name), encodeData(format, layer)});
+        } else if (alpha != nullptr) {
+            files.push_back({path, encodePng(layer.image.width, layer.image.height, pngChannels(layers),
+                                             pngSamples(layers))});
+        } else {
+            files.push_back({path, encodeImage(format, layer.image)});
         }
     }
     return files;
@@ -261,6 +180,37 @@ Image decode(ByteView file, uint64_t mostPixels, const Context& context) {
 
 }  // namespace
 
+const Layer* findLayer(const std::vector<Layer>& layers, std::string_view name) {
+    const auto found =
+        std::find_if(layers.begin(), layers.end(), [&](const Layer& layer) { return layer.name == name; });
+    return found == layers.end() ? nullptr : &*found;
+}
+
+// A layer "alpha" replaces the fourth channel of "color".
+int pngChannels(const std::vector<Layer>& layers) {
+    const Layer* const color = findLayer(layers, "color");
+    if (color == nullptr) return 1;
+    const int channels = color->image.channels;
+    return findLayer(layers, "alpha") == nullptr ? channels : std::min(channels, 3) + 1;
+}
+
+Bytes pngSamples(const std::vector<Layer>& layers) {
+    const Layer* const color = findLayer(layers, "color");
+    const Layer* const alpha = findLayer(layers, "alpha");
+    if (alpha == nullptr) return quantizeColor(color->image);
+    const int colors = color == nullptr ? 0 : std::min(color->image.channels, 3);
+    Bytes samples;
+    samples.reserve(alpha->image.pixels.size() * static_cast<size_t>(colors + 1));
+    for (size_t i = 0; i < alpha->image.pixels.size(); ++i) {
+        for (int c = 0; c < colors; ++c) {
+            const auto channels = static_cast<size_t>(color->image.channels);
+            samples.push_back(srgbByte(color->image.pixels[i * channels + static_cast<size_t>(c)]));
+        }
+        samples.push_back(linearByte(static_cast<double>(alpha->image.pixels[i])));
+    }
+    return samples;
+}
+
 bool isWritableImagePath(const fs::path& path) {
     return formatOf(path).has_value();
 }
@@ -283,7 +233,7 @@ void writeImage(const fs::path& path, const Image& image) {
     files[0].path = path;
     files[0].bytes = withPath(path, [&] {
         checkImage(image, "a picture", true);
-        return encodeColor(format, image, nullptr);
+        return encodeImage(format, image);
     });
     writeFiles(files);
 }
@@ -303,95 +253,19 @@ std::vector<fs::path> writeLayers(const fs::path& path, const std::vector<Layer>
 
 // ---- row by row ----
 
-// One file, and which of the layers are in it.
+// One file of PictureRows with its encoder.
 class RowFile : public ByteSink {
   public:
-    explicit RowFile(const fs::path& path) : staged_(path) {
-        if (staged_.isDevice())
+    explicit RowFile(const fs::path& path) : staged(path) {
+        if (staged.isDevice())
             throw Error(ErrorKind::Failed,
                         path.string() + ": is no regular file, which a picture in bands goes into");
     }
-    ~RowFile() override = default;
-    RowFile(const RowFile&) = delete;
-    RowFile& operator=(const RowFile&) = delete;
+    void write(ByteView bytes, uint64_t offset) override { staged.write(bytes, offset); }
 
-    virtual void add(const std::vector<Layer>& rows) = 0;
-    virtual void fill(int rows, const std::vector<Layer>& row) = 0;
-    virtual void end() = 0;
-    StagedFile& staged() { return staged_; }
-    void write(ByteView bytes, uint64_t offset) override { staged_.write(bytes, offset); }
-
-  private:
-    StagedFile staged_;
+    StagedFile staged;
+    std::unique_ptr<RowEncoder> encoder;
 };
-
-namespace {
-
-class ExrFile : public RowFile {
-  public:
-    ExrFile(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
-        : RowFile(path), rows_(*this, width, height, namesOf(shape)) {}
-    void add(const std::vector<Layer>& rows) override {
-        std::vector<ExrChannel> channels = exrChannels(rows);
-        rows_.add(rows.front().image.height, channels);
-    }
-    void fill(int rows, const std::vector<Layer>& row) override {
-        std::vector<ExrChannel> channels = exrChannels(row);
-        rows_.fill(rows, channels);
-    }
-    void end() override { rows_.finish(); }
-
-  private:
-    static std::vector<std::string> namesOf(const std::vector<Layer>& shape) {
-        std::vector<std::string> names;
-        for (ExrChannel& channel : exrChannels(shape)) names.push_back(std::move(channel.name));
-        return names;
-    }
-    ExrRows rows_;
-};
-
-// Colour, and alpha if there is such a layer; or alpha alone.
-class PngFile : public RowFile {
-  public:
-    PngFile(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
-        : RowFile(path), rows_(*this, width, height, channelsOf(shape)) {}
-    void add(const std::vector<Layer>& rows) override { rows_.add(samplesOf(rows)); }
-    void fill(int rows, const std::vector<Layer>& row) override { rows_.fill(rows, samplesOf(row)); }
-    void end() override { rows_.finish(); }
-
-  private:
-    static Bytes samplesOf(const std::vector<Layer>& rows) {
-        const Layer* const color = findLayer(rows, "color");
-        const Layer* const alpha = findLayer(rows, "alpha");
-        return color ? colorSamples(color->image, alpha ? &alpha->image : nullptr)
-                     : alphaSamples(alpha->image);
-    }
-    static int channelsOf(const std::vector<Layer>& shape) {
-        const Layer* const color = findLayer(shape, "color");
-        const Layer* const alpha = findLayer(shape, "alpha");
-        return color ? colorSampleChannels(color->image, alpha ? &alpha->image : nullptr) : 1;
-    }
-    PngRows rows_;
-};
-
-class PfmFile : public RowFile {
-  public:
-    PfmFile(const fs::path& path, int width, int height, const Layer& layer)
-        : RowFile(path), name_(layer.name), rows_(*this, width, height, layer.image.channels) {}
-    void add(const std::vector<Layer>& rows) override { rows_.add(imageOf(rows)); }
-    void fill(int, const std::vector<Layer>& row) override { rows_.fill(imageOf(row)); }
-    void end() override {}
-
-  private:
-    Image imageOf(const std::vector<Layer>& rows) const {
-        const Image& image = findLayer(rows, name_)->image;
-        return image.channels == 2 ? withChannels(image, 3) : image;
-    }
-    std::string name_;
-    PfmRows rows_;
-};
-
-}  // namespace
 
 bool canWriteRows(const fs::path& path, const std::vector<std::string>& layers) {
     switch (writableFormat(path)) {
@@ -413,27 +287,25 @@ PictureRows::PictureRows(const fs::path& path, int width, int height, const std:
     for (const Layer& layer : shape) names.push_back(layer.name);
     const std::vector<fs::path> paths = layerPaths(path, names);
     const Format format = writableFormat(path);
-    withPath(path, [&] {
-        if (format == Format::Exr) {
-            files_.push_back(std::make_unique<ExrFile>(path, width, height, shape));
-        } else if (format == Format::Png) {
-            files_.push_back(std::make_unique<PngFile>(paths.front(), width, height, shape));
-        } else {
-            for (size_t i = 0; i < shape.size(); ++i)
-                files_.push_back(std::make_unique<PfmFile>(paths[i], width, height, shape[i]));
-        }
-    });
+    const size_t count = format == Format::Pfm ? shape.size() : 1;  // a file for each layer, or one for all
+    for (size_t i = 0; i < count; ++i)
+        withPath(path, [&] {
+            RowFile& file = *files_.emplace_back(std::make_unique<RowFile>(paths[i]));
+            file.encoder = format == Format::Exr   ? exrRows(file, width, height, shape)
+                           : format == Format::Png ? pngRows(file, width, height, shape)
+                                                   : pfmRows(file, width, height, shape[i]);
+        });
 }
 
 PictureRows::~PictureRows() = default;
 
 void PictureRows::add(const std::vector<Layer>& rows) {
-    for (const auto& file : files_) withPath(file->staged().path(), [&] { file->add(rows); });
+    for (const auto& file : files_) withPath(file->staged.path(), [&] { file->encoder->add(rows); });
     left_ -= rows.front().image.height;
 }
 
 void PictureRows::fill(const std::vector<Layer>& row) {
-    for (const auto& file : files_) withPath(file->staged().path(), [&] { file->fill(left_, row); });
+    for (const auto& file : files_) withPath(file->staged.path(), [&] { file->encoder->fill(left_, row); });
     left_ = 0;
 }
 
@@ -441,10 +313,10 @@ std::vector<fs::path> PictureRows::finish() {
     std::vector<fs::path> paths;
     std::vector<StagedFile*> staged;
     for (const auto& file : files_) {
-        withPath(file->staged().path(), [&] { file->end(); });
-        file->staged().finish();
-        staged.push_back(&file->staged());
-        paths.push_back(file->staged().path());
+        withPath(file->staged.path(), [&] { file->encoder->finish(); });
+        file->staged.finish();
+        staged.push_back(&file->staged);
+        paths.push_back(file->staged.path());
     }
     commitAll(staged);
     return paths;

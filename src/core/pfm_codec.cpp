@@ -67,58 +67,74 @@ std::string headerOf(int width, int height, int channels) {
            std::to_string(height) + "\n-1.0\n";
 }
 
-// The first `kept` channels of a row.
+// One row with `kept` channels; a missing one is 0.
 void appendRow(const Image& image, int y, int kept, Bytes& bytes) {
     std::vector<float> row;
     row.reserve(static_cast<size_t>(image.width) * kept);
     for (int x = 0; x < image.width; ++x) {
-        for (int c = 0; c < kept; ++c) row.push_back(image.at(x, y, c));
+        for (int c = 0; c < kept; ++c) row.push_back(c < image.channels ? image.at(x, y, c) : 0.0f);
     }
     const auto* from = reinterpret_cast<const uint8_t*>(row.data());
     bytes.insert(bytes.end(), from, from + row.size() * sizeof(float));
 }
 
+class PfmRows : public RowEncoder {
+  public:
+    PfmRows(ByteSink& sink, int width, int height, int channels, std::string name)
+        : sink_(sink), name_(std::move(name)), width_(width), kept_(channels == 1 ? 1 : 3), left_(height) {
+        const std::string header = headerOf(width, height, kept_);
+        sink_.write(ByteView(reinterpret_cast<const uint8_t*>(header.data()), header.size()), 0);
+        first_ = header.size();
+    }
+
+    void add(const std::vector<Layer>& rows) override { add(findLayer(rows, name_)->image); }
+    // The file's rows go from the bottom to the top.
+    void add(const Image& rows) {
+        Bytes bytes;
+        for (int y = rows.height - 1; y >= 0; --y) appendRow(rows, y, kept_, bytes);
+        left_ -= rows.height;
+        sink_.write(bytes, positionOf(left_));
+    }
+
+    void fill(int, const std::vector<Layer>& layers) override {
+        if (left_ == 0) return;
+        const Image& row = findLayer(layers, name_)->image;
+        add(row);  // by which the file has its size, even if it is the first
+        Bytes bytes;
+        appendRow(row, 0, kept_, bytes);
+        if (std::all_of(bytes.begin(), bytes.end(), [](uint8_t byte) { return byte == 0; })) left_ = 0;
+        const size_t rowBytes = bytes.size();
+        const int inBlock = std::min(left_, static_cast<int>(kMostBlockBytes / rowBytes) + 1);
+        for (int y = 1; y < inBlock; ++y) appendRow(row, 0, kept_, bytes);
+        while (left_ > 0) {
+            const int rows = std::min(left_, inBlock);
+            left_ -= rows;
+            sink_.write(ByteView(bytes).first(static_cast<size_t>(rows) * rowBytes), positionOf(left_));
+        }
+    }
+    void finish() override {}
+
+  private:
+    uint64_t positionOf(int rowsBelow) const {
+        return first_ + static_cast<uint64_t>(rowsBelow) * static_cast<uint64_t>(width_) *
+                            static_cast<uint64_t>(kept_) * sizeof(float);
+    }
+
+    ByteSink& sink_;
+    std::string name_;
+    int width_, kept_, left_;  // rows that are still to come
+    uint64_t first_ = 0;       // byte behind the header
+};
+
 }  // namespace
 
-PfmRows::PfmRows(ByteSink& sink, int width, int height, int channels)
-    : sink_(sink), width_(width), kept_(channels == 1 ? 1 : 3), left_(height) {
-    const std::string header = headerOf(width, height, kept_);
-    sink_.write(ByteView(reinterpret_cast<const uint8_t*>(header.data()), header.size()), 0);
-    first_ = header.size();
-}
-
-// The file's rows go from the bottom to the top.
-void PfmRows::add(const Image& rows) {
-    Bytes bytes;
-    for (int y = rows.height - 1; y >= 0; --y) appendRow(rows, y, kept_, bytes);
-    left_ -= rows.height;
-    sink_.write(bytes, positionOf(left_));
-}
-
-uint64_t PfmRows::positionOf(int rowsBelow) const {
-    return first_ + static_cast<uint64_t>(rowsBelow) * static_cast<uint64_t>(width_) *
-                        static_cast<uint64_t>(kept_) * sizeof(float);
-}
-
-void PfmRows::fill(const Image& row) {
-    if (left_ == 0) return;
-    add(row);  // by which the file has its size, even if it is the first
-    Bytes bytes;
-    appendRow(row, 0, kept_, bytes);
-    if (std::all_of(bytes.begin(), bytes.end(), [](uint8_t byte) { return byte == 0; })) left_ = 0;
-    const size_t rowBytes = bytes.size();
-    const int inBlock = std::min(left_, static_cast<int>(kMostBlockBytes / rowBytes) + 1);
-    for (int y = 1; y < inBlock; ++y) appendRow(row, 0, kept_, bytes);
-    while (left_ > 0) {
-        const int rows = std::min(left_, inBlock);
-        left_ -= rows;
-        sink_.write(ByteView(bytes).first(static_cast<size_t>(rows) * rowBytes), positionOf(left_));
-    }
+std::unique_ptr<RowEncoder> pfmRows(ByteSink& sink, int width, int height, const Layer& shape) {
+    return std::make_unique<PfmRows>(sink, width, height, shape.image.channels, shape.name);
 }
 
 Bytes encodePfm(const Image& image) {
     MemorySink sink;
-    PfmRows(sink, image.width, image.height, image.channels).add(image);
+    PfmRows(sink, image.width, image.height, image.channels, "").add(image);
     return std::move(sink.bytes);
 }
 

@@ -22,25 +22,79 @@ void appendWord(Bytes& bytes, uint32_t value) {
 // By channels: grey, grey and alpha, RGB, RGBA.
 constexpr std::array<uint8_t, 5> kColorTypes = {0, 0, 4, 2, 6};
 
-}  // namespace
-
-struct PngRows::State {
-    State(ByteSink& to, size_t bytesInRow) : sink(to), rowBytes(bytesInRow), above(bytesInRow, 0) {
-        // Same compression as encodePng (stb_encoders.cpp). zlib's header and checksum are written here,
-        // since one compressed block may be written several times.
+// The compression of encodePng (stb_encoders.cpp). PngRows writes zlib's header and checksum itself, since
+// one compressed block may be written several times.
+struct Deflater {
+    Deflater() {
         if (deflateInit2(&stream, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK)
             throw CodecError("not enough memory to compress the picture");
-        piece[0] = 0x78;
-        piece[1] = 0x01;
     }
-    ~State() { deflateEnd(&stream); }
-    State(const State&) = delete;
-    State& operator=(const State&) = delete;
+    ~Deflater() { deflateEnd(&stream); }
+    Deflater(const Deflater&) = delete;
+    Deflater& operator=(const Deflater&) = delete;
+    z_stream stream{};
+};
 
+class PngRows : public RowEncoder {
+  public:
+    PngRows(ByteSink& to, int width, int height, int channels)
+        : sink_(to),
+          rowBytes_(static_cast<size_t>(width) * static_cast<size_t>(channels)),
+          above_(rowBytes_, 0) {
+        piece_[0] = 0x78;
+        piece_[1] = 0x01;
+        put({0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'});
+        Bytes header;
+        appendWord(header, static_cast<uint32_t>(width));
+        appendWord(header, static_cast<uint32_t>(height));
+        header.insert(header.end(), {8, kColorTypes[static_cast<size_t>(channels)], 0, 0, 0});
+        chunk("IHDR", header);
+    }
+
+    void add(const std::vector<Layer>& rows) override {
+        const Bytes samples = pngSamples(rows);
+        for (size_t at = 0; at < samples.size(); at += rowBytes_)
+            compressRow(ByteView(samples).subspan(at, rowBytes_));
+    }
+
+    // Below the first of these rows every filtered one is zeros. A block that begins and ends with a full
+    // flush stands on whole bytes and refers to none before it, so that its chunks can be written any number
+    // of times.
+    void fill(int rows, const std::vector<Layer>& layers) override {
+        const Bytes row = pngSamples(layers);
+        if (rows-- > 0) compressRow(row);
+        const int inBlock = static_cast<int>(std::max<size_t>(kFillBytes / (rowBytes_ + 1), 1));
+        if (rows >= 2 * inBlock) {
+            compress({}, Z_FULL_FLUSH);
+            endPiece();
+            Bytes block(static_cast<size_t>(inBlock) * (rowBytes_ + 1), 0), chunks;
+            for (size_t k = 0; k < block.size(); k += rowBytes_ + 1) block[k] = kFilterUp;
+            copy_ = &chunks;
+            compress(block, Z_FULL_FLUSH);
+            endPiece();
+            copy_ = nullptr;
+            const uLong blockSum = adler32_z(1, block.data(), block.size());
+            for (rows -= inBlock; rows >= inBlock; rows -= inBlock) {
+                put(chunks);
+                sum_ = adler32_combine(sum_, blockSum, static_cast<z_off_t>(block.size()));
+            }
+        }
+        for (; rows > 0; --rows) compressRow(row);
+    }
+
+    void finish() override {
+        compress({}, Z_FINISH);
+        if (filled_ + sizeof(uint32_t) > piece_.size()) endPiece();
+        for (const int shift : {24, 16, 8, 0}) piece_[filled_++] = static_cast<uint8_t>(sum_ >> shift);
+        endPiece();
+        chunk("IEND", {});
+    }
+
+  private:
     void put(const Bytes& bytes) {
-        sink.write(bytes, position);
-        position += bytes.size();
-        if (copy) copy->insert(copy->end(), bytes.begin(), bytes.end());
+        sink_.write(bytes, position_);
+        position_ += bytes.size();
+        if (copy_) copy_->insert(copy_->end(), bytes.begin(), bytes.end());
     }
     void chunk(const char* name, ByteView data) {
         Bytes bytes;
@@ -53,90 +107,47 @@ struct PngRows::State {
         put(bytes);
     }
     void endPiece() {
-        if (filled > 0) chunk("IDAT", ByteView(piece.data(), filled));
-        filled = 0;
+        if (filled_ > 0) chunk("IDAT", ByteView(piece_.data(), filled_));
+        filled_ = 0;
     }
     // Writes what is compressed in whole pieces.
     void compress(ByteView bytes, int flush) {
-        if (!bytes.empty()) sum = adler32_z(sum, bytes.data(), bytes.size());
+        if (!bytes.empty()) sum_ = adler32_z(sum_, bytes.data(), bytes.size());
+        z_stream& stream = deflater_.stream;
         stream.next_in = const_cast<uint8_t*>(bytes.data());
         stream.avail_in = static_cast<uInt>(bytes.size());
         int result = Z_OK;
         do {
-            stream.next_out = piece.data() + filled;
-            stream.avail_out = static_cast<uInt>(piece.size() - filled);
+            stream.next_out = piece_.data() + filled_;
+            stream.avail_out = static_cast<uInt>(piece_.size() - filled_);
             result = deflate(&stream, flush);
-            filled = piece.size() - stream.avail_out;
-            if (filled == piece.size()) endPiece();
+            filled_ = piece_.size() - stream.avail_out;
+            if (filled_ == piece_.size()) endPiece();
         } while (stream.avail_out == 0 || (flush == Z_FINISH && result != Z_STREAM_END));
     }
     void compressRow(ByteView row) {
-        filtered.resize(row.size() + 1);
-        filtered[0] = kFilterUp;
-        for (size_t k = 0; k < row.size(); ++k) filtered[k + 1] = static_cast<uint8_t>(row[k] - above[k]);
-        above.assign(row.begin(), row.end());
-        compress(filtered, Z_NO_FLUSH);
+        filtered_.resize(row.size() + 1);
+        filtered_[0] = kFilterUp;
+        for (size_t k = 0; k < row.size(); ++k) filtered_[k + 1] = static_cast<uint8_t>(row[k] - above_[k]);
+        above_.assign(row.begin(), row.end());
+        compress(filtered_, Z_NO_FLUSH);
     }
 
-    ByteSink& sink;
-    uint64_t position = 0;
-    size_t rowBytes;
-    Bytes above, filtered;
-    z_stream stream{};
-    Bytes piece = Bytes(kPieceBytes);
-    size_t filled = 2;      // zlib's header
-    uLong sum = 1;          // Adler-32 of all bytes before compression
-    Bytes* copy = nullptr;  // takes what is written
+    ByteSink& sink_;
+    uint64_t position_ = 0;
+    size_t rowBytes_;
+    Bytes above_, filtered_;
+    Deflater deflater_;
+    Bytes piece_ = Bytes(kPieceBytes);
+    size_t filled_ = 2;      // zlib's header
+    uLong sum_ = 1;          // Adler-32 of all bytes before compression
+    Bytes* copy_ = nullptr;  // takes what is written
 };
 
-PngRows::PngRows(ByteSink& sink, int width, int height, int channels)
-    : state_(std::make_unique<State>(sink, static_cast<size_t>(width) * static_cast<size_t>(channels))) {
-    state_->put({0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'});
-    Bytes header;
-    appendWord(header, static_cast<uint32_t>(width));
-    appendWord(header, static_cast<uint32_t>(height));
-    header.insert(header.end(), {8, kColorTypes[static_cast<size_t>(channels)], 0, 0, 0});
-    state_->chunk("IHDR", header);
-}
+}  // namespace
 
-PngRows::~PngRows() = default;
-
-void PngRows::add(ByteView samples) {
-    State& s = *state_;
-    for (size_t at = 0; at < samples.size(); at += s.rowBytes) s.compressRow(samples.subspan(at, s.rowBytes));
-}
-
-// Below the first of these rows every filtered one is zeros. A block that begins and ends with a full flush
-// stands on whole bytes and refers to none before it, so that its chunks can be written any number of times.
-void PngRows::fill(int rows, ByteView row) {
-    State& s = *state_;
-    if (rows-- > 0) s.compressRow(row);
-    const int inBlock = static_cast<int>(std::max<size_t>(kFillBytes / (s.rowBytes + 1), 1));
-    if (rows >= 2 * inBlock) {
-        s.compress({}, Z_FULL_FLUSH);
-        s.endPiece();
-        Bytes block(static_cast<size_t>(inBlock) * (s.rowBytes + 1), 0), chunks;
-        for (size_t k = 0; k < block.size(); k += s.rowBytes + 1) block[k] = kFilterUp;
-        s.copy = &chunks;
-        s.compress(block, Z_FULL_FLUSH);
-        s.endPiece();
-        s.copy = nullptr;
-        const uLong blockSum = adler32_z(1, block.data(), block.size());
-        for (rows -= inBlock; rows >= inBlock; rows -= inBlock) {
-            s.put(chunks);
-            s.sum = adler32_combine(s.sum, blockSum, static_cast<z_off_t>(block.size()));
-        }
-    }
-    for (; rows > 0; --rows) s.compressRow(row);
-}
-
-void PngRows::finish() {
-    State& s = *state_;
-    s.compress({}, Z_FINISH);
-    if (s.filled + sizeof(uint32_t) > s.piece.size()) s.endPiece();
-    for (const int shift : {24, 16, 8, 0}) s.piece[s.filled++] = static_cast<uint8_t>(s.sum >> shift);
-    s.endPiece();
-    s.chunk("IEND", {});
+std::unique_ptr<RowEncoder> pngRows(ByteSink& sink, int width, int height, const std::vector<Layer>& shape) {
+    return std::make_unique<PngRows>(sink, width, height, pngChannels(shape));
 }
 
 }  // namespace glint

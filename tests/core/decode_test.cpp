@@ -151,10 +151,10 @@ TEST(Truncated, Hdr) {
 }
 
 TEST(Truncated, Exr) {
-    const std::vector<float> noise = varied(6, 20).pixels;
-    expectEveryPrefixRefused(encodeExr(6, 60, {{"Y", noise}}), decodeExr);
-    const std::vector<float> flat(40 * 20, 0.5f);
-    expectEveryPrefixRefused(encodeExr(40, 20, {{"R", flat}, {"G", flat}, {"B", flat}}), decodeExr);
+    Image noise(6, 60, 1);
+    noise.pixels = varied(6, 20).pixels;
+    expectEveryPrefixRefused(encodeExr({{"color", noise}}), decodeExr);
+    expectEveryPrefixRefused(encodeExr({{"color", Image(40, 20, 3, 0.5f)}}), decodeExr);
 }
 
 std::string reasonOf(const std::vector<uint8_t>& file, Image (*decoder)(ByteView, uint64_t, const Context&)) {
@@ -167,7 +167,9 @@ std::string reasonOf(const std::vector<uint8_t>& file, Image (*decoder)(ByteView
 }
 
 TEST(Damaged, ExrWhoseHeaderDoesNotFit) {
-    const std::vector<uint8_t> whole = encodeExr(2, 2, {{"Y", {1, 2, 3, 4}}});
+    Image grey(2, 2, 1);
+    grey.pixels = {1, 2, 3, 4};
+    const std::vector<uint8_t> whole = encodeExr({{"color", grey}});
     std::vector<uint8_t> file = whole;
     file[5] |= 0x02;  // bit 9 of the version: tiled
     const std::string tiled = reasonOf(file, decodeExr);
