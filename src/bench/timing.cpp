@@ -1,22 +1,10 @@
 #include "bench/timing.h"
 
-#include <sys/resource.h>
-
 #include "core/stopwatch.h"
 
 namespace glint::bench {
 
 namespace {
-
-// Seconds that all threads of the process have run so far.
-double processorSeconds() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
 
 render::StageTimes difference(render::StageTimes after, const render::StageTimes& before) {
     using render::KernelTimes;
@@ -38,12 +26,12 @@ render::StageTimes difference(render::StageTimes after, const render::StageTimes
 
 Timing timeImage(const render::Renderer* renderer, const std::function<Picture()>& draw, Picture& picture) {
     const render::StageTimes before = renderer ? renderer->times() : render::StageTimes();
-    const double processors = processorSeconds();
+    const ProcessorWatch processors;
     const Stopwatch watch;
     picture = draw();
     Timing timing;
     timing.wall = watch.seconds();
-    timing.processors = processorSeconds() - processors;
+    timing.processors = processors.seconds();
     if (renderer) timing.stages = difference(renderer->times(), before);
     timing.wall -= timing.stages.compile;
     return timing;
