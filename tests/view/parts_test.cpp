@@ -214,10 +214,10 @@ class FileList : public glint::test::WorkingFolderTest {};
 
 TEST_F(FileList, FoldersThenWhatCanBeOpened) {
     std::filesystem::create_directory("z");
-    for (const char* name : {"b.JSON", "a.png", "notes.txt", ".hidden.json"}) writeText(name, "");
+    for (const char* name : {"b.JSON", "a.png", "c.webp", "notes.txt", ".hidden.json"}) writeText(name, "");
     std::vector<std::string> names;
     for (const FileEntry& entry : listFiles(".")) names.push_back(entry.path.filename().string());
-    EXPECT_EQ(names, (std::vector<std::string>{"z", "a.png", "b.JSON"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"z", "a.png", "b.JSON", "c.webp"}));
     EXPECT_TRUE(listFiles("nowhere").empty());
 }
 
