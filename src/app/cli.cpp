@@ -11,7 +11,6 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "app/option_values.h"
 #include "app/version.h"
 #include "core/enum_names.h"
 #include "core/error.h"

@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "app/common.h"
 #include "app/loading.h"
 #include "core/error.h"
-#include "core/text_file.h"
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"
 #include "reference/tracer.h"
-#include "scene/limits.h"
 #include "verify/stiffness.h"
 
 namespace glint::app {

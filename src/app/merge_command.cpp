@@ -8,7 +8,6 @@
 #include "app/render_result.h"
 #include "app/units.h"
 #include "core/available_memory.h"
-#include "core/error.h"
 #include "core/stopwatch.h"
 #include "farm/merge.h"
 

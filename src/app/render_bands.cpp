@@ -1,9 +1,7 @@
 #include "app/render_bands.h"
 
 #include <algorithm>
-#include <utility>
 
-#include "app/common.h"
 #include "app/picture_advice.h"
 #include "core/available_memory.h"
 #include "core/error.h"

@@ -1,7 +1,6 @@
 #include "app/render_command.h"
 
 #include <algorithm>
-#include <cmath>
 #include <ostream>
 
 #include "app/commands.h"
@@ -11,15 +10,10 @@
 #include "app/render_bands.h"
 #include "app/render_result.h"
 #include "core/available_memory.h"
-#include "core/codecs.h"
-#include "core/content_hash.h"
 #include "core/enum_names.h"
 #include "core/error.h"
-#include "core/image_io.h"
 #include "core/interrupt.h"
-#include "core/quantize.h"
 #include "core/stopwatch.h"
-#include "core/text_file.h"
 #include "scene/limits.h"
 
 namespace glint::app {

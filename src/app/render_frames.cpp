@@ -8,7 +8,6 @@
 #include "app/loading.h"
 #include "app/render_result.h"
 #include "core/available_memory.h"
-#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"

@@ -1,7 +1,6 @@
 #include <ostream>
 
 #include "app/commands.h"
-#include "app/common.h"
 #include "app/drawing.h"
 #include "app/loading.h"
 #include "app/ray_file.h"

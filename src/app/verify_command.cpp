@@ -11,6 +11,7 @@
 #include "app/verify_report.h"
 #include "core/available_memory.h"
 #include "core/error.h"
+#include "core/file_io.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"

@@ -8,7 +8,6 @@
 
 #include "app/common.h"
 #include "app/version.h"
-#include "core/file_io.h"
 #include "core/image_io.h"
 #include "core/text_file.h"
 #include "report/write.h"
