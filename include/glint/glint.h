@@ -210,7 +210,7 @@ typedef struct glint_triangles {
 
 /* Adds a mesh. Seen from outside, corners are counter-clockwise. A triangle with a vertex that is not finite,
  * or without area, is ignored with a warning and keeps its number; the commit refuses finite coordinates of
- * 1e18 or more. */
+ * 1e18 or more, and scenes less than 1e-14 across. */
 GLINT_API glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles* triangles,
                                                  uint32_t* geometry);
 

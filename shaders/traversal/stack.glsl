@@ -3,7 +3,7 @@
 // 2009: an inner loop over nodes up to the next leaf, an outer loop over leaves.
 //
 // A ray that runs out of trips is finished by further dispatches without a stack (traversal/stackless.glsl).
-// The closest hit is the same in any order.
+// The closest hit is the same in any order, with exceptions (docs/design/numerics.md).
 #ifndef GLINT_TRAVERSAL_GLSL
 #define GLINT_TRAVERSAL_GLSL
 

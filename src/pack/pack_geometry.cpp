@@ -5,12 +5,15 @@
 #include <functional>
 
 #include "bvh/flatten.h"
+#include "core/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "pack/build_tree.h"
 #include "pack/instances.h"
 #include "pack/primitives.h"
 #include "pack/scene_arrays.h"
+#include "scene/limits.h"
 
 namespace glint {
 namespace {
@@ -222,6 +225,15 @@ void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& pac
 // Parts of the packing time until the primitives are collected, and until their BVH is built.
 constexpr double kCollected = 0.1, kBuilt = 0.9;
 
+// Products of shorter edges underflow in fp32: the device would miss every triangle.
+void refuseTinyScene(const PackedScene& packed) {
+    const glm::vec3 size = packed.boundsHi - packed.boundsLo;
+    const double greatest = std::max({size.x, size.y, size.z});
+    if (greatest < kMinSceneSize)
+        throw Error(ErrorKind::Scene, "the scene is " + describe(greatest) + " across, and fp32 needs " +
+                                          describe(kMinSceneSize) + " at least: scale it up");
+}
+
 void fillStatistics(const Tree& tree, PackStatistics& statistics) {
     statistics.depth = tree.bvh.depth;
     statistics.sahCost = tree.cost;
@@ -260,6 +272,7 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
     if (!bvh.nodes.empty()) {
         packed.boundsLo = bvh.nodes[0].box.lo;
         packed.boundsHi = bvh.nodes[0].box.hi;
+        refuseTinyScene(packed);
     }
     bvh.nodes = {};
     writeInLeafOrder({scene, numbers, frame, packed, materials}, primitives, bvh.order, context);

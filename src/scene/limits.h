@@ -9,6 +9,7 @@ namespace glint {
 // Moller and Trumbore and of Woop work for scene scales 1e-14..1e18 and fail from 1e-16 down and 1e20 up
 // (measured).
 inline constexpr double kMaxCoordinate = 1e18;
+inline constexpr double kMinSceneSize = 1e-14;  // greatest extent of all objects but planes
 inline constexpr double kMinRadius = 1e-14;
 inline constexpr double kMaxRadius = 1e18;
 // Largest magnitude of a quadric's coefficients: the equation is scaled in double before it is rounded.

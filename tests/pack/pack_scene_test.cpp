@@ -233,6 +233,25 @@ TEST(PackScene, KeepsNeedles) {
     }
 }
 
+// T32. In one triangle's plane, so that two extents alone count.
+TEST(PackScene, RefusesScenesThatFp32Misses) {
+    const auto packTriangle = [](double size) {
+        Scene scene;
+        addObject(scene, TriangleShape{{{0, 0, 0}, {size, 0, 0}, {0, size, 0}}});
+        return packScene(scene).triangles.size();
+    };
+    EXPECT_EQ(packTriangle(1.0001e-14), 1u);
+    for (const double size : {0.9e-14, 1e-20}) {
+        try {
+            packTriangle(size);
+            ADD_FAILURE() << size;
+        } catch (const Error& e) {
+            EXPECT_EQ(e.kind(), ErrorKind::Scene);
+            EXPECT_NE(std::string(e.what()).find("scale it up"), std::string::npos) << e.what();
+        }
+    }
+}
+
 TEST(PackScene, VertexNormals) {
     auto mesh = gridMesh(2);
     mesh->normals = {{0, 0, 5}, {3, 0, 4}, {0, 0, 0}, {0, kNaN, 0}, {0, 1e300, 0}, {1e-300, 0, 0}};

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "oracle.h"
+#include "reference/tracer.h"
 #include "support.h"
 
 namespace glint::render::test::traversal_test {
@@ -213,6 +214,76 @@ TEST_P(TraversalTest, TreeAndBruteForceHitTheSame) {
         for (size_t i = 0; i < rays.size(); ++i) differing += any[i].hit != hits[i].hit;
         EXPECT_EQ(differing, 0u);
     }
+}
+
+// ---- surfaces in one place by their bounds alone ----
+
+// A fence in the plane z = 0 on a floor at y = 1 that begins behind it, nearer than the floor's slip. Rays
+// that pass the fence less than the bound above the floor's plane may hit either, by the order of traversal.
+struct Fence {
+    double slope = 0;  // of the rays
+    double bound = 0;  // of heights above the floor: h of docs/design/numerics.md
+    Case scene;
+};
+
+Fence fenceCase(Random& random) {
+    Fence fence;
+    fence.slope = logUniform(random, 1e-4, 0.1);
+    fence.bound = 0x1p-24 * (2 + 12 * fence.slope);
+    const double begin = -fence.bound / fence.slope * random.uniform(0.1, 0.9);
+    Scene scene = emptyScene();
+    const auto addRectangle = [&](const dvec3& corner, const dvec3& u, const dvec3& v) {
+        addTriangle(scene, corner, corner + u, corner + u + v);
+        addTriangle(scene, corner, corner + u + v, corner + v);
+    };
+    addRectangle({-1, 1, begin}, {2, 0, 0}, {0, 0, -2});
+    addRectangle({-1, 0.5, 0}, {2, 0, 0}, {0, 1, 0});
+    for (uint32_t i = random.below(12) + 6; i > 0; --i) {  // so that trees differ
+        const dvec3 at(random.uniform(-3, 3), random.uniform(2, 3), random.uniform(-3, 3));
+        addTriangle(scene, at, at + dvec3(0.2, 0, 0), at + dvec3(0, 0.2, 0.1));
+    }
+    scene.camera.eye = {0, 1 + fence.slope, 1};
+    scene.camera.target = {0, 1, 0};
+    scene.camera.fovY = 1e-4;
+    fence.scene = makeCase(scene, 16, 48);
+    return fence;
+}
+
+TEST_F(RenderTest, TheOrderOfTraversalMattersWithinTheBoundAlone) {
+    Random random(3);
+    size_t byOrder = 0;
+    for (int i = 0; i < 6; ++i) {
+        const Fence fence = fenceCase(random);
+        const Case& c = fence.scene;
+        const reference::Tracer tracer(c.packed);
+        std::vector<Picture> pictures;
+        for (const auto& [traversal, budget] :
+             {std::pair{Traversal::Lane, 0u}, {Traversal::Lane, 1u}, {Traversal::Packet, 0u}}) {
+            Options options;
+            options.traversal = traversal;
+            options.tripBudget = budget;
+            Renderer renderer(device(), c.packed, options);
+            EXPECT_EQ(verified(renderer, c).unexplained, 0u) << i;
+            pictures.push_back(renderer.render(c.camera, wholeWithData(c)));
+        }
+        for (int y = 0; y < c.height; ++y) {
+            const reference::Ray ray = tracer.cameraRay(c.camera, 8.5, y + 0.5);
+            const double height = ray.origin.y - ray.origin.z / ray.direction.z * ray.direction.y +
+                                  c.packed.origin.y - c.packed.origin.z / ray.direction.z * ray.direction.y -
+                                  1;
+            uint32_t least = ~0u, greatest = 0;
+            for (const Picture& picture : pictures) {
+                least = std::min(least, picture.at(8, y).object);
+                greatest = std::max(greatest, picture.at(8, y).object);
+            }
+            ASSERT_LE(greatest, 3u);
+            if (height < 0 || height > 2 * fence.bound) {
+                EXPECT_GE(least, 2u) << i << " " << y << " " << height;
+            }
+            byOrder += least < 2 && greatest >= 2;
+        }
+    }
+    std::cout << "[ measured ] " << byOrder << " pixels hit another surface by another kernel\n";
 }
 
 std::vector<Subject> subjects() {
