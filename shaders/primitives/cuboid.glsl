@@ -54,14 +54,6 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
     vec3 near = slabs.near;
     vec3 far = slabs.far;
     uvec3 farFaces = uvec3(1u, 3u, 5u) - uvec3(slabs.backwards);
-    bool own = (ray.source & ~(kPartMask << kPartShift)) == primitive;
-    if (own) {
-        // The ray starts on this box, so within all slabs, whatever rounding says, and exactly on one face.
-        uint face = (ray.source >> kPartShift) & kPartMask;
-        near = mix(near, vec3(0.0), greaterThan(near, vec3(0.0)));
-        far = mix(far, vec3(0.0), lessThan(far, vec3(0.0)));
-        far = mix(far, vec3(0.0), equal(farFaces, uvec3(face)));
-    }
     uint nearAxis = near.x >= near.y ? (near.x >= near.z ? 0u : 2u) : (near.y >= near.z ? 1u : 2u);
     uint farAxis = far.x <= far.y ? (far.x <= far.z ? 0u : 2u) : (far.y <= far.z ? 1u : 2u);
     float enter = near[nearAxis];
@@ -75,15 +67,15 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
                       dot(abs(cuboid.toLocal2), terms));
     float enterSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, nearAxis, enter);
     float leaveSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, farAxis, leave);
-    bool fromElsewhere = ray.source != kNone && !own;
-    bool first = enter > (fromElsewhere ? enterSlip : 0.0) && enter > ray.tMin;
+    bool leaves = ray.source != kNone;
+    bool first = enter > (leaves ? enterSlip : 0.0) && enter > ray.tMin;
     float t = first ? enter : leave;
     tSlip = first ? enterSlip : leaveSlip;
     uint leaveFace = farFaces[farAxis];
     uint part = first ? 2u * nearAxis + (slabs.backwards[nearAxis] ? 1u : 0u) : leaveFace;
     hit = Hit(t, 0.0, 0.0, primitive | (part << kPartShift), kNone, cuboid.id);
     precise float lower = t - tSlip;
-    bool ahead = t > (fromElsewhere ? tSlip : 0.0) && t > ray.tMin;
+    bool ahead = t > (leaves ? tSlip : 0.0) && t > ray.tMin;
     return meets && ahead && lower <= ray.tMax;
 }
 

@@ -49,8 +49,7 @@ struct QuadricSpan {
     uint firstCap, secondCap;  // the part of the plane y.z that comes first, and last
 };
 
-// ownCap: the part that the ray starts on, whose plane is met at exactly 0.
-QuadricSpan passThrough(Quadric q, vec3 o, vec3 d, uint ownCap) {
+QuadricSpan passThrough(Quadric q, vec3 o, vec3 d) {
     // Below 2^-100 of its length a component of d moves the ray by nothing that counts, and 1/d would
     // overflow.
     Slabs slabs = slabsOf(q.lo, q.hi, o, d, 7.9e-31, kNowhere);
@@ -60,8 +59,6 @@ QuadricSpan passThrough(Quadric q, vec3 o, vec3 d, uint ownCap) {
     QuadricSpan p;
     p.firstCap = upwards ? kPartLowerCap : kPartUpperCap;
     p.secondCap = upwards ? kPartUpperCap : kPartLowerCap;
-    if (!slabs.parallel.z && ownCap == p.firstCap) near.z = 0.0;
-    if (!slabs.parallel.z && ownCap == p.secondCap) far.z = 0.0;
     float nearSides = larger(near.x, near.y);
     float farSides = far.x < far.y ? far.x : far.y;
     bool capFirst = near.z >= nearSides;
@@ -172,9 +169,7 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     // 2^-exponent, exactly: d gets components up to 2.
     float unit = uintBitsToFloat(0x7f000000u - (floatBitsToUint(size) & 0x7f800000u));
     precise vec3 d = along * unit;
-    bool own = (ray.source & ~(kPartMask << kPartShift)) == primitive;
-    uint ownPart = (ray.source >> kPartShift) & kPartMask;
-    QuadricSpan p = passThrough(q, o, d, own ? ownPart : kPartSide);
+    QuadricSpan p = passThrough(q, o, d);
 
     vec3 image = bilinear(q.squares, q.products, d);
     precise float A = dot(d, image);
@@ -189,7 +184,7 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     precise float middle = productAC <= halfSquare ? 0.0 : quotient(-B, A);
     float reach = larger(p.leave - begin, 0.0);
     middle = middle < reach ? larger(middle, 0.0) : reach;
-    bool fromSide = own && ownPart == kPartSide;
+    bool fromSide = ray.source == (primitive | (kPartSide << kPartShift));
     precise float start = fromSide ? 0.0 : begin + middle;
     y = o + start * d;
     at = placeOf(q, y);

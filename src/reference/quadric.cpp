@@ -132,12 +132,12 @@ class Search {
     Search(const rows::Quadric& quadric, const PreparedRay& ray, const Rough& rough, double tMax)
         : quadric_(quadric), ray_(ray), rough_(rough), form_(quadric), local_(quadric, ray), tMax_(tMax) {}
 
-    bool run(bool isSource, uint32_t ownPart, Root& root, uint32_t& part) {
-        sides(isSource && ownPart == shared::kPartSide);
+    bool run(bool fromSide, Root& root, uint32_t& part) {
+        sides(fromSide);
         for (const bool upper : {false, true}) {
             const uint32_t cap = upper ? shared::kPartUpperCap : shared::kPartLowerCap;
             const bool present = quadric_.caps & (upper ? shared::kCapUpper : shared::kCapLower);
-            if (present && !(isSource && ownPart == cap)) capAt(upper, cap);
+            if (present) capAt(upper, cap);
         }
         root.u = root.v = 0;
         root.t = best_;
@@ -249,17 +249,15 @@ dmat3 toLocal(const rows::Quadric& q) {
 
 bool intersectQuadric(const rows::Quadric& quadric, const PreparedRay& ray, uint32_t primitive,
                       uint32_t source, double tMax, Root& root, uint32_t& part) {
-    const uint32_t ownPart = source >> shared::kPartShift & shared::kPartMask;
-    const bool isSource = (primitive | ownPart << shared::kPartShift) == source;
+    const bool fromSide = source == (primitive | shared::kPartSide << shared::kPartShift);
     const Rough rough(quadric, ray);
-    const auto mayMeet = [&](uint32_t cap, uint32_t of, double plane) {
-        return (quadric.caps & cap) && !(isSource && ownPart == of) && !rough.missesCap(plane);
+    const auto mayMeet = [&](uint32_t cap, double plane) {
+        return (quadric.caps & cap) && !rough.missesCap(plane);
     };
-    if (rough.missesSides() && !(isSource && ownPart == shared::kPartSide) &&
-        !mayMeet(shared::kCapLower, shared::kPartLowerCap, quadric.lo.z) &&
-        !mayMeet(shared::kCapUpper, shared::kPartUpperCap, quadric.hi.z))
+    if (rough.missesSides() && !fromSide && !mayMeet(shared::kCapLower, quadric.lo.z) &&
+        !mayMeet(shared::kCapUpper, quadric.hi.z))
         return false;
-    return Search(quadric, ray, rough, tMax).run(isSource, ownPart, root, part);
+    return Search(quadric, ray, rough, tMax).run(fromSide, root, part);
 }
 
 namespace {

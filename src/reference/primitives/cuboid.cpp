@@ -1,6 +1,4 @@
-// Ray against box. Not the shader's way: each of the six faces by itself is a parallelogram, and the box is
-// convex, so that a ray which starts on it either leaves it for good or meets the first face that looks the
-// ray's way.
+// Ray against box. Not the shader's way: each of the six faces by itself is a parallelogram.
 #include <algorithm>
 #include <cmath>
 
@@ -67,34 +65,11 @@ double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t,
            slipOfRound(ray, static_cast<double>(t));
 }
 
-bool meetsFromItself(const rows::Cuboid& c, const Seen& seen, uint32_t own, const Meeting& m, Root& root,
-                     uint32_t& part) {
-    const Extended outwards = (own & 1 ? 1 : -1) * seen.d[own / 2].value;
-    if (!(outwards < 0)) return false;
-    Extended first = std::numeric_limits<Extended>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-        if (seen.d[axis].value == 0) continue;
-        const bool upper = seen.d[axis].value > 0;
-        const Extended t = seen.reach(axis, upper ? c.hi[axis] : c.lo[axis]);
-        if (t >= first) continue;
-        first = t;
-        part = static_cast<uint32_t>(2 * axis + upper);
-    }
-    root.t = static_cast<double>(first);
-    const double slip = slipOfFace(c, seen, static_cast<int>(part / 2), first, m.ray);
-    root.slip = slip;
-    return root.t > m.ray.tMin && root.t - (m.ray.ties ? slip : 0) <= m.tMax &&
-           root.t <= std::numeric_limits<double>::max();
-}
-
 }  // namespace
 
 bool meets(const rows::Cuboid& c, const Meeting& m, Root& root, uint32_t& part) {
     root.u = root.v = 0;
     const Seen seen(c, m.ray);
-    const uint32_t own = m.source >> shared::kPartShift & shared::kPartMask;
-    if (m.source == (m.primitive | own << shared::kPartShift))
-        return meetsFromItself(c, seen, own, m, root, part);
     bool found = false, leaves = false;
     for (int face = 0; face < 6; ++face) {
         const int axis = face / 2;
