@@ -396,8 +396,9 @@ GLINT_API glint_status glint_query_inside(const glint_scene* scene, const glint_
  * `point` the closest point; the other outputs describe the surface there. Points that are not finite, or
  * 1e18 or more from the scene's origin, get the values of a miss. The scene may hold meshes, spheres and
  * their instances; other shapes are an error (GLINT_ERROR_ARGUMENT). Holes of alpha-masked surfaces count as
- * surface. The host finds the point in double, for every device. For a signed distance, negate t where
- * glint_query_inside returns GLINT_INSIDE. */
+ * surface. A device finds the closest primitive in fp32: the distance may exceed the least by 2^-20 of the
+ * coordinates' size relative to the scene's origin. Device "cpu" finds it in double. For a signed distance,
+ * negate t where glint_query_inside returns GLINT_INSIDE. */
 GLINT_API glint_status glint_query_closest_point(const glint_scene* scene, const glint_view* points,
                                                  const glint_hits* hits, const glint_options* options);
 

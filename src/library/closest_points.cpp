@@ -1,7 +1,4 @@
-// The closest point of all surfaces, on the host in double for every device. (On lavapipe a kernel that found
-// the primitives saved a third of the processor time, as the host computes each point in any case.)
-#include <optional>
-
+// The closest point of all surfaces. A device finds the primitive, the host the point of it in double.
 #include "library/ray_reader.h"
 #include "library/status.h"
 #include "reference/closest_point.h"
@@ -10,7 +7,7 @@ namespace glint::library {
 
 namespace {
 
-// Points as far from the scene's origin or farther have no closest point.
+// Points as far from the scene's origin or farther, whose squares overflow in fp32, have no closest point.
 constexpr double kFarthestPoint = 1e18;
 
 void requireKinds(const PackedScene& packed) {
@@ -29,19 +26,41 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
     const auto isFar = [](const glm::dvec3& point) {
         return !glm::all(glm::lessThan(glm::abs(point), glm::dvec3(kFarthestPoint)));
     };
-    forBlocks(context, points.count(), [&](uint64_t first, uint64_t end) {
-        for (uint64_t i = first; i < end; ++i) {
-            const std::optional<reference::ClosestPoint> closest =
-                isFar(local(i)) ? std::nullopt : reference::closestPoint(model, local(i));
-            if (!closest) {
-                hits.write(i, {}, {});
-                continue;
-            }
-            LocalRay ray{local(i), glm::dvec3(0, 0, 1)};
-            if (closest->hit.t > 0) ray.direction = (closest->point - ray.origin) / closest->hit.t;
-            hits.write(i, ray, closest->hit);
+    const auto write = [&](uint64_t i, const std::optional<reference::ClosestPoint>& closest) {
+        if (!closest) return hits.write(i, {}, {});
+        LocalRay ray{local(i), glm::dvec3(0, 0, 1)};
+        if (closest->hit.t > 0) ray.direction = (closest->point - ray.origin) / closest->hit.t;
+        hits.write(i, ray, closest->hit);
+    };
+    if (!part.queries) {
+        forBlocks(context, points.count(), [&](uint64_t first, uint64_t end) {
+            for (uint64_t i = first; i < end; ++i)
+                write(i, isFar(local(i)) ? std::nullopt : reference::closestPoint(model, local(i)));
+        });
+        return;
+    }
+    render::RayTask task;
+    task.count = points.count();
+    task.ask = render::RayTask::Ask::Point;
+    task.cancelled = context.cancelled;
+    task.progress = context.progress;
+    task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
+        for (size_t i = 0; i < inputs.size(); ++i) {
+            const glm::dvec3 point = local(numbers[i]);
+            inputs[i] = {glm::vec3(point), glm::vec3(0, 0, 1), isFar(point) ? shared::kInfinity : 0,
+                         shared::kInfinity};
         }
-    });
+    };
+    task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
+        for (size_t i = 0; i < found.size(); ++i) {
+            if (found.primitive(i) == shared::kNone)
+                write(numbers[i], std::nullopt);
+            else
+                write(numbers[i], reference::closestPointOn(model, found.primitive(i), found.instance(i),
+                                                            local(numbers[i])));
+        }
+    };
+    if (!part.queries->run(task)) throw Cancelled();
 }
 
 }  // namespace

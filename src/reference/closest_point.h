@@ -1,4 +1,5 @@
-// The closest point of all surfaces, in double.
+// The closest point of all surfaces, in double: what shaders/closest_point.comp finds, by formulas of its
+// own.
 #pragma once
 
 #include <optional>

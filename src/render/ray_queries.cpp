@@ -46,6 +46,8 @@ KernelId kernelOf(RayTask::Ask ask) {
             return KernelId::IntersectAny;
         case RayTask::Ask::Count:
             return KernelId::Count;
+        case RayTask::Ask::Point:
+            return KernelId::ClosestPoint;
     }
     return KernelId::Intersect;
 }

@@ -56,8 +56,10 @@ struct RayTask {
     ReadRays fill;  // local rays; also called to look at some of them
     std::function<void(const RayNumbers& numbers, const FoundHits& hits)> take;
     // Nearest; Any: whether there is a hit, FoundHit::primitive alone and any of them; Count:
-    // FoundHit::crossings, of a scene packed without split triangles.
-    enum class Ask { Nearest, Any, Count } ask = Ask::Nearest;
+    // FoundHit::crossings, of a scene packed without split triangles; Point: the primitive that is closest to
+    // the ray's origin, FoundHit::t the square of its distance (kinds: hasClosestPoint in
+    // reference/closest_point.h).
+    enum class Ask { Nearest, Any, Count, Point } ask = Ask::Nearest;
     Methods methods = {};
     bool leaves = false;                   // rays start on surfaces (docs/design/numerics.md)
     bool coherent = false;                 // the caller says that neighbours go about the same way
