@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 
-
 namespace glint::gpu::probe_test {
 using Change = std::function<void(ProbeCase&)>;
 
