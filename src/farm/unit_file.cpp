@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -277,6 +278,8 @@ uint64_t forEachUnit(const fs::path& path, const std::function<void(const UnitHe
         std::optional<UnitResult> result;
         try {
             result = file.unit(header);
+        } catch (const std::bad_alloc&) {
+            throw;  // the rest of the file may be intact
         } catch (const std::exception&) {
             return whole;
         }

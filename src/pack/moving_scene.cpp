@@ -14,6 +14,7 @@
 #include "pack/packed_scene.h"
 #include "pack/primitives.h"
 #include "pack/request_environment.h"
+#include "scene/limits.h"
 
 namespace glint {
 namespace {
@@ -209,7 +210,9 @@ bool MovingScene::moveLeaves(const Scene& scene, const PrimitiveNumbers& numbers
     packed_.boundsLo = result.box.lo;
     packed_.boundsHi = result.box.hi;
     packed_.statistics.sahCost = result.cost;
-    return allKept && !(result.cost > kMostGrowth * builtCost_);
+    const glm::vec3 size = result.box.hi - result.box.lo;
+    const bool isTiny = std::max({size.x, size.y, size.z}) < kMinSceneSize;  // packing refuses it
+    return allKept && !isTiny && !(result.cost > kMostGrowth * builtCost_);
 }
 
 bool MovingScene::update(const Scene& scene, std::vector<bool> moved, const Context& context) {

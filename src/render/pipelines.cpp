@@ -116,7 +116,9 @@ std::vector<KernelId> Pipelines::missing(const TraceModes& modes, const std::vec
 
 gpu::Kernel Pipelines::translated(KernelId id, const TraceModes& modes) {
     const auto started = translating_.find({id, modes});
-    gpu::Kernel kernel = started == translating_.end() ? make(id, modes) : started->second.get();
+    // A compilation that failed has taken the started kernel.
+    const bool isStarted = started != translating_.end() && started->second.valid();
+    gpu::Kernel kernel = isStarted ? started->second.get() : make(id, modes);
     kernel.bind(buffers_);
     return kernel;
 }

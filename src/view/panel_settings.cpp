@@ -143,7 +143,7 @@ bool drag(Gui& gui, const char* label, glm::dvec3& value, double speed, const ch
     return changed;
 }
 
-// A change that makes no valid light (a direction of length 0, a spot without width) is left out.
+// A change that makes no valid light (a direction of length 0, a spot too narrow or too wide) is left out.
 template <typename Kind>
 void drawLight(Gui& gui, Kind& light, double reach) {
     colorEdit(gui, "intensity", light.intensity, "color and strength", true);
@@ -158,7 +158,7 @@ void drawLight(Gui& gui, Kind& light, double reach) {
         double angle = light.angle, penumbra = light.penumbra;
         slider(gui, "angle", angle, 0, 90, "%.1f deg", "full light up to here from the axis");
         slider(gui, "penumbra", penumbra, 0, 90, "%.1f deg", "no light from so much farther on");
-        if (angle + penumbra < kMinSpotAngle) return;
+        if (angle + penumbra < kMinSpotAngle || angle + penumbra > 180) return;
         light.angle = angle;
         light.penumbra = penumbra;
     }

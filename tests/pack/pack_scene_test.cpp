@@ -9,6 +9,7 @@
 #include <random>
 
 #include "bvh/bvh.h"
+#include "pack/moving_scene.h"
 #include "pack/packed_scene.h"
 #include "support/scene_maker.h"
 
@@ -252,6 +253,21 @@ TEST(PackScene, RefusesScenesThatFp32Misses) {
     }
 }
 
+// A scene that shrinks too far is packed anew, which refuses it.
+TEST(PackScene, TinyScenesAreNotRefitted) {
+    const auto triangle = [](double size) {
+        auto mesh = std::make_shared<Mesh>();
+        mesh->positions = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}};
+        mesh->corners = {{0, 1, 2}};
+        Scene scene;
+        addObject(scene, MeshShape{mesh});
+        return scene;
+    };
+    MovingScene moving(triangle(1));
+    EXPECT_TRUE(moving.update(triangle(1.5), {true}));
+    EXPECT_FALSE(moving.update(triangle(1e-20), {true}));
+}
+
 TEST(PackScene, VertexNormals) {
     auto mesh = gridMesh(2);
     mesh->normals = {{0, 0, 5}, {3, 0, 4}, {0, 0, 0}, {0, kNaN, 0}, {0, 1e300, 0}, {1e-300, 0, 0}};
@@ -309,6 +325,18 @@ TEST(PackScene, LightsAndEnvironment) {
     EXPECT_EQ(packed.environment.lightCount, 3u);
     EXPECT_EQ(packed.environment.maxDepth, 7u);
     EXPECT_EQ(packed.planes[0].normal, glm::vec3(0, 1, 0));
+}
+
+// Degrees become shares of a turn; whole turns do not count.
+TEST(PackScene, EnvironmentMapsTurn) {
+    const auto map = std::make_shared<Image>(2, 1, 3, 1.0f);
+    for (const double degrees : {90.0, 450.0, -270.0}) {
+        Scene scene;
+        scene.environment = EnvironmentMap{"map", map, degrees, Color(1)};
+        const PackedScene packed = packScene(scene);
+        ASSERT_EQ(packed.environment.map, 1u);
+        EXPECT_EQ(packed.textures[0].place.x, 0.25f) << degrees;
+    }
 }
 
 // 1 - cos 60 = 1/2 and 1 - cos 90 = 1; for a narrow cone it is a^2 / 2 to a relative a^2 / 12, with the
