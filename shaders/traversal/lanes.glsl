@@ -6,8 +6,7 @@
 // - After 65,535 trips of a subgroup through all of its loops together, every loop ends silently. So each ray
 //   counts its trips and gives up at dispatch.tripBudget (src/render/path_limits.cpp).
 // - A store to a private array jumps lane by lane on whether the lane is in the loop, and mispredicts once
-// for
-//   each lane that leaves. With kConvergent all lanes leave all loops of a traversal together; a finished
+//   for each lane that leaves. With kConvergent all lanes leave all loops of a traversal together; a finished
 //   lane changes nothing. A shuffle needs both lanes active, so all loops around such a loop are convergent,
 //   too.
 // - subgroupShuffleXor is one instruction; votes, ballots and broadcasts are loops over the lanes.

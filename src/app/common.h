@@ -34,8 +34,8 @@ void printJson(const nlohmann::json& json, std::ostream& out);
 // A file's name for the terminal: it may be a stranger's too.
 std::string shown(const std::filesystem::path& file);
 
-// Throws Error(Usage) if the extension names no picture format, and Error(Failed) if `path` cannot be written
-// as things stand: no such folder, no permission, a folder of that name.
+// Throws Error(Argument) if the extension names no picture format, and Error(Failed) if `path` cannot be
+// written as things stand: no such folder, no permission, a folder of that name.
 void checkPicturePath(const std::filesystem::path& path);
 
 // The same for a file of any kind: only whether it can be written.

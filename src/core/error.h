@@ -6,7 +6,7 @@
 
 namespace glint {
 
-// Kind of an error. The command line maps kinds to exit codes (app/exit_code.h).
+// Kind of an error. The command line maps kinds to exit codes (app/cli.h).
 enum class ErrorKind {
     Failed,      // could not render or write
     Argument,    // what the caller asked for is at fault

@@ -21,8 +21,8 @@ bool isWritableImagePath(const std::filesystem::path& path);
 
 // Writes `image` (1, 3 or 4 channels; a fourth is alpha, dropped by PFM and HDR) in the format that the
 // extension names. The file appears whole: it is written beside its destination and renamed. Parent folders
-// must exist. Throws Error(Usage) for an unknown extension and Error(Failed) if the file cannot be written;
-// no partial file is left behind.
+// must exist. Throws Error(Argument) for an unknown extension and Error(Failed) if the file cannot be
+// written; no partial file is left behind.
 void writeImage(const std::filesystem::path& path, const Image& image);
 
 // Writes several layers. EXR: one file, the layer "color" as R,G,B (and the layer "alpha" as A), any other
@@ -36,7 +36,7 @@ std::vector<std::filesystem::path> writeLayers(const std::filesystem::path& path
                                                const std::vector<Layer>& layers,
                                                const PictureNotes& notes = {});
 
-// The files that writeLayers would write for layers of these names. Throws Error(Usage) for an unknown
+// The files that writeLayers would write for layers of these names. Throws Error(Argument) for an unknown
 // extension.
 std::vector<std::filesystem::path> layerPaths(const std::filesystem::path& path,
                                               const std::vector<std::string>& names);

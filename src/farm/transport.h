@@ -29,7 +29,7 @@ class Transport {
     virtual void finish() = 0;
 };
 
-// MPI as such a transport.
+// ---- transport by MPI ----
 
 // The rank of this process, from the environment that an MPI launcher sets. Empty without a launcher, or if
 // this is its only process.

@@ -29,7 +29,7 @@ Ray Tracer::cameraRay(const rows::Camera& camera, double x, double y, const glm:
         const dvec3 pinhole = ray.origin;
         ray.origin += aside;
         ray.direction = glm::normalize(pinhole + focus * direction - ray.origin);
-        // Twice a pinhole's roundings (explain.cpp): those of the lens point and its way to the focus.
+        // Twice a pinhole's roundings: those of the lens point and its way to the focus.
         const double radius = glm::length(dvec3(camera.lensX));
         ray.originScale = 2 * (ray.originScale + radius);
         const double reached = glm::length(direction - aside / focus);

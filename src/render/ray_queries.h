@@ -89,10 +89,9 @@ class RayQueries {
     // False if it was cancelled.
     bool run(const RayTask& task);
 
-    // Lists the crossings of each ray i: counts[i] of them, as counted by Ask::Count with RayTask::forList,
-    // in no order. A count of 0 leaves the ray out. Calls `take` for one ray after the other. Throws
-    // Error(Device) if one ray crosses more surfaces than fit into a piece, or if the device finds another
-    // number of crossings.
+    // Lists the crossings of each ray i: counts[i] of them, as counted by Ask::Count, in no order. A count of
+    // 0 leaves the ray out. Calls `take` for one ray after the other. Throws Error(Device) if one ray crosses
+    // more surfaces than fit into a piece, or if the device finds another number of crossings.
     void list(std::span<const uint32_t> counts,
               const std::function<void(size_t first, std::span<RayInput> rays)>& fill,
               const std::function<void(size_t i, std::span<const FoundHit> hits)>& take);
