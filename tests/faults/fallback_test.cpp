@@ -18,11 +18,9 @@ class Fallback : public FolderTest {
         ASSERT_NE(readBytes("cpu.pfm"), readBytes("gpu.pfm")) << "tells nothing about who drew";
     }
 
-    static Ran render(const std::string& fault, std::vector<std::string> more = {}) {
+    static Ran render(const std::string& fault, const Words& more = {}) {
         const ScopedEnvironment environment("GLINT_FAULT", fault.empty() ? nullptr : fault.c_str());
-        std::vector<std::string> args = {"render", "a.json", "-o", "out.pfm"};
-        args.insert(args.end(), more.begin(), more.end());
-        return runGlint(args);
+        return runGlint({"render", "a.json", "-o", "out.pfm"}, more);
     }
 
     // The reference's image, one warning that says why, and the facts in --stats. False if the device has not
@@ -148,11 +146,9 @@ TEST_F(Fallback, ACheckpointKeepsWhatTheDeviceFinished) {
 
 TEST_F(Fallback, FramesAreOfOneOfThem) {
     const std::string scene = glint::test::sourcePath("scenes/turntable.json");
-    const auto frames = [&](const std::string& output, std::vector<std::string> more) {
-        std::vector<std::string> args = {"render", scene, "--frames", "0:3",        "--size",
-                                         "24x16",  "-o",  output,     "--overwrite"};
-        args.insert(args.end(), more.begin(), more.end());
-        return runGlint(args);
+    const auto frames = [&](const std::string& output, const Words& more) {
+        return runGlint({"render", scene, "--frames", "0:3", "--size", "24x16", "-o", output, "--overwrite"},
+                        more);
     };
     ASSERT_EQ(frames("gpu.#.pfm", {}).code, 0);
     ASSERT_EQ(frames("cpu.#.pfm", {"--backend", "cpu"}).code, 0);
