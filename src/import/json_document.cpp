@@ -82,7 +82,11 @@ class TreeBuilder {
             failAt(last, "a comma must not stand before '" + std::string(1, text_[at]) + "'");
         const std::string_view what = error.what();
         const size_t place = what.find(": "), kind = what.find("] ");
-        failAt(at, std::string(what.substr((place != what.npos ? place : kind) + 2)));
+        std::string text(what.substr((place != what.npos ? place : kind) + 2));
+        // After a value, a comma would also do; nlohmann's parser names only the bracket.
+        for (const std::string_view end : {"expected '}'", "expected ']'"})
+            if (text.ends_with(end)) text.insert(text.size() - 3, "',' or ");
+        failAt(at, text);
     }
 
   private:

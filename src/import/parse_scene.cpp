@@ -89,8 +89,8 @@ class TextureParser {
         const auto found = object.find(key);
         if (!found) return;
         texture = Material::kNoTexture;
-        if (const std::string* file = found->value().string())
-            found->fail("a texture is written as {\"texture\": \"" + *file + "\"}");
+        if (found->value().string())
+            found->failWanted("must be a number, [r, g, b] or {\"texture\": \"FILE\"}");
         if (!found->value().object()) {
             color = found->color();
             return;

@@ -335,8 +335,9 @@ INSTANTIATE_TEST_SUITE_P(Transforms, ParseError, testing::ValuesIn(kTransforms),
 
 TEST(ParseErrorText, ControlCharactersStayOutOfMessages) {
     EXPECT_EQ(parseErrorOf(R"({"a\nb\u001b[31m": 1})").substr(0, 26), "s.json: /a?b?[31m: unknown");
-    EXPECT_EQ(parseErrorOf(R"({"materials": {"m": {"diffuse": "\n"}}})"),
-              "s.json: /materials/m/diffuse: a texture is written as {\"texture\": \"?\"}");
+    EXPECT_EQ(
+        parseErrorOf(R"({"materials": {"m": {"diffuse": "\n"}}})"),
+        "s.json: /materials/m/diffuse: must be a number, [r, g, b] or {\"texture\": \"FILE\"} (got \"?\")");
     EXPECT_EQ(parseErrorOf(R"({"materials": {"m\n": {"diffuse": -1}}})"),
               "s.json: /materials/m?/diffuse: must be >= 0 (got -1)");
 }
@@ -393,7 +394,7 @@ TEST(ParseErrors, WordsOfOtherPrograms) {
         {R"({"materials": {"m": {"opacity": 1}}})",
          "/materials/m/opacity: unknown key (give \"transmission\", which is 1 - opacity)"},
         {R"({"materials": {"m": {"diffuse": "earth.png"}}})",
-         "/materials/m/diffuse: a texture is written as {\"texture\": \"earth.png\"}"},
+         "/materials/m/diffuse: must be a number, [r, g, b] or {\"texture\": \"FILE\"} (got \"earth.png\")"},
         {R"({"objects": [{"type": "sphere", "position": [0, 0, 0], "radius": 1}]})",
          "/objects/0/position: unknown key (give \"center\", or \"transform\")"},
         {R"({"objects": [{"type": "cube"}]})",
