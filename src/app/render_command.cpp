@@ -26,6 +26,8 @@ bool needsData(const RenderCommand& command) {
 std::filesystem::path outputOf(const RenderCommand& command) {
     const std::filesystem::path name =
         command.scene.scene == "-" ? "stdin.png" : command.scene.scene.filename().replace_extension(".png");
+    if (!command.scene.scene.has_filename())
+        throw Error(ErrorKind::Scene, shown(command.scene.scene) + ": is a folder, not a file");
     if (command.output.empty()) return name;
     return command.output.has_filename() ? command.output : command.output / name;
 }

@@ -72,6 +72,8 @@ TEST_F(SceneFile, MissingOrAFolder) {
         EXPECT_EQ(ran.err, std::string("glint: ") + file + ": " + reason + "\n");
         EXPECT_EQ(ran.code, 3);
     }
+    EXPECT_EQ(runGlint("render folder.json/ --backend cpu").err,
+              "glint: folder.json/: is a folder, not a file\n");
     EXPECT_EQ(names(), std::set<std::string>{"folder.json"});
 }
 
