@@ -78,7 +78,9 @@ std::string traversalText(const PackedScene& packed, const Request& request) {
         const gpu::DeviceInfo& device = gpu::chooseDevice(devices, "");
         const render::TraversalChoice choice =
             render::chooseTraversal(render::Traversal::Auto, device, packed, request.methods);
-        return std::string(render::nameOf(choice)) + " (" + choice.reason + ")";
+        const std::string text = std::string(render::nameOf(choice)) + " (" + choice.reason + ")";
+        return choice.packets ? text + "; lane below a million rays, and with reflected or refracted rays"
+                              : text;
     } catch (const Error&) {
         return "no device to choose for";
     }

@@ -58,13 +58,12 @@ TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& devic
     }
     if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
     if (const std::string name = unknownToPackets(scene.features); !name.empty())
-        return {false, "packets do not know " + name};
-    if (methods != Methods{}) return {false, "packets know no other tests than the default ones"};
-    if (!anyForPackets(scene.features)) return {false, "the scene has no tree"};
+        return {false, "packets do not support " + name};
+    if (methods != Methods{}) return {false, "packets support only the default intersection tests"};
+    if (!anyForPackets(scene.features)) return {false, "the scene has no BVH"};
     if (wanted == Traversal::Packet) return {true, "as asked for"};
-    if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};
-    if (primitivesOfPackets(scene) < kFewestForPackets)
-        return {false, "so few primitives that packets do not pay"};
+    if (!device.llvmpipe) return {false, "packets are faster only on llvmpipe"};
+    if (primitivesOfPackets(scene) < kFewestForPackets) return {false, "too few primitives for packets"};
     return {true, "llvmpipe, subgroups of 8 lanes"};
 }
 
