@@ -200,8 +200,8 @@ class _RayArrays:
             try:
                 self.shape = numpy.broadcast_shapes(*shapes)
             except ValueError:
-                raise ValueError(f"there are origins of the shape {shapes[0]} and directions of the shape {shapes[1]}; "
-                                 "as many of either are needed, or one") from None
+                raise ValueError(f"origins of the shape {shapes[0]} and directions of the shape {shapes[1]} cannot be broadcast: "
+                                 "give equally many of both, or one of either") from None
             origins, directions = (self._spread(_native.numbers(given, 3, what), shape)
                                    for given, what, shape in zip((rays, directions), ("origins", "directions"), shapes))
         self.count = math.prod(self.shape)

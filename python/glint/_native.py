@@ -170,7 +170,7 @@ def record(name: str, fields: tuple[str, ...]) -> Any:
     kind = make_kind(name, fields)
 
     def missing(_: Any, asked: str) -> Any:
-        raise AttributeError(f"{name} has no {asked!r}, but what was asked for: {', '.join(fields) or 'nothing'}")
+        raise AttributeError(f"{name} has no {asked!r}: only {', '.join(fields) or 'nothing'} was requested")
     kind.__getattr__ = missing
     kind.__reduce__ = lambda self: (_restored, (name, fields, tuple(self)))
     return kind

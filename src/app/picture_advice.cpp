@@ -111,7 +111,7 @@ std::optional<std::string> darkObjectAround(const Scout& scout, const Scene& sce
         if (glm::any(glm::greaterThan(record.color, 1.0001 * material.ambient * scene.ambient)))
             return std::nullopt;
     }
-    return "the camera is inside " + scene.objects[object].name + ", and no light is in there with it";
+    return "the camera is inside " + scene.objects[object].name + ", which blocks every light";
 }
 
 std::string blackReason(const Picture& picture, const Scene& scene, const PackedScene& packed,

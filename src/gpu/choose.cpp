@@ -107,7 +107,7 @@ const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std
     if (matches.empty()) {
         const std::string what = isNumber(selector) ? "no Vulkan device has index " + selector
                                                     : "no Vulkan device has \"" + selector + "\" in its name";
-        throw Error(ErrorKind::Device, what + "; there is " + labels(devices));
+        throw Error(ErrorKind::Device, what + "; devices: " + labels(devices));
     }
     const DeviceInfo* best = nullptr;
     for (const DeviceInfo& device : matches) {

@@ -64,10 +64,10 @@ const Nothing kCases[] = {
      onlyBlack("the materials of what is seen are black")},
     {"insideASphere",
      R"("lights": [{"type": "point", "position": [0, 90, 5]}], "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
-     onlyBlack("the camera is inside /objects/0, and no light is in there with it")},
+     onlyBlack("the camera is inside /objects/0, which blocks every light")},
     {"insideASphereOfAmbientLight", R"("ambient": 0.5, "lights": [{"type": "point", "position": [0, 90, 5]}],
         "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
-     "the camera is inside /objects/0, and no light is in there with it"},
+     "the camera is inside /objects/0, which blocks every light"},
     {"insideASphereWithALamp",
      R"("lights": [{"type": "point", "position": [0, 1, 5]}], "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
      ""},
@@ -148,7 +148,7 @@ TEST_F(ClippedAdvice, InsideAMesh) {
         "meshes": {"m": {"file": "a.obj"}}, "objects": [{"type": "mesh", "mesh": "m", "transform": [{"translate": [0, 0, 4.5]}]}])"));
     EXPECT_EQ(runGlint("render a.json --backend cpu").err,
               "glint: warning: a.json: everything in the image is black: the camera is inside /objects/0, "
-              "and no light is in there with it\n");
+              "which blocks every light\n");
 }
 
 TEST_F(ClippedAdvice, AllTrianglesDropped) {

@@ -56,7 +56,7 @@ TEST_F(GpuRender, DeviceThatDoesNotExist) {
         EXPECT_EQ(ran.code, 4);
         EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
         EXPECT_TRUE(ran.err.starts_with("glint: no Vulkan device has ")) << ran.err;
-        EXPECT_HAS(ran.err, "; there is 0 \"");
+        EXPECT_HAS(ran.err, "; devices: 0 \"");
         EXPECT_EQ(ran.out, "");
     }
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});

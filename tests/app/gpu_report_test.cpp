@@ -153,7 +153,7 @@ TEST_F(GpuReport, DevicesAreCompared) {
     const Ran wrong = with("cpu,no such device");
     EXPECT_EQ(wrong.code, 4);
     EXPECT_TRUE(
-        wrong.err.starts_with("glint: no Vulkan device has \"no such device\" in its name; there is 0 "))
+        wrong.err.starts_with("glint: no Vulkan device has \"no such device\" in its name; devices: 0 "))
         << wrong.err;
     EXPECT_FALSE(std::filesystem::exists("out"));
 }

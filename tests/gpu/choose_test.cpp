@@ -93,14 +93,14 @@ TEST(ChooseDevice, WithoutAUsableOneSaysWhyForEach) {
 
 TEST(ChooseDevice, AnUnknownNameListsWhatThereIs) {
     EXPECT_EQ(errorOf({made(0, "A", "CPU"), made(1, "B", "discrete GPU")}, "radeon"),
-              "no Vulkan device has \"radeon\" in its name; there is 0 \"A\", 1 \"B\"");
+              "no Vulkan device has \"radeon\" in its name; devices: 0 \"A\", 1 \"B\"");
 }
 
 TEST(ChooseDevice, AnUnknownIndexListsWhatThereIs) {
-    EXPECT_EQ(errorOf({made(0, "A", "CPU")}, "1"), "no Vulkan device has index 1; there is 0 \"A\"");
+    EXPECT_EQ(errorOf({made(0, "A", "CPU")}, "1"), "no Vulkan device has index 1; devices: 0 \"A\"");
     // More digits than any integer holds, and whose low 64 bits are 0.
     EXPECT_EQ(errorOf({made(0, "A", "CPU")}, "18446744073709551616"),
-              "no Vulkan device has index 18446744073709551616; there is 0 \"A\"");
+              "no Vulkan device has index 18446744073709551616; devices: 0 \"A\"");
 }
 
 TEST(ChooseDevice, ARefusedSelectionSaysWhy) {

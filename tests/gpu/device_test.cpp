@@ -77,7 +77,7 @@ TEST_F(GpuTest, OpensTheSelectedDevice) {
                    [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
     EXPECT_EQ(Device(selecting(inCapitals)).info().name, device_.info().name);
     const std::string message = errorOf([] { Device device(selecting("17")); });
-    EXPECT_EQ(message, "no Vulkan device has index 17; there is 0 \"" + device_.info().name + "\"");
+    EXPECT_EQ(message, "no Vulkan device has index 17; devices: 0 \"" + device_.info().name + "\"");
 }
 
 TEST(Validation, IsOffUnlessAskedFor) {
