@@ -160,6 +160,8 @@ class SceneVerifier {
 };
 
 ExitCode run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
+    if (!command.jsonFile.empty() && command.jsonFile == command.junitFile)
+        throw Error(ErrorKind::Argument, "--junit: names the file of --json");
     for (const auto& scene : command.scenes) checkScene(scene);  // the last one's name may be misspelt
     if (!command.artifacts.empty()) makeFolder(command.artifacts);
     if (!command.jsonFile.empty() && !command.printsJson()) checkOutputPath(command.jsonFile);

@@ -101,6 +101,7 @@ const Case kOptions[] = {
      "trace: give either --rays FILE.csv or --pixel x,y"},
     {"emptyOutput", "render a.json -o ''", "--output: the name is empty"},
     {"emptyFolder", "verify a.json --artifacts ''", "--artifacts: the name is empty"},
+    {"oneFileTwice", "verify a.json --json r --junit r", "--junit: names the file of --json"},
     {"emptyRays", "trace a.json --rays ''", "--rays: the name is empty"},
     {"unknownFormat", "render a.json -o a.jpg",
      "a.jpg: unknown picture format (use .png, .exr, .pfm or .hdr)"},
