@@ -8,6 +8,7 @@ import hashlib
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sysconfig
 import tarfile
@@ -34,7 +35,9 @@ def _library(folder):
     """Builds libglint.so into the folder and returns its path."""
     def run(*command):
         subprocess.run(list(map(str, command)), check=True)
-    run("cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DGLINT_TESTS=OFF", "-DGLINT_WINDOW=OFF", "-DGLINT_MPI=OFF")
+    # The set-up installs ninja; make, CMake's default, may be missing.
+    generator = ["-G", "Ninja"] if shutil.which("ninja") else []
+    run("cmake", "-S", ROOT, "-B", folder, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DGLINT_TESTS=OFF", "-DGLINT_WINDOW=OFF", "-DGLINT_MPI=OFF")
     run("cmake", "--build", folder, "--target", "glint_shared", "--parallel", os.cpu_count() or 1)
     return (folder / "lib" / "libglint.so.0").resolve()
 
