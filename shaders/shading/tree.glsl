@@ -104,8 +104,8 @@ Branch branchFrom(Interaction at, vec3 outwards, vec3 direction, vec3 throughput
     return Branch(origin, direction, at.hit.primitive, at.hit.instance, throughput, media, depth, kind);
 }
 
-// The path's next ray in scenes without transmission; false if there is none. depth: rays before the one that
-// hit the surface.
+// The path's next ray in scenes without transmission; false at the path's end. depth: rays before the one
+// that hit the surface.
 bool nextReflection(inout Ledger ledger, bool alive, Interaction at, uint depth, vec3 throughput,
                     Environment environment, out Branch next) {
     Scattering s = scatteringAt(at);
@@ -114,7 +114,7 @@ bool nextReflection(inout Ledger ledger, bool alive, Interaction at, uint depth,
     return isFollowed(ledger, alive && s.reflects, depth, next.throughput, environment);
 }
 
-// The path's next ray: one that leaves the interaction, or one that has waited; false if there is none.
+// The path's next ray: one that leaves the interaction, or one that has waited; false at the path's end.
 // state: rays before the current one on the way from the eye; branches waiting.
 bool nextBranch(uint path, inout Ledger ledger, bool alive, Interaction at, inout uvec2 state,
                 vec3 throughput, Environment environment, out Branch next) {

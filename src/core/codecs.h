@@ -57,7 +57,7 @@ Bytes encodePfm(const Image& image);
 // a sample is kept. Notes become attributes of the header, numbers as doubles.
 Bytes encodeExr(const std::vector<Layer>& layers, const PictureNotes& notes = {});
 
-// The layer with that name; null if there is none.
+// The layer with that name, or null.
 const Layer* findLayer(const std::vector<Layer>& layers, std::string_view name);
 
 // The 8-bit samples of a PNG and their channels: of the layer "color", whose alpha a layer "alpha" replaces,

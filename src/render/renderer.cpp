@@ -81,7 +81,7 @@ struct Renderer::State {
     void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
     // The time goes to that kernel's account.
     void submit(double KernelTimes::*account);
-    // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none.
+    // Records one kernel that traces rays, submits, and continues unfinished rays until all have ended.
     // With `packets`, it is the one for packets that starts.
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
                    bool packets, double KernelTimes::*account);

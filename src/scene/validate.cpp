@@ -59,7 +59,7 @@ void checkDirection(const Place& place, std::string_view key, const glm::dvec3& 
     if (greatestMagnitude(direction) < kMinLength) place.fail(key, "must not be zero" + got(direction));
 }
 
-// Names the fault of a colour; empty if there is none.
+// Names the fault of a colour; empty for a valid one.
 std::string colorFault(const Color& color) {
     if (!isFinite(color)) return "must be finite" + gotColor(color);
     if (std::min({color.x, color.y, color.z}) < 0) return "must be >= 0" + gotColor(color);

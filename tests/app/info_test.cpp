@@ -1,4 +1,4 @@
-// What `info` and the summaries of other commands print.
+// Texts of `info` and of the summaries of other commands.
 #include <nlohmann/json.hpp>
 
 #include "core/content_hash.h"
@@ -135,7 +135,7 @@ TEST_F(Stats, FileNameThatIsNoUtf8) {
     EXPECT_TRUE(names().contains("b\xff.png"));
 }
 
-// Of the picture, not of its file; what is told to read it back finds the same.
+// The hash is of the image and not of its file, so it is the same for the image that is read back.
 TEST_F(Stats, HashIsOfThePicture) {
     const auto hash = [](Words options) {
         options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "--stats", "json"});

@@ -185,7 +185,7 @@ TEST(BuilderQuality, KeepsNeighboursTogether) {
     EXPECT_EQ(bvh.nodes[1].count, 2u);
 }
 
-// A dear node makes larger leaves, a free one cuts down to single boxes where they are apart.
+// Leaves are larger if nodes cost much. If nodes cost nothing, each box that lies apart is a leaf.
 TEST(BuilderQuality, TraversalCostSetsLeafSize) {
     std::vector<Box> boxes;
     for (int i = 0; i < 64; ++i)

@@ -119,7 +119,7 @@ TEST(DefaultThreadCount, FollowsTheAffinityMask) {
     sched_setaffinity(0, sizeof(all), &all);
 }
 
-// What the system, control groups and limits of the process leave.
+// Memory that the system, control groups and limits of the process leave free.
 
 constexpr uint64_t kMebibyte = uint64_t{1} << 20;
 

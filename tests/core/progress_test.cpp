@@ -23,7 +23,7 @@ class ProgressTest : public ::testing::Test {
         return text;
     }
 
-    // What an update of the part writes, in seconds after 100.
+    // The text that an update to `part` writes, so many seconds after 100.
     std::string shown(Progress& progress, double seconds, double part) {
         now_ = 100 + seconds;
         progress.update(part);

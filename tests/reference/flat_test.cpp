@@ -15,15 +15,20 @@ using namespace glint::test;
 using glm::dvec3;
 using glm::vec3;
 
-std::optional<Hit> hitDisc(const vec3& center, const vec3& normal, float radius, const Ray& ray) {
-    SceneMaker maker;
-    maker.disc(center, normal, radius);
+// The closest hit, on which all queries agree.
+std::optional<Hit> hitOnly(SceneMaker& maker, const Ray& ray) {
     const PackedScene scene = maker.finish();
     const Tracer tracer(scene);
     const auto hit = tracer.closest(ray);
     EXPECT_EQ(hit, tracer.closestBruteForce(ray));
     EXPECT_EQ(hit.has_value(), tracer.occluded(ray));
     return hit;
+}
+
+std::optional<Hit> hitDisc(const vec3& center, const vec3& normal, float radius, const Ray& ray) {
+    SceneMaker maker;
+    maker.disc(center, normal, radius);
+    return hitOnly(maker, ray);
 }
 
 // A 3-4-5 triangle: (0.6, 0.8) is on the rim in exact arithmetic, but not as floats; (3, 4) of radius 5 is
@@ -74,12 +79,7 @@ const std::vector<vec3> kDiamond = {{0, 1, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}};
 std::optional<Hit> hitPolygon(const std::vector<vec3>& vertices, const Ray& ray) {
     SceneMaker maker;
     maker.polygon(vertices);
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
-    const auto hit = tracer.closest(ray);
-    EXPECT_EQ(hit, tracer.closestBruteForce(ray));
-    EXPECT_EQ(hit.has_value(), tracer.occluded(ray));
-    return hit;
+    return hitOnly(maker, ray);
 }
 
 // Straight down from z = 5, and from below, from every start of the outline and both ways round.
