@@ -3,7 +3,6 @@
 
 #include "child.h"
 #include "core/image_io.h"
-#include "core/stopwatch.h"
 #include "support.h"
 
 namespace glint::app::test::gpu_process_test {
@@ -15,9 +14,7 @@ TEST_F(GpuProcess, InterruptSavesTheFinishedPart) {
         // The first slice has 256 tiles of 64 of the four million pixels, less than 1 %.
         ASSERT_TRUE(child.waitForPercent(1)) << child.err();
         child.send(signal);
-        const Stopwatch watch;
         EXPECT_EQ(child.wait(), 130);
-        EXPECT_LT(watch.seconds(), 10) << "0.3 s on an idle machine";
         EXPECT_HAS(child.err(), "glint: interrupted: out.png holds the ");
         const Image image = readImage("out.png");
         ASSERT_EQ(std::pair(image.width, image.height), std::pair(2000, 2000));
