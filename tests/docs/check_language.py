@@ -14,8 +14,8 @@ import sys
 
 LIMITS = {
     "comment block that starts with What, Of, Where, Whether, Who, As or Since": 0,
-    "sentence that starts with What, Of, Where, Whether or Who": 7,
-    "sentence of more than 30 words": 69,
+    "sentence that starts with What, Of, Where, Whether or Who": 3,
+    "sentence of more than 30 words": 15,
     "paragraph of more than 110 words": 0,
     "banned word": 34,
 }
