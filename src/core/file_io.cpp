@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 }  // namespace
 
 std::vector<uint8_t> readFile(const fs::path& path) {
-    // Without O_NONBLOCK the opening of a pipe waits for whoever writes to it.
+    // Without O_NONBLOCK the opening of a pipe waits for its writer.
     Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
     struct stat status {};
     if (!file.isOpen() || ::fstat(file.get(), &status) != 0) {
