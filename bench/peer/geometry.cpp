@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "import/polygon_split.h"
+#include "import/mesh_builder.h"
 #include "pack/pack_textures.h"
 #include "rays.h"
 #include "scene/polygon_plane.h"

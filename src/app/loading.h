@@ -7,7 +7,7 @@
 #include <string>
 
 #include "app/options.h"
-#include "import/scene_reader.h"
+#include "import/load.h"
 #include "pack/build_tree.h"
 #include "pack/loaded_scene.h"
 #include "trace/request.h"

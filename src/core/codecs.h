@@ -26,6 +26,9 @@ class CodecError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// "the file is damaged or of a kind that is not supported (REASON)"
+[[noreturn]] void failDamaged(const std::string& reason);
+
 // Receives the bytes of a file, in any order.
 class ByteSink {
   public:
@@ -124,12 +127,6 @@ Image decodeHdr(ByteView file, uint64_t mostPixels = kMostPicturePixels, const C
 // By libwebp: sRGB, with or without alpha, no animations. Refused in builds without it.
 Image decodeWebp(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
 Image decodePfm(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
-
-inline constexpr size_t kExrFirstHeader = 8;  // behind magic number and version
-
-// Throws CodecError for attributes that do not have the size that their type has, or that is said: the
-// library goes by the one, or takes memory by the other, whatever the file holds.
-void checkExrAttributes(ByteView file, bool severalParts);
 
 // By OpenEXR. Of the first part: the channels R, G, B and A if there is colour, else Y, else the channels of
 // the only layer. Tiles, scanlines and every compression; no deep pixels.

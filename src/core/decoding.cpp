@@ -8,11 +8,14 @@
 
 namespace glint {
 
+void failDamaged(const std::string& reason) {
+    throw CodecError("the file is damaged or of a kind that is not supported (" + reason + ")");
+}
+
 void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double pixelsPerByte,
                        uint64_t mostPixels) {
     const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
-    if (width == 0 || height == 0)
-        throw CodecError("the file is damaged or of a kind that is not supported (no pixels)");
+    if (width == 0 || height == 0) failDamaged("no pixels");
     if (width > kMostPictureSide || height > kMostPictureSide || width * height > mostPixels)
         throw CodecError("the picture has " + size + ", the limit is " + std::to_string(mostPixels) +
                          " pixels, and " + std::to_string(kMostPictureSide) + " along a side");
@@ -50,7 +53,7 @@ std::vector<float> linearOfCodes(size_t count) {
 Image decodeWebp(ByteView file, uint64_t mostPixels, const Context&) {
     WebPBitstreamFeatures features;
     if (WebPGetFeatures(file.data(), file.size(), &features) != VP8_STATUS_OK || features.has_animation)
-        throw CodecError("the file is damaged or of a kind that is not supported (WebP)");
+        failDamaged("WebP");
     const auto width = static_cast<uint64_t>(features.width), height = static_cast<uint64_t>(features.height);
     // A picture of one colour may be 256 x 256 pixels a byte, so the other limits count.
     checkDeclaredSize(width, height, file.size(), 65536, mostPixels);

@@ -14,10 +14,12 @@
 #include <ImfVersion.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <exception>
 #include <optional>
+#include <string_view>
 
 #include "core/codecs.h"
 
@@ -39,6 +41,7 @@ constexpr double kMostBytesPerByte = 1032 * 4.0 / 3;
 // DWA deflates runs of a discrete cosine transform's coefficients: there is no such bound.
 constexpr double kNoBound = 1e30;
 constexpr double kMostChunkBytes = 512.0 * 1024 * 1024;
+constexpr size_t kFirstHeader = 8;        // behind magic number and version
 constexpr int kBand = 64;                 // rows that are asked for at once
 constexpr size_t kRepeatBytes = 1 << 20;  // of rows alike that are written at once
 
@@ -46,6 +49,98 @@ constexpr size_t kRepeatBytes = 1 << 20;  // of rows alike that are written at o
 // out just then, it waits for that task for ever (3.1.5); so the pool is made before there are any.
 void makePool() {
     Imf::globalThreadCount();
+}
+
+constexpr size_t kMostParts = 1000;
+
+// A part of the file that is read from its start. Throws CodecError beyond its end.
+class Bounded {
+  public:
+    explicit Bounded(ByteView bytes) : bytes_(bytes) {}
+
+    ByteView next(uint64_t size) {
+        if (size > bytes_.size()) throw CodecError("the file is truncated");
+        const ByteView part = bytes_.first(size);
+        bytes_ = bytes_.subspan(size);
+        return part;
+    }
+    uint32_t word() {
+        uint32_t value = 0;
+        std::memcpy(&value, next(sizeof(value)).data(), sizeof(value));
+        return value;
+    }
+    // Up to a zero byte, which is read too.
+    std::string_view text() {
+        const auto end = std::find(bytes_.begin(), bytes_.end(), uint8_t{0});
+        if (end == bytes_.end()) throw CodecError("the file is truncated");
+        const ByteView part = next(static_cast<uint64_t>(end - bytes_.begin()));
+        next(1);
+        return {reinterpret_cast<const char*>(part.data()), part.size()};
+    }
+    bool atEnd() const { return bytes_.empty(); }
+
+  private:
+    ByteView bytes_;
+};
+
+// Types of one size (OpenEXR, "Predefined Attribute Types").
+struct TypesOfSize {
+    size_t bytes;
+    std::array<std::string_view, 5> types;
+};
+constexpr TypesOfSize kFixed[] = {{1, {"compression", "deepImageState", "envmap", "lineOrder"}},
+                                  {4, {"float", "int"}},
+                                  {8, {"double", "rational", "timecode", "v2f", "v2i"}},
+                                  {9, {"tiledesc"}},
+                                  {12, {"v3f", "v3i"}},
+                                  {16, {"box2f", "box2i", "v2d"}},
+                                  {24, {"v3d"}},
+                                  {28, {"keycode"}},
+                                  {32, {"chromaticities"}},
+                                  {36, {"m33f"}},
+                                  {64, {"m44f"}},
+                                  {72, {"m33d"}},
+                                  {128, {"m44d"}}};
+
+bool isWhole(std::string_view type, ByteView value) {
+    for (const TypesOfSize& known : kFixed)
+        if (!type.empty() && std::ranges::find(known.types, type) != known.types.end())
+            return value.size() == known.bytes;
+    Bounded in(value);
+    if (type == "chlist") {  // names with 16 bytes each, and an empty one
+        while (!in.text().empty()) in.next(16);
+    } else if (type == "preview") {
+        const uint64_t width = in.word(), height = in.word();
+        if (width > value.size() || height > value.size()) return false;
+        in.next(width * height * 4);
+    } else if (type == "stringvector") {
+        while (!in.atEnd()) in.next(in.word());
+    } else {
+        return true;  // as long as is said, which the library keeps to
+    }
+    return in.atEnd();
+}
+
+// Throws CodecError for attributes that do not have the size that their type has, or that is said: the
+// library goes by the one, or takes memory by the other, whatever the file holds.
+//
+// A header is a list of name, type, size and value that an empty name ends; several parts have as many, and
+// an empty one at the end (OpenEXR, "File Layout").
+void checkAttributes(ByteView file, bool severalParts) {
+    Bounded in(file.subspan(kFirstHeader));
+    for (size_t parts = 0; parts < kMostParts; ++parts) {
+        size_t attributes = 0;
+        for (;; ++attributes) {
+            const std::string_view name = in.text();
+            if (name.empty()) break;
+            const std::string_view type = in.text();
+            if (!isWhole(type, in.next(in.word())))
+                throw CodecError("the EXR file is damaged (its attribute \"" + std::string(name) +
+                                 "\" is not of the size that it says)");
+        }
+        if (!severalParts || attributes == 0) return;
+    }
+    throw CodecError("the EXR file has more than " + std::to_string(kMostParts) + " parts");
 }
 
 class MemoryReader : public Imf::IStream {
@@ -121,13 +216,13 @@ void checkPart(const Imf::Header& header, bool tiled, size_t fileBytes, uint64_t
 
 void checkHeaders(ByteView file, uint64_t mostPixels) {
     uint32_t version = 0;
-    if (file.size() <= kExrFirstHeader) throw CodecError("the file is truncated");
+    if (file.size() <= kFirstHeader) throw CodecError("the file is truncated");
     std::memcpy(&version, file.data() + 4, sizeof(version));
     const int flags = static_cast<int>(version);
     if (Imf::isNonImage(flags)) throw CodecError("EXR files with deep pixels are not supported");
-    checkExrAttributes(file, Imf::isMultiPart(flags));
+    checkAttributes(file, Imf::isMultiPart(flags));
     MemoryReader stream(file);
-    stream.seekg(kExrFirstHeader);
+    stream.seekg(kFirstHeader);
     do {
         Imf::Header header;
         int part = flags;
@@ -232,38 +327,24 @@ class SinkStream : public Imf::OStream {
     std::exception_ptr fault_;
 };
 
-// One plane of an EXR file.
+// A channel of an EXR file, and of the image that holds its samples.
 struct ExrChannel {
     std::string name;
-    std::vector<float> samples;  // row 0 at the top
+    const Image* image;
+    int index;
 };
-
-std::vector<float> plane(const Image& image, int channel) {
-    std::vector<float> samples;
-    samples.reserve(image.pixels.size() / static_cast<size_t>(image.channels));
-    for (size_t i = static_cast<size_t>(channel); i < image.pixels.size();
-         i += static_cast<size_t>(image.channels)) {
-        samples.push_back(image.pixels[i]);
-    }
-    return samples;
-}
 
 void appendExrChannels(const Layer& layer, bool withAlpha, std::vector<ExrChannel>& channels) {
     const int count = layer.image.channels;
+    const auto add = [&](const std::string& name, int c) { channels.push_back({name, &layer.image, c}); };
     if (layer.name == "color") {
         const char* const names[] = {count == 1 ? "Y" : "R", "G", "B", "A"};
-        for (int c = 0; c < (withAlpha ? count : std::min(count, 3)); ++c) {
-            channels.push_back({names[c], plane(layer.image, c)});
-        }
-        return;
-    }
-    if (layer.name == "alpha") {
-        channels.push_back({"A", plane(layer.image, 0)});
-        return;
-    }
-    const char* const suffixes[] = {"Y", "UV", "XYZ"};  // for 1, 2 and 3 channels
-    for (int c = 0; c < count; ++c) {
-        channels.push_back({layer.name + "." + suffixes[count - 1][c], plane(layer.image, c)});
+        for (int c = 0; c < (withAlpha ? count : std::min(count, 3)); ++c) add(names[c], c);
+    } else if (layer.name == "alpha") {
+        add("A", 0);
+    } else {
+        const char* const suffixes[] = {"Y", "UV", "XYZ"};  // for 1, 2 and 3 channels
+        for (int c = 0; c < count; ++c) add(layer.name + "." + suffixes[count - 1][c], c);
     }
 }
 
@@ -299,14 +380,15 @@ class ExrRows : public RowEncoder {
 
     void add(const std::vector<Layer>& rows) override {
         const int count = rows.front().image.height;
-        std::vector<ExrChannel> channels = exrChannels(rows);
         Imf::FrameBuffer source;
-        // The library asks for row y of the picture at base + y * stride.
-        const auto before = static_cast<std::ptrdiff_t>(written_) * width_;
-        for (ExrChannel& channel : channels) {
+        for (const ExrChannel& channel : exrChannels(rows)) {
+            const size_t xStride = static_cast<size_t>(channel.image->channels) * sizeof(float);
+            const size_t yStride = xStride * static_cast<size_t>(width_);
+            // The library asks for row y of the picture at base + y * stride.
+            const auto first = reinterpret_cast<intptr_t>(channel.image->pixels.data() + channel.index);
+            const auto base = first - written_ * static_cast<intptr_t>(yStride);
             source.insert(channel.name,
-                          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channel.samples.data() - before),
-                                     sizeof(float), sizeof(float) * static_cast<size_t>(width_)));
+                          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(base), xStride, yStride));
         }
         encoding([&] {
             file_->setFrameBuffer(source);

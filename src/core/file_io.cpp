@@ -1,38 +1,184 @@
 #include "core/file_io.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <deque>
 #include <system_error>
 
 #include "core/error.h"
-#include "core/staged_file.h"
 
 namespace glint {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const fs::path& path, int errorNumber) {
-    throw Error(ErrorKind::Failed,
-                path.string() + ": cannot read: " + std::generic_category().message(errorNumber));
+constexpr const char* kOwnFiles = "/proc/self/fd";
+
+[[noreturn]] void fail(const fs::path& path, const char* what, int errorNumber) {
+    throw Error(ErrorKind::Failed, path.string() + what + std::generic_category().message(errorNumber));
+}
+[[noreturn]] void failReading(const fs::path& path, int errorNumber) {
+    fail(path, ": cannot read: ", errorNumber);
+}
+[[noreturn]] void failWriting(const fs::path& path, int errorNumber) {
+    fail(path, ": cannot write: ", errorNumber);
+}
+
+// False with errno set if not every byte could be written. Without an offset for what has none.
+bool writeBytes(int file, std::span<const uint8_t> bytes, const uint64_t* offset) {
+    size_t written = 0;
+    while (written < bytes.size()) {
+        const uint8_t* const from = bytes.data() + written;
+        const size_t left = bytes.size() - written;
+        const ssize_t count = offset ? ::pwrite(file, from, left, static_cast<off_t>(*offset + written))
+                                     : ::write(file, from, left);
+        if (count < 0 && errno != EINTR) return false;
+        written += count > 0 ? static_cast<size_t>(count) : 0;
+    }
+    return true;
+}
+
+// To the disk, so that a name never stands for what a power cut has kept from being written. Some file
+// systems know no such thing.
+bool sync(int file) {
+    return ::fsync(file) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
+}
+
+// Target of a link, even if there is no file yet. A circular link stays: writing it fails.
+fs::path followLinks(const fs::path& path) {
+    constexpr int kMostLinks = 40;  // as many as Linux follows
+    std::error_code error;
+    fs::path target = path;
+    for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(target, error)); ++i) {
+        const fs::path next = fs::read_symlink(target, error);
+        if (error) break;
+        target = target.parent_path() / next;
+    }
+    return target;
 }
 
 }  // namespace
 
+Descriptor::~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+}
+
+bool Descriptor::close() {
+    return ::close(std::exchange(fd_, -1)) == 0;
+}
+
+StagedFile::StagedFile(const fs::path& path) : path_(path), target_(followLinks(path)) {
+    struct stat status {};
+    existed_ = ::stat(target_.c_str(), &status) == 0;
+    if (existed_ && S_ISDIR(status.st_mode)) failWriting(path_, EISDIR);
+    if (existed_ && ::access(target_.c_str(), W_OK) != 0) failWriting(path_, errno);
+    isDevice_ = existed_ && !S_ISREG(status.st_mode);
+    if (!isDevice_) makeTemporary(status);
+}
+
+StagedFile::~StagedFile() {
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+// A file without a name goes away with the process, whatever ends it (Linux 3.11; not every file system). It
+// gets a name by way of /proc, which a bare chroot may lack.
+void StagedFile::makeTemporary(const struct stat& status) {
+    const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    if (::access(kOwnFiles, X_OK) == 0)
+        file_ = Descriptor(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
+    nameless_ = file_.isOpen();
+    if (!nameless_) {
+        file_ = Descriptor(tryNames([](const fs::path& name) {
+            return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        }));
+    }
+    if (!file_.isOpen()) failWriting(path_, errno);
+    if (existed_) {
+        // Without success the new file has the mode of any other new file.
+        [[maybe_unused]] const int ignored = ::fchmod(file_.get(), status.st_mode & 07777);
+    }
+}
+
+void StagedFile::write(std::span<const uint8_t> bytes, uint64_t offset) {
+    if (!writeBytes(file_.get(), bytes, &offset)) failWriting(path_, errno);
+}
+
+void StagedFile::finish() {
+    if (isDevice_) return;
+    if (!sync(file_.get())) failWriting(path_, errno);
+    if (!nameless_ && !file_.close()) failWriting(path_, errno);
+}
+
+void StagedFile::commit(std::span<const uint8_t> bytes) {
+    if (isDevice_) {
+        Descriptor device(::open(target_.c_str(), O_WRONLY | O_CLOEXEC));
+        if (!device.isOpen() || !writeBytes(device.get(), bytes, nullptr) || !device.close())
+            failWriting(path_, errno);
+        return;
+    }
+    if (nameless_) giveName();
+    if (::rename(temporary_.c_str(), target_.c_str()) != 0) failWriting(path_, errno);
+    temporary_.clear();
+}
+
+void StagedFile::revoke() const {
+    if (!existed_) ::unlink(target_.c_str());
+}
+
+// Nothing replaces a file but a rename, so the file has another name for a moment.
+void StagedFile::giveName() {
+    const std::string self = std::string(kOwnFiles) + "/" + std::to_string(file_.get());
+    const int failed = tryNames([&](const fs::path& name) {
+        return ::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW);
+    });
+    if (failed < 0 || !file_.close()) failWriting(path_, errno);
+}
+
+// Calls make(name) with names beside the target until there is no such file yet; `temporary_` is then the
+// name. Less than 0, with errno set, if that fails.
+template <typename Make>
+int StagedFile::tryNames(Make make) {
+    static std::atomic<unsigned> counter{0};
+    // Names end at 255 bytes; the process and a counter make the shortened name unique.
+    std::string stem(1, '.');
+    stem += target_.filename().string().substr(0, 200);
+    stem += '.' + std::to_string(::getpid());
+    for (;;) {
+        // Kept first: once the file is there, nothing may fail before its name is known to the destructor.
+        temporary_ = target_.parent_path() / (stem + "." + std::to_string(counter++) + ".tmp");
+        const int made = make(temporary_);
+        if (made >= 0) return made;
+        const int error = errno;
+        temporary_.clear();
+        errno = error;
+        if (error != EEXIST) return made;
+    }
+}
+
+void commitAll(const std::vector<StagedFile*>& files, const std::vector<std::span<const uint8_t>>& bytes) {
+    size_t committed = 0;
+    try {
+        for (; committed < files.size(); ++committed)
+            files[committed]->commit(bytes.empty() ? std::span<const uint8_t>() : bytes[committed]);
+    } catch (const Error&) {
+        while (committed > 0) files[--committed]->revoke();
+        throw;
+    }
+}
+
 std::vector<uint8_t> readFile(const fs::path& path) {
-    // Without O_NONBLOCK the opening of a pipe waits for its writer.
+    // Without O_NONBLOCK the opening of a pipe waits for whoever writes to it.
     Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
     struct stat status {};
     if (!file.isOpen() || ::fstat(file.get(), &status) != 0) {
-        fail(path, errno);
+        failReading(path, errno);
     }
     if (S_ISDIR(status.st_mode)) {
-        fail(path, EISDIR);
+        failReading(path, EISDIR);
     }
     if (!S_ISREG(status.st_mode)) {
         throw Error(ErrorKind::Failed, path.string() + ": cannot read: not a regular file");
@@ -44,7 +190,7 @@ std::vector<uint8_t> readFile(const fs::path& path) {
         bytes.resize(std::max({static_cast<size_t>(status.st_size) + 1, size + size / 2, size_t{4096}}));
         const ssize_t count = ::read(file.get(), bytes.data() + size, bytes.size() - size);
         if (count < 0 && errno != EINTR) {
-            fail(path, errno);
+            failReading(path, errno);
         }
         if (count == 0) {
             break;

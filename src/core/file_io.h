@@ -1,10 +1,13 @@
 // Whole files: read at once, written so that they appear whole or not at all.
 #pragma once
 
+#include <sys/stat.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace glint {
@@ -31,5 +34,66 @@ void writeFile(const std::filesystem::path& path, std::span<const uint8_t> bytes
 
 // The same for one text, e.g. a report.
 void writeTextFile(const std::filesystem::path& path, const std::string& text);
+
+// ---- A file between its temporary name and its own
+
+// A file descriptor that is closed on every way out.
+class Descriptor {
+  public:
+    explicit Descriptor(int fd) : fd_(fd) {}
+    ~Descriptor();
+    Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+    Descriptor& operator=(Descriptor&& other) noexcept {
+        std::swap(fd_, other.fd_);
+        return *this;
+    }
+
+    bool isOpen() const { return fd_ >= 0; }
+    int get() const { return fd_; }
+    // Network file systems report a full disk only here.
+    bool close();
+
+  private:
+    int fd_;
+};
+
+// Written in any order, and then named: see writeFiles. All members throw Error(Failed).
+class StagedFile {
+  public:
+    // Makes the file, unless the path is that of a device or pipe.
+    explicit StagedFile(const std::filesystem::path& path);
+    ~StagedFile();
+    StagedFile(const StagedFile&) = delete;
+    StagedFile& operator=(const StagedFile&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+    // A device or pipe, which takes all its bytes at once, by commit().
+    bool isDevice() const { return isDevice_; }
+
+    void write(std::span<const uint8_t> bytes, uint64_t offset);
+    // All is written; it goes to the disk.
+    void finish();
+    // Gives the file its name; `bytes` are those for a device.
+    void commit(std::span<const uint8_t> bytes = {});
+    // Undoes commit() as far as it can be undone.
+    void revoke() const;
+
+  private:
+    void makeTemporary(const struct stat& status);
+    void giveName();
+    template <typename Make>
+    int tryNames(Make make);
+
+    std::filesystem::path path_, target_;
+    std::filesystem::path temporary_;  // empty before it has a name, and once it is renamed
+    Descriptor file_{-1};
+    bool nameless_ = false;
+    bool existed_ = false;
+    bool isDevice_ = false;
+};
+
+// Commits all files or none. `bytes`: of each file, for devices; may be empty.
+void commitAll(const std::vector<StagedFile*>& files,
+               const std::vector<std::span<const uint8_t>>& bytes = {});
 
 }  // namespace glint

@@ -1,6 +1,5 @@
 #include "core/file_source.h"
 
-#include <map>
 #include <system_error>
 
 #include "core/error.h"
@@ -30,34 +29,14 @@ class FileSystem : public FileSource {
     }
 
     fs::path real(const fs::path& path) override {
-        const fs::path last = path.filename();
         std::error_code code;
-        // A name that is no link lies in its folder, which is resolved once.
-        if (last.empty() || last == "." || last == ".." || fs::is_symlink(fs::symlink_status(path, code)))
-            return found(path, path);
-        if (code && code != std::errc::no_such_file_or_directory && code != std::errc::not_a_directory)
-            return found(path, path);
-        const fs::path parent = path.parent_path();
-        auto folder = folders_.find(parent.string());
-        if (folder == folders_.end()) folder = folders_.emplace(parent.string(), found(parent, path)).first;
-        return folder->second / last;
-    }
-
-  private:
-    // With all links followed; `name` is what the message is about.
-    static fs::path found(const fs::path& path, const fs::path& name) {
-        std::error_code code;
-        // Absolute, for one that does not exist stays relative else.
+        // weakly_canonical keeps a relative path to a missing file relative.
         const fs::path whole = fs::absolute(path.empty() ? "." : path);
-        fs::path real = fs::canonical(whole, code);
-        // This takes any path, and several calls of the system for each of its folders.
-        if (code) real = fs::weakly_canonical(whole, code);
+        const fs::path found = fs::weakly_canonical(whole, code);
         if (code)
-            throw Error(ErrorKind::Scene, printable(name.string() + ": cannot be read: " + code.message()));
-        return real;
+            throw Error(ErrorKind::Scene, printable(path.string() + ": cannot be read: " + code.message()));
+        return found;
     }
-
-    std::map<std::string, fs::path> folders_;  // by name, where found() found them
 };
 
 }  // namespace

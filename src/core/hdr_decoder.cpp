@@ -52,12 +52,10 @@ class HdrReader {
 
     void readHeader() {
         const std::string_view magic = line();
-        if (magic != "#?RADIANCE" && magic != "#?RGBE")
-            throw CodecError("the file is damaged or of a kind that is not supported (not HDR)");
+        if (magic != "#?RADIANCE" && magic != "#?RGBE") failDamaged("not HDR");
         for (std::string_view text = line(); !text.empty(); text = line()) {
             if (text.starts_with("FORMAT=") && text.substr(7) != "32-bit_rle_rgbe")
-                throw CodecError(
-                    "the file is damaged or of a kind that is not supported (unsupported format)");
+                failDamaged("unsupported format");
             // Factors that multiplied the samples; several multiply together.
             if (text.starts_with("EXPOSURE=")) exposure_ *= numberAt(text.substr(9));
         }
@@ -93,8 +91,7 @@ class HdrReader {
         }
         turned_ = axes[0] == 'X';
         if (!good || at != end || axes[turned_ ? 1 : 0] != 'Y' || axes[turned_ ? 0 : 1] != 'X')
-            throw CodecError(
-                "the file is damaged or of a kind that is not supported (unsupported data layout)");
+            failDamaged("unsupported data layout");
         height_ = sizes[0];
         width_ = sizes[1];
         upwards_ = signs[turned_ ? 1 : 0] == '+';
@@ -138,8 +135,7 @@ class HdrReader {
             position_ += 4;
             const bool run = std::equal(kRun, kRun + 3, pixel);
             const size_t count = run ? pixel[3] * scale : 1;
-            if (count > width_ - x || (run && x == 0))
-                throw CodecError("the file is damaged or of a kind that is not supported (bad RLE data)");
+            if (count > width_ - x || (run && x == 0)) failDamaged("bad RLE data");
             for (size_t i = 0; i < count; ++i, ++x)
                 std::copy_n(run ? &pixels[4 * (x - 1)] : pixel, 4, &pixels[4 * x]);
             scale = run ? std::min<size_t>(scale * 256, 1 << 24) : 1;
@@ -148,8 +144,7 @@ class HdrReader {
 
     void readRuns(std::vector<uint8_t>& pixels) {
         const size_t declared = static_cast<size_t>(file_[position_ + 2]) << 8 | file_[position_ + 3];
-        if (declared != width_)
-            throw CodecError("the file is damaged or of a kind that is not supported (scanline length)");
+        if (declared != width_) failDamaged("scanline length");
         position_ += 4;
         for (size_t channel = 0; channel < 4; ++channel) {
             for (size_t x = 0; x < width_;) {
@@ -157,8 +152,7 @@ class HdrReader {
                 const uint8_t count = file_[position_++];
                 const bool run = count > 128;
                 const size_t length = run ? count - 128u : count;
-                if (length == 0 || length > width_ - x)
-                    throw CodecError("the file is damaged or of a kind that is not supported (bad RLE data)");
+                if (length == 0 || length > width_ - x) failDamaged("bad RLE data");
                 need(run ? 1 : length);
                 for (size_t i = 0; i < length; ++i)
                     pixels[4 * (x + i) + channel] = file_[position_ + (run ? 0 : i)];

@@ -46,32 +46,6 @@ double sampleDifference(float a, float b) {
     return same ? 0.0 : kInfinity;
 }
 
-struct PixelSums {
-    double difference = 0;  // greatest
-    double signedSum = 0;   // of b - a
-    double squareSum = 0;
-    double relativeSum = 0;
-    bool finiteA = true;
-    bool finiteB = true;
-};
-
-PixelSums comparePixel(const Image& a, const Image& b, int x, int y, int channels) {
-    PixelSums sums;
-    for (int c = 0; c < channels; ++c) {
-        const float sampleA = sample(a, x, y, c);
-        const float sampleB = sample(b, x, y, c);
-        const double delta = static_cast<double>(sampleB) - static_cast<double>(sampleA);
-        sums.difference = std::max(sums.difference, sampleDifference(sampleA, sampleB));
-        sums.signedSum += delta;
-        sums.squareSum += delta * delta;
-        const auto truth = static_cast<double>(sampleA);
-        sums.relativeSum += delta * delta / (truth * truth + kRelativeFloor);
-        sums.finiteA = sums.finiteA && std::isfinite(sampleA);
-        sums.finiteB = sums.finiteB && std::isfinite(sampleB);
-    }
-    return sums;
-}
-
 bool isWorse(const PixelDifference& a, const PixelDifference& b) {
     return std::make_tuple(-a.difference, a.y, a.x) < std::make_tuple(-b.difference, b.y, b.x);
 }
@@ -89,24 +63,29 @@ void keepWorst(std::vector<PixelDifference>& differences, size_t count) {
 ImageDifference compareImages(const Image& a, const Image& b, double tolerance, size_t worstCount) {
     const int channels = comparedChannels(a, b);
     ImageDifference result;
-    double signedSum = 0;
-    double squareSum = 0;
-    double relativeSum = 0;
+    double signedSum = 0, squareSum = 0, relativeSum = 0;
     uint64_t finiteSamples = 0;
     for (int y = 0; y < a.height; ++y) {
         for (int x = 0; x < a.width; ++x) {
-            const PixelSums sums = comparePixel(a, b, x, y, channels);
-            result.max = std::max(result.max, sums.difference);
-            result.above += sums.difference > tolerance ? 1 : 0;
-            result.notFinite += sums.finiteA != sums.finiteB ? 1 : 0;
-            if (sums.finiteA && sums.finiteB) {
-                signedSum += sums.signedSum;
-                squareSum += sums.squareSum;
-                relativeSum += sums.relativeSum;
-                finiteSamples += static_cast<uint64_t>(channels);
+            double difference = 0;  // greatest of the pixel
+            bool finiteA = true, finiteB = true;
+            for (int c = 0; c < channels; ++c) {
+                const float sampleA = sample(a, x, y, c), sampleB = sample(b, x, y, c);
+                difference = std::max(difference, sampleDifference(sampleA, sampleB));
+                finiteA = finiteA && std::isfinite(sampleA);
+                finiteB = finiteB && std::isfinite(sampleB);
             }
-            if (sums.difference > 0) {
-                result.worst.push_back({x, y, static_cast<float>(sums.difference)});
+            result.max = std::max(result.max, difference);
+            result.above += difference > tolerance ? 1 : 0;
+            result.notFinite += finiteA != finiteB ? 1 : 0;
+            if (difference > 0) result.worst.push_back({x, y, static_cast<float>(difference)});
+            for (int c = 0; c < channels && finiteA && finiteB; ++c) {
+                const auto truth = static_cast<double>(sample(a, x, y, c));
+                const double delta = static_cast<double>(sample(b, x, y, c)) - truth;
+                signedSum += delta;
+                squareSum += delta * delta;
+                relativeSum += delta * delta / (truth * truth + kRelativeFloor);
+                ++finiteSamples;
             }
         }
     }

@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/quantize.h"
-#include "core/staged_file.h"
 #include "core/text_file.h"
 
 namespace glint {

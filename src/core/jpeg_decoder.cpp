@@ -138,8 +138,7 @@ void run(Decoder& decoder, Step step) {
     }
     if (decoder.failure.cancelled) throw Cancelled();
     if (decoder.failure.truncated) throw CodecError("the file is truncated");
-    throw CodecError("the file is damaged or of a kind that is not supported (" +
-                     std::string(decoder.failure.message.data()) + ")");
+    failDamaged(decoder.failure.message.data());
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 
+#include "core/binary_numbers.h"
 #include "core/codecs.h"
 
 namespace glint {
@@ -16,55 +16,24 @@ constexpr size_t kMostBlockBytes = 1 << 20;  // of rows alike that are written a
 
 static_assert(std::endian::native == std::endian::little, "encodePfm copies floats in the host's byte order");
 
-// Reads the header's words, which any white space separates; exactly one character of it follows the last
-// word.
-class HeaderReader {
-  public:
-    explicit HeaderReader(ByteView file) : file_(file) {}
-
-    std::string word() {
-        while (position_ < file_.size() && isSpace()) {
-            ++position_;
-        }
-        std::string text;
-        while (position_ < file_.size() && !isSpace()) {
-            text += static_cast<char>(file_[position_++]);
-        }
-        return text;
-    }
-
-    template <typename Number>
-    Number number(const char* what) {
-        const std::string text = word();
-        Number value{};
-        const char* end = text.data() + text.size();
-        const auto [rest, error] = std::from_chars(text.data(), end, value);
-        if (error != std::errc{} || rest != end) {
-            throw CodecError(std::string("the PFM header has no valid ") + what);
-        }
-        return value;
-    }
-
-    ByteView rest() const { return file_.subspan(std::min(position_ + 1, file_.size())); }
-
-  private:
-    bool isSpace() const { return std::isspace(file_[position_]) != 0; }
-
-    ByteView file_;
-    size_t position_ = 0;
-};
-
-float decodeFloat(const uint8_t* bytes, bool bigEndian) {
-    uint32_t bits = 0;
-    for (int i = 0; i < 4; ++i) {
-        bits |= static_cast<uint32_t>(bytes[i]) << (bigEndian ? 24 - 8 * i : 8 * i);
-    }
-    return std::bit_cast<float>(bits);
+// The next word of the header at `position`, which then follows the word. White space separates words.
+std::string nextWord(ByteView file, size_t& position) {
+    const auto isSpace = [&] { return std::isspace(file[position]) != 0; };
+    while (position < file.size() && isSpace()) ++position;
+    std::string text;
+    for (; position < file.size() && !isSpace(); ++position) text += static_cast<char>(file[position]);
+    return text;
 }
 
-std::string headerOf(int width, int height, int channels) {
-    return std::string(channels == 1 ? "Pf" : "PF") + "\n" + std::to_string(width) + " " +
-           std::to_string(height) + "\n-1.0\n";
+template <typename Number>
+Number nextNumber(ByteView file, size_t& position, const char* what) {
+    const std::string text = nextWord(file, position);
+    Number value{};
+    const char* end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || rest != end)
+        throw CodecError(std::string("the PFM header has no valid ") + what);
+    return value;
 }
 
 // One row with `kept` channels; a missing one is 0.
@@ -81,19 +50,23 @@ void appendRow(const Image& image, int y, int kept, Bytes& bytes) {
 class PfmRows : public RowEncoder {
   public:
     PfmRows(ByteSink& sink, int width, int height, int channels, std::string name)
-        : sink_(sink), name_(std::move(name)), width_(width), kept_(channels == 1 ? 1 : 3), left_(height) {
-        const std::string header = headerOf(width, height, kept_);
+        : sink_(sink), name_(std::move(name)), kept_(channels == 1 ? 1 : 3), left_(height) {
+        const std::string header = std::string(kept_ == 1 ? "Pf" : "PF") + "\n" + std::to_string(width) +
+                                   " " + std::to_string(height) + "\n-1.0\n";
         sink_.write(ByteView(reinterpret_cast<const uint8_t*>(header.data()), header.size()), 0);
         first_ = header.size();
+        rowBytes_ = static_cast<uint64_t>(width) * static_cast<uint64_t>(kept_) * sizeof(float);
     }
 
     void add(const std::vector<Layer>& rows) override { add(findLayer(rows, name_)->image); }
     // The file's rows go from the bottom to the top.
     void add(const Image& rows) {
         Bytes bytes;
-        for (int y = rows.height - 1; y >= 0; --y) appendRow(rows, y, kept_, bytes);
-        left_ -= rows.height;
-        sink_.write(bytes, positionOf(left_));
+        for (int y = 0; y < rows.height; ++y) {
+            bytes.clear();
+            appendRow(rows, y, kept_, bytes);
+            sink_.write(bytes, positionOf(--left_));
+        }
     }
 
     void fill(int, const std::vector<Layer>& layers) override {
@@ -103,27 +76,24 @@ class PfmRows : public RowEncoder {
         Bytes bytes;
         appendRow(row, 0, kept_, bytes);
         if (std::all_of(bytes.begin(), bytes.end(), [](uint8_t byte) { return byte == 0; })) left_ = 0;
-        const size_t rowBytes = bytes.size();
-        const int inBlock = std::min(left_, static_cast<int>(kMostBlockBytes / rowBytes) + 1);
+        const int inBlock = std::min(left_, static_cast<int>(kMostBlockBytes / rowBytes_) + 1);
         for (int y = 1; y < inBlock; ++y) appendRow(row, 0, kept_, bytes);
         while (left_ > 0) {
             const int rows = std::min(left_, inBlock);
             left_ -= rows;
-            sink_.write(ByteView(bytes).first(static_cast<size_t>(rows) * rowBytes), positionOf(left_));
+            sink_.write(ByteView(bytes).first(static_cast<size_t>(rows) * rowBytes_), positionOf(left_));
         }
     }
     void finish() override {}
 
   private:
-    uint64_t positionOf(int rowsBelow) const {
-        return first_ + static_cast<uint64_t>(rowsBelow) * static_cast<uint64_t>(width_) *
-                            static_cast<uint64_t>(kept_) * sizeof(float);
-    }
+    uint64_t positionOf(int rowsBelow) const { return first_ + static_cast<uint64_t>(rowsBelow) * rowBytes_; }
 
     ByteSink& sink_;
     std::string name_;
-    int width_, kept_, left_;  // rows that are still to come
-    uint64_t first_ = 0;       // byte behind the header
+    int kept_, left_;     // channels; rows that are still to come
+    uint64_t first_ = 0;  // byte behind the header
+    uint64_t rowBytes_ = 0;
 };
 
 }  // namespace
@@ -139,34 +109,28 @@ Bytes encodePfm(const Image& image) {
 }
 
 Image decodePfm(ByteView file, uint64_t mostPixels, const Context&) {
-    HeaderReader header(file);
-    const int channels = header.word() == "PF" ? 3 : 1;
-    const int width = header.number<int>("width");
-    const int height = header.number<int>("height");
-    const double scale = header.number<double>("scale");
-    if (width <= 0 || height <= 0 || !std::isfinite(scale) || scale == 0) {
+    size_t position = 0;
+    const int channels = nextWord(file, position) == "PF" ? 3 : 1;
+    const int width = nextNumber<int>(file, position, "width");
+    const int height = nextNumber<int>(file, position, "height");
+    const double scale = nextNumber<double>(file, position, "scale");
+    if (width <= 0 || height <= 0 || !std::isfinite(scale) || scale == 0)
         throw CodecError("the PFM header has a size or a scale that makes no sense");
-    }
-    const ByteView data = header.rest();
+    const ByteView data = file.subspan(std::min(position + 1, file.size()));  // behind one white space
     const size_t rowSamples = static_cast<size_t>(width) * channels;
-    if (data.size() / sizeof(float) / rowSamples < static_cast<size_t>(height)) {
+    if (data.size() / sizeof(float) / rowSamples < static_cast<size_t>(height))
         throw CodecError("the file is truncated");
-    }
-    if (static_cast<uint64_t>(width) * static_cast<uint64_t>(height) > mostPixels) {
+    if (static_cast<uint64_t>(width) * static_cast<uint64_t>(height) > mostPixels)
         throw CodecError("the picture has " + std::to_string(width) + " x " + std::to_string(height) +
                          " pixels, the limit is " + std::to_string(mostPixels));
-    }
     Image image(width, height, channels);
-    const uint8_t* next = data.data();
+    const char* next = reinterpret_cast<const char*>(data.data());
+    const double unit = std::abs(scale);  // of the samples; programs that have none write 1
     for (int y = height - 1; y >= 0; --y) {
         for (size_t i = 0; i < rowSamples; ++i, next += sizeof(float)) {
-            image.pixels[static_cast<size_t>(y) * rowSamples + i] = decodeFloat(next, scale > 0);
-        }
-    }
-    // The scale's size is the unit of the samples; programs that have none write 1.
-    if (std::abs(scale) != 1.0) {
-        for (float& sample : image.pixels) {
-            sample = static_cast<float>(sample * std::abs(scale));
+            const auto sample = loadNumber<float>(next, scale > 0 ? std::endian::big : std::endian::little);
+            image.pixels[static_cast<size_t>(y) * rowSamples + i] =
+                unit == 1 ? sample : static_cast<float>(sample * unit);
         }
     }
     return image;

@@ -72,8 +72,7 @@ void run(Decoder& decoder, Step step) {
     }
     if (decoder.cancelled) throw Cancelled();
     if (decoder.truncated) throw CodecError("the file is truncated");
-    throw CodecError("the file is damaged or of a kind that is not supported (" +
-                     std::string(decoder.message.data()) + ")");
+    failDamaged(decoder.message.data());
 }
 
 void start(Decoder& decoder) {

@@ -132,18 +132,6 @@ Animation parseAnimation(const JsonCursor& root) {
     return animation;
 }
 
-AnimationSpan spanOf(const Animation& animation) {
-    AnimationSpan span{animation.framesPerSecond, animation.tracks.size(), 0, 0};
-    bool first = true;
-    for (const AnimationTrack& track : animation.tracks) {
-        const std::vector<double>& times = track.keyframes.times;
-        span.start = first ? times.front() : std::min(span.start, times.front());
-        span.end = first ? times.back() : std::max(span.end, times.back());
-        first = false;
-    }
-    return span;
-}
-
 void setValue(JsonValue& document, const AnimationTrack& track, const std::vector<double>& value) {
     JsonValue* at = &document;
     for (size_t i = 0; i < track.steps.size(); ++i) {

@@ -125,7 +125,7 @@ GltfNumbers numbersOf(const draco::PointAttribute& attribute, uint32_t points) {
 
 void decodeDraco(GltfFile& file, const JsonCursor& primitive, const JsonCursor& extension) {
     const std::string_view bytes =
-        file.bufferView(file.index(GltfList::BufferViews, extension.require("bufferView")));
+        file.bufferView(file.index("bufferViews", extension.require("bufferView")));
     const uint64_t size = declaredSize(extension, bytes);
     // Two faces or more in a bit are not possible, and each takes some 200 bytes while it is decoded.
     if (size / 64 > bytes.size()) extension.fail("the compressed data declare more than they can hold");
@@ -145,8 +145,7 @@ void decodeDraco(GltfFile& file, const JsonCursor& primitive, const JsonCursor& 
             mesh.GetAttributeByUniqueId(static_cast<uint32_t>(id.integer(0, 1 << 30)));
         if (!attribute) id.fail("there is no such attribute in the compressed data");
         if (accessor)
-            file.setDecoded(file.index(GltfList::Accessors, *accessor),
-                            numbersOf(*attribute, mesh.num_points()));
+            file.setDecoded(file.index("accessors", *accessor), numbersOf(*attribute, mesh.num_points()));
     }
     const auto order = primitive.find("indices");
     if (!order) extension.fail("the primitive has no indices");
@@ -155,7 +154,7 @@ void decodeDraco(GltfFile& file, const JsonCursor& primitive, const JsonCursor& 
     for (uint32_t i = 0; i < mesh.num_faces(); i++)
         for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(i)))
             indices.values.push_back(corner.value());
-    file.setDecoded(file.index(GltfList::Accessors, *order), std::move(indices));
+    file.setDecoded(file.index("accessors", *order), std::move(indices));
 }
 
 #else

@@ -1,7 +1,7 @@
 // The container of glTF 2.0 (Khronos, The glTF 2.0 Specification, 2021): JSON, buffers, references.
 #pragma once
 
-#include <array>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -15,23 +15,6 @@
 #include "import/scene_files.h"
 
 namespace glint {
-
-// The arrays of the document that others refer to by index.
-enum class GltfList {
-    Accessors,
-    Buffers,
-    BufferViews,
-    Cameras,
-    Images,
-    Lights,
-    Materials,
-    Meshes,
-    Nodes,
-    Samplers,
-    Scenes,
-    Textures
-};
-inline constexpr size_t kGltfLists = 12;
 
 // Numbers of an accessor.
 struct GltfNumbers {
@@ -50,11 +33,15 @@ class GltfFile {
 
     const std::string& name() const { return name_; }
     const JsonCursor& root() const { return *root_; }
-    size_t count(GltfList list) const { return cursors_[static_cast<size_t>(list)].second; }
-    // `index` must be below count; the item is an object.
-    JsonCursor item(GltfList list, size_t index) const;
-    // The index at `reference`; fails if the list has no such item.
-    size_t index(GltfList list, const JsonCursor& reference) const;
+    // The lists of the document ("nodes"), and "lights" of KHR_lights_punctual, whose items others refer to
+    // by index. `index` must be below count; items are objects.
+    size_t count(std::string_view list);
+    JsonCursor item(std::string_view list, size_t index);
+    // The index at `reference`, or its item; both fail if the list has no such item.
+    size_t index(std::string_view list, const JsonCursor& reference);
+    JsonCursor at(std::string_view list, const JsonCursor& reference) {
+        return item(list, index(list, reference));
+    }
 
     // Bytes of item `view` of bufferViews. External files are read, and compressed views decoded, on first
     // use.
@@ -77,7 +64,7 @@ class GltfFile {
 
   private:
     void openBinary();
-    void findLists();
+    const JsonCursor* find(std::string_view list);  // or null
     void checkHeader();
     std::string_view buffer(size_t index);
     std::string_view range(const JsonCursor& object);  // bytes of a buffer, as a view or extension gives them
@@ -90,8 +77,8 @@ class GltfFile {
     std::optional<std::string_view> binary_;  // the BIN chunk of a .glb, within bytes_
     JsonValue document_;
     std::optional<JsonCursor> root_;
-    std::vector<JsonCursor> parents_;  // of the lists of extensions
-    std::array<std::pair<std::optional<JsonCursor>, size_t>, kGltfLists> cursors_;
+    std::deque<JsonCursor> parents_;                // of the list in an extension
+    std::map<std::string_view, JsonCursor> lists_;  // that were found
     std::vector<std::shared_ptr<const std::string>> buffers_;
     std::map<std::string, std::shared_ptr<const std::string>> byUri_;  // several buffers may share one
     std::map<size_t, std::string> views_;                              // those that were compressed

@@ -25,7 +25,7 @@ class MeshReader {
     MeshReader(GltfFile& file, GltfMaterials& materials) : file_(file), materials_(materials) {}
 
     std::shared_ptr<const Mesh> read(size_t index) {
-        const JsonCursor mesh = file_.item(GltfList::Meshes, index);
+        const JsonCursor mesh = file_.item("meshes", index);
         const JsonCursor primitives = mesh.require("primitives");
         for (size_t i = 0; i < primitives.size(); i++) {
             const JsonCursor primitive = primitives.item(i);
@@ -60,8 +60,7 @@ class MeshReader {
         }
         const bool compressed =
             withExtension(primitive, "KHR_draco_mesh_compression", [&](const JsonCursor& draco) {
-                const JsonCursor accessor =
-                    file_.item(GltfList::Accessors, file_.index(GltfList::Accessors, *position));
+                const JsonCursor accessor = file_.at("accessors", *position);
                 if (readsDraco() || !accessor.find("bufferView")) decodeDraco(file_, primitive, draco);
             });
         const auto material = primitive.find("material");
@@ -102,7 +101,7 @@ class MeshReader {
     std::vector<uint32_t> vertexOrder(const JsonCursor& primitive, size_t count) {
         std::vector<uint32_t> order;
         if (const auto reference = primitive.find("indices")) {
-            order = readIndexAccessor(file_, file_.index(GltfList::Accessors, *reference));
+            order = readIndexAccessor(file_, file_.index("accessors", *reference));
             for (size_t i = 0; i < order.size(); i++)
                 if (order[i] >= count)
                     reference->fail("element " + std::to_string(i) + " is vertex " +
@@ -138,7 +137,7 @@ class MeshReader {
     template <typename Element, typename Convert>
     Range append(std::vector<Element>& array, std::map<size_t, Range>& known, const JsonCursor& reference,
                  std::initializer_list<std::string_view> types, const Convert& convert) {
-        const size_t accessor = file_.index(GltfList::Accessors, reference);
+        const size_t accessor = file_.index("accessors", reference);
         if (const auto at = known.find(accessor); at != known.end()) return at->second;
         const GltfNumbers numbers = readAccessor(file_, accessor, types);
         if (array.size() + numbers.count >= Mesh::kNoIndex) reference.fail("more than 2^32 - 2 vertices");

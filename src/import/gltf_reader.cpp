@@ -6,12 +6,13 @@
 
 #include "core/error.h"
 #include "core/vectors.h"
-#include "import/gltf_file.h"
 #include "import/gltf_material.h"
 #include "import/gltf_scene.h"
+#include "import/parse_scene.h"
 #include "import/readers.h"
 #include "scene/cameras.h"
 #include "scene/frame_model.h"
+#include "scene/keyframes.h"
 #include "scene/limits.h"
 #include "scene/transform.h"
 
@@ -54,6 +55,102 @@ Affine placeOf(const JsonCursor& node, const GltfPlace& animated) {
     return place;
 }
 
+// ---- Animations (section 3.11), interpolation by appendix C
+
+struct Channel {
+    size_t node = 0;
+    std::optional<std::vector<double>> GltfPlace::*path = nullptr;
+    Keyframes keyframes;
+};
+
+Interpolation interpolationOf(const JsonCursor& sampler) {
+    const auto name = sampler.find("interpolation");
+    if (!name || name->string() == "LINEAR") return Interpolation::Linear;
+    if (name->string() == "STEP") return Interpolation::Step;
+    if (name->string() == "CUBICSPLINE") return Interpolation::Cubic;
+    name->failWanted("must be LINEAR, STEP or CUBICSPLINE");
+}
+
+void checkKeyframes(const JsonCursor& sampler, const Keyframes& keyframes) {
+    const std::vector<double>& times = keyframes.times;
+    if (times.empty()) sampler.fail("has no keyframes");
+    for (size_t i = 1; i < times.size(); ++i)
+        if (!(times[i] > times[i - 1])) sampler.fail("its times must ascend");
+    if (keyframes.values.size() != times.size() * keyframes.stride())
+        sampler.fail("has " + std::to_string(times.size()) + " times, and values for " +
+                     std::to_string(keyframes.values.size() / keyframes.stride()));
+    if (!keyframes.rotation) return;
+    const size_t stride = keyframes.stride(), first = stride == 12 ? 4 : 0;
+    for (size_t at = first; at < keyframes.values.size(); at += stride) {
+        double squares = 0;
+        for (size_t c = 0; c < 4; ++c) squares += keyframes.values[at + c] * keyframes.values[at + c];
+        if (!(squares > 0)) sampler.fail("a rotation must not be zero");
+    }
+}
+
+Keyframes readSampler(GltfFile& file, const JsonCursor& sampler, bool rotation) {
+    Keyframes keyframes;
+    keyframes.interpolation = interpolationOf(sampler);
+    keyframes.rotation = rotation;
+    keyframes.components = rotation ? 4 : 3;
+    keyframes.times =
+        readAccessor(file, file.index("accessors", sampler.require("input")), {"SCALAR"}).values;
+    keyframes.values =
+        readAccessor(file, file.index("accessors", sampler.require("output")), {rotation ? "VEC4" : "VEC3"})
+            .values;
+    checkKeyframes(sampler, keyframes);
+    return keyframes;
+}
+
+// Nothing for what glint does not move.
+std::optional<Channel> readChannel(GltfFile& file, const JsonCursor& samplers, const JsonCursor& channel) {
+    const JsonCursor target = channel.require("target");
+    const auto node = target.find("node");
+    if (!node) return std::nullopt;  // an extension's
+    Channel result;
+    result.node = file.index("nodes", *node);
+    const std::string& path = target.require("path").string();
+    if (path == "weights") {
+        file.warn("morph targets are ignored");
+        return std::nullopt;
+    }
+    if (path == "translation")
+        result.path = &GltfPlace::translation;
+    else if (path == "rotation")
+        result.path = &GltfPlace::rotation;
+    else if (path == "scale")
+        result.path = &GltfPlace::scale;
+    else
+        target.require("path").failWanted("must be translation, rotation, scale or weights");
+    if (file.item("nodes", result.node).find("matrix")) node->fail("a node with a matrix cannot be animated");
+    const JsonCursor reference = channel.require("sampler");
+    const auto index = static_cast<size_t>(reference.integer(0, std::numeric_limits<int>::max()));
+    if (index >= samplers.size()) reference.fail("there is no such sampler");
+    result.keyframes = readSampler(file, samplers.item(index), path == "rotation");
+    return result;
+}
+
+// The channels of the file's first animation; none if it has no animation. What is not read (other
+// animations, weights of morph targets, channels that are at fault) is warned about.
+std::vector<Channel> readChannels(GltfFile& file) {
+    std::vector<Channel> result;
+    const auto animations = file.root().find("animations");
+    if (!animations || animations->size() == 0) return result;
+    const JsonCursor first = animations->item(0);
+    if (animations->size() > 1)
+        file.warn("of " + std::to_string(animations->size()) + " animations only the first is shown");
+    try {
+        const JsonCursor samplers = first.require("samplers"), channels = first.require("channels");
+        for (size_t i = 0; i < channels.size(); ++i)
+            if (auto channel = readChannel(file, samplers, channels.item(i)))
+                result.push_back(std::move(*channel));
+    } catch (const Error& error) {
+        file.warnOf(error, "nothing is animated");
+        result.clear();
+    }
+    return result;
+}
+
 class Reader final : public GltfScene {
   public:
     Reader(const std::filesystem::path& path, SceneFiles& files) : file_(path, files) {}
@@ -61,10 +158,10 @@ class Reader final : public GltfScene {
     ImportedScene take() override {
         scene_.background = kModelBackground;
         scene_.ambient = kModelAmbient;
-        channels_ = readGltfChannels(file_);
+        channels_ = readChannels(file_);
         walk();
         if (moves_)
-            scene_.animation = spanOf(channels_);
+            scene_.animation = spanOf(channels_, 24);
         else if (!channels_.empty())
             file_.warn("the animation moves nothing that is shown");
         if (!scene_.cameras.empty()) {
@@ -72,17 +169,22 @@ class Reader final : public GltfScene {
             scene_.image.width = pictureWidth(scene_.image, scene_.cameras.front().aspect);
         }
         const bool lit = !scene_.lights.empty();
-        GltfMaterials materials(file_, scene_, lit);
-        readMeshes(materials);
+        const auto materials = gltfMaterials(file_, scene_, lit);
+        readMeshes(*materials);
         addObjects();
-        if (lit) scene_.ambient = Color(materials.anyEmission() ? 1 : 0);
+        if (lit) scene_.ambient = Color(materials->anyEmission() ? 1 : 0);
         if (scene_.objects.empty()) file_.root().fail("the scene shows no triangles");
         scene_.warnings = file_.takeWarnings();
         const bool hasCamera = !scene_.cameras.empty();
         return {std::move(scene_), hasCamera};
     }
 
-    GltfPlaces placesAt(double time) const override { return glint::placesAt(channels_, time); }
+    GltfPlaces placesAt(double time) const override {
+        GltfPlaces places;
+        for (const Channel& channel : channels_)
+            places[channel.node].*channel.path = valueAt(channel.keyframes, time);
+        return places;
+    }
     bool movesObjects() const override { return movesObjects_; }
 
     void show(const GltfPlaces& places, Scene& scene) override {
@@ -116,28 +218,28 @@ class Reader final : public GltfScene {
     // Pushes the last item first.
     void push(const JsonCursor& list, const Affine& parent, bool moves, std::vector<Visit>& stack) {
         for (size_t i = list.size(); i-- > 0;)
-            stack.push_back({file_.index(GltfList::Nodes, list.item(i)), parent, moves});
+            stack.push_back({file_.index("nodes", list.item(i)), parent, moves});
     }
 
     void walk() {
         std::vector<Visit> stack;
         const auto chosen = file_.root().find("scene");
-        if (file_.count(GltfList::Scenes) > 0) {
-            const size_t index = chosen ? file_.index(GltfList::Scenes, *chosen) : 0;
-            if (file_.count(GltfList::Scenes) > 1)
-                file_.warn("of " + std::to_string(file_.count(GltfList::Scenes)) + " scenes only number " +
+        if (file_.count("scenes") > 0) {
+            const size_t index = chosen ? file_.index("scenes", *chosen) : 0;
+            if (file_.count("scenes") > 1)
+                file_.warn("of " + std::to_string(file_.count("scenes")) + " scenes only number " +
                            std::to_string(index) + " is shown");
-            const JsonCursor scene = file_.item(GltfList::Scenes, index);
+            const JsonCursor scene = file_.item("scenes", index);
             if (const auto nodes = scene.find("nodes")) push(*nodes, {}, false, stack);
         } else {
             pushRoots(stack);
         }
         // Every node has at most one parent: a node that is visited twice is in a cycle or in two trees.
-        std::vector<bool> seen(file_.count(GltfList::Nodes));
+        std::vector<bool> seen(file_.count("nodes"));
         while (!stack.empty()) {
             const Visit visit = stack.back();
             stack.pop_back();
-            const JsonCursor node = file_.item(GltfList::Nodes, visit.node);
+            const JsonCursor node = file_.item("nodes", visit.node);
             if (seen[visit.node]) node.fail("is reached twice: nodes must form trees");
             seen[visit.node] = true;
             const Affine place = then(placeOf(node, animated(visit.node)), visit.parent);
@@ -154,12 +256,12 @@ class Reader final : public GltfScene {
 
     // Without scenes, the roots are the nodes without a parent.
     void pushRoots(std::vector<Visit>& stack) {
-        std::vector<bool> child(file_.count(GltfList::Nodes));
+        std::vector<bool> child(file_.count("nodes"));
         for (size_t i = 0; i < child.size(); i++) {
-            const JsonCursor node = file_.item(GltfList::Nodes, i);
+            const JsonCursor node = file_.item("nodes", i);
             const auto children = node.find("children");
             for (size_t k = 0; children && k < children->size(); k++)
-                child[file_.index(GltfList::Nodes, children->item(k))] = true;
+                child[file_.index("nodes", children->item(k))] = true;
         }
         for (size_t i = child.size(); i-- > 0;)
             if (!child[i]) stack.push_back({i, {}});
@@ -167,12 +269,11 @@ class Reader final : public GltfScene {
 
     void readNode(const JsonCursor& node, size_t index, const Affine& place) {
         if (const auto mesh = node.find("mesh"))
-            addInstances(node, {index, file_.index(GltfList::Meshes, *mesh), place, node.pointer()});
+            addInstances(node, {index, file_.index("meshes", *mesh), place, node.pointer()});
         if (node.find("skin")) file_.warn("skins are ignored: meshes stand as they were modelled");
         if (const auto camera = node.find("camera")) addCamera(*camera, node, place);
         withExtension(node, "KHR_lights_punctual", [&](const JsonCursor& extension) {
-            readLight(file_.item(GltfList::Lights, file_.index(GltfList::Lights, extension.require("light"))),
-                      place);
+            readLight(file_.at("lights", extension.require("light")), place);
         });
     }
 
@@ -183,7 +284,7 @@ class Reader final : public GltfScene {
             attributes.expectObject();
             const auto read = [&](std::string_view key, std::string_view type) {
                 const auto accessor = attributes.find(key);
-                return accessor ? readAccessor(file_, file_.index(GltfList::Accessors, *accessor), {type})
+                return accessor ? readAccessor(file_, file_.index("accessors", *accessor), {type})
                                 : GltfNumbers{};
             };
             const GltfNumbers move = read("TRANSLATION", "VEC3"), turn = read("ROTATION", "VEC4"),
@@ -226,8 +327,8 @@ class Reader final : public GltfScene {
     // Adds a camera. An invalid camera after the first one only causes a warning, so that the file stays
     // usable.
     void addCamera(const JsonCursor& reference, const JsonCursor& node, const Affine& place) {
-        const size_t index = file_.index(GltfList::Cameras, reference);
-        const JsonCursor object = file_.item(GltfList::Cameras, index);
+        const size_t index = file_.index("cameras", reference);
+        const JsonCursor object = file_.item("cameras", index);
         const std::string name = cameraName(object, node, index);
         try {
             scene_.cameras.push_back(readCamera(object, place));
@@ -321,10 +422,10 @@ class Reader final : public GltfScene {
     }
 
     // To a plane, a line or a point.
-    bool flattened(const Instance& instance) const {
+    bool flattened(const Instance& instance) {
         const glm::dmat3& m = instance.place.linear;
         if (!(isFinite(m[0]) && isFinite(m[1]) && isFinite(m[2]) && isFinite(instance.place.offset)))
-            file_.item(GltfList::Nodes, instance.node)
+            file_.item("nodes", instance.node)
                 .fail("its transform, with those of its parents, is not finite");
         return !(conditionNumber(m) <= kMaxCondition);
     }
@@ -362,7 +463,7 @@ class Reader final : public GltfScene {
 
     void addObjects() {
         for (const Instance& instance : instances_) {
-            const JsonCursor node = file_.item(GltfList::Nodes, instance.node);
+            const JsonCursor node = file_.item("nodes", instance.node);
             const bool flat = flattened(instance);
             if (flat && vanishes(instance.place.linear)) {
                 file_.warn(node.pointer() + ": flattened by its transform; not drawn");
@@ -380,7 +481,7 @@ class Reader final : public GltfScene {
     GltfFile file_;
     Scene scene_;
     const ImageSettings restImage_;
-    std::vector<GltfChannel> channels_;
+    std::vector<Channel> channels_;
     bool moves_ = false;         // the animation moves something that is shown
     bool movesObjects_ = false;  // and not only cameras
     GltfPlaces places_;          // of the time that is shown; empty: the file's
@@ -394,10 +495,6 @@ class Reader final : public GltfScene {
 
 std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFiles& files) {
     return std::make_unique<Reader>(path, files);
-}
-
-ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files) {
-    return Reader(path, files).take();
 }
 
 }  // namespace glint

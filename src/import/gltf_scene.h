@@ -9,7 +9,6 @@
 
 #include "import/gltf_file.h"
 #include "import/readers.h"
-#include "scene/keyframes.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -20,20 +19,6 @@ struct GltfPlace {
     bool operator==(const GltfPlace&) const = default;
 };
 using GltfPlaces = std::map<size_t, GltfPlace>;  // by node
-
-struct GltfChannel {
-    size_t node = 0;
-    std::optional<std::vector<double>> GltfPlace::*path = nullptr;
-    Keyframes keyframes;
-};
-
-// The channels of the file's first animation; none if it has no animation. What is not read (other
-// animations, weights of morph targets, channels that are at fault) is warned about.
-std::vector<GltfChannel> readGltfChannels(GltfFile& file);
-
-AnimationSpan spanOf(const std::vector<GltfChannel>& channels);
-
-GltfPlaces placesAt(const std::vector<GltfChannel>& channels, double time);
 
 class GltfScene {
   public:
@@ -51,7 +36,8 @@ class GltfScene {
     virtual bool movesObjects() const = 0;
 };
 
-// Reads the file as readGltf does. `files` must outlive the object.
+// docs/reference/file-formats.md describes the mapping and the warnings. `files` must outlive the object.
+// Throws Error(Scene) "FILE: /JSON/POINTER: ...".
 std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFiles& files);
 
 }  // namespace glint

@@ -389,9 +389,19 @@ double JsonCursor::number(std::string_view key, double missing) const {
     return found ? found->number() : missing;
 }
 
+int JsonCursor::integer(std::string_view key, int least, int greatest, int missing) const {
+    const auto found = find(key);
+    return found ? found->integer(least, greatest) : missing;
+}
+
 glm::dvec3 JsonCursor::vector3(std::string_view key, const glm::dvec3& missing) const {
     const auto found = find(key);
     return found ? found->vector3() : missing;
+}
+
+glm::dvec3 JsonCursor::color(std::string_view key, const glm::dvec3& missing) const {
+    const auto found = find(key);
+    return found ? found->color() : missing;
 }
 
 std::vector<double> JsonCursor::numbers(std::string_view key, size_t count) const {

@@ -95,7 +95,9 @@ class JsonCursor {
 
     // Members of an object that may be missing.
     double number(std::string_view key, double missing) const;
+    int integer(std::string_view key, int least, int greatest, int missing) const;
     glm::dvec3 vector3(std::string_view key, const glm::dvec3& missing) const;
+    glm::dvec3 color(std::string_view key, const glm::dvec3& missing) const;
     std::vector<double> numbers(std::string_view key, size_t count) const;  // or nothing
     bool flag(std::string_view key) const;                                  // or false
     std::string text(std::string_view key) const;                           // or ""

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "core/error.h"
 #include "core/text_file.h"
+#include "import/gltf_scene.h"
+#include "import/parse_scene.h"
 #include "import/readers.h"
 #include "scene/cameras.h"
 #include "scene/frame_model.h"
@@ -79,7 +82,7 @@ ImportedMesh importMesh(const std::filesystem::path& path, SceneFiles& files) {
     if (extension == ".ply") return readPly(path, files);
     if (extension == ".stl") return readStl(path, files);
     if (extension == ".gltf" || extension == ".glb") {
-        Scene scene = readGltf(path, files).scene;
+        Scene scene = openGltf(path, files)->take().scene;
         if (scene.animation) scene.warnings.push_back(path.string() + ": animations of a mesh are ignored");
         return flattened(std::move(scene));
     }
@@ -120,19 +123,20 @@ void dropFaultyCameras(Scene& scene, const std::filesystem::path& path) {
     });
 }
 
-}  // namespace
-
+// Throws Error(Argument) if the options name an axis that points up, for a file with a camera.
 void checkUpIsOpen(const SceneFiles& files, const std::string& name) {
     if (files.up())
         throw Error(ErrorKind::Argument, name + ": has a camera of its own, which decides what is up (--up)");
 }
 
+// Adds a camera and lights if an imported scene lacks them, and validates the scene.
 Scene completed(ImportedScene imported, const std::filesystem::path& path, const SceneFiles& files) {
     Scene scene = std::move(imported.scene);
-    if (!imported.hasCamera) frameCamera(scene, files.up().value_or(UpAxis::Y));
     if (imported.hasCamera) {
         checkUpIsOpen(files, path.string());
         validateCamera(scene.camera, {path.string(), "camera"});
+    } else {
+        frameCamera(scene, files.up().value_or(UpAxis::Y));
     }
     dropFaultyCameras(scene, path);
     if (scene.lights.empty()) lightModel(scene);
@@ -140,37 +144,180 @@ Scene completed(ImportedScene imported, const std::filesystem::path& path, const
     return scene;
 }
 
+// Chooses the camera of that name; without a name, warns if a scene of another program has several.
 void settleCamera(Scene& scene, const std::filesystem::path& path, const std::string& camera) {
     if (!camera.empty()) return chooseCamera(scene, camera, path.string());
-    if (lowerExtension(path) == ".json" || scene.cameras.size() < 2) return;
+    if (scene.cameras.size() < 2) return;
     const std::string first = scene.cameras.front().name;  // whoever wrote several must hear that
     scene.warnings.push_back(path.string() + ": has " + std::to_string(scene.cameras.size()) +
                              " cameras; the first is used, \"" + printable(first) + "\"");
 }
 
-namespace {
+// Part of a scene file's load time for its text; its objects take the rest.
+constexpr double kJsonPart = 0.1;
 
-Scene loadFrom(const std::filesystem::path& path, SceneFiles& files) {
-    const std::string extension = lowerExtension(path);
-    if (extension == ".json") return parseScene(files.read(path), path.string(), path.parent_path(), files);
-    if (extension == ".obj" || extension == ".ply" || extension == ".stl") return loadModel(path, files);
-    if (extension == ".gltf" || extension == ".glb") return completed(readGltf(path, files), path, files);
-    if (extension == ".nff") return completed(readNff(path, files), path, files);
-    if (!files.isFile(path)) files.read(path);  // says what is wrong
-    throw Error(ErrorKind::Scene,
-                path.string() +
-                    ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model "
-                    ".obj, .ply or .stl)");
+JsonValue readJson(std::string_view text, const std::string& name, SceneFiles& files) {
+    const ProgressPart part(files, 0, kJsonPart);
+    return parseJson(text, name, files.context());
 }
 
 }  // namespace
 
+Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
+                 const LoadOptions& options) {
+    SceneFiles files(folder, options);
+    const JsonValue document = readJson(text, name, files);
+    const ProgressPart part(files, kJsonPart, 1);
+    MeshMemory memory;
+    return parseScene(document, name, folder, files, memory);
+}
+
+struct SceneReader::State {
+    std::filesystem::path path, folder;
+    std::string name;
+    std::string camera;  // that was chosen; empty: the file's own
+    SceneFiles files;
+    MeshMemory meshes;
+    JsonValue document;  // of a .json file, as it stands in it
+    Animation animation;
+    std::vector<std::vector<double>> values;  // of each track, those that `scene` has; empty: the file's
+    std::unique_ptr<GltfScene> gltf;          // of a .gltf or .glb file
+    GltfPlaces places;                        // of the animated nodes that `scene` shows
+    Scene scene;
+
+    State(const std::filesystem::path& file, const LoadOptions& options)
+        : path(file),
+          folder(file.parent_path()),
+          name(file == "-" ? "standard input" : file.string()),
+          camera(options.camera),
+          files(folder, options) {}
+
+    Scene parsed(const JsonValue& json) {
+        Scene made = parseScene(json, name, folder, files, meshes);
+        made.sources = files.sources();
+        if (!camera.empty()) chooseCamera(made, camera, name);
+        return made;
+    }
+    // Updates the cameras; an exception leaves them unchanged.
+    void moveCameras(const JsonValue& json) {
+        const Camera own = scene.camera;
+        const std::vector<NamedCamera> named = scene.cameras;
+        try {
+            parseCameras(JsonCursor(json, name), scene);
+            validateCameras(scene, name);
+        } catch (const Error&) {
+            scene.camera = own;
+            scene.cameras = named;
+            throw;
+        }
+        if (!camera.empty()) chooseCamera(scene, camera, name);
+    }
+    void readDocument(std::optional<double> time);
+    Change show(double time, bool everything);
+    Change showGltf(double time);
+};
+
+// Nodes move; their contents stay the same.
+SceneReader::Change SceneReader::State::showGltf(double time) {
+    GltfPlaces next = gltf->placesAt(time);
+    if (next == places) return Change::Nothing;
+    Scene moved = scene;
+    gltf->show(next, moved);
+    std::erase_if(moved.cameras, [&](const NamedCamera& c) {  // those that were left out
+        return std::ranges::find(scene.cameras, c.name, &NamedCamera::name) == scene.cameras.end();
+    });
+    try {
+        if (!camera.empty()) chooseCamera(moved, camera, name);
+        validateScene(moved, name);
+    } catch (const Error& error) {
+        throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));
+    }
+    places = std::move(next);
+    scene = std::move(moved);
+    return gltf->movesObjects() ? Change::Scene : Change::Camera;
+}
+
+SceneReader::Change SceneReader::State::show(double time, bool everything) {
+    JsonValue moved = document;
+    Change change = everything ? Change::Scene : Change::Nothing;
+    std::vector<std::vector<double>> next = values;  // taken once the scene is known to be one
+    for (size_t i = 0; i < animation.tracks.size(); ++i) {
+        const AnimationTrack& track = animation.tracks[i];
+        std::vector<double> value = valueAt(track.keyframes, time);
+        setValue(moved, track, value);
+        if (value == values[i]) continue;
+        next[i] = std::move(value);
+        change = std::max(change, track.movesCamera() ? Change::Camera : Change::Scene);
+    }
+    try {
+        if (change == Change::Camera) moveCameras(moved);
+        if (change == Change::Scene) scene = parsed(moved);
+        values = std::move(next);
+    } catch (const Error& error) {
+        throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));
+    }
+    return change;
+}
+
+void SceneReader::State::readDocument(std::optional<double> time) {
+    checkUpIsOpen(files, name);
+    document = readJson(files.read(path), name, files);
+    const ProgressPart part(files, kJsonPart, 1);
+    if (!time) scene = parsed(document);
+    SceneErrors errors(document, name);
+    errors.attempt([&] { animation = parseAnimation(JsonCursor(document, name)); });
+    errors.finish();
+    values.resize(animation.tracks.size());
+    if (time) show(*time, true);
+}
+
+SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& options,
+                         std::optional<double> time)
+    : state_(std::make_unique<State>(path, options)) {
+    State& s = *state_;
+    const std::string extension = path == "-" ? ".json" : lowerExtension(path);
+    if (extension == ".json") {
+        s.readDocument(time);
+        return;
+    }
+    if (extension == ".gltf" || extension == ".glb") {
+        s.gltf = openGltf(path, s.files);
+        s.scene = completed(s.gltf->take(), path, s.files);
+    } else if (extension == ".nff") {
+        s.scene = completed(readNff(path, s.files), path, s.files);
+    } else if (isMeshFile(path)) {
+        s.scene = loadModel(path, s.files);
+    } else {
+        if (!s.files.isFile(path)) s.files.read(path);  // says what is wrong
+        throw Error(ErrorKind::Scene,
+                    path.string() +
+                        ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model "
+                        ".obj, .ply or .stl)");
+    }
+    s.scene.sources = s.files.sources();
+    settleCamera(s.scene, path, options.camera);
+    if (time && s.gltf && s.scene.animation) s.showGltf(*time);
+}
+
+SceneReader::~SceneReader() = default;
+SceneReader::SceneReader(SceneReader&&) noexcept = default;
+
+Scene SceneReader::take() {
+    return std::move(state_->scene);
+}
+
+SceneReader::Change SceneReader::moveTo(double time) {
+    State& s = *state_;
+    if (!s.gltf) return s.show(time, false);
+    return s.scene.animation ? s.showGltf(time) : Change::Nothing;
+}
+
+const Scene& SceneReader::scene() const {
+    return state_->scene;
+}
+
 Scene loadScene(const std::filesystem::path& path, const LoadOptions& options) {
-    SceneFiles files(path.parent_path(), options);
-    Scene scene = loadFrom(path, files);
-    scene.sources = files.sources();
-    settleCamera(scene, path, options.camera);
-    return scene;
+    return SceneReader(path, options).take();
 }
 
 }  // namespace glint

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,8 +25,30 @@ Scene loadScene(const std::filesystem::path& path, const LoadOptions& options = 
 // Parses scene text; `name` stands for the file in messages, `folder` is where relative paths start.
 Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
                  const LoadOptions& options = {});
-Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
-                 SceneFiles& files);
+
+// A scene file that is read once and shown at many times of its animation.
+class SceneReader {
+  public:
+    // Reads the file as loadScene does, at `time` in seconds, or without `time` by the numbers in the file.
+    // Keeps meshes and images for later times. The path "-" is a scene in JSON, which options.source must
+    // have.
+    SceneReader(const std::filesystem::path& path, const LoadOptions& options,
+                std::optional<double> time = {});
+    ~SceneReader();
+    SceneReader(SceneReader&&) noexcept;
+
+    const Scene& scene() const;
+    Scene take();  // instead, for a single moment
+
+    // Parts of the scene that a later moment changes. Camera: only Scene::camera and cameras.
+    enum class Change { Nothing, Camera, Scene };
+    // Throws Error(Scene) if the scene is invalid at that time, and keeps the scene as it was.
+    Change moveTo(double time);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 // ---- Mesh files: one mesh each, polygons split into triangles, numbers in double
 

@@ -16,23 +16,7 @@ namespace glint {
 
 namespace {
 
-glm::dvec3 point(const JsonCursor& object, std::string_view key) {
-    return object.require(key).vector3();
-}
-
-double number(const JsonCursor& object, std::string_view key) {
-    return object.require(key).number();
-}
-
-Shape parseTriangle(const JsonCursor& object) {
-    const JsonCursor vertices = object.require("vertices");
-    vertices.expectItems(3, "three points [[x, y, z], ...]");
-    return TriangleShape{
-        {vertices.item(0).vector3(), vertices.item(1).vector3(), vertices.item(2).vector3()}};
-}
-
-Shape parsePolygon(const JsonCursor& object) {
-    const JsonCursor vertices = object.require("vertices");
+PolygonShape parsePolygon(const JsonCursor& vertices) {
     if (!vertices.value().array() || vertices.size() < 3)
         vertices.failWanted("must be three points or more [[x, y, z], ...]");
     PolygonShape polygon;
@@ -40,7 +24,7 @@ Shape parsePolygon(const JsonCursor& object) {
     return polygon;
 }
 
-Shape parseQuadric(const JsonCursor& object) {
+QuadricShape parseQuadric(const JsonCursor& object) {
     QuadricShape shape;
     const std::vector<double> coefficients =
         object.require("coefficients").numbers(10, "ten numbers [A, B, C, D, E, F, G, H, I, J]");
@@ -53,52 +37,29 @@ Shape parseQuadric(const JsonCursor& object) {
 }
 
 // Every type of object but meshes and groups.
-struct ShapeType {
-    std::string_view name;
-    Shape (*parse)(const JsonCursor& object);
-};
-using Json = const JsonCursor&;
-constexpr ShapeType kShapes[] = {
-    {"sphere",
-     [](Json o) -> Shape {
-         return SphereShape{point(o, "center"), number(o, "radius")};
-     }},
-    {"plane",
-     [](Json o) -> Shape {
-         return PlaneShape{point(o, "point"), point(o, "normal")};
-     }},
-    {"disc",
-     [](Json o) -> Shape {
-         return DiscShape{point(o, "center"), point(o, "normal"), number(o, "radius")};
-     }},
-    {"box",
-     [](Json o) -> Shape {
-         return BoxShape{point(o, "min"), point(o, "max")};
-     }},
-    {"triangle", parseTriangle},
-    {"polygon", parsePolygon},
-    {"quadric", parseQuadric},
-    {"ellipsoid",
-     [](Json o) -> Shape {
-         return EllipsoidShape{point(o, "center"), point(o, "radii")};
-     }},
-    {"cylinder",
-     [](Json o) -> Shape {
-         return CylinderShape{point(o, "base"), point(o, "top"), number(o, "radius"), o.flag("capped")};
-     }},
-    {"cone",
-     [](Json o) -> Shape {
-         return ConeShape{point(o, "base"), point(o, "apex"), number(o, "radius"), o.number("topRadius", 0),
-                          o.flag("capped")};
-     }},
-    {"hyperboloid",
-     [](Json o) -> Shape {
-         return HyperboloidShape{point(o, "base"), point(o, "top"), number(o, "radius"), number(o, "waist"),
-                                 o.flag("capped")};
-     }},
-    {"paraboloid", [](Json o) -> Shape {
-         return ParaboloidShape{point(o, "vertex"), point(o, "top"), number(o, "radius"), o.flag("capped")};
-     }}};
+Shape parseShape(std::string_view type, const JsonCursor& object) {
+    const auto point = [&](std::string_view key) { return object.require(key).vector3(); };
+    const auto number = [&](std::string_view key) { return object.require(key).number(); };
+    const bool capped = object.flag("capped");
+    if (type == "sphere") return SphereShape{point("center"), number("radius")};
+    if (type == "plane") return PlaneShape{point("point"), point("normal")};
+    if (type == "disc") return DiscShape{point("center"), point("normal"), number("radius")};
+    if (type == "box") return BoxShape{point("min"), point("max")};
+    if (type == "polygon") return parsePolygon(object.require("vertices"));
+    if (type == "quadric") return parseQuadric(object);
+    if (type == "ellipsoid") return EllipsoidShape{point("center"), point("radii")};
+    if (type == "cylinder") return CylinderShape{point("base"), point("top"), number("radius"), capped};
+    if (type == "cone")
+        return ConeShape{point("base"), point("apex"), number("radius"), object.number("topRadius", 0),
+                         capped};
+    if (type == "hyperboloid")
+        return HyperboloidShape{point("base"), point("top"), number("radius"), number("waist"), capped};
+    if (type == "paraboloid") return ParaboloidShape{point("vertex"), point("top"), number("radius"), capped};
+    const JsonCursor vertices = object.require("vertices");  // of a triangle
+    vertices.expectItems(3, "three points [[x, y, z], ...]");
+    return TriangleShape{
+        {vertices.item(0).vector3(), vertices.item(1).vector3(), vertices.item(2).vector3()}};
+}
 
 // Names of types in other programs, and what to write here.
 struct OtherName {
@@ -260,7 +221,7 @@ class ObjectParser {
             result.shape = MeshShape{parseMesh(object, result.material)};
         } else {
             result.material = material ? *material : defaultMaterial();
-            result.shape = std::ranges::find(kShapes, type, &ShapeType::name)->parse(object);
+            result.shape = parseShape(type, object);
             // Before the transform, so that the message shows the number in the file; meshes are looked at
             // once, at the end.
             validateShape(result.shape, {file_, result.name}, 0);

@@ -17,26 +17,6 @@ namespace glint {
 
 namespace {
 
-// Reads an optional key into `target`.
-template <typename T>
-void readInto(const JsonCursor& object, std::string_view key, T& target) {
-    const auto found = object.find(key);
-    if (!found) return;
-    if constexpr (std::is_same_v<T, double>)
-        target = found->number();
-    else
-        target = found->vector3();
-}
-
-void readInteger(const JsonCursor& object, std::string_view key, int least, int most, int& target) {
-    if (const auto found = object.find(key)) target = found->integer(least, most);
-}
-
-// Colours are vectors of the same C++ type as points, hence a function of their own.
-void readColor(const JsonCursor& object, std::string_view key, Color& target) {
-    if (const auto found = object.find(key)) target = found->color();
-}
-
 // ---- Textures
 
 glm::dvec2 pair(const JsonCursor& value, const char* wanted) {
@@ -100,8 +80,7 @@ class TextureParser {
             found->fail(
                 "must hold \"texture\": \"FILE\" or \"checker\": [a, b], or be a number or [r, g, b]");
         Texture parsed = checker ? parseChecker(*found) : parseImage(*found);
-        color = Color(1);
-        if (const auto tint = found->find("color")) color = tint->color();
+        color = found->color("color", Color(1));
         texture = static_cast<uint32_t>(scene_.textures.size());
         scene_.textures.push_back(std::move(parsed));
     }
@@ -120,7 +99,7 @@ class TextureParser {
         map.file = file.string();
         map.image = load(file);
         map.rotation = background->number("rotation", 0);
-        if (const auto intensity = background->find("intensity")) map.intensity = intensity->color();
+        map.intensity = background->color("intensity", map.intensity);
         scene_.environment = std::move(map);
     }
 
@@ -177,7 +156,7 @@ void parseSampling(const JsonCursor& image, ImageSettings& settings) {
         settings.filter = readNamed<Filter>(*filter);
         settings.filterRadius = defaultRadius(settings.filter);
     }
-    readInto(image, "filterRadius", settings.filterRadius);
+    settings.filterRadius = image.number("filterRadius", settings.filterRadius);
     if (const auto seed = image.find("seed")) {
         const double value = seed->number();
         if (!(value >= 0 && value <= 4294967295.0 && value == std::floor(value)))
@@ -187,16 +166,18 @@ void parseSampling(const JsonCursor& image, ImageSettings& settings) {
     if (const auto adaptive = image.find("adaptive")) {
         adaptive->expectKeys(keys::of("image/adaptive"));
         settings.adaptive.emplace();
-        readInteger(*adaptive, "maxSamples", 1, kMaxSamplesPerPixel, settings.adaptive->maxSamples);
-        readInto(*adaptive, "threshold", settings.adaptive->threshold);
+        settings.adaptive->maxSamples =
+            adaptive->integer("maxSamples", 1, kMaxSamplesPerPixel, settings.adaptive->maxSamples);
+        settings.adaptive->threshold = adaptive->number("threshold", settings.adaptive->threshold);
     }
 }
 
 void parseImage(const JsonCursor& image, ImageSettings& settings) {
     image.expectKeys(keys::of("image"));
-    readInteger(image, "width", 1, kMaxImageSize, settings.width);
-    readInteger(image, "height", 1, kMaxImageSize, settings.height);
-    readInteger(image, "samplesPerPixel", 1, kMaxSamplesPerPixel, settings.samplesPerPixel);
+    settings.width = image.integer("width", 1, kMaxImageSize, settings.width);
+    settings.height = image.integer("height", 1, kMaxImageSize, settings.height);
+    settings.samplesPerPixel =
+        image.integer("samplesPerPixel", 1, kMaxSamplesPerPixel, settings.samplesPerPixel);
     parseSampling(image, settings);
 }
 
@@ -209,16 +190,16 @@ void readCamera(const JsonCursor& camera, Camera& result) {
     camera.expectObject();
     result.projection = readProjection(camera);
     camera.expectKeys(keys::of("camera/" + std::string(nameOf(result.projection))));
-    readInto(camera, "eye", result.eye);
-    readInto(camera, "target", result.target);
-    readInto(camera, "up", result.up);
+    result.eye = camera.vector3("eye", result.eye);
+    result.target = camera.vector3("target", result.target);
+    result.up = camera.vector3("up", result.up);
     if (const auto normal = camera.find("planeNormal")) result.planeNormal = normal->vector3();
-    readInto(camera, "fovY", result.fovY);
-    readInto(camera, "height", result.height);
-    readInto(camera, "near", result.nearT);
-    readInto(camera, "far", result.farT);
-    readInto(camera, "lensRadius", result.lensRadius);
-    readInto(camera, "focusDistance", result.focusDistance);
+    result.fovY = camera.number("fovY", result.fovY);
+    result.height = camera.number("height", result.height);
+    result.nearT = camera.number("near", result.nearT);
+    result.farT = camera.number("far", result.farT);
+    result.lensRadius = camera.number("lensRadius", result.lensRadius);
+    result.focusDistance = camera.number("focusDistance", result.focusDistance);
     if (const auto window = camera.find("window")) {
         const std::vector<double> w = window->numbers(4, "four numbers [left, right, bottom, top]");
         result.window = ViewWindow{w[0], w[1], w[2], w[3]};
@@ -234,7 +215,7 @@ PointLight parsePoint(const JsonCursor& light) {
     light.expectKeys(keys::of("light/point"));
     PointLight point;
     point.position = light.require("position").vector3();
-    readColor(light, "intensity", point.intensity);
+    point.intensity = light.color("intensity", point.intensity);
     point.falloff = readFalloff(light);
     return point;
 }
@@ -245,8 +226,8 @@ SpotLight parseSpot(const JsonCursor& light) {
     spot.position = light.require("position").vector3();
     spot.direction = light.require("direction").vector3();
     spot.angle = light.require("angle").number();
-    readInto(light, "penumbra", spot.penumbra);
-    readColor(light, "intensity", spot.intensity);
+    spot.penumbra = light.number("penumbra", spot.penumbra);
+    spot.intensity = light.color("intensity", spot.intensity);
     spot.falloff = readFalloff(light);
     return spot;
 }
@@ -259,13 +240,13 @@ Light parseLight(const JsonCursor& light) {
     light.expectKeys(keys::of("light/directional"));
     DirectionalLight directional;
     directional.direction = light.require("direction").vector3();
-    readColor(light, "intensity", directional.intensity);
+    directional.intensity = light.color("intensity", directional.intensity);
     return directional;
 }
 
 // Given directly, or as the colour that is left after a distance: sigma = -ln(color) / distance.
 void parseAttenuation(const JsonCursor& material, Material& result) {
-    readColor(material, "attenuation", result.attenuation);
+    result.attenuation = material.color("attenuation", result.attenuation);
     const auto color = material.find("attenuationColor");
     const auto distance = material.find("attenuationDistance");
     if (!color && !distance) return;
@@ -284,9 +265,9 @@ void parseAttenuation(const JsonCursor& material, Material& result) {
 
 void parseDielectric(const JsonCursor& material, Material& result, TextureParser& textures) {
     textures.readColor(material, "transmission", result.transmission, result.transmissionTexture);
-    readInto(material, "ior", result.ior);
+    result.ior = material.number("ior", result.ior);
     parseAttenuation(material, result);
-    readInteger(material, "priority", -kMaxPriority, kMaxPriority, result.priority);
+    result.priority = material.integer("priority", -kMaxPriority, kMaxPriority, result.priority);
     // Glass scatters nothing unless told to.
     if (result.transmission != Color(0)) result.diffuse = Color(0);
 }
@@ -301,9 +282,9 @@ Material parseMaterial(const JsonCursor& material, std::string_view name, Textur
     result.ambientTexture = result.diffuseTexture;
     textures.readColor(material, "ambient", result.ambient, result.ambientTexture);
     textures.readColor(material, "specular", result.specular, result.specularTexture);
-    readInto(material, "shininess", result.shininess);
+    result.shininess = material.number("shininess", result.shininess);
     textures.readColor(material, "mirror", result.mirror, result.mirrorTexture);
-    readInto(material, "alphaCutoff", result.alphaCutoff);
+    result.alphaCutoff = material.number("alphaCutoff", result.alphaCutoff);
     return result;
 }
 
@@ -323,9 +304,6 @@ void warnOfUnits(Scene& scene, const std::string& name) {
         scene.warnings.push_back(name + ": /camera/fovY: is in degrees (got " + describe(scene.camera.fovY) +
                                  ")");
 }
-
-// Part of a scene file's load time for its text; its objects take the rest.
-constexpr double kJsonPart = 0.1;
 
 }  // namespace
 
@@ -362,24 +340,6 @@ std::string SceneErrors::located(const std::string& message) const {
     return name_ + ":" + std::to_string(at->line) + ":" + std::to_string(at->column) + rest;
 }
 
-Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
-                 const LoadOptions& options) {
-    SceneFiles files(folder, options);
-    return parseScene(text, name, folder, files);
-}
-
-Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
-                 SceneFiles& files) {
-    const auto read = [&] {
-        const ProgressPart part(files, 0, kJsonPart);
-        return parseJson(text, name, files.context());
-    };
-    const JsonValue json = read();
-    const ProgressPart part(files, kJsonPart, 1);
-    MeshMemory memory;
-    return parseScene(json, name, folder, files, memory);
-}
-
 void parseCameras(const JsonCursor& root, Scene& scene) {
     scene.camera = {};
     scene.cameras.clear();
@@ -411,8 +371,8 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
     errors.attempt([&] { parseCameras(root, scene); });
     errors.attempt([&] { textures.readBackground(root); });
     errors.attempt([&] {
-        readColor(root, "ambient", scene.ambient);
-        readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
+        scene.ambient = root.color("ambient", scene.ambient);
+        scene.maxDepth = root.integer("maxDepth", 0, kMaxBounces, scene.maxDepth);
         if (const auto shadows = root.find("transmissiveShadows"))
             scene.transmissiveShadows = readNamed<TransmissiveShadows>(*shadows);
     });
@@ -437,7 +397,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
     errors.attempt([&] { parseObjects(root, name, folder, files, memory, scene, errors); });
     errors.attempt([&] {
         const Animation animation = parseAnimation(root);
-        if (!animation.tracks.empty()) scene.animation = spanOf(animation);
+        if (!animation.tracks.empty()) scene.animation = spanOf(animation.tracks, animation.framesPerSecond);
     });
     errors.finish();
     errors.attempt([&] {

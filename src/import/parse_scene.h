@@ -1,6 +1,7 @@
 // The parts of a scene file as readers of its JSON tree; internal to the import module.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -81,7 +82,17 @@ struct Animation {
 // for what cannot be animated or is not there.
 Animation parseAnimation(const JsonCursor& root);
 
-AnimationSpan spanOf(const Animation& animation);
+// The span of the keyframes of all tracks, one or more.
+template <typename Track>
+AnimationSpan spanOf(const std::vector<Track>& tracks, double framesPerSecond) {
+    AnimationSpan span{framesPerSecond, tracks.size(), tracks.front().keyframes.times.front(),
+                       tracks.front().keyframes.times.back()};
+    for (const Track& track : tracks) {
+        span.start = std::min(span.start, track.keyframes.times.front());
+        span.end = std::max(span.end, track.keyframes.times.back());
+    }
+    return span;
+}
 
 // Puts a track's value into the document that the animation is of.
 void setValue(JsonValue& document, const AnimationTrack& track, const std::vector<double>& value);

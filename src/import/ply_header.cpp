@@ -1,9 +1,8 @@
 #include "import/ply_header.h"
 
-#include <algorithm>
 #include <set>
 
-#include "core/error.h"
+#include "core/enum_names.h"
 #include "import/text_scanner.h"
 
 namespace glint {
@@ -23,23 +22,13 @@ NumberType readType(TextScanner& line) {
 }
 
 PlyFormat readFormat(TextScanner& line) {
-    const std::string_view format = line.word();
-    const std::string_view version = line.word();
+    constexpr std::string_view kFormats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    const std::string_view format = line.word(), version = line.word();
     if (version != "1.0") line.fail("format version \"" + std::string(version) + "\" is not 1.0");
-    if (format == "ascii") return PlyFormat::Ascii;
-    if (format == "binary_little_endian") return PlyFormat::LittleEndian;
-    if (format == "binary_big_endian") return PlyFormat::BigEndian;
-    line.fail("unknown format \"" + std::string(format) +
-              "\" (known: ascii, binary_little_endian, binary_big_endian)");
-}
-
-PlyElement readElement(TextScanner& line) {
-    PlyElement element;
-    element.name = line.word();
-    const int64_t count = line.integer("an element count");
-    if (count < 0) line.fail("element count " + std::to_string(count) + " is negative");
-    element.count = static_cast<uint64_t>(count);
-    return element;
+    const auto known = std::ranges::find(kFormats, format);
+    if (known == std::end(kFormats))
+        line.fail("unknown format \"" + std::string(format) + "\" (known: " + joinNames(kFormats) + ")");
+    return static_cast<PlyFormat>(known - kFormats);
 }
 
 PlyProperty readProperty(TextScanner& line) {
@@ -72,12 +61,6 @@ size_t findBody(std::string_view bytes) {
 
 }  // namespace
 
-int PlyElement::find(std::string_view property) const {
-    const auto at = std::find_if(properties.begin(), properties.end(),
-                                 [&](const PlyProperty& p) { return p.name == property; });
-    return at == properties.end() ? -1 : static_cast<int>(at - properties.begin());
-}
-
 PlyHeader readPlyHeader(const Context& context, std::string_view bytes, const std::string& file) {
     PlyHeader header;
     header.bodyOffset = findBody(bytes);
@@ -96,10 +79,13 @@ PlyHeader readPlyHeader(const Context& context, std::string_view bytes, const st
             header.format = readFormat(lines);
             hasFormat = true;
         } else if (keyword == "element") {
-            PlyElement element = readElement(lines);
+            PlyElement& element = header.elements.emplace_back();
+            element.name = lines.word();
+            const int64_t count = lines.integer("an element count");
+            if (count < 0) lines.fail("element count " + std::to_string(count) + " is negative");
+            element.count = static_cast<uint64_t>(count);
             if (!names.insert(element.name).second)
                 lines.fail("element \"" + element.name + "\" stands here twice");
-            header.elements.push_back(std::move(element));
         } else if (keyword == "property") {
             if (header.elements.empty()) lines.fail("a property before the first element");
             header.elements.back().properties.push_back(readProperty(lines));

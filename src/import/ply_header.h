@@ -1,13 +1,13 @@
 // The header of a PLY file (Turk, The PLY Polygon File Format, 1994).
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "import/binary_numbers.h"
+#include "core/context.h"
+#include "core/binary_numbers.h"
 
 namespace glint {
 
@@ -22,7 +22,12 @@ struct PlyElement {
     std::string name;
     uint64_t count = 0;
     std::vector<PlyProperty> properties;
-    int find(std::string_view property) const;  // its index, or -1
+
+    // The property of that name, or null.
+    const PlyProperty* find(std::string_view property) const {
+        const auto at = std::ranges::find(properties, property, &PlyProperty::name);
+        return at == properties.end() ? nullptr : &*at;
+    }
 };
 
 enum class PlyFormat { Ascii, LittleEndian, BigEndian };

@@ -22,19 +22,9 @@ struct ImportedScene {
     bool hasCamera = false;
 };
 
-// docs/reference/file-formats.md describes the mapping and the warnings. Both functions throw Error(Scene)
-// "FILE:LINE: ..." (NFF), "FILE: /JSON/POINTER: ..." (glTF).
+// docs/reference/file-formats.md describes the mapping and the warnings. Throws Error(Scene) "FILE:LINE:
+// ...".
 ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files);
-ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files);
-
-// Adds a camera and lights if an imported scene lacks them, and validates the scene.
-Scene completed(ImportedScene imported, const std::filesystem::path& path, const SceneFiles& files);
-
-// Throws Error(Argument) if the options name an axis that points up, for a file with a camera.
-void checkUpIsOpen(const SceneFiles& files, const std::string& name);
-
-// Chooses the camera of that name; without a name, warns if a scene of another program has several.
-void settleCamera(Scene& scene, const std::filesystem::path& path, const std::string& camera);
 
 // Appends the materials of an MTL file with this text, and the textures that they index
 // (docs/reference/file-formats.md). Throws Error(Scene) for text in the place of a number.

@@ -11,7 +11,7 @@
 #include <random>
 #include <unordered_map>
 
-#include "import/binary_numbers.h"
+#include "core/binary_numbers.h"
 #include "import/mesh_builder.h"
 #include "import/readers.h"
 #include "import/text_scanner.h"

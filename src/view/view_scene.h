@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "import/scene_reader.h"
+#include "import/load.h"
 #include "pack/build_tree.h"
 #include "pack/packed_scene.h"
 #include "scene/scene.h"

@@ -1,6 +1,6 @@
 // The "animation" of a scene file.
 #include "import/scene_files.h"
-#include "import/scene_reader.h"
+#include "import/load.h"
 #include "scene/transform.h"
 #include "support.h"
 

@@ -4,7 +4,6 @@
 #include "gltf_maker.h"
 #include "import/camera_writer.h"
 #include "import/load.h"
-#include "import/scene_reader.h"
 #include "scene/cameras.h"
 #include "support.h"
 

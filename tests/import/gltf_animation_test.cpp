@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "gltf_maker.h"
-#include "import/scene_reader.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test::gltf_animation_test {

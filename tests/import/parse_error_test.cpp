@@ -3,7 +3,6 @@
 
 #include "core/error.h"
 #include "import/load.h"
-#include "import/scene_reader.h"
 #include "support.h"
 
 namespace glint::test::parse_error_test {

@@ -1,7 +1,7 @@
 // A split is right if its triangles keep the polygon's winding, add up to its area, use its corners only, and
 // do not overlap: for a simple polygon, positive areas that add up to the shoelace area leave no room for an
 // overlap.
-#include "import/polygon_split.h"
+#include "import/mesh_builder.h"
 
 #include <gtest/gtest.h>
 
