@@ -38,9 +38,16 @@ struct Search {
     uint32_t instance = kNone;
     uint32_t idBase = 0;
     bool everywhere = false;  // every box is entered
+    bool behind = false;      // boxes that begin behind `end` are entered, too
     std::vector<Hit>* all = nullptr;
     const Ray* world = nullptr;      // as it was given
     const Tracer* tracer = nullptr;  // whose search it is
+
+    // Boxes that begin beyond it are left out. No box begins at infinity: a parallel ray outside a slab has
+    // its near t there.
+    double cullLimit() const {
+        return std::min((behind ? world->tMax : end) * kCullPad, std::numeric_limits<double>::max());
+    }
 };
 
 // The world, as a ray was given to it.
@@ -62,11 +69,6 @@ inline double enterBox(const double* node, int child, const PreparedRay& ray, do
         tFar = t1 < tFar ? t1 : tFar;
     }
     return tNear <= tFar * kFarPad && tNear <= limit ? tNear : std::numeric_limits<double>::infinity();
-}
-
-// No box begins at infinity: a parallel ray outside a slab has its near t there.
-inline double cullLimit(double t) {
-    return std::min(t * kCullPad, std::numeric_limits<double>::max());
 }
 
 bool isHole(const Model& scene, const Search& search, const Hit& hit) {
@@ -184,7 +186,7 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
         } else {
             const rows::Node& node = nodes[child];
             const auto* planes = reinterpret_cast<const double*>(&node);
-            const double limit = cullLimit(search.end);
+            const double limit = search.cullLimit();
             const bool has0 = node.child0 != kNone, has1 = node.child1 != kNone;
             const auto enter = [&](bool has, int side) {
                 if (!has) return std::numeric_limits<double>::infinity();
@@ -204,7 +206,7 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
                 continue;
             }
         }
-        const double limit = cullLimit(search.end);
+        const double limit = search.cullLimit();
         do {
             if (size == 0) return;
             --size;
@@ -214,25 +216,23 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
 }
 
 template <bool kAny>
-Search searchScene(const Tracer& tracer, const Model& scene, const Ray& ray, const Source& from,
-                   uint64_t* cost, std::vector<Hit>* all = nullptr, bool everywhere = false) {
-    Search search;
-    search.everywhere = everywhere;
-    search.tracer = &tracer;
-    search.all = all;
-    search.world = &ray;
-    const World world{scene, ray, from};
+void searchScene(const Model& scene, const Source& from, Search& search) {
+    const World world{scene, *search.world, from};
     const uint32_t source = from.instance == kNone ? from.primitive : kNone;
-    PreparedRay prepared(ray);
-    if (!prepared.valid) return search;
+    PreparedRay prepared(world.ray);
+    if (!prepared.valid) return;
     prepared.leaves = from.primitive != kNone;
-    search.end = ray.tMax;
     const auto planes = static_cast<uint32_t>(scene.planes.size());
     if (!testPrimitives<kAny>(scene, prepared, shared::PrimitiveKind::Plane, 0, planes, source, search) &&
-        scene.environment.root != kNone) {
+        scene.environment.root != kNone)
         searchTree<kAny>(world, prepared, source, scene.environment.root, search);
-    }
-    if (cost) *cost += search.cost;
+}
+
+Search searchOf(const Tracer& tracer, const Ray& ray) {
+    Search search;
+    search.tracer = &tracer;
+    search.world = &ray;
+    search.end = ray.tMax;
     return search;
 }
 
@@ -264,18 +264,37 @@ Tracer::Tracer(const PackedScene& scene, const Tracing& tracing)
     : Tracer(std::make_shared<const Model>(widened(scene)), roundedTracing(tracing),
              radianceBoundOf(scene, tracing)) {}
 
+// The order of the traversal may decide whether a surface in the place of the closest hit is tested: not if
+// it is found after the closest hit, and its box begins behind that. The bounds of the rule are those of
+// every order. A second search tests the fewest surfaces (slips 0), or the most.
 std::optional<Hit> Tracer::closest(const Ray& ray, const Source& source, uint64_t* cost) const {
-    const Search search = searchScene<false>(*this, scene_, ray, source, cost);
+    Search search = searchOf(*this, ray);
+    searchScene<false>(scene_, source, search);
+    if (search.found && ray.ties && ray.slips != 1) {
+        Search bound = searchOf(*this, ray);
+        bound.end = search.end;
+        bound.behind = ray.slips > 1;
+        searchScene<false>(scene_, source, bound);
+        bound.cost += search.cost;
+        search = bound;
+    }
+    if (cost) *cost += search.cost;
     return search.found ? std::optional<Hit>(search.best) : std::nullopt;
 }
 
 bool Tracer::occluded(const Ray& ray, const Source& source, uint64_t* cost) const {
-    return searchScene<true>(*this, scene_, ray, source, cost).found;
+    Search search = searchOf(*this, ray);
+    searchScene<true>(scene_, source, search);
+    if (cost) *cost += search.cost;
+    return search.found;
 }
 
 std::vector<Hit> Tracer::allHits(const Ray& ray, const Source& source, uint64_t* cost) const {
     std::vector<Hit> hits;
-    searchScene<false>(*this, scene_, ray, source, cost, &hits);
+    Search search = searchOf(*this, ray);
+    search.all = &hits;
+    searchScene<false>(scene_, source, search);
+    if (cost) *cost += search.cost;
     std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
         const uint32_t ofFile = ~shared::kDielectricRank;
         return std::pair(a.t, a.id & ofFile) < std::pair(b.t, b.id & ofFile);
@@ -320,7 +339,9 @@ bool Tracer::crosses(const Ray& ray, const Hit& hit) const {
 }
 
 std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& source) const {
-    const Search search = searchScene<false>(*this, scene_, ray, source, nullptr, nullptr, true);
+    Search search = searchOf(*this, ray);
+    search.everywhere = true;
+    searchScene<false>(scene_, source, search);
     return search.found ? std::optional<Hit>(search.best) : std::nullopt;
 }
 

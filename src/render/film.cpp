@@ -101,8 +101,27 @@ uint64_t TrailRecorder::keyOf(const glm::ivec2& pixel) {
     return static_cast<uint64_t>(static_cast<uint32_t>(pixel.y)) << 32 | static_cast<uint32_t>(pixel.x);
 }
 
-TrailRecorder::TrailRecorder(const std::vector<glm::ivec2>& pixels) : trails_(pixels.size()) {
-    for (size_t i = 0; i < pixels.size(); ++i) places_[keyOf(pixels[i])] = i;
+TrailRecorder::TrailRecorder(const std::vector<glm::ivec2>& pixels, const Region& region)
+    : trails_(pixels.size()) {
+    constexpr int kTile = shared::kTileSize;
+    const int tilesX = (region.width() + kTile - 1) / kTile;
+    for (size_t i = 0; i < pixels.size(); ++i) {
+        places_[keyOf(pixels[i])] = i;
+        const int column = (pixels[i].x - region.x0) / kTile, row = (pixels[i].y - region.y0) / kTile;
+        tiles_.insert(static_cast<uint32_t>(row * tilesX + column));
+    }
+}
+
+bool TrailRecorder::narrow(Slice& slice) const {
+    constexpr uint32_t kLongGap = 16;  // tiles that take as long as the overhead of another slice
+    auto tile = tiles_.lower_bound(slice.firstTile);
+    if (tile == tiles_.end()) return false;
+    const uint32_t end = *tile + slice.tileCount;
+    slice.firstTile = *tile;
+    uint32_t last = *tile;
+    while (++tile != tiles_.end() && *tile < std::min(end, last + kLongGap)) last = *tile;
+    slice.tileCount = last + 1 - slice.firstTile;
+    return true;
 }
 
 void TrailRecorder::add(const PathState& paths, const gpu::Device& device, const Slice& slice) {

@@ -1,6 +1,7 @@
 // Colours, losses and layers of a slice's pixels, and rays of chosen pixels, from the path state.
 #pragma once
 
+#include <set>
 #include <unordered_map>
 
 #include "render/kernels.h"
@@ -32,7 +33,10 @@ struct AovRows {
 // Reads back the rays of chosen pixels after each bounce.
 class TrailRecorder {
   public:
-    explicit TrailRecorder(const std::vector<glm::ivec2>& pixels);
+    TrailRecorder(const std::vector<glm::ivec2>& pixels, const Region& region);
+    // Narrows a slice of the region to the next tiles that hold chosen pixels; a tile's rays are the same
+    // packets in each slice. False if there are none.
+    bool narrow(Slice& slice) const;
     // Call after the closest hits of a bounce and before its shading; the rows must hold AOVs.
     void add(const PathState& paths, const gpu::Device& device, const Slice& slice);
     std::vector<Trail> take() { return std::move(trails_); }
@@ -41,6 +45,7 @@ class TrailRecorder {
     static uint64_t keyOf(const glm::ivec2& pixel);
 
     std::unordered_map<uint64_t, size_t> places_;
+    std::set<uint32_t> tiles_;  // that hold the pixels
     std::vector<Trail> trails_;
 };
 

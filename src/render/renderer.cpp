@@ -443,16 +443,17 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     if (!modes.adaptive) s.times.pathRays += pixels * samples.count();
     for (uint32_t first = 0; first < tiles;) {
         const uint32_t sliceTiles = std::clamp(s.sliceTiles, interleave, maxTiles);
-        const Slice slice = {picture.region, first, std::min(sliceTiles, tiles - first), interleave};
-        const double from = static_cast<double>(first) / tiles;
-        const double to = static_cast<double>(first + slice.tileCount) / tiles;
+        Slice slice = {picture.region, first, std::min(sliceTiles, tiles - first), interleave};
+        if (s.recorder && !s.recorder->narrow(slice)) break;
+        first = slice.firstTile + slice.tileCount;
+        const double from = static_cast<double>(slice.firstTile) / tiles;
+        const double to = static_cast<double>(first) / tiles;
         const Stopwatch watch;
         if (!s.renderSlice(slice, request, modes, from, to)) {
             picture.complete = false;
             return picture;
         }
         s.readSlice(slice, modes, picture);
-        first += slice.tileCount;
         s.sizeNextSlice(slice, slice.tileCount == sliceTiles, watch.seconds());
     }
     for (const uint32_t taken : picture.samples) s.times.pathRays += taken;
@@ -467,7 +468,7 @@ std::vector<Trail> Renderer::trails(const shared::Camera& camera, Request reques
                                     const std::vector<glm::ivec2>& pixels) {
     if (pixels.empty()) return {};
     request.data = true;
-    TrailRecorder recorder(pixels);
+    TrailRecorder recorder(pixels, regionOf(request));
     state_->recorder = &recorder;
     render(camera, request);
     state_->recorder = nullptr;

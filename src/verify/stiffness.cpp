@@ -28,15 +28,6 @@ double chanceUpTo(uint64_t count, double mean) {
     return sum;
 }
 
-// The value that `share` of them do not exceed, 0 of nothing; no NaN.
-double percentile(std::vector<float> values, double share) {
-    if (values.empty()) return 0;
-    const double last = static_cast<double>(values.size() - 1);
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::min(share, 1.0) * last + 1e-9);
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
-
 double greatestChange(const reference::PixelRecord& a, const reference::PixelRecord& b) {
     const glm::dvec3 d = glm::abs(a.color - b.color);
     const double change = std::max({d.x, d.y, d.z});
@@ -107,7 +98,11 @@ uint64_t greatestCount(double mean) {
 }
 
 double percentile99(std::vector<float> values) {
-    return percentile(std::move(values), 0.99);
+    if (values.empty()) return 0;
+    const double last = static_cast<double>(values.size() - 1);
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.99 * last + 1e-9);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
 }
 
 bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
@@ -172,11 +167,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
         result.changedWidely += row.changedWidely;
         result.open += row.open;
     }
-    // The count of pixels beyond the percentile scatters by sqrt(n 0.99 0.01): 3.1 times that up.
-    const double n = static_cast<double>(changes.size());
-    const double limit = 0.99 + 3.1 * std::sqrt(0.99 * 0.01 / std::max(n, 1.0));
-    result.kappaLimit = percentile(changes, limit) / kFloatUnit;
-    result.kappa = percentile(std::move(changes), 0.99) / kFloatUnit;
+    result.kappa = percentile99(std::move(changes)) / kFloatUnit;
     return result;
 }
 

@@ -43,8 +43,6 @@ struct Sensitivity {
     // 99th percentile over the pixels. kappa 2^-24 is the error that fp32 arithmetic may make; several times
     // that is a sign of a method that loses digits.
     double kappa = 0;
-    // An upper limit of it: the order statistic that the true percentile exceeds with a chance of 1e-3.
-    double kappaLimit = 0;
     uint64_t tried = 0;  // pixels, with so many moves of one unit each, and one of kWideUnits
     uint64_t moves = 1;
     // Moves for which the reference itself changes a pixel: `changed` of all moves of one unit,

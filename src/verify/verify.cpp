@@ -103,7 +103,7 @@ class Verification {
     std::vector<Trail> trailsOf(std::span<DifferingPixel* const> pixels, const Request& request) const;
     void certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t& steps) const;
     bool decidesAlike(const reference::Ray& ray, const Certificate& certificate) const;
-    std::vector<size_t> plainDifferences(uint32_t sample, const Picture& device) const;
+    std::vector<size_t> plainDifferences(const Picture& device) const;
     std::vector<size_t> filmDifferences(const PackedSamples& rounds, Film& film) const;
     uint64_t countSettled(uint32_t first, uint32_t end, const std::vector<size_t>& pixels) const;
 
@@ -117,9 +117,8 @@ class Verification {
     std::optional<RepresentationCheck> representation_;
     Report& report_;
     uint64_t samePath_ = 0;  // pixels
-    // By sample and pixel: the colour's difference, infinite where the device's is not finite, and the
-    // greatest channel of PixelRecord::rounding.
-    std::vector<float> differences_, floors_;
+    // By sample and pixel: the colour's difference, infinite where the device's is not finite.
+    std::vector<float> differences_;
 };
 
 void Verification::run() {
@@ -129,7 +128,6 @@ void Verification::run() {
     report_.pixels = static_cast<uint64_t>(options_.width) * options_.height * samples_.round;
     report_.sensitivity = sensitivityOf(tracer_, camera_, options_.width, options_.height, samples_);
     differences_.resize(report_.pixels);
-    floors_.resize(report_.pixels);
     const PackedSamples rounds = firstRounds(samples_);
     Film film(rounds, options_.width, options_.height, scene_.lights.size());
     for (uint32_t sample = 0; sample < samples_.round; ++sample) {
@@ -138,8 +136,8 @@ void Verification::run() {
         request.ledger = scene_.features.mirrors || scene_.features.transmission;
         const Picture device = rendered(request);
         compareSample(sample, request, device);
-        if (options_.plainToo && !isConvicted())
-            report_.plainDiffers += countSettled(sample, sample + 1, plainDifferences(sample, device));
+        if (options_.plainToo && sample == 0 && !isConvicted())
+            report_.plainDiffers = countSettled(0, 1, plainDifferences(device));
         if (rounds.count() > 1) film.add(sample, device);
     }
     if (rounds.count() > 1 && !isConvicted())
@@ -151,7 +149,6 @@ void Verification::run() {
                                             16 * kMaxKappaPixels);
     if (representation_) report_.representation = representation_->judge(options_.worstCount);
     report_.p99 = percentile99(std::move(differences_));
-    report_.floorP99 = percentile99(std::move(floors_));
     const auto rootOfMean = [](double squares, uint64_t pixels) {
         return std::sqrt(squares / (3.0 * static_cast<double>(std::max<uint64_t>(pixels, 1))));
     };
@@ -242,7 +239,6 @@ void Verification::addColors(const DifferingPixel& pixel, Row& row) {
                              static_cast<size_t>(options_.width) +
                          pixel.x;
     differences_[index] = static_cast<float>(pixel.difference);
-    floors_[index] = static_cast<float>(greatestMagnitude(expected.rounding));
     row.rays += expected.bounces + 1;
     if (std::isfinite(pixel.difference)) {
         const glm::dvec3 d = glm::dvec3(pixel.deviceColor) - expected.color;
@@ -328,9 +324,9 @@ bool Verification::decidesAlike(const reference::Ray& ray, const Certificate& ce
     return certify(tracer_, scene_, ray, itself, kMostStepsOfPixel).decisions == certificate.decisions;
 }
 
-// Pixels that have another colour in an image without layers, as people get it.
-std::vector<size_t> Verification::plainDifferences(uint32_t sample, const Picture& device) const {
-    const Picture plain = rendered(requestFor(samples_.only(sample)));
+// Pixels of the first sample that have another colour in an image without layers.
+std::vector<size_t> Verification::plainDifferences(const Picture& device) const {
+    const Picture plain = rendered(requestFor(samples_.only(0)));
     std::vector<size_t> differing;
     for (size_t i = 0; i < device.done.size(); ++i)
         if (std::memcmp(&plain.color.pixels[4 * i], &device.color.pixels[4 * i], 4 * sizeof(float)) != 0)
@@ -375,10 +371,6 @@ uint64_t Verification::countSettled(uint32_t first, uint32_t end, const std::vec
 
 uint64_t Report::allowedExplained() const {
     return greatestCount(sensitivity.explainedShare() * static_cast<double>(pixels));
-}
-
-double Report::allowedP99() const {
-    return kResponseGain * sensitivity.kappaLimit * kFloatUnit + floorP99;
 }
 
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,

@@ -1,7 +1,6 @@
-// Does the device draw what the reference draws? Every pixel must lie within the error that is predicted for
-// it, or be explained by rounding; no more may be explained than the reference alone predicts, and the whole
-// must err by no more than the scene's condition allows. Else the verdict is no. Nothing of it depends on
-// how bright the picture is (docs/design/verification.md).
+// Compares a device's image with the reference. Every pixel must lie within the error that is predicted for
+// it, or be explained by rounding, and at most as many may be explained as the reference alone predicts. All
+// limits scale with the brightness of the pixel (docs/design/verification.md).
 #pragma once
 
 #include <algorithm>
@@ -45,7 +44,7 @@ struct Options : Request {
     uint64_t allowedUnexplained = 0;
     // Once more pixels are unexplained than may be explained, the others in doubt are left undecided.
     bool verdictAlone = false;
-    // Also render each image without layers, as `glint render` does, possibly with other kernels.
+    // Also render the first sample without layers, as `glint render` does, possibly with other kernels.
     bool plainToo = true;
 };
 
@@ -71,8 +70,7 @@ struct Report {
     double rmse = 0;            // colour, all pixels
     double rmseSamePath = 0;    // colour, pixels whose paths hit the same primitives: pure arithmetic
     double maxSamePath = 0;
-    double p99 = 0;       // |device - reference|, greatest channel, 99th percentile of all pixels
-    double floorP99 = 0;  // the same of what the arithmetic of shading may add (PixelRecord::rounding)
+    double p99 = 0;  // |device - reference|, greatest channel, 99th percentile of all pixels
     // Sensitivity of the reference alone, which defects of the device cannot change (stiffness.h).
     Sensitivity sensitivity;
     std::vector<DifferingPixel> worst;  // unexplained first, then by difference
@@ -87,11 +85,9 @@ struct Report {
     uint64_t explained() const { return edges + roundings; }
     // The greatest number of pixels that may be explained, with kConfidence.
     uint64_t allowedExplained() const;
-    // Largest allowed 99th percentile.
-    double allowedP99() const;
     bool passed() const {
         return !interrupted && unexplained <= allowedUnexplained && plainDiffers == 0 && filmDiffers == 0 &&
-               lossesDiffer == 0 && explained() + undecided <= allowedExplained() && p99 <= allowedP99() &&
+               lossesDiffer == 0 && explained() + undecided <= allowedExplained() &&
                (!representation || representation->passed());
     }
 };

@@ -238,18 +238,6 @@ TEST(Report, PassesUpToWhatTheReferencePredicts) {
     EXPECT_FALSE(report.passed());
 }
 
-TEST(Report, ThePercentileIsJudgedByKappa) {
-    Report report;
-    report.pixels = 1000;
-    report.sensitivity.kappaLimit = 10;
-    report.floorP99 = 1e-7;
-    EXPECT_NEAR(report.allowedP99(), 16 * 10 * 0x1p-24 + 1e-7, 1e-15);
-    report.p99 = 0.99 * report.allowedP99();
-    EXPECT_TRUE(report.passed());
-    report.p99 = 1.01 * report.allowedP99();
-    EXPECT_FALSE(report.passed());
-}
-
 class VerifyTest : public render::test::RenderTest {};
 
 TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
