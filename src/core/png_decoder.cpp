@@ -22,24 +22,21 @@ constexpr png_byte kIgnored[] =
     "zTXt";
 
 struct Decoder {
-    Decoder(ByteView source, const Context& terms) : file(source), context(terms) {}
+    explicit Decoder(ByteView source) : file(source) {}
     ~Decoder() { png_destroy_read_struct(&png, &info, nullptr); }
     Decoder(const Decoder&) = delete;
     Decoder& operator=(const Decoder&) = delete;
 
     ByteView file;
-    const Context& context;
     size_t position = 0;
     png_structp png = nullptr;
     png_infop info = nullptr;
     bool truncated = false;
-    bool cancelled = false;
     std::array<char, 128> message{};
     // Shape of the samples that libpng returns.
     size_t width = 0, height = 0, channels = 0, rowBytes = 0;
-    bool interlaced = false, wide = false;
-    std::vector<uint8_t> bytes;
-    std::vector<png_bytep> rows;
+    int passes = 1;  // over all rows of an interlaced picture
+    bool wide = false;
 };
 
 void onError(png_structp png, png_const_charp message) {
@@ -56,9 +53,6 @@ void readBytes(png_structp png, png_bytep data, size_t size) {
         decoder.truncated = true;
         png_error(png, "truncated");
     }
-    // Rows of an interlaced picture come all at once. No exception may pass libpng's frames.
-    if (decoder.interlaced && (decoder.cancelled = decoder.context.isCancelled()))
-        png_error(png, "cancelled");
     std::memcpy(data, decoder.file.data() + decoder.position, size);
     decoder.position += size;
 }
@@ -70,7 +64,6 @@ void run(Decoder& decoder, Step step) {
         step();
         return;
     }
-    if (decoder.cancelled) throw Cancelled();
     if (decoder.truncated) throw CodecError("the file is truncated");
     failDamaged(decoder.message.data());
 }
@@ -93,7 +86,7 @@ void startRows(Decoder& decoder) {
     const int type = png_get_color_type(png, decoder.info);
     const bool alpha = (type & PNG_COLOR_MASK_ALPHA) != 0 || png_get_valid(png, decoder.info, PNG_INFO_tRNS);
     if (alpha && (type & PNG_COLOR_MASK_COLOR) == 0) png_set_gray_to_rgb(png);
-    decoder.interlaced = png_set_interlace_handling(png) > 1;
+    decoder.passes = png_set_interlace_handling(png);
     png_read_update_info(png, decoder.info);
     decoder.channels = png_get_channels(png, decoder.info);
     decoder.wide = png_get_bit_depth(png, decoder.info) == 16;
@@ -111,18 +104,10 @@ void linearize(const Decoder& decoder, const uint8_t* row, const std::vector<flo
     }
 }
 
-// The passes of an interlaced picture go over all of it.
-void readInterlaced(Decoder& decoder) {
-    decoder.bytes.resize(decoder.rowBytes * decoder.height);
-    for (size_t y = 0; y < decoder.height; ++y)
-        decoder.rows.push_back(decoder.bytes.data() + y * decoder.rowBytes);
-    run(decoder, [&] { png_read_image(decoder.png, decoder.rows.data()); });
-}
-
 }  // namespace
 
 Image decodePng(ByteView file, uint64_t mostPixels, const Context& context) {
-    Decoder decoder(file, context);
+    Decoder decoder(file);
     decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, onError, onWarning);
     decoder.info = decoder.png == nullptr ? nullptr : png_create_info_struct(decoder.png);
     if (decoder.info == nullptr) throw std::bad_alloc();
@@ -137,14 +122,15 @@ Image decodePng(ByteView file, uint64_t mostPixels, const Context& context) {
     RowCollector rows(context, static_cast<int>(decoder.width), static_cast<int>(decoder.height),
                       static_cast<int>(decoder.channels));
     const std::vector<float> linear = linearOfCodes(decoder.wide ? 65536 : 256);
-    if (decoder.interlaced)
-        readInterlaced(decoder);
-    else
-        decoder.bytes.resize(decoder.rowBytes);
-    for (size_t y = 0; y < decoder.height; ++y) {
-        uint8_t* row = decoder.bytes.data() + (decoder.interlaced ? y * decoder.rowBytes : 0);
-        if (!decoder.interlaced) run(decoder, [&] { png_read_row(decoder.png, row, nullptr); });
-        linearize(decoder, row, linear, rows.next());
+    const bool interlaced = decoder.passes > 1;
+    std::vector<uint8_t> bytes(decoder.rowBytes * (interlaced ? decoder.height : 1));
+    for (int pass = 1; pass <= decoder.passes; ++pass) {
+        for (size_t y = 0; y < decoder.height; ++y) {
+            context.checkCancelled();
+            uint8_t* const row = bytes.data() + (interlaced ? y * decoder.rowBytes : 0);
+            run(decoder, [&] { png_read_row(decoder.png, row, nullptr); });
+            if (pass == decoder.passes) linearize(decoder, row, linear, rows.next());
+        }
     }
     run(decoder, [&] { png_read_end(decoder.png, nullptr); });
     return rows.take();

@@ -40,24 +40,15 @@ std::string statusText(double fraction, double elapsed) {
     return text;
 }
 
-ProgressMode resolve(ProgressMode mode, bool terminal) {
-    if (mode == ProgressMode::Auto) {
-        return terminal ? ProgressMode::Bar : ProgressMode::None;
-    }
-    return mode;
-}
-
-Progress::Clock steadyClock() {
-    return [stopwatch = Stopwatch()] { return stopwatch.seconds(); };
-}
-
 }  // namespace
 
 Progress::Progress(std::string label, ProgressMode mode, std::ostream& sink, bool terminal, Clock clock)
     : label_(std::move(label)),
-      mode_(resolve(mode, terminal)),
+      mode_(mode != ProgressMode::Auto ? mode
+            : terminal                 ? ProgressMode::Bar
+                                       : ProgressMode::None),
       sink_(sink),
-      clock_(clock ? std::move(clock) : steadyClock()),
+      clock_(clock ? std::move(clock) : [stopwatch = Stopwatch()] { return stopwatch.seconds(); }),
       start_(clock_()),
       due_(kSilence) {}
 

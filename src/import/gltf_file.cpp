@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/binary_numbers.h"
 #include "core/error.h"
 #include "core/text_file.h"
-#include "core/binary_numbers.h"
 #include "import/text_scanner.h"
 
 namespace glint {

@@ -1,4 +1,4 @@
-#include "import/gltf_material.h"
+#include "import/gltf_file.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,6 @@
 
 #include "core/room.h"
 #include "import/gltf_file.h"
-#include "import/gltf_material.h"
 
 namespace glint {
 

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/vectors.h"
-#include "import/gltf_material.h"
+#include "import/gltf_file.h"
 #include "import/gltf_scene.h"
 #include "import/parse_scene.h"
 #include "import/readers.h"

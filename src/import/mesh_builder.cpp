@@ -38,15 +38,21 @@ void MeshBuilder::reserve(size_t triangles) {
 }
 
 void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material) {
+    const size_t triangle = mesh_.corners.size();
     const auto pick = [&](const std::vector<uint32_t>& from) {
         return from.empty() ? kNoCorners : glm::uvec3(from[a], from[b], from[c]);
     };
     mesh_.corners.push_back(pick(corners_));
-    if (!normals.empty()) mesh_.normalCorners.push_back(pick(normalCorners_));
-    if (!uvs.empty()) mesh_.uvCorners.push_back(pick(uvCorners_));
-    if (!colors.empty()) mesh_.colorCorners.push_back(pick(colorCorners_));
-    keepFace(mesh_.corners.size() - 1);
-    keepMaterial(mesh_.corners.size() - 1, material);
+    // The list of an attribute starts with the first triangle that has one.
+    const auto keep = [&](std::vector<glm::uvec3>& list, const std::vector<uint32_t>& from) {
+        list.resize(triangle, kNoCorners);
+        list.push_back(pick(from));
+    };
+    if (!normals.empty()) keep(mesh_.normalCorners, normalCorners_);
+    if (!uvs.empty()) keep(mesh_.uvCorners, uvCorners_);
+    if (!colors.empty()) keep(mesh_.colorCorners, colorCorners_);
+    keepFace(triangle);
+    keepMaterial(triangle, material);
 }
 
 // The list of faces stays empty as long as each triangle is the face of its own number.

@@ -103,6 +103,7 @@ class PlyReader {
 
     ImportedMesh read(std::vector<std::string> warnings) {
         readElements();
+        const ProgressPart part(files_, kRead, 1);
         addFaces();
         std::vector<std::string> ignored;
         ignored_.warn(file_, ignored);
@@ -112,7 +113,7 @@ class PlyReader {
     }
 
   private:
-    // The ends of a face's corners and of its own attributes in the lists of all faces.
+    // The ends of a face's corners and of its own attributes in the lists of faces.
     struct FaceEnd {
         size_t corners = 0, uvs = 0, colors = 0;
     };
@@ -263,6 +264,7 @@ class PlyReader {
         const auto vertices = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
         if (vertices == header_.elements.end()) fail("holds no vertices");
         vertexCount_ = static_cast<int64_t>(vertices->count);
+        if (builder_.positions.size() != vertices->count) keepFaces_ = true;
         const auto found = std::ranges::find_if(element.properties, isIndices);
         if (found == element.properties.end())
             fail("the " + plural + " have neither a list vertex_indices nor vertex_index");
@@ -276,6 +278,7 @@ class PlyReader {
         const Slots slots = findSlots(element, 8);
         if (slots.colors && !vertexColors_) setColorCodes(element);
         if (slots.colors && vertexColors_) ignored_.add("face red, green, blue");
+        if (!keepFaces_) builder_.reserve(std::min(element.count, numbers_.atMost(element)));
         const auto readList = [&](const PlyProperty& list) {
             if (&list == &indices)
                 readCorners(list);
@@ -349,20 +352,25 @@ class PlyReader {
     }
 
     // Ends the face whose corners and other attributes are the last ones.
-    void endFace() { faces_.push_back({corners_.size(), faceUvs_.size(), faceColors_.size()}); }
+    void endFace() {
+        faces_.push_back({corners_.size(), faceUvs_.size(), faceColors_.size()});
+        if (!keepFaces_) addFaces();
+    }
 
     void addFaces() {
-        const ProgressPart part(files_, kRead, 1);
         const FaceEnd own{0, builder_.uvs.size(), builder_.colors.size()};
         if (own.uvs + faceUvs_.size() >= Mesh::kNoIndex) fail("more than 2^32 - 2 texture coordinates");
         builder_.uvs.insert(builder_.uvs.end(), faceUvs_.begin(), faceUvs_.end());
         builder_.colors.insert(builder_.colors.end(), faceColors_.begin(), faceColors_.end());
-        builder_.reserve(faces_.size());
         FaceEnd begin;
         for (size_t i = 0; i < faces_.size(); begin = faces_[i++]) {
-            files_.context().pace(i, faces_.size());
+            if (i > 0) files_.context().pace(i, faces_.size());
             addFace(begin, faces_[i], own);
         }
+        faces_.clear();
+        corners_.clear();
+        faceUvs_.clear();
+        faceColors_.clear();
     }
 
     // Adds a face, whose own attributes replace those of its vertices. A list of texture coordinates must
@@ -395,7 +403,8 @@ class PlyReader {
     IgnoredNames ignored_;
     int64_t vertexCount_ = 0;
     bool vertexUvs_ = false, vertexColors_ = false;
-    // The lists of all faces, which may precede the vertices.
+    // Faces that precede the vertices are added after them.
+    bool keepFaces_ = false;
     std::vector<FaceEnd> faces_;
     std::vector<uint32_t> corners_;
     std::vector<glm::dvec2> faceUvs_;

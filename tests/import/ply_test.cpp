@@ -143,6 +143,15 @@ TEST(Ply, FacesWithColoursAndTextureCoordinatesOfTheirOwn) {
     }
 }
 
+TEST(Ply, FacesWithoutTextureCoordinatesMayComeFirst) {
+    const Mesh mesh = import(header("ascii", kSquare + "property list uchar float texcoord\n") +
+                             kSquareVertices + "3 0 1 2 0\n3 0 2 3 6 0 0 1 1 0 1\n")
+                          .mesh;
+    ASSERT_EQ(mesh.uvCorners.size(), 2u);
+    EXPECT_EQ(mesh.uvCorners[0], uvec3(Mesh::kNoIndex));
+    EXPECT_EQ(mesh.uvs[mesh.uvCorners[1].y], glm::dvec2(1, 1));
+}
+
 TEST(Ply, TheTextureOfMeshLab) {
     const TemporaryFolder folder;
     const std::string text =
