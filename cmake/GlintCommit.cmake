@@ -21,7 +21,7 @@ if(CMAKE_SCRIPT_MODE_FILE)
     endif()
   endif()
   file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
-"#include \"app/version.h\"
+"#include \"app/cli.h\"
 
 const char* glint::app::builtCommit() {
     return \"@commit@\";

@@ -8,13 +8,13 @@
 #include "app/drawing.h"
 #include "app/loading.h"
 #include "app/render_command.h"
-#include "app/version.h"
 #include "bench/measure.h"
 #include "bench/write.h"
 #include "core/available_memory.h"
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 
 namespace glint::app {
 
@@ -25,12 +25,10 @@ struct BenchCommand {
     SceneOptions common;
     Backend backend = Backend::Gpu;
     DeviceChoice device;
-    int repeats = 7;
-    bool everyWalk = false;  // --traversal all
+    bench::Options options;  // as far as the command line says
     bool full = false;       // the code of every feature
     bool wholePaths = false;
-    SceneFeatures with;  // the code of these features
-    bool json = false;   // --stats
+    bool json = false;  // --stats
     ProgressMode progress = ProgressMode::Auto;
 };
 
@@ -44,15 +42,14 @@ void declare(OptionTable& table, BenchCommand& c) {
     table.read("--traversal", alternatives<render::Traversal>() + "|all",
                "trace each ray alone (lane) or 32 rays together (packet); all: also each in turn",
                [&](const std::string& t) {
-                   c.everyWalk = t == "all";
-                   c.device.traversal =
-                       c.everyWalk ? render::Traversal::Auto : parseNamed<render::Traversal>(t);
+                   c.options.everyWalk = t == "all";
+                   if (t != "all") c.device.traversal = parseNamed<render::Traversal>(t);
                });
     table.whole("--repeat", "N", "take the median of N images, after the warm-up (default 7)", 1, 1000,
-                c.repeats);
+                c.options.repeats);
     table.value("--with", "LIST",
-                "compile these features, with commas, into the pipeline too (names: glint info)", c.with,
-                parseFeatures);
+                "compile these features, with commas, into the pipeline too (names: glint info)",
+                c.options.renderer.also, parseFeatures);
     table.flag("--full", "compile every feature into the pipeline", c.full);
     table.flag("--whole-paths", "use one kernel for whole paths, not one for each step", c.wholePaths);
     addStats(table, "print the results as JSON instead of tables", c.json);
@@ -62,8 +59,8 @@ void declare(OptionTable& table, BenchCommand& c) {
 void checkOptions(const BenchCommand& c) {
     checkDeviceOptions(c.backend, c.device);
     if (c.backend == Backend::Gpu) return;
-    if (c.everyWalk) throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
-    if (c.full || c.with != SceneFeatures{})
+    if (c.options.everyWalk) throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
+    if (c.full || c.options.renderer.also != SceneFeatures{})
         throw Error(ErrorKind::Argument, "--full, --with: need --backend gpu");
     if (c.wholePaths) throw Error(ErrorKind::Argument, "--whole-paths: needs --backend gpu");
 }
@@ -74,31 +71,23 @@ void switchShaderCachesOff() {
     setenv("__GL_SHADER_DISK_CACHE", "0", 0);
 }
 
-bench::Options optionsOf(const BenchCommand& command) {
-    bench::Options options;
-    options.renderer.traversal = command.device.traversal;
-    options.renderer.leaveOut = !command.full;
-    options.renderer.also = command.with;
-    if (command.wholePaths) options.renderer.wholePaths = render::WholePaths::On;
-    options.repeats = command.repeats;
-    options.everyWalk = command.everyWalk;
-    options.cancelled = interrupted;
-    return options;
-}
-
 bench::Result measureScene(const BenchCommand& command, const std::filesystem::path& path,
                            const gpu::Device* device, std::ostream& err) {
     // One for each scene: its bar is gone when the table comes.
     Progress progress = progressOf("bench " + path.filename().string(), command.progress, err);
     SceneOptions scene = command.common;
     scene.scene = path;
-    bench::Options options = optionsOf(command);
+    bench::Options options = command.options;
+    options.cancelled = interrupted;
     options.progress = [&](double fraction) { progress.update(fraction); };
     const LoadedScene loaded = loadAndPack(scene, err);
     options.request = requestOf(loaded, scene);
-    options.renderer.also.mirrors = command.with.mirrors || alsoFor(loaded, options.request).mirrors;
-    checkMemory(options.request.width, options.request.height, bytesPerPixel({}, false), availableMemory(),
-                "");
+    options.renderer.traversal = command.device.traversal;
+    options.renderer.leaveOut = !command.full;
+    if (command.wholePaths) options.renderer.wholePaths = render::WholePaths::On;
+    if (alsoFor(loaded, options.request).mirrors) options.renderer.also.mirrors = true;
+    checkMemory(options.request.width, options.request.height, bytesPerPixel(std::vector<Aov>()),
+                availableMemory(), "");
     bench::Result result = bench::measure(path.string(), loaded, device, options);
     progress.finish();
     return result;

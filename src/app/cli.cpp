@@ -11,10 +11,10 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "app/version.h"
 #include "core/enum_names.h"
 #include "core/error.h"
 #include "core/text_file.h"
+#include "gpu/device.h"
 
 namespace glint::app {
 
@@ -54,10 +54,57 @@ constexpr const char* kFooter =
     "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 the scene is at fault,\n"
     "4 no usable device, 5 difference found, 130 interrupted.";
 
+#if defined(__clang__)
+constexpr const char* kCompiler = "Clang " __clang_version__;
+#else
+constexpr const char* kCompiler = "GCC " __VERSION__;
+#endif
+
+#if defined(NDEBUG)
+constexpr const char* kAssertions = "";
+#else
+constexpr const char* kAssertions = ", with assertions";
+#endif
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr const char* kSanitized = ", sanitized";
+#else
+constexpr const char* kSanitized = "";
+#endif
+
+// A line for each device, without a final line end.
+std::string deviceLines() {
+    std::string text;
+    try {
+        for (const gpu::DeviceInfo& d : gpu::listDevices())
+            text += "\ndevice: " + d.name + ", " + d.driver + ", Vulkan " + d.api +
+                    (d.usable ? "" : ", refused: " + d.reason);
+    } catch (const std::exception& e) {
+        return std::string("\ndevice: none: ") + e.what();
+    }
+    return text.empty() ? "\ndevice: none found by the Vulkan loader" : text;
+}
+
+// The program's name, version and, if `verbose`, its build configuration and the Vulkan devices.
+std::string versionText(bool verbose) {
+    const std::string version = std::string("glint ") + GLINT_VERSION;
+    if (!verbose) return version;
+    const std::string builtMpi = GLINT_MPI_TEXT;  // the module may be left out of what is installed
+    return version + "\ncommit: " + builtCommit() + "\ncompiler: " + kCompiler +
+           "\nbuild type: " + GLINT_BUILD_TYPE + kAssertions + kSanitized + "\nwindow: " + GLINT_WINDOW_TEXT +
+           "\nMPI: " + (builtMpi == "no" || hasRanksModule() ? builtMpi : "no glint-mpi.so") +
+           "\nEXR: " + GLINT_EXR_TEXT + deviceLines();
+}
+
 class HelpFormatter : public CLI::Formatter {
     std::string make_usage(const CLI::App* app, std::string name) const override {
         return app->get_parent() == nullptr ? "Usage: glint COMMAND [OPTIONS]\n"
                                             : Formatter::make_usage(app, name);
+    }
+    // Without the options that it excludes, which CLI11 lists in no fixed order.
+    std::string make_option_opts(const CLI::Option* option) const override {
+        const std::string form = option->get_type_name();
+        return (form.empty() ? "" : " " + form) + (option->get_expected_max() > 1 ? " ..." : "");
     }
 };
 
@@ -72,15 +119,10 @@ void declareProgram(CLI::App& app, bool& verbose, Run& chosen) {
     app.add_flag("--verbose", verbose, "with --version: print what was built in, too")
         ->disable_flag_override();
     app.add_flag_callback(
-           "--version",
-           [&verbose] {
-               const std::string text = std::string("glint ") + GLINT_VERSION;
-               throw CLI::CallForVersion(verbose ? text + "\n" + builtIn() : text, 0);
-           },
+           "--version", [&verbose] { throw CLI::CallForVersion(versionText(verbose), 0); },
            "print the version and exit")
         ->configurable(false);
     app.require_subcommand(0, 1);
-    app.get_formatter()->label("REQUIRED", "");
     app.get_formatter()->column_width(34);
     for (const Command& command : kCommands) {
         CLI::App& added = *app.add_subcommand(command.name, command.help);
@@ -97,24 +139,14 @@ std::string withoutDashes(const std::string& name) {
     return name.substr(std::min(name.find_first_not_of('-'), name.size()));
 }
 
-std::vector<std::string> optionNames(const CLI::App& command) {
-    std::vector<std::string> names;
-    for (const CLI::Option* option :
-         command.get_options([](const CLI::Option* o) { return o->nonpositional(); })) {
-        names.push_back(option->get_name());
-    }
-    return names;
-}
-
 // `unknown option "--siez" (did you mean "--size"?)`, or `unexpected argument "x"` for what is no option.
 std::string unexpected(const CLI::App& command, const std::string& argument) {
     const std::string name = argument.substr(0, argument.find('='));
-    std::vector<std::string> known = optionNames(command);
-    const bool option =
-        name.size() > 1 && name[0] == '-' && std::find(known.begin(), known.end(), name) == known.end();
-    if (!option) return "unexpected argument " + quoted(argument);
-    // Without the dashes, which any two options have in common.
-    std::transform(known.begin(), known.end(), known.begin(), withoutDashes);
+    if (name.size() < 2 || name[0] != '-' || command.get_option_no_throw(name))
+        return "unexpected argument " + quoted(argument);
+    std::vector<std::string> known;  // without the dashes, which any two options have in common
+    for (const CLI::Option* option : command.get_options())
+        if (option->nonpositional()) known.push_back(withoutDashes(option->get_name()));
     const std::vector<std::string_view> views(known.begin(), known.end());
     std::string hint = suggestion(withoutDashes(name), views, "");
     constexpr std::string_view kDidYouMean = "did you mean \"";

@@ -40,4 +40,8 @@ constexpr ExitCode exitCodeOf(ErrorKind kind) {
 // errors to `err`.
 int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err);
 
+// The commit that the program was built from, as git describes it ("unknown" outside a repository, unless its
+// archive says it).
+const char* builtCommit();
+
 }  // namespace glint::app

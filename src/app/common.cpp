@@ -3,13 +3,10 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdarg>
-#include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "core/available_memory.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/text_file.h"
@@ -36,15 +33,6 @@ bool isTerminal(const std::ostream& err) {
 
 Progress progressOf(const std::string& label, ProgressMode mode, std::ostream& err) {
     return {label, mode, err, isTerminal(err)};
-}
-
-std::string format(const char* form, ...) {
-    char text[512];
-    va_list arguments;
-    va_start(arguments, form);
-    std::vsnprintf(text, sizeof(text), form, arguments);
-    va_end(arguments);
-    return text;
 }
 
 std::string formatSeconds(double seconds) {

@@ -7,10 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/available_memory.h"
-#include "core/error.h"
+#include "core/format.h"
 #include "core/progress.h"
-#include "core/text_file.h"
 
 namespace glint::app {
 
@@ -19,9 +17,6 @@ bool isTerminal(const std::ostream& err);
 
 // Progress on `err`.
 Progress progressOf(const std::string& label, ProgressMode mode, std::ostream& err);
-
-// Text as of printf.
-[[gnu::format(printf, 1, 2)]] std::string format(const char* form, ...);
 
 std::string formatSeconds(double seconds);
 

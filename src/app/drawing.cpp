@@ -6,8 +6,10 @@
 
 #include "app/common.h"
 #include "app/loading.h"
+#include "core/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "reference/loaded_truth.h"
 #include "reference/render.h"
 
@@ -144,11 +146,10 @@ DrawingFacts Drawing::facts() const {
     }
     facts.device = device_->info().name;
     facts.driver = device_->info().driver;
-    // Rays of whole paths walk by themselves.
+    // Whole paths and counts of tests trace single rays.
     const render::KernelTimes& kernels = renderer_->times().kernels;
-    facts.traversal = kernels.whole > 0 && kernels.primary == 0
-                          ? render::nameOf(render::TraversalChoice{})
-                          : render::nameOf(renderer_->traversal(expected_.methods));
+    const bool single = expected_.cost || (kernels.whole > 0 && kernels.primary == 0);
+    facts.traversal = nameOf(single ? render::TraversalChoice() : renderer_->traversal(expected_.methods));
     facts.arithmetic = device_->arithmetic();
     facts.times = renderer_->times();
     return facts;

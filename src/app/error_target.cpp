@@ -25,13 +25,6 @@ double confidenceOf(const std::string& text) {
     return value;
 }
 
-// The condition number times the ulp of the arithmetic, and the rounding error of storing as fp32.
-double roundingOf(const LoadedScene& loaded, const Request& request, Backend backend) {
-    const reference::Tracer tracer(loaded.packed, request);
-    return verify::roundingError(tracer, cameraOf(loaded, request), request.width, request.height,
-                                 backend == Backend::Cpu ? 0x1p-53 : verify::kFloatUnit);
-}
-
 // Kernels without reflections do not count what is missing.
 void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded, const Request& request) {
     const auto reflects = [](const Material& m) {
@@ -56,6 +49,7 @@ void addError(OptionTable& table, ErrorTarget& target) {
                 target.confidence, confidenceOf);
     table.flag("--within-depth", "do not count reflections beyond the scene's depth as error",
                target.withinDepth);
+    table.require("--error", {"--confidence", "--within-depth"});
 }
 
 void addErrorTarget(OptionTable& table, ErrorTarget& target) {
@@ -65,38 +59,15 @@ void addErrorTarget(OptionTable& table, ErrorTarget& target) {
     table.whole("--max-spp", "N", "stop at N samples per pixel (default 65536)", 2, kMostErrorSamples,
                 target.maxSamples);
     table.flag("--strict", "exit with code 5 if --error is not reached", target.strict);
-}
-
-void checkErrorIsAsked(const ErrorTarget& target) {
-    if (target.error) return;
-    const char* idle = target.confidence    ? "--confidence"
-                       : target.maxSeconds  ? "--max-seconds"
-                       : target.maxSamples  ? "--max-spp"
-                       : target.strict      ? "--strict"
-                       : target.withinDepth ? "--within-depth"
-                                            : nullptr;
-    if (idle) throw Error(ErrorKind::Argument, std::string(idle) + " requires --error");
-}
-
-void checkErrorTarget(const ErrorTarget& target, const SceneOptions& scene, const std::vector<Aov>& aovs) {
-    checkErrorIsAsked(target);
-    if (!target.error) {
-        if (std::find(aovs.begin(), aovs.end(), Aov::Error) != aovs.end())
-            throw Error(ErrorKind::Argument, "--aov: the layer error requires --error");
-        return;
-    }
-    if (scene.spp)
-        throw Error(ErrorKind::Argument,
-                    "--spp: --error chooses the number of samples; limit it with --max-spp");
-    if (scene.adaptive) throw Error(ErrorKind::Argument, "--adaptive: --error chooses the number of samples");
-    if (scene.sampler == Sampler::Grid)
-        throw Error(ErrorKind::Argument,
-                    "--error does not work with the grid sampler: use lowDiscrepancy or jittered");
+    table.require("--error", {"--max-seconds", "--max-spp", "--strict"});
 }
 
 converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request,
                     Progress& progress) {
     checkDepthIsKnown(target, loaded, request);
+    if (regionOf(request).width() * regionOf(request).height() == 1)
+        throw Error(ErrorKind::Argument,
+                    "--error cannot bound the error of a single pixel: use a larger --crop");
     converge::Job job;
     job.image = request.image;
     job.image.adaptive.reset();
@@ -105,15 +76,15 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
     job.target.confidence = target.confidence.value_or(job.target.confidence);
     job.target.maxSeconds = target.maxSeconds.value_or(job.target.maxSeconds);
     if (target.maxSamples) job.target.maxSamples = static_cast<uint32_t>(*target.maxSamples);
-    if (regionOf(request).width() * regionOf(request).height() == 1)
-        throw Error(ErrorKind::Argument,
-                    "--error cannot bound the error of a single pixel: use a larger --crop");
     job.target.depthCounts = !target.withinDepth;
     job.radianceBound =
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));
     request.limits.depth = depthOf(loaded.packed, request);
-    job.rounding = roundingOf(loaded, request, backend);
     job.inDouble = backend == Backend::Cpu;
+    // The condition number times the ulp of the arithmetic, and the rounding error of storing as fp32.
+    job.rounding =
+        verify::roundingError(reference::Tracer(loaded.packed, request), cameraOf(loaded, request),
+                              request.width, request.height, job.inDouble ? 0x1p-53 : verify::kFloatUnit);
     // Batches are many, and each would count from 0 to 1.
     request.progress = {};
     request.ledger = true;

@@ -20,15 +20,10 @@ struct ErrorTarget {
     bool withinDepth = false;
 };
 
-// --error, --confidence, --within-depth.
+// --error, --confidence, --within-depth; the last two require the first.
 void addError(OptionTable& table, ErrorTarget& target);
 // The same, and the limits.
 void addErrorTarget(OptionTable& table, ErrorTarget& target);
-
-// Throws Error(Argument) for options that require --error.
-void checkErrorIsAsked(const ErrorTarget& target);
-// The same, and for options that contradict --error.
-void checkErrorTarget(const ErrorTarget& target, const SceneOptions& scene, const std::vector<Aov>& aovs);
 
 // The job for the scene's image; `request` becomes like those of its batches. `backend`: for the rounding
 // error. `progress` must outlive the job.

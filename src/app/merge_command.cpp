@@ -7,8 +7,8 @@
 #include "app/common.h"
 #include "app/render_result.h"
 #include "app/units.h"
-#include "core/available_memory.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "farm/merge.h"
 
 namespace glint::app {
@@ -42,47 +42,23 @@ std::filesystem::path sceneOf(const farm::Identity& identity) {
     return "picture";
 }
 
-bool shareBits(const std::vector<farm::Producer>& producers) {
-    return std::all_of(producers.begin(), producers.end(),
-                       [](const farm::Producer& p) { return p.sharesBits; });
-}
-
-void warn(const std::filesystem::path& scene, const Outcome& outcome,
-          const std::vector<farm::Producer>& producers, std::ostream& err) {
-    const std::string start = "glint: warning: " + scene.string() + ": ";
-    warnOfNotFinite(outcome.picture, start, err);
-    warnOfLosses(outcome.picture, start, err);
-    warnOfMixedBits(producers, start, err);
-}
-
 nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outcome,
                          const MergeCommand& command, const std::vector<farm::Producer>& producers) {
-    const Region& region = outcome.picture.region;
     nlohmann::json json = {{"scene", scene.string()},
                            {"parts", command.parts.size()},
                            {"files", filesJson(outcome.files)},
-                           {"width", region.width()},
-                           {"height", region.height()},
+                           {"width", outcome.picture.region.width()},
+                           {"height", outcome.picture.region.height()},
                            {"hash", outcome.hash},
-                           {"inBands", outcome.bands.has_value()},
-                           {"reproducible", shareBits(producers)},
+                           {"inBands", outcome.bands > 0},
+                           {"reproducible", std::all_of(producers.begin(), producers.end(),
+                                                        [](const auto& p) { return p.sharesBits; })},
                            {"lost", lossesJson(outcome.picture)},
                            {"notFinite", outcome.picture.notFinite},
-                           {"seconds", outcome.totalSeconds}};
-    json["devices"] = nlohmann::json::array();
-    for (const farm::Producer& producer : producers) json["devices"].push_back(producerText(producer));
+                           {"seconds", outcome.totalSeconds},
+                           {"devices", nlohmann::json::array()}};
+    for (const farm::Producer& producer : producers) json["devices"].push_back(textOf(producer));
     return json;
-}
-
-void print(const Outcome& outcome, const MergeCommand& command, const std::vector<farm::Producer>& producers,
-           std::ostream& out) {
-    const Region& region = outcome.picture.region;
-    for (const auto& file : outcome.files)
-        out << "wrote " << shown(file) << " (" << region.width() << "x" << region.height() << ")\n";
-    for (const farm::Producer& producer : producers) out << "device: " << producerText(producer) << '\n';
-    out << "hash: " << outcome.hash << '\n';
-    out << "times: " << formatSeconds(outcome.totalSeconds) << " for "
-        << counted(command.parts.size(), "part") << '\n';
 }
 
 ExitCode run(const MergeCommand& command, std::ostream& out, std::ostream& err) {
@@ -96,21 +72,28 @@ ExitCode run(const MergeCommand& command, std::ostream& out, std::ostream& err) 
         std::filesystem::path output = command.output;
         if (output.empty()) output = sceneOf(header.identity).replace_extension(".png");
         checkPicturePath(output);
-        // A file, what stands in it, and its rows.
-        picture.emplace(header, output,
-                        needsRows(header, output, 3 * largest, availableMemory(), command.inBands),
-                        scaleOf(output, command.exposure));
+        // A file, its contents, and its rows.
+        picture.emplace(header, output, 3 * largest, command.inBands, command.exposure);
     };
     farm::mergeParts(command.parts, begin, [&](const farm::UnitResult& result) { picture->add(result); });
     const std::filesystem::path scene = sceneOf(header.identity);
     Outcome outcome = picture->write();
     outcome.totalSeconds = watch.seconds();
     const std::vector<farm::Producer>& producers = picture->assembly().producers();
-    if (!command.quiet) warn(scene, outcome, producers, err);
-    if (command.json)
+    if (!command.quiet) {
+        const std::string start = "glint: warning: " + scene.string() + ": ";
+        warnOfNotFinite(outcome.picture, start, err);
+        warnOfLosses(outcome.picture, start, err);
+        warnOfMixedBits(producers, start, err);
+    }
+    if (command.json) {
         printJson(mergeJson(scene, outcome, command, producers), out);
-    else if (!command.quiet)
-        print(outcome, command, producers, out);
+    } else if (!command.quiet) {
+        printFiles(outcome, out);
+        for (const farm::Producer& producer : producers) out << "device: " << textOf(producer) << '\n';
+        out << "hash: " << outcome.hash << "\ntimes: " << formatSeconds(outcome.totalSeconds) << " for "
+            << counted(command.parts.size(), "part") << '\n';
+    }
     return ExitCode::Done;
 }
 

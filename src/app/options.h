@@ -1,5 +1,4 @@
-// The options of one command, each declared once: names, form of the value, help text, and the function that
-// reads the value. An error that reading throws gets the option's name in front.
+// The options of a command, each declared once, and their values.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +7,20 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "app/option_values.h"
 #include "bvh/bvh.h"
+#include "core/enum_names.h"
 #include "core/file_source.h"
 #include "core/progress.h"
+#include "pack/packed_scene.h"
 #include "render/kernel_choice.h"
 #include "scene/frame_model.h"
 #include "scene/scene.h"
 #include "trace/backend.h"
 #include "trace/methods.h"
+#include "trace/picture.h"
 #include "trace/request.h"
 
 namespace CLI {
@@ -26,6 +28,54 @@ class App;
 }
 
 namespace glint::app {
+
+struct Size {
+    int width = 0, height = 0;
+};
+
+// One of several parts of a picture, 1 <= number <= of.
+struct PartChoice {
+    int number = 1, of = 1;
+};
+
+// Frames of an animation, both ends among them: 0 <= first <= last.
+struct FrameRange {
+    int first = 0, last = 0;
+};
+
+struct FilterChoice {
+    Filter filter = Filter::Box;
+    std::optional<double> radius;  // pixels; empty: the filter's own
+};
+
+// Values from text. All throw Error(Argument) with one line that says what is taken and shows what was given;
+// OptionTable puts the option's name in front.
+int parseWhole(const std::string& text, int least, int greatest);
+double parseReal(const std::string& text, double least, double greatest);
+double parsePositive(const std::string& text);            // finite
+double parseNotNegative(const std::string& text);         // finite
+Size parseSize(const std::string& text);                  // "640x480"
+PartChoice parsePart(const std::string& text);            // "3/8"
+FrameRange parseFrames(const std::string& text);          // "0:240" or "17"
+Region parseCrop(const std::string& text);                // "x0,y0,x1,y1", not empty
+std::pair<int, int> parsePixel(const std::string& text);  // "x,y"
+std::vector<Aov> parseAovs(const std::string& text);      // "color, depth": each once
+// "depth,offset": words that names of the settings of `glint report` start with.
+std::vector<std::string> parseFamilies(const std::string& text);
+SceneFeatures parseFeatures(const std::string& text);     // by the names that `glint info` prints
+FilterChoice parseFilter(const std::string& text);        // "NAME" or "NAME,RADIUS"
+AdaptiveSampling parseAdaptive(const std::string& text);  // "MAX" or "MAX,THRESHOLD"
+uint32_t parseSeed(const std::string& text);
+const std::string& parseName(const std::string& text);  // not empty
+
+[[noreturn]] void refuse(const std::string& wanted, const std::string& text);
+
+template <NamedEnum E>
+E parseNamed(const std::string& text) {
+    const std::optional<E> found = named<E>(text);
+    if (!found) refuse(choices<E>(), text);
+    return *found;
+}
 
 class OptionTable {
   public:
@@ -82,6 +132,11 @@ class OptionTable {
     // An option whose text goes to a function.
     void read(const std::string& names, const std::string& form, const std::string& help,
               const std::function<void(const std::string& text)>& use, Need need = Need::Optional);
+
+    // Each of `options`, all of them declared before, requires `needed`.
+    void require(const std::string& needed, const std::vector<std::string>& options);
+    // None of `others`, all of them declared before, may be given together with `option`.
+    void exclude(const std::string& option, const std::vector<std::string>& others);
 
   private:
     CLI::App& command_;

@@ -4,15 +4,28 @@
 #include <filesystem>
 #include <ostream>
 
+#include "app/commands.h"
 #include "app/common.h"
-#include "app/pages.h"
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/text_file.h"
 
 namespace glint::app {
 
+namespace {
+
 using Text = std::string;
+
+// An option of a command.
+struct Argument {
+    explicit Argument(const CLI::Option& option);
+
+    bool positional = false, many = false, takesValue = false;
+    bool file = false, folder = false;  // the value is the name of one
+    std::vector<Text> names;            // "-o" and "--output", or "SCENE"
+    Text form, help;
+    std::vector<Text> choices;  // if the value is one of few
+};
 
 Argument::Argument(const CLI::Option& option)
     : positional(option.get_positional()),
@@ -43,8 +56,6 @@ std::vector<const CLI::App*> commandsOf(const CLI::App& program) {
     return program.get_subcommands([](const CLI::App*) { return true; });
 }
 
-namespace {
-
 constexpr const char* kMadeBy = "# Made by glint pages; not to be edited.\n";
 
 Text commandNames(const CLI::App& program) {
@@ -60,47 +71,47 @@ Text optionNames(const std::vector<Argument>& arguments) {
     return joined(names, " ");
 }
 
-// In single quotes, for all three shells; `special` characters get a backslash.
-Text quotedFor(const Text& plain, const Text& special, const Text& apostrophe) {
-    Text made = "'";
-    for (const char c : plain) {
-        if (special.find(c) != Text::npos) made += '\\';
-        made += c == '\'' ? apostrophe : Text(1, c);
+// The options of one command: a line for each whose value is one of few, and one for the rest. Elsewhere the
+// shell offers files.
+Text bashCases(const CLI::App& command) {
+    const std::vector<Argument> arguments = argumentsOf(command);
+    Text cases;
+    for (const Argument& argument : arguments) {
+        if (argument.positional || !argument.takesValue) continue;
+        for (const Text& name : argument.names)
+            cases += "        '" + command.get_name() + " " + name + "') words='" +
+                     joined(argument.choices, " ") + "' ;;\n";
     }
-    return made + "'";
+    return cases + "        '" + command.get_name() + " '*) [[ $current == -* ]] && words='" +
+           optionNames(arguments) + "' ;;\n";
 }
 
-// Completion after an option: a line of bash's `case`.
-Text bashCase(const Text& command, const Argument& argument) {
-    std::vector<Text> patterns;
-    for (const Text& name : argument.names) patterns.push_back("'" + command + " " + name + "'");
-    Text then = "return";
-    if (!argument.choices.empty()) then = "words='" + joined(argument.choices, " ") + "'";
-    if (argument.file) then = "compopt -o default; return";
-    if (argument.folder) then = "compopt -o dirnames; return";
-    return "        " + joined(patterns, " | ") + ") " + then + " ;;\n";
+// For zsh too, whose bashcompinit knows `complete` and `compgen`.
+Text bashCompletion(const CLI::App& program) {
+    const Text names = commandNames(program);
+    Text made = kMadeBy + Text(R"(_glint() {
+    local current=${COMP_WORDS[COMP_CWORD]} words=''
+    case "${COMP_WORDS[1]} ${COMP_WORDS[COMP_CWORD-1]}" in
+)");
+    for (const CLI::App* command : commandsOf(program)) made += bashCases(*command);
+    return made + "        'help '*) words='" + names + R"(' ;;
+    esac
+    if [[ $COMP_CWORD -eq 1 ]]; then words=')" +
+           names + " help " + optionNames(argumentsOf(program)) + R"('; fi
+    COMPREPLY=($(compgen -W "$words" -- "$current"))
+}
+complete -o default -F _glint glint
+)";
 }
 
-// One argument of zsh's _arguments.
-Text zshSpec(const Argument& argument) {
-    const auto inner = [](const Text& plain) {
-        const Text quoted = quotedFor(plain, "[]:\\", "'\\''");
-        return quoted.substr(1, quoted.size() - 2);
-    };
-    const Text action = !argument.choices.empty() ? "(" + joined(argument.choices, " ") + ")"
-                        : argument.file           ? "_files"
-                        : argument.folder         ? "_files -/"
-                                                  : " ";
-    if (argument.positional)
-        return "'" + Text(argument.many ? "*:" : ":") + inner(argument.names[0]) + ":" + action + "'";
-    const Text rest = "[" + inner(argument.help) + "]" +
-                      (argument.takesValue ? ":" + argument.form + ":" + action : "") + "'";
-    if (argument.names.size() == 1) return "'" + argument.names[0] + rest;
-    return "'(" + joined(argument.names, " ") + ")'{" + joined(argument.names, ",") + "}'" + rest;
+Text zshCompletion(const CLI::App& program) {
+    return "#compdef glint\nautoload -Uz bashcompinit && bashcompinit\n" + bashCompletion(program);
 }
 
 Text fishQuoted(const Text& plain) {
-    return quotedFor(plain, "\\", "\\'");
+    Text made = "'";
+    for (const char c : plain) made += (c == '\\' || c == '\'' ? "\\" : "") + Text(1, c);
+    return made + "'";
 }
 
 Text fishLine(const Text& condition, const Argument& argument) {
@@ -117,83 +128,6 @@ Text fishLine(const Text& condition, const Argument& argument) {
     else if (argument.takesValue)
         made += " -x";
     return made + " -d " + fishQuoted(argument.help) + "\n";
-}
-
-Text bashCompletion(const CLI::App& program) {
-    Text values, cases;
-    for (const CLI::App* command : commandsOf(program)) {
-        const std::vector<Argument> arguments = argumentsOf(*command);
-        cases +=
-            "        " + command->get_name() + ")\n            options='" + optionNames(arguments) + "'\n";
-        bool first = true;
-        for (const Argument& argument : arguments) {
-            if (argument.positional && first)
-                cases += Text("            files=") + (argument.folder ? "dirnames" : "default") + "\n";
-            first = first && !argument.positional;
-            if (!argument.positional && argument.takesValue)
-                values += bashCase(command->get_name(), argument);
-        }
-        cases += "            ;;\n";
-    }
-    const Text names = commandNames(program);
-    return kMadeBy + Text(R"(_glint() {
-    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
-    local words='' options='' files=''
-    COMPREPLY=()
-    if [[ $COMP_CWORD -eq 1 ]]; then
-        mapfile -t COMPREPLY < <(compgen -W ')") +
-           names + " help " + optionNames(argumentsOf(program)) + R"(' -- "$current")
-        return
-    fi
-    case "$command $previous" in
-)" + values +
-           R"(    esac
-    case $command in
-)" + cases +
-           "        help) words='" + names + R"(' ;;
-    esac
-    if [[ -z $words && $current == -* ]]; then words=$options; fi
-    if [[ -n $words ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
-    elif [[ -n $files ]]; then
-        compopt -o "$files"
-    fi
-}
-complete -F _glint glint
-)";
-}
-
-Text zshCompletion(const CLI::App& program) {
-    const auto specs = [](const CLI::App& command, const Text& indent) {
-        Text text;
-        for (const Argument& argument : argumentsOf(command)) text += " \\\n" + indent + zshSpec(argument);
-        return text;
-    };
-    Text names, cases;
-    for (const CLI::App* command : commandsOf(program)) {
-        names += "        " +
-                 quotedFor(command->get_name() + ":" + command->get_description(), "[]\\", "'\\''") + "\n";
-        cases += "            " + command->get_name() + ")\n                _arguments -s" +
-                 specs(*command, "                    ") + "\n                ;;\n";
-    }
-    return "#compdef glint\n" + Text(kMadeBy) + R"(_glint() {
-    local curcontext=$curcontext state line
-    local -a commands
-    commands=(
-)" + names +
-           "    )\n    _arguments -C" + specs(program, "        ") + R"( \
-        '1:command:->command' '*::argument:->argument'
-    case $state in
-        command) _describe -t commands command commands ;;
-        argument)
-            case $words[1] in
-)" + cases +
-           R"(            esac
-            ;;
-    esac
-}
-_glint "$@"
-)";
 }
 
 Text fishCompletion(const CLI::App& program) {
@@ -263,23 +197,23 @@ Text manPage(const Text& name, const CLI::App& command) {
            "\n";
 }
 
-struct Page {
-    Text path, text;
-};
-
-std::vector<Page> allPages() {
+// Below the folder that stands for /usr/share; bash and fish also read theirs below ~/.local/share.
+std::vector<OutputFile> pagesIn(const std::filesystem::path& folder) {
     CLI::App program;
     bool verbose = false;
     Run chosen;
     declareProgram(program, verbose, chosen);
-    // Folders below /usr/share that each shell reads; bash and fish also read them below ~/.local/share.
-    std::vector<Page> pages = {{"bash-completion/completions/glint", bashCompletion(program)},
-                               {"zsh/vendor-completions/_glint", zshCompletion(program)},
-                               {"fish/vendor_completions.d/glint.fish", fishCompletion(program)},
-                               {"man/man1/glint.1", manPage("glint", program)}};
+    std::vector<OutputFile> pages;
+    const auto add = [&](const Text& path, const Text& text) {
+        pages.push_back({folder / path, {text.begin(), text.end()}});
+    };
+    add("bash-completion/completions/glint", bashCompletion(program));
+    add("zsh/vendor-completions/_glint", zshCompletion(program));
+    add("fish/vendor_completions.d/glint.fish", fishCompletion(program));
+    add("man/man1/glint.1", manPage("glint", program));
     for (const CLI::App* command : commandsOf(program)) {
         const Text name = "glint-" + command->get_name();
-        pages.push_back({"man/man1/" + name + ".1", manPage(name, *command)});
+        add("man/man1/" + name + ".1", manPage(name, *command));
     }
     return pages;
 }
@@ -295,11 +229,8 @@ void declare(OptionTable& table, PagesCommand& c) {
 
 ExitCode run(const PagesCommand& command, std::ostream& out, std::ostream&) {
     checkOutputFolder(command.folder);
-    std::vector<OutputFile> files;
-    for (const Page& page : allPages()) {
-        files.push_back({command.folder / page.path, {page.text.begin(), page.text.end()}});
-        makeFolder(files.back().path.parent_path());
-    }
+    const std::vector<OutputFile> files = pagesIn(command.folder);
+    for (const OutputFile& file : files) makeFolder(file.path.parent_path());
     writeFiles(files);
     for (const OutputFile& file : files) out << "wrote " << shown(file.path) << '\n';
     return ExitCode::Done;

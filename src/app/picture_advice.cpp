@@ -5,7 +5,7 @@
 #include <limits>
 #include <variant>
 
-#include "app/common.h"
+#include "core/format.h"
 #include "core/quantize.h"
 #include "pack/request_environment.h"
 #include "reference/tracer.h"
@@ -24,48 +24,35 @@ bool liesBehind(const Camera& camera, const PackedScene& packed) {
     return glm::dot(nearest - camera.eye, w) >= 0;
 }
 
-// Camera rays spread over the picture, followed by the reference.
-class Scout {
-  public:
-    Scout(const Picture& picture, const Scene& scene, const PackedScene& packed, const Request& request)
-        : tracer_(packed, request) {
-        constexpr int kSide = 16;
-        const auto camera = packCamera(scene.camera, request.width, request.height, packed.origin);
-        const Region& r = picture.region;
-        for (int i = 0; i < kSide * kSide; ++i)
-            rays_.push_back(tracer_.cameraRay(camera, r.x0 + (i % kSide + 0.5) * r.width() / kSide,
-                                              r.y0 + (i / kSide + 0.5) * r.height() / kSide));
-        for (const reference::Ray& ray : rays_) {
-            paths_.push_back(tracer_.trace(ray, {}, true));
-            if (!paths_.back().surface) paths_.pop_back();
-        }
-    }
-    // Distances of the closest hits without the camera's near and far.
-    std::vector<double> unboundedHits() const {
-        std::vector<double> hits;
-        for (reference::Ray ray : rays_) {
-            ray.tMin = 0;
-            ray.tMax = std::numeric_limits<double>::infinity();
-            if (const auto hit = tracer_.closest(ray)) hits.push_back(hit->t);
-        }
-        return hits;
-    }
-    // The paths of rays that hit a surface.
-    const std::vector<reference::PixelRecord>& paths() const { return paths_; }
-    bool allHit() const { return paths_.size() == rays_.size(); }
-    // True if the materials of all first surfaces pass `test`, and there are any.
-    template <typename Test>
-    bool all(const Scene& scene, const Test& test) const {
-        return !paths_.empty() && std::all_of(paths_.begin(), paths_.end(), [&](const auto& path) {
-            return test(scene.materials[path.surface->material]);
-        });
-    }
-
-  private:
-    reference::Tracer tracer_;
-    std::vector<reference::Ray> rays_;
-    std::vector<reference::PixelRecord> paths_;
+// Camera rays spread over the image, and the paths of those that hit a surface.
+struct Scouts {
+    std::vector<reference::PixelRecord> paths;
+    bool allHit = true;
+    bool clipped = false;  // some hit a surface only without the camera's near and far
 };
+
+Scouts scoutsOf(const Picture& picture, const Scene& scene, const PackedScene& packed,
+                const Request& request) {
+    constexpr int kSide = 16;
+    const reference::Tracer tracer(packed, request);
+    const auto camera = packCamera(scene.camera, request.width, request.height, packed.origin);
+    const Region& r = picture.region;
+    Scouts scouts;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        reference::Ray ray = tracer.cameraRay(camera, r.x0 + (i % kSide + 0.5) * r.width() / kSide,
+                                              r.y0 + (i / kSide + 0.5) * r.height() / kSide);
+        reference::PixelRecord path = tracer.trace(ray, {}, true);
+        if (path.surface) {
+            scouts.paths.push_back(std::move(path));
+            continue;
+        }
+        scouts.allHit = false;
+        ray.tMin = 0;
+        ray.tMax = std::numeric_limits<double>::infinity();
+        scouts.clipped = scouts.clipped || tracer.closest(ray);
+    }
+    return scouts;
+}
 
 std::string emptyReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
                         const Request& request) {
@@ -76,39 +63,24 @@ std::string emptyReason(const Picture& picture, const Scene& scene, const Packed
         if (liesBehind(scene.camera, packed))
             return "everything lies behind the camera; check its eye and target";
     }
-    const std::vector<double> hits = Scout(picture, scene, packed, request).unboundedHits();
-    if (!hits.empty() && *std::min_element(hits.begin(), hits.end()) > scene.camera.farT)
-        return "everything is farther away than the camera's far";
-    if (!hits.empty() && *std::max_element(hits.begin(), hits.end()) <= scene.camera.nearT)
-        return "everything is nearer than the camera's near";
+    if (scoutsOf(picture, scene, packed, request).clipped)
+        return "everything is nearer than the camera's near or farther away than its far";
     if (picture.region.width() < request.width || picture.region.height() < request.height)
         return "there is nothing else in this --crop";
     return "the camera looks past the objects; glint info tells where they are";
 }
 
-bool isDark(const Light& light) {
-    return std::visit([](const auto& l) { return l.intensity == Color(0); }, light);
-}
-
-bool reflects(const Material& material) {
-    return material.mirror != Color(0) || material.transmission != Color(0);
-}
-
-bool isBlack(const Material& material) {
-    return material.ambient == Color(0) && material.diffuse == Color(0) && material.specular == Color(0);
-}
-
 // The object that surrounds the camera, if all rays hit it from inside and no light of the scene reaches it.
-std::optional<std::string> darkObjectAround(const Scout& scout, const Scene& scene) {
-    if (!scout.allHit()) return std::nullopt;
-    const uint32_t object = scout.paths().front().surface->object;
-    for (const reference::PixelRecord& record : scout.paths()) {
-        const reference::Surface& surface = *record.surface;
-        const bool behind = glm::dot(surface.geometricNormal, record.path.front().ray.direction) > 0;
+std::optional<std::string> darkObjectAround(const Scouts& scouts, const Scene& scene) {
+    if (!scouts.allHit) return std::nullopt;
+    const uint32_t object = scouts.paths.front().surface->object;
+    for (const reference::PixelRecord& path : scouts.paths) {
+        const reference::Surface& surface = *path.surface;
+        const bool inside = glm::dot(surface.geometricNormal, path.path.front().ray.direction) > 0;
         const Material& material = scene.materials[surface.material];
-        if (!behind || surface.object != object || material.mirror != Color(0)) return std::nullopt;
+        if (!inside || surface.object != object || material.mirror != Color(0)) return std::nullopt;
         // Lights add to the ambient part.
-        if (glm::any(glm::greaterThan(record.color, 1.0001 * material.ambient * scene.ambient)))
+        if (glm::any(glm::greaterThan(path.color, 1.0001 * material.ambient * scene.ambient)))
             return std::nullopt;
     }
     return "the camera is inside " + scene.objects[object].name + ", which blocks every light";
@@ -116,27 +88,23 @@ std::optional<std::string> darkObjectAround(const Scout& scout, const Scene& sce
 
 std::string blackReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
                         const Request& request) {
-    const bool noAmbient = scene.ambient == Color(0);
-    const bool noLight = std::all_of(scene.lights.begin(), scene.lights.end(), isDark);
-    if (scene.lights.empty() && noAmbient) return "the scene has neither lights nor ambient light";
-    if (noLight && noAmbient) return "all its lights have the intensity 0, and there is no ambient light";
-    const Scout scout(picture, scene, packed, request);
-    if (const auto inside = darkObjectAround(scout, scene)) return *inside;
-    if (scout.all(scene, isBlack)) {
-        if (!scout.all(scene, reflects)) return "the materials of what is seen are black";
-        const uint32_t depth = depthOf(packed, request);
-        return "what is seen shows only reflections and refractions, and " +
-               (depth < 5 ? "maxDepth is " + std::to_string(depth) + "; use --max-depth 5"
-                          : std::string("they are black"));
-    }
-    const auto& paths = scout.paths();
-    const auto shaded = std::count_if(paths.begin(), paths.end(), [](const reference::PixelRecord& record) {
-        const auto& occluded = record.path.front().occluded;
-        return std::find(occluded.begin(), occluded.end(), 1) != occluded.end();
-    });
-    if (!paths.empty() && shaded == 0) return "all lights are behind the surfaces that are seen";
-    if (!paths.empty() && shaded == static_cast<ptrdiff_t>(paths.size()))
-        return "all that is seen lies in shadow";
+    const auto isDark = [](const Light& light) {
+        return std::visit([](const auto& l) { return l.intensity == Color(0); }, light);
+    };
+    if (std::all_of(scene.lights.begin(), scene.lights.end(), isDark) && scene.ambient == Color(0))
+        return "the scene has neither lights nor ambient light";
+    const Scouts scouts = scoutsOf(picture, scene, packed, request);
+    if (const auto inside = darkObjectAround(scouts, scene)) return *inside;
+    const auto onlyReflects = [&](const reference::PixelRecord& path) {
+        const Material& m = scene.materials[path.surface->material];
+        return m.ambient == Color(0) && m.diffuse == Color(0) &&
+               (m.mirror != Color(0) || m.transmission != Color(0));
+    };
+    const uint32_t depth = depthOf(packed, request);
+    if (depth < 5 && !scouts.paths.empty() &&
+        std::all_of(scouts.paths.begin(), scouts.paths.end(), onlyReflects))
+        return "what is seen shows only reflections and refractions, and maxDepth is " +
+               std::to_string(depth) + "; use --max-depth 5";
     return "no light reaches what is seen, or its materials are black";
 }
 
@@ -163,10 +131,12 @@ Contents contentsOf(const Picture& picture) {
     return found;
 }
 
-// The exposure that makes `value` about 1, as advice.
-std::string exposureAdvice(float value) {
-    return format("; the brightest value is %.3g: use --exposure %d, or a format with floats such as .exr",
-                  static_cast<double>(value), -static_cast<int>(std::ceil(std::log2(value))));
+// The exposure that makes the brightest value about 1.
+std::string exposureAdvice(const char* how, float brightest) {
+    return format(
+        "everything in the image is too %s for 8 bits; the brightest value is %.3g: use --exposure %d, or a "
+        "format with floats such as .exr",
+        how, static_cast<double>(brightest), -static_cast<int>(std::ceil(std::log2(brightest))));
 }
 
 }  // namespace
@@ -179,12 +149,11 @@ std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& sc
         return "the image shows only background: " + emptyReason(picture, scene, packed, request);
     if (found.brightest == 0)
         return "everything in the image is black: " + blackReason(picture, scene, packed, request);
-    if (scale > 0 && srgbByte(found.brightest * scale) == 0)
-        return "everything in the image is too dark for 8 bits" + exposureAdvice(found.brightest);
+    if (scale > 0 && srgbByte(found.brightest * scale) == 0) return exposureAdvice("dark", found.brightest);
     if (scale > 0 && found.darkest * scale >= 1 && found.brightest * scale > 1)
-        return "everything in the image is too bright for 8 bits" + exposureAdvice(found.brightest);
+        return exposureAdvice("bright", found.brightest);
     if (found.misses) return std::nullopt;
-    return darkObjectAround(Scout(picture, scene, packed, request), scene);
+    return darkObjectAround(scoutsOf(picture, scene, packed, request), scene);
 }
 
 }  // namespace glint::app

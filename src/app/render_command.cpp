@@ -7,21 +7,25 @@
 #include "app/common.h"
 #include "app/drawing.h"
 #include "app/loading.h"
-#include "app/render_bands.h"
+#include "app/picture_advice.h"
 #include "app/render_result.h"
 #include "core/available_memory.h"
 #include "core/enum_names.h"
 #include "core/error.h"
+#include "core/format.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "scene/limits.h"
 
 namespace glint::app {
 
-bool needsData(const RenderCommand& command) {
-    return std::any_of(command.aovs.begin(), command.aovs.end(),
-                       [](Aov aov) { return glint::needsData(aov); });
+namespace {
+
+bool needsData(const std::vector<Aov>& aovs) {
+    return std::any_of(aovs.begin(), aovs.end(), [](Aov aov) { return glint::needsData(aov); });
 }
+
+}  // namespace
 
 std::filesystem::path outputOf(const RenderCommand& command) {
     const std::filesystem::path name =
@@ -47,18 +51,21 @@ std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene)
     throw Error(ErrorKind::Argument, name + ": is read by the scene; name another file with --output");
 }
 
-uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data) {
-    return 4 * sizeof(float) + 1 + (data ? sizeof(PixelData) : 0) + aovs.size() * 3 * sizeof(float);
+uint64_t bytesPerPixel(const std::vector<Aov>& aovs) {
+    return 4 * sizeof(float) + 1 + aovs.size() * 3 * sizeof(float);
+}
+
+uint64_t bytesPerPixel(const RenderCommand& command) {
+    return bytesPerPixel(command.aovs) + (needsData(command.aovs) ? sizeof(PixelData) : 0);
 }
 
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded) {
     Request request = requestOf(loaded, command.scene, command.target.error.has_value());
     request.region = command.crop.value_or(Region{0, 0, request.width, request.height});
     if (request.region.x1 > request.width || request.region.y1 > request.height)
-        throw Error(ErrorKind::Argument, "--crop: reaches beyond the picture of " +
-                                             std::to_string(request.width) + "x" +
-                                             std::to_string(request.height) + " pixels");
-    request.data = needsData(command);
+        throw Error(ErrorKind::Argument, format("--crop: reaches beyond the picture of %dx%d pixels",
+                                                request.width, request.height));
+    request.data = needsData(command.aovs);
     request.cost = std::find(command.aovs.begin(), command.aovs.end(), Aov::Cost) != command.aovs.end();
     request.ledger = loaded.packed.features.transmission || command.json;
     request.cancelled = interrupted;
@@ -111,6 +118,12 @@ void declare(OptionTable& table, RenderCommand& c) {
                 parsePositive);
     table.flag("--overwrite", "render existing frames again", c.overwrite);
     addErrorTarget(table, c.target);
+    table.require("--frames", {"--fps", "--overwrite"});
+    table.exclude("--error", {"--spp", "--adaptive", "--part", "--checkpoint", "--band-rows"});
+    // Ways to render an image in pieces.
+    table.exclude("--part", {"--checkpoint", "--frames", "--band-rows", "--exposure"});
+    table.exclude("--checkpoint", {"--frames", "--band-rows"});
+    table.exclude("--frames", {"--band-rows", "--time"});
     addStats(table, "print times and counts as JSON instead of the summary", c.json);
     addProgress(table, c.progress);
     table.flag("-q,--quiet", "print only errors, and the output of --stats", c.quiet);
@@ -126,38 +139,112 @@ void checkComplete(const Outcome& outcome) {
         throw Error(ErrorKind::Interrupted, start + "samples of all rounds that were finished");
 }
 
-// Ways to draw a picture in pieces; each goes alone.
-void checkManner(const RenderCommand& command) {
-    std::vector<std::string> given;
-    if (command.part) given.emplace_back("--part");
-    if (!command.checkpoint.empty()) given.emplace_back("--checkpoint");
-    if (command.frames) given.emplace_back("--frames");
-    if (command.output == "-") given.emplace_back("--output -");
-    if (command.bandRows) given.emplace_back("--band-rows");
-    if (given.size() > 1)
-        throw Error(
-            ErrorKind::Argument,
-            given[0] + ": not together with " + given[1] +
-                (command.frames ? "; frames are pieces already, give each machine frames of its own" : ""));
-}
-
 void check(const RenderCommand& command, const std::ostream& out) {
+    const auto refuseIf = [](bool wrong, const char* line) {
+        if (wrong) throw Error(ErrorKind::Argument, line);
+    };
     checkDeviceOptions(command.backend, command.device);
-    checkErrorTarget(command.target, command.scene, command.aovs);
-    if (!command.frames && (command.framesPerSecond || command.overwrite))
-        throw Error(ErrorKind::Argument,
-                    std::string(command.overwrite ? "--overwrite" : "--fps") + " requires --frames");
-    checkManner(command);
-    if (command.output == "-" && command.aovs != std::vector{Aov::Radiance})
-        throw Error(ErrorKind::Argument, "--output -: holds the layer color alone");
-    if (command.output == "-" && command.json)
-        throw Error(ErrorKind::Argument,
-                    "--output -: the image is on standard output; not together with --stats");
-    if (command.part && command.exposure)
-        throw Error(ErrorKind::Argument, "--exposure: parts hold floats; give it to glint merge");
+    const bool errorLayer = std::count(command.aovs.begin(), command.aovs.end(), Aov::Error) > 0;
+    refuseIf(errorLayer && !command.target.error, "--aov: the layer error requires --error");
+    refuseIf(command.target.error && command.scene.sampler == Sampler::Grid,
+             "--error does not work with the grid sampler: use lowDiscrepancy or jittered");
+    if (command.output == "-") {
+        refuseIf(command.part || command.frames || command.bandRows || !command.checkpoint.empty(),
+                 "--output -: not together with --part, --checkpoint, --frames or --band-rows");
+        refuseIf(command.aovs != std::vector{Aov::Radiance}, "--output -: holds the layer color alone");
+        refuseIf(command.json, "--output -: the image is on standard output; not together with --stats");
+    }
     if (!command.part) scaleOf(outputOf(command), command.exposure);
     if (!command.quiet || command.json || command.output == "-") checkStandardOutput(out);
     if (!command.output.empty() && !command.output.has_filename()) makeFolder(command.output);
+}
+
+// Bands begin where tiles of the device do, so that packets of rays, and with them the layer "cost", are
+// those of the whole picture.
+constexpr int kStep = shared::kTileSize;
+constexpr uint64_t kBandBytes = uint64_t{1} << 30;  // enough to keep any device busy
+
+uint64_t roundedUp(uint64_t rows) {
+    return (rows + kStep - 1) / kStep * kStep;
+}
+
+// A row of the picture, its layers, and what becomes of these for the file.
+uint64_t bytesOfRow(const RenderCommand& command, const Region& region) {
+    return static_cast<uint64_t>(region.width()) * 2 * bytesPerPixel(command);
+}
+
+// Adds what is known of a band, and makes its colours finite.
+void add(Picture& all, Picture& band) {
+    // Bands come from the top, so the first place is that of the first band that has one.
+    if (all.notFinite == 0) all.firstNotFinite = band.firstNotFinite;
+    all.notFinite += band.notFinite;
+    all.losses.add(band.losses);
+    all.complete = all.complete && band.complete;
+    blackenNotFinite(band);
+}
+
+// Rows of a band; 0: the image is rendered at once, because it fits into `available` bytes and no bands were
+// asked for. Throws Error(Failed) if not even a band fits, or the image cannot be written in bands, and
+// Error(Argument) if bands were asked for where there can be none.
+int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output, const Region& region,
+               uint64_t available) {
+    const bool able = !command.target.error && canWriteRows(output, command.aovs);
+    if (command.bandRows && !able)
+        throw Error(ErrorKind::Argument,
+                    "--band-rows: bands go into .png (layers color and alpha alone), .exr and .pfm");
+    const uint64_t row = bytesOfRow(command, region);
+    const auto height = static_cast<uint64_t>(region.height());
+    const uint64_t whole = bytesPerPixel(command);
+    // While it is written the file's own rows lie beside it: an EXR took 41 bytes for a pixel, of 29 and 58.
+    if (!command.bandRows && (!able || height * row <= available)) {
+        checkMemory(region.width(), region.height(), whole, available);
+        return 0;
+    }
+    const uint64_t fitting = std::min(available / 4, kBandBytes) / row / kStep * kStep;
+    const uint64_t rows = command.bandRows ? roundedUp(static_cast<uint64_t>(*command.bandRows))
+                                           : std::max<uint64_t>(fitting, kStep);
+    const uint64_t needed = std::min(rows, height) * row;
+    if (needed > available)
+        throw Error(ErrorKind::Failed,
+                    format("a picture of %dx%d pixels takes ", region.width(), region.height()) +
+                        gibibytes(needed) + " of memory in bands of " + std::to_string(rows) + " rows, " +
+                        gibibytes(available) + " are free");
+    return static_cast<int>(std::min(rows, roundedUp(height)));
+}
+
+// Renders and writes the image from the top in bands of rows, each of which goes straight into the file.
+// Pixels do not depend on each other, so they are those of an image that was rendered at once. An interrupted
+// image is blank from where it was interrupted.
+void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
+               const Request& request, int rows, Outcome& outcome) {
+    const Region region = regionOf(request);
+    const float scale = scaleOf(outcome.output, command.exposure);
+    outcome.picture.region = region;
+    RowFile file(outcome.output, region, command.aovs, scale);
+    bool alike = !command.quiet;  // all bands so far lack the same
+    Request part = request;
+    for (int y = region.y0; y < region.y1 && outcome.picture.complete; y += rows) {
+        part.region = {region.x0, y, region.x1, std::min(y + rows, region.y1)};
+        const auto share = [&](int row) { return static_cast<double>(row - region.y0) / region.height(); };
+        const double from = share(y), to = share(part.region.y1);
+        part.progress = [&](double done) { request.progress(from + (to - from) * done); };
+        Picture band = drawing.whole([&] { return drawing.draw(part); });
+        if (alike) {
+            const auto reason = pictureAdvice(band, loaded.scene, loaded.packed, request, scale);
+            alike = reason && (y == region.y0 || reason == outcome.advice);
+            outcome.advice = alike ? reason : std::nullopt;
+        }
+        add(outcome.picture, band);
+        file.add(band, makeLayers(band, command.aovs));
+    }
+    outcome.totals = file.totals();
+    outcome.bands = file.bands();
+    if (outcome.totals.done == 0) throwNothingDone();
+    // After an interrupt, rows from here on are blank.
+    part.region = {region.x0, part.region.y1, region.x1, part.region.y1 + 1};
+    const Picture blank = blankPicture(part);
+    file.fill(blank, makeLayers(blank, command.aovs));
+    file.finish(outcome);
 }
 
 ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ostream& err) {
@@ -184,8 +271,9 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
             outcome.picture = drawing.draw(request, job, outcome.converged);
     }
     outcome.drawn = drawing.facts();
+    if (bandRows == 0) adviseOn(outcome, command, loaded);
     warnAboutPicture(outcome, command, loaded, err);
-    writePicture(outcome, command, out);
+    if (bandRows == 0) writePicture(outcome, command, out);
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, loaded, out);
     drawing.reportValidation(err);

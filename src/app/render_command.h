@@ -39,8 +39,6 @@ struct RenderCommand {
     ProgressMode shownProgress() const { return quiet ? ProgressMode::None : progress; }
 };
 
-bool needsData(const RenderCommand& command);
-
 // The image file to write; "-" for standard output.
 std::filesystem::path outputOf(const RenderCommand& command);
 
@@ -50,7 +48,9 @@ std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene)
 
 // Bytes for the image and a copy of each layer for the file. Further memory of the device or the encoder is
 // bounded or smaller.
-uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data);
+uint64_t bytesPerPixel(const RenderCommand& command);
+// The same of a unit, which has no PixelData.
+uint64_t bytesPerPixel(const std::vector<Aov>& aovs);
 
 // All wishes of the command; `progress` is left empty. Throws Error(Argument) for a --crop beyond the image.
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded);

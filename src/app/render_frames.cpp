@@ -1,6 +1,7 @@
 #include "app/render_command.h"
 
 #include <algorithm>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -12,6 +13,7 @@
 #include "core/image_io.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 
 namespace glint::app {
 
@@ -38,7 +40,6 @@ struct Frame {
 
 void check(const RenderCommand& command) {
     const FrameRange& frames = *command.frames;
-    if (command.scene.time) throw Error(ErrorKind::Argument, "--time: --frames says which moments are drawn");
     const fs::path output = outputOf(command);
     if (frames.first != frames.last && output.filename().string().find('#') == std::string::npos)
         throw Error(ErrorKind::Argument,
@@ -63,146 +64,143 @@ std::vector<Frame> framesToDraw(const RenderCommand& command) {
     return frames;
 }
 
+// Renders the frames that do not exist yet.
 class FrameRenderer {
   public:
     FrameRenderer(const RenderCommand& command, std::ostream& out, std::ostream& err)
         : command_(command),
           out_(out),
           err_(err),
+          frames_(framesToDraw(command)),
+          there_(static_cast<size_t>(command.frames->last - command.frames->first + 1) - frames_.size()),
           drawing_(command.backend, command.device, command.quiet ? nullptr : &err) {}
 
-    // False if it was interrupted.
-    bool draw(const std::vector<Frame>& frames);
-    ExitCode finish(size_t wanted, bool complete);
+    ExitCode run() {
+        const bool complete = frames_.empty() || drawAll();
+        if (command_.json)
+            printStats();
+        else if (!command_.quiet)
+            printSummary();
+        drawing_.reportValidation(err_);
+        if (!complete)
+            throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(there_ + drawn_.size()) +
+                                                    " of " + std::to_string(there_ + frames_.size()) +
+                                                    " frames are there; the same command goes on");
+        return missed_ && command_.target.strict ? ExitCode::Difference : ExitCode::Done;
+    }
 
   private:
     double timeOf(int frame) const { return frame / framesPerSecond_; }
-    void open(const Frame& first);
-    bool drawOne(const Frame& frame, double from, double to, Progress& progress);
-    void print(size_t there) const;
+
+    // The frame rate may be the scene's own, so the scene is read before the time of the first frame is
+    // known.
+    void open() {
+        scene_.emplace(command_.scene, std::nullopt, err_, command_.quiet);
+        const LoadedScene& loaded = scene_->loaded();
+        const auto& animation = loaded.scene.animation;
+        framesPerSecond_ = command_.framesPerSecond.value_or(animation ? animation->framesPerSecond : 24);
+        if (!animation && !command_.quiet && command_.frames->first != command_.frames->last)
+            err_ << "glint: warning: " << shown(command_.scene.scene)
+                 << ": has no animation; all frames are the same picture\n";
+        const Region region = requestOf(command_, loaded).region;
+        checkMemory(region.width(), region.height(), bytesPerPixel(command_), availableMemory());
+        scene_->moveTo(timeOf(frames_.front().number));
+    }
+
+    // False if it was interrupted.
+    bool drawAll() {
+        open();
+        installInterruptHandler();
+        Progress progress =
+            progressOf("render " + counted(frames_.size(), "frame"), command_.shownProgress(), err_);
+        for (size_t i = 0; i < frames_.size(); ++i) {
+            const auto show = [&](double done) {
+                progress.update((static_cast<double>(i) + done) / static_cast<double>(frames_.size()));
+            };
+            if (interrupted() || !drawOne(frames_[i], show, progress)) return false;
+        }
+        return true;
+    }
+
+    bool drawOne(const Frame& frame, const std::function<void(double)>& show, Progress& progress) {
+        const Stopwatch watch;
+        const LoadedScene& loaded = scene_->loaded();
+        using Change = AnimatedScene::Change;
+        const double time = timeOf(frame.number);
+        const bool first = drawn_.empty();
+        const Change change = first ? Change::Scene : scene_->moveTo(time);
+        Outcome outcome;
+        Request request = outcome.request = requestOf(command_, loaded);
+        request.progress = show;
+        std::optional<converge::Job> job;
+        if (command_.target.error) job = jobOf(command_.target, loaded, command_.backend, request, progress);
+        if (first)
+            drawing_.load(loaded, request);
+        else if (change != Change::Nothing)
+            drawing_.reload(request, change == Change::Camera);
+        outcome.output = frame.path;
+        outcome.picture = drawing_.draw(request, job, outcome.converged);
+        const bool cut = outcome.converged && outcome.converged->stop == converge::Stop::Interrupted;
+        // Half a frame would pass for a whole one next time.
+        if (!outcome.picture.complete || cut) return false;
+        missed_ = missed_ || (outcome.converged && !outcome.converged->reached());
+        adviseOn(outcome, command_, loaded);
+        warnAboutPicture(outcome, command_, loaded, err_);
+        writePicture(outcome, command_, out_);
+        constexpr const char* kChanges[] = {"nothing", "camera", "scene"};
+        drawn_.push_back({{"frame", frame.number},
+                          {"time", time},
+                          {"hash", outcome.hash},
+                          {"seconds", watch.seconds()},
+                          {"changed", kChanges[static_cast<size_t>(change)]},
+                          {"files", filesJson(outcome.files)}});
+        return true;
+    }
+
+    void printStats() const {
+        nlohmann::json json = drawnJson(drawing_.facts());
+        json.update({{"scene", command_.scene.scene.string()},
+                     {"there", there_},
+                     {"treesBuilt", scene_ ? scene_->treesBuilt() : 0},
+                     {"seconds", total_.seconds()},
+                     {"frames", drawn_}});
+        printJson(json, out_);
+    }
+
+    void printSummary() const {
+        const size_t count = drawn_.size();
+        const auto fileOf = [&](size_t i) { return shown(drawn_[i]["files"][0].get<std::string>()); };
+        if (count > 0)
+            out_ << "wrote " << counted(count, "frame") << ", " << fileOf(0)
+                 << (count > 1 ? " to " + fileOf(count - 1) : "") << '\n';
+        if (there_ > 0)
+            out_ << counted(there_, "frame") << (there_ == 1 ? " was" : " were")
+                 << " there already (--overwrite draws them again)\n";
+        printDevice(drawing_.facts(), out_);
+        out_ << "times: " << formatSeconds(total_.seconds()) << " in all";
+        if (count > 0)
+            out_ << ", " << formatSeconds(total_.seconds() / static_cast<double>(count)) << " a frame";
+        out_ << '\n';
+    }
 
     const RenderCommand& command_;
     std::ostream& out_;
     std::ostream& err_;
+    const std::vector<Frame> frames_;
+    const size_t there_;  // frames that existed before
     Drawing drawing_;
     std::optional<AnimatedScene> scene_;
     double framesPerSecond_ = 24;
-    bool loaded_ = false;
     nlohmann::json drawn_ = nlohmann::json::array();  // a frame each, as for --stats
-    bool missed_ = false;                             // --strict, and an error was not reached
+    bool missed_ = false;                             // an --error was not reached
     const Stopwatch total_;
 };
-
-// The frame rate may be the scene's own, so the scene is read before the time of the first frame is known.
-void FrameRenderer::open(const Frame& first) {
-    scene_.emplace(command_.scene, std::nullopt, err_, command_.quiet);
-    const LoadedScene& loaded = scene_->loaded();
-    const auto& animation = loaded.scene.animation;
-    framesPerSecond_ = command_.framesPerSecond.value_or(animation ? animation->framesPerSecond : 24);
-    if (!animation && !command_.quiet && command_.frames->first != command_.frames->last)
-        err_ << "glint: warning: " << shown(command_.scene.scene)
-             << ": has no animation; all frames are the same picture\n";
-    const Region region = requestOf(command_, loaded).region;
-    checkMemory(region.width(), region.height(), bytesPerPixel(command_.aovs, needsData(command_)),
-                availableMemory());
-    scene_->moveTo(timeOf(first.number));
-}
-
-bool FrameRenderer::drawOne(const Frame& frame, double from, double to, Progress& progress) {
-    const Stopwatch watch;
-    const LoadedScene& loaded = scene_->loaded();
-    using Change = AnimatedScene::Change;
-    const double time = timeOf(frame.number);
-    const Change change = loaded_ ? scene_->moveTo(time) : Change::Scene;
-    Request request = requestOf(command_, loaded);
-    request.progress = [&](double done) { progress.update(from + (to - from) * done); };
-    std::optional<converge::Job> job;
-    if (command_.target.error) job = jobOf(command_.target, loaded, command_.backend, request, progress);
-    if (!loaded_)
-        drawing_.load(loaded, request);
-    else if (change != Change::Nothing)
-        drawing_.reload(request, change == Change::Camera);
-    loaded_ = true;
-    Outcome outcome;
-    outcome.request = request;
-    outcome.output = frame.path;
-    outcome.picture = drawing_.draw(request, job, outcome.converged);
-    const bool cut = outcome.converged && outcome.converged->stop == converge::Stop::Interrupted;
-    if (!outcome.picture.complete || cut) return false;  // half a frame would pass for a whole one next time
-    warnAboutPicture(outcome, command_, loaded, err_);
-    missed_ = missed_ || (outcome.converged && !outcome.converged->reached());
-    writePicture(outcome, command_, out_);
-    constexpr const char* kChanges[] = {"nothing", "camera", "scene"};
-    drawn_.push_back({{"frame", frame.number},
-                      {"time", time},
-                      {"hash", outcome.hash},
-                      {"seconds", watch.seconds()},
-                      {"changed", kChanges[static_cast<size_t>(change)]},
-                      {"files", filesJson(outcome.files)}});
-    return true;
-}
-
-bool FrameRenderer::draw(const std::vector<Frame>& frames) {
-    if (frames.empty()) return true;
-    open(frames.front());
-    installInterruptHandler();
-    Progress progress =
-        progressOf("render " + counted(frames.size(), "frame"), command_.shownProgress(), err_);
-    const auto count = static_cast<double>(frames.size());
-    for (size_t i = 0; i < frames.size(); ++i) {
-        const auto done = static_cast<double>(i);
-        if (interrupted() || !drawOne(frames[i], done / count, (done + 1) / count, progress)) return false;
-    }
-    return true;
-}
-
-void FrameRenderer::print(size_t there) const {
-    const DrawingFacts facts = drawing_.facts();
-    if (command_.json) {
-        nlohmann::json json = {{"scene", command_.scene.scene.string()},
-                               {"there", there},
-                               {"treesBuilt", scene_ ? scene_->treesBuilt() : 0},
-                               {"seconds", total_.seconds()},
-                               {"frames", drawn_}};
-        json.update(drawnJson(facts));
-        printJson(json, out_);
-        return;
-    }
-    if (command_.quiet) return;
-    const auto fileOf = [](const nlohmann::json& frame) {
-        return shown(frame["files"][0].get<std::string>());
-    };
-    if (!drawn_.empty())
-        out_ << "wrote " << counted(drawn_.size(), "frame") << ", " << fileOf(drawn_.front())
-             << (drawn_.size() > 1 ? " to " + fileOf(drawn_.back()) : "") << '\n';
-    if (there > 0)
-        out_ << counted(there, "frame") << (there == 1 ? " was" : " were")
-             << " there already (--overwrite draws them again)\n";
-    printDevice(facts, out_);
-    out_ << "times: " << formatSeconds(total_.seconds()) << " in all";
-    if (!drawn_.empty())
-        out_ << ", " << formatSeconds(total_.seconds() / static_cast<double>(drawn_.size())) << " a frame";
-    out_ << '\n';
-}
-
-ExitCode FrameRenderer::finish(size_t wanted, bool complete) {
-    const auto all = static_cast<size_t>(command_.frames->last - command_.frames->first + 1);
-    print(all - wanted);
-    drawing_.reportValidation(err_);
-    if (!complete)
-        throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(all - wanted + drawn_.size()) +
-                                                " of " + std::to_string(all) +
-                                                " frames are there; the same command goes on");
-    return missed_ && command_.target.strict ? ExitCode::Difference : ExitCode::Done;
-}
 
 }  // namespace
 
 ExitCode renderFrames(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     check(command);
-    const std::vector<Frame> frames = framesToDraw(command);
-    FrameRenderer renderer(command, out, err);
-    return renderer.finish(frames.size(), renderer.draw(frames));
+    return FrameRenderer(command, out, err).run();
 }
 
 }  // namespace glint::app

@@ -9,7 +9,6 @@
 #include "app/loading.h"
 #include "app/picture_advice.h"
 #include "core/codecs.h"
-#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/quantize.h"
@@ -75,20 +74,19 @@ PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& resul
 }
 
 std::string errorSummary(const ErrorTarget& target, const converge::Result& result) {
-    const converge::Target defaults;
     const converge::ErrorBudget& budget = result.budget;
-    std::string text =
-        "error (rmse): at most " + format("%.3g", budget.total()) + " with confidence " +
-        describe(target.confidence.value_or(defaults.confidence)) + "; sampling " +
-        format("%.2g", budget.sampling) + " (about " + format("%.2g", result.estimate) + "), rounding " +
-        format("%.1g", budget.rounding) + ", cut " + format("%.1g", budget.cut) + ", maxDepth " +
-        format("%.1g", budget.depth) + (budget.depthCounts ? "; " : " (not counted); ") +
-        counted(result.samplesPerPixel, "sample") + " per pixel, " + counted(result.rounds, "round");
+    std::string text = format("error (rmse): at most %.3g with confidence ", budget.total()) +
+                       describe(target.confidence.value_or(converge::Target().confidence)) +
+                       format("; sampling %.2g (about %.2g), rounding %.1g, cut %.1g, maxDepth %.1g%s; ",
+                              budget.sampling, result.estimate, budget.rounding, budget.cut, budget.depth,
+                              budget.depthCounts ? "" : " (not counted)") +
+                       counted(result.samplesPerPixel, "sample") + " per pixel, " +
+                       counted(result.rounds, "round") + "\n";
     // The bound allows for details of full scale; brighter ones are reported apart.
     if (std::isfinite(result.unseen) && result.unseen > budget.total())
-        text +=
-            "\nnot counted: a highlight as bright as the scene allows that all samples missed might add " +
-            format("%.2g", result.unseen);
+        text += format(
+            "not counted: a highlight as bright as the scene allows that all samples missed might add %.2g\n",
+            result.unseen);
     return text;
 }
 
@@ -98,8 +96,8 @@ void warnAboutError(const ErrorTarget& target, const converge::Result& result, c
     if (result.reached() || result.stop == converge::Stop::Interrupted) return;
     // Few pixels with any error tell too little to bound it.
     const bool bounded = std::isfinite(result.budget.total());
-    err << start << "target " << format("%.3g", *target.error) << " not reached: "
-        << (bounded ? "error is at most " + format("%.3g", result.budget.total()) : "the error has no bound")
+    err << start << format("target %.3g not reached: ", *target.error)
+        << (bounded ? format("error is at most %.3g", result.budget.total()) : "the error has no bound")
         << " after " << counted(result.samplesPerPixel, "sample") << " per pixel (" << limitOf(result.stop)
         << (bounded ? ")" : "); too few pixels show any error") << '\n';
 }
@@ -108,88 +106,90 @@ void warnAboutError(const ErrorTarget& target, const converge::Result& result, c
 // of dark colours are smaller, but there a loss of this size is one of a bright branch.
 constexpr double kVisible = 1.0 / 255;
 
-double meanOf(const LostBranches& lost, const Picture& picture) {
-    const auto pixels = static_cast<double>(picture.done.size());
-    return pixels > 0 ? lost.sum / pixels : 0;
+double pixelsOf(const Picture& picture) {
+    return static_cast<double>(picture.region.width()) * picture.region.height();
 }
 
 // Numbers that are not finite become null.
 nlohmann::json lostJson(const LostBranches& lost, const Picture& picture) {
-    return {{"branches", lost.count}, {"meanBound", meanOf(lost, picture)}, {"greatestBound", lost.greatest}};
+    return {{"branches", lost.count},
+            {"meanBound", lost.sum / pixelsOf(picture)},
+            {"greatestBound", lost.greatest}};
 }
 
 std::string boundText(const LostBranches& lost, const Picture& picture) {
     if (!std::isfinite(lost.greatest)) return "how much light that is, is not known";
     return format("a pixel lacks at most %.3g, on average at most %.3g", lost.greatest,
-                  meanOf(lost, picture));
+                  lost.sum / pixelsOf(picture));
 }
 
-nlohmann::json samplesJson(const Outcome& outcome) {
-    BandTotals totals;
-    if (outcome.bands)
-        totals = *outcome.bands;
-    else
-        totals.add(outcome.picture);
+nlohmann::json samplesJson(const SampleTotals& totals) {
     const double mean =
         totals.done > 0 ? static_cast<double>(totals.sum) / static_cast<double>(totals.done) : 0;
     return {{"min", totals.least}, {"mean", mean}, {"max", totals.most}};
 }
 
+// Multiplies the layer "color" by `scale`, unless it is 0.
+void expose(std::vector<Layer>& layers, float scale) {
+    if (scale == 0 || scale == 1) return;
+    for (Layer& layer : layers)
+        if (layer.name == "color")
+            for (size_t i = 0; i < layer.image.pixels.size(); ++i)
+                if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
+}
+
 nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
     const render::StageTimes& t = outcome.drawn.times;
-    nlohmann::json json;
-    json["scene"] = command.scene.scene.string();
-    json.update(drawnJson(outcome.drawn));
-    if (!outcome.drawn.traversal.empty()) json["traversal"] = outcome.drawn.traversal;
-    json["files"] = filesJson(outcome.files);
-    json["hash"] = outcome.hash;
-    json["complete"] = outcome.picture.complete;
-    if (outcome.bands) json["bands"] = outcome.bands->bands;
-    if (outcome.ranks > 0) json["ranks"] = outcome.ranks;
-    json["width"] = outcome.picture.region.width();
-    json["height"] = outcome.picture.region.height();
-    json["samplesPerPixel"] = outcome.request.image.samplesPerPixel;
-    json["sampler"] = nameOf(samplerOf(outcome.request.image));
-    json["samplesTaken"] = samplesJson(outcome);
-    json["maxDepth"] = depthOf(loaded.packed, outcome.request);
+    const Picture& picture = outcome.picture;
+    nlohmann::json json = drawnJson(outcome.drawn);
+    json.update({{"scene", command.scene.scene.string()},
+                 {"files", filesJson(outcome.files)},
+                 {"hash", outcome.hash},
+                 {"complete", picture.complete},
+                 {"width", picture.region.width()},
+                 {"height", picture.region.height()},
+                 {"samplesPerPixel", outcome.request.image.samplesPerPixel},
+                 {"sampler", nameOf(samplerOf(outcome.request.image))},
+                 {"samplesTaken", samplesJson(outcome.totals)},
+                 {"maxDepth", depthOf(loaded.packed, outcome.request)},
+                 {"intersector", nameOf(command.scene.methods.triangles)},
+                 {"sphere", nameOf(command.scene.methods.spheres)},
+                 {"lost", lossesJson(picture)},
+                 {"minContribution", command.scene.limits.minContribution},
+                 {"notFinite", picture.notFinite},
+                 {"submissions", t.submissions},
+                 {"slices", t.slices},
+                 {"resumes", t.resumes},
+                 {"seconds",
+                  {{"load", loaded.loadSeconds},
+                   {"pack", loaded.packSeconds},
+                   {"upload", t.upload},
+                   {"compile", t.compile},
+                   {"trace", t.trace},
+                   {"device", t.device},
+                   {"readback", t.readback},
+                   {"write", outcome.writeSeconds},
+                   {"total", outcome.totalSeconds},
+                   {"longestSubmission", t.longestSubmission}}}});
     visitKinds(loaded.packed, [&](const KindCount& kind) {
         if (kind.kind != shared::PrimitiveKind::Instance) json[kind.array] = kind.count;
     });
-    json["intersector"] = nameOf(command.scene.methods.triangles);
-    json["sphere"] = nameOf(command.scene.methods.spheres);
+    if (!outcome.drawn.traversal.empty()) json["traversal"] = outcome.drawn.traversal;
+    if (outcome.bands > 0) json["bands"] = outcome.bands;
+    if (outcome.ranks > 0) json["ranks"] = outcome.ranks;
     if (outcome.converged) json["error"] = errorJson(command.target, *outcome.converged);
-    json["lost"] = lossesJson(outcome.picture);
-    json["minContribution"] = command.scene.limits.minContribution;
-    json["notFinite"] = outcome.picture.notFinite;
-    if (outcome.picture.notFinite > 0)
-        json["firstNotFinite"] = {outcome.picture.firstNotFinite.x, outcome.picture.firstNotFinite.y};
-    json["seconds"] = {{"load", loaded.loadSeconds},
-                       {"pack", loaded.packSeconds},
-                       {"upload", t.upload},
-                       {"compile", t.compile},
-                       {"trace", t.trace},
-                       {"device", t.device},
-                       {"readback", t.readback},
-                       {"write", outcome.writeSeconds},
-                       {"total", outcome.totalSeconds},
-                       {"longestSubmission", t.longestSubmission}};
-    json["submissions"] = t.submissions;
-    json["slices"] = t.slices;
-    json["resumes"] = t.resumes;
+    if (picture.notFinite > 0) json["firstNotFinite"] = {picture.firstNotFinite.x, picture.firstNotFinite.y};
     return json;
 }
 
 void printSummary(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                   std::ostream& out) {
-    for (const auto& file : outcome.files) {
-        out << "wrote " << shown(file) << " (" << outcome.picture.region.width() << "x"
-            << outcome.picture.region.height() << ")\n";
-    }
-    if (outcome.converged) out << errorSummary(command.target, *outcome.converged) << '\n';
+    printFiles(outcome, out);
+    if (outcome.converged) out << errorSummary(command.target, *outcome.converged);
     printDevice(outcome.drawn, out);
     if (outcome.ranks > 0) out << "ranks: " << outcome.ranks << '\n';
     out << "hash: " << outcome.hash;
-    if (outcome.drawn.arithmetic && !outcome.drawn.arithmetic->sharesBits())
+    if (outcome.drawn.arithmetic && !outcome.drawn.sharesBits())
         out << " (this device " << outcome.drawn.arithmetic->text() << ')';
     out << '\n';
     printTimes(outcome, loaded, out);
@@ -225,23 +225,19 @@ void warnOfLosses(const Picture& picture, const std::string& start, std::ostream
             << counted(losses.crowdedMedia, "surface") << " of more as if they were not there\n";
 }
 
-void BandTotals::add(const Picture& band) {
-    for (size_t i = 0; i < band.done.size(); ++i) {
-        if (!band.done[i]) continue;
-        const uint32_t taken = band.samples.empty() ? band.samplesPerPixel : band.samples[i];
+void SampleTotals::add(const Picture& picture) {
+    for (size_t i = 0; i < picture.done.size(); ++i) {
+        if (!picture.done[i]) continue;
+        const uint32_t taken = picture.samples.empty() ? picture.samplesPerPixel : picture.samples[i];
         least = done == 0 ? taken : std::min(least, taken);
         most = std::max(most, taken);
         sum += taken;
         ++done;
     }
-    ++bands;
 }
 
 double Outcome::doneShare() const {
-    const Region& r = picture.region;
-    const double pixels = static_cast<double>(r.width()) * r.height();
-    if (bands) return static_cast<double>(bands->done) / pixels;
-    return static_cast<double>(std::count(picture.done.begin(), picture.done.end(), 1)) / pixels;
+    return static_cast<double>(totals.done) / pixelsOf(picture);
 }
 
 nlohmann::json drawnJson(const DrawingFacts& drawn) {
@@ -257,6 +253,12 @@ nlohmann::json filesJson(const std::vector<std::filesystem::path>& files) {
     nlohmann::json json = nlohmann::json::array();
     for (const std::filesystem::path& file : files) json.push_back(file.string());
     return json;
+}
+
+void printFiles(const Outcome& outcome, std::ostream& out) {
+    for (const auto& file : outcome.files)
+        out << "wrote " << shown(file) << " (" << outcome.picture.region.width() << "x"
+            << outcome.picture.region.height() << ")\n";
 }
 
 void printDevice(const DrawingFacts& drawn, std::ostream& out) {
@@ -284,6 +286,12 @@ void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostr
            "bright?\n";
 }
 
+void adviseOn(Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
+    if (!command.quiet)
+        outcome.advice = pictureAdvice(outcome.picture, loaded.scene, loaded.packed, outcome.request,
+                                       scaleOf(outcome.output, command.exposure));
+}
+
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err) {
     if (command.quiet) return;
@@ -294,10 +302,7 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
     if (loaded.packed.features.transmission || command.scene.limits.minContribution > 0)
         warnOfLosses(picture, start, err);
     if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
-    const auto advice = outcome.bands ? outcome.bands->advice
-                                      : pictureAdvice(picture, loaded.scene, loaded.packed, outcome.request,
-                                                      scaleOf(outcome.output, command.exposure));
-    if (advice) err << start << *advice << '\n';
+    if (outcome.advice) err << start << *outcome.advice << '\n';
 }
 
 float scaleOf(const std::filesystem::path& output, std::optional<double> exposure) {
@@ -309,41 +314,78 @@ float scaleOf(const std::filesystem::path& output, std::optional<double> exposur
     return 0;
 }
 
-void expose(std::vector<Layer>& layers, float scale) {
-    if (scale == 0 || scale == 1) return;
-    for (Layer& layer : layers)
-        if (layer.name == "color")
-            for (size_t i = 0; i < layer.image.pixels.size(); ++i)
-                if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
-}
-
 std::vector<std::string> namesOf(const std::vector<Aov>& aovs) {
     std::vector<std::string> names;
     for (const Aov aov : aovs) names.emplace_back(nameOf(aov));
     return names;
 }
 
-void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& out) {
-    if (outcome.doneShare() == 0)
-        throw Error(ErrorKind::Interrupted,
-                    "interrupted before any part of the picture was finished; nothing written");
-    if (outcome.bands) return;
-    blackenNotFinite(outcome.picture);
+bool canWriteRows(const std::filesystem::path& output, const std::vector<Aov>& aovs) {
+    return output != "-" && glint::canWriteRows(output, namesOf(aovs));
+}
+
+RowFile::RowFile(const std::filesystem::path& output, const Region& region, const std::vector<Aov>& aovs,
+                 float scale)
+    : scale_(scale),
+      left_(region.height()),
+      file_(output, region.width(), left_, makeLayers(Picture(), aovs)) {}
+
+void RowFile::add(const Picture& rows, std::vector<Layer> layers) {
+    const Stopwatch writing;
+    left_ -= rows.region.height();
+    ++bands_;
+    totals_.add(rows);
+    hash_.add(rows.color);
+    expose(layers, scale_);
+    file_.add(layers);
+    seconds_ += writing.seconds();
+}
+
+void RowFile::fill(const Picture& row, std::vector<Layer> layers) {
+    if (left_ == 0) return;
+    const Stopwatch writing;
+    hash_.fill(left_, row.color);
+    expose(layers, scale_);
+    file_.fill(layers);
+    seconds_ += writing.seconds();
+}
+
+void RowFile::finish(Outcome& outcome) {
+    const Stopwatch writing;
+    outcome.files = file_.finish();
+    outcome.hash = hash_.text();
+    outcome.writeSeconds = seconds_ + writing.seconds();
+}
+
+void throwNothingDone() {
+    throw Error(ErrorKind::Interrupted,
+                "interrupted before any part of the picture was finished; nothing written");
+}
+
+void writeLayersOf(Outcome& outcome, std::vector<Layer> layers, float scale, const PictureNotes& notes) {
     const Stopwatch writing;
     outcome.hash = pictureHash(outcome.picture.color);
+    expose(layers, scale);
+    outcome.files = writeLayers(outcome.output, layers, notes);
+    outcome.writeSeconds = writing.seconds();
+}
+
+void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& out) {
+    outcome.totals.add(outcome.picture);
+    if (outcome.totals.done == 0) throwNothingDone();
+    blackenNotFinite(outcome.picture);
     std::vector<Layer> layers = makeLayers(outcome.picture, command.aovs);
-    expose(layers, scaleOf(outcome.output, command.exposure));
+    const float scale = scaleOf(outcome.output, command.exposure);
     if (outcome.output == "-") {
+        expose(layers, scale);
         const Image& image = layers.front().image;
         const auto bytes = encodePng(image.width, image.height, image.channels, quantizeColor(image));
         out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
         outcome.files = {"standard output"};
     } else {
-        outcome.files =
-            writeLayers(outcome.output, layers,
-                        outcome.converged ? errorNotes(command.target, *outcome.converged) : PictureNotes{});
+        writeLayersOf(outcome, std::move(layers), scale,
+                      outcome.converged ? errorNotes(command.target, *outcome.converged) : PictureNotes{});
     }
-    outcome.writeSeconds = writing.seconds();
 }
 
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,

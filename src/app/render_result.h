@@ -1,4 +1,4 @@
-// Result of `glint render`, for people and programs.
+// Result of `glint render`: its files, and what is printed of it for people and programs.
 #pragma once
 
 #include <filesystem>
@@ -11,38 +11,36 @@
 #include "app/drawing.h"
 #include "app/render_command.h"
 #include "converge/converge.h"
+#include "core/content_hash.h"
+#include "core/image_io.h"
 #include "trace/picture.h"
 
 namespace glint::app {
 
-// Totals of an image in bands, which are not kept.
-struct BandTotals {
-    int bands = 0;
-    uint64_t done = 0, sum = 0;  // pixels, and their samples
+// Finished pixels, and their samples.
+struct SampleTotals {
+    uint64_t done = 0, sum = 0;
     uint32_t least = 0, most = 0;
-    std::optional<std::string> advice;  // that all bands agree on
 
-    void add(const Picture& band);
+    void add(const Picture& picture);
 };
 
 struct Outcome {
     Request request;  // that it answers
     Picture picture;  // in bands: without pixels
-    std::optional<BandTotals> bands;
+    SampleTotals totals;
+    int bands = 0;                              // 0: written at once
+    std::optional<std::string> advice;          // pictureAdvice()
     std::optional<converge::Result> converged;  // its picture is `picture`
-
-    double doneShare() const;  // of the pixels
     DrawingFacts drawn;
     std::filesystem::path output;              // the file asked for
     std::vector<std::filesystem::path> files;  // that were written
     std::string hash;                          // of the picture, as it is written
     double writeSeconds = 0, totalSeconds = 0;
     int ranks = 0;  // of MPI; 0: rendered by one process
-};
 
-// Warnings about what the picture shows or lacks, unless --quiet.
-void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
-                      std::ostream& err);
+    double doneShare() const;  // of the pixels
+};
 
 // Factor of the colours in an 8-bit file, 2^exposure; 0 for files with floats. Throws Error(Argument) if
 // `exposure` is given for these.
@@ -50,18 +48,58 @@ float scaleOf(const std::filesystem::path& output, std::optional<double> exposur
 
 std::vector<std::string> namesOf(const std::vector<Aov>& aovs);
 
-// Multiplies the layer "color" by `scale`, unless it is 0.
-void expose(std::vector<Layer>& layers, float scale);
+// True if a file can be written row by row: .png with colour and alpha alone, .exr and .pfm.
+bool canWriteRows(const std::filesystem::path& output, const std::vector<Aov>& aovs);
 
-// Writes the image, unless it is in bands, and sets hash, files and seconds. Throws Error(Interrupted) if
-// nothing is done.
+// An image that goes into its file row by row, from the top.
+class RowFile {
+  public:
+    // `scale`: see scaleOf().
+    RowFile(const std::filesystem::path& output, const Region& region, const std::vector<Aov>& aovs,
+            float scale);
+
+    // The rows below those before.
+    void add(const Picture& rows, std::vector<Layer> layers);
+    // All rows that are left, each like the one given.
+    void fill(const Picture& row, std::vector<Layer> layers);
+    // The files appear. Sets files, hash and seconds of writing.
+    void finish(Outcome& outcome);
+
+    // Totals of the rows so far, and the number of calls of add().
+    const SampleTotals& totals() const { return totals_; }
+    int bands() const { return bands_; }
+
+  private:
+    float scale_;
+    int left_;  // rows
+    PictureRows file_;
+    PictureHash hash_;
+    SampleTotals totals_;
+    int bands_ = 0;
+    double seconds_ = 0;
+};
+
+// Writes a whole image, and sets totals, hash, files and seconds of writing. `out`: for the file "-". Throws
+// Error(Interrupted) if nothing is done.
 void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& out);
+// The same for layers that are made already.
+void writeLayersOf(Outcome& outcome, std::vector<Layer> layers, float scale, const PictureNotes& notes = {});
+
+[[noreturn]] void throwNothingDone();
+
+// Sets the advice on a whole image.
+void adviseOn(Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded);
+
+// Warnings about what the picture shows or lacks, unless --quiet.
+void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
+                      std::ostream& err);
 
 // The summary, or with --stats JSON; with --quiet nothing else.
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                  std::ostream& out);
 
 // Parts of the summary, and of the JSON for --stats: the backend and its device, the files.
+void printFiles(const Outcome& outcome, std::ostream& out);
 void printDevice(const DrawingFacts& drawn, std::ostream& out);
 void printTimes(const Outcome& outcome, const LoadedScene& loaded, std::ostream& out);
 nlohmann::json drawnJson(const DrawingFacts& drawn);

@@ -1,30 +1,213 @@
+// Ways to render an image unit by unit: --part, --checkpoint, MPI.
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <ostream>
 #include <sstream>
 #include <vector>
 
+#include "app/cli.h"
 #include "app/common.h"
 #include "app/drawing.h"
+#include "app/loading.h"
 #include "app/render_command.h"
 #include "app/render_result.h"
 #include "app/units.h"
 #include "core/available_memory.h"
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/format.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "farm/checkpoint.h"
+#include "farm/cut.h"
 #include "farm/merge.h"
 #include "farm/ranks.h"
 #include "farm/transport.h"
 #include "farm/unit_file.h"
+#include "pack/request_environment.h"
+#include "scene/sampling.h"
 
 namespace glint::app {
 
 namespace {
+
+// A unit while it is rendered, encoded and copied into the image.
+constexpr uint64_t kHeldUnits = 3;
+
+std::string samplesText(const ImageSettings& image) {
+    std::string text = std::to_string(image.samplesPerPixel) + " " + std::string(nameOf(samplerOf(image))) +
+                       ", filter " + std::string(nameOf(image.filter)) + " " + describe(image.filterRadius) +
+                       ", seed " + std::to_string(image.seed);
+    if (image.adaptive)
+        text += ", adaptive " + std::to_string(image.adaptive->maxSamples) + "," +
+                describe(image.adaptive->threshold);
+    return text;
+}
+
+std::string regionText(const Region& r) {
+    return format("%d,%d,%d,%d", r.x0, r.y0, r.x1, r.y1);
+}
+
+uint64_t pixelsOf(const std::vector<Region>& regions) {
+    uint64_t pixels = 0;
+    for (const Region& r : regions)
+        pixels += static_cast<uint64_t>(r.width()) * static_cast<uint64_t>(r.height());
+    return pixels;
+}
+
+// All parts must use the same cut, so that each pixel is rendered exactly once.
+std::string hashOf(const std::vector<std::vector<Region>>& cut) {
+    std::string text;
+    for (const auto& regions : cut) {
+        for (const Region& r : regions) text += regionText(r) + ",";
+        text += ";";
+    }
+    return hashText(contentHash(text));
+}
+
+// Units of about a second on a processor: a process that ends loses its unit, and several processes share
+// them out. Beyond a thousand units, their number and their cost both grow, because each unit costs rank 0
+// two messages.
+int partsFor(const farm::CostMap& costs, uint32_t samples) {
+    constexpr double kTests = 1e8, kLeast = 16, kMany = 1024, kMost = 16384;
+    const auto total =
+        static_cast<double>(std::accumulate(costs.costs.begin(), costs.costs.end(), uint64_t{0}));
+    const double parts = total * samples / kTests;
+    return static_cast<int>(std::clamp(parts > kMany ? std::sqrt(kMany * parts) : parts, kLeast, kMost));
+}
+
+uint64_t mostPixelsOf(const std::vector<std::vector<Region>>& cut) {
+    uint64_t most = 0;
+    for (const std::vector<Region>& regions : cut) most = std::max(most, pixelsOf(regions));
+    return most;
+}
+
+// Renderer and collector hold whole units. The cheapest units, of sky, have most pixels.
+std::vector<std::vector<Region>> cutToHold(const farm::CostMap& costs, int parts, uint64_t bytesPerPixel) {
+    constexpr uint64_t kUnitBytes = uint64_t{1} << 28;
+    auto cut = farm::cutPicture(costs, parts);
+    while (mostPixelsOf(cut) * bytesPerPixel > kUnitBytes && parts < farm::kMostParts) {
+        parts = std::min(2 * parts, farm::kMostParts);
+        cut = farm::cutPicture(costs, parts);
+    }
+    return cut;
+}
+
+// Version, files, settings; not the device, nor where files lie. `request` is the whole image's.
+farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loaded, const Request& request) {
+    const Scene& scene = loaded.scene;
+    farm::Identity identity;
+    const auto add = [&](const std::string& name, const std::string& value) {
+        identity.facts.emplace_back(name, value);
+    };
+    add("glint", std::string(GLINT_VERSION) + " of commit " + builtCommit());
+    add("scene", command.scene.scene.filename().string());
+    for (const SourceFile& file : scene.sources) add("file " + file.name, hashText(file.hash));
+    if (!command.scene.camera.empty()) add("camera", command.scene.camera);
+    if (command.scene.time) add("time", describe(*command.scene.time));
+    add("size", std::to_string(request.width) + "x" + std::to_string(request.height));
+    add("crop", regionText(regionOf(request)));
+    add("samples", samplesText(request.image));
+    add("maxDepth", std::to_string(depthOf(loaded.packed, request)));
+    add("min-contribution", describe(command.scene.limits.minContribution));
+    add("intersector", std::string(nameOf(command.scene.methods.triangles)));
+    add("sphere", std::string(nameOf(command.scene.methods.spheres)));
+    add("layers", joined(namesOf(command.aovs), ","));
+    add("backend", std::string(nameOf(command.backend)));
+    add("traversal", std::string(nameOf(command.device.traversal)));
+    add("build-quality", std::string(nameOf(command.scene.buildQuality)));
+    return identity;
+}
+
+class UnitRenderer {
+  public:
+    // `parts`: 0 for as many as take some seconds each, and no fewer than `leastParts`.
+    UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts = 1);
+
+    const farm::UnitHeader& header() const { return header_; }
+    const LoadedScene& loaded() const { return loaded_; }
+    const Drawing& drawing() const { return drawing_; }
+    uint64_t pixelsOf(int part) const { return app::pixelsOf(cut_[static_cast<size_t>(part) - 1]); }
+    // Bytes of the largest unit.
+    uint64_t mostBytes() const { return unitBytes(command_.aovs, mostPixelsOf(cut_)); }
+
+    // Nothing if it was interrupted, or `unwanted` says that nobody wants the unit any more. `progress` hears
+    // how much of the unit is done.
+    std::optional<farm::UnitResult> draw(int part, const std::function<void(double)>& progress,
+                                         const std::function<bool()>& unwanted = {});
+
+    // Writes the image and adds facts and warnings.
+    Outcome complete(UnitPicture& picture, std::ostream& err) const;
+
+  private:
+    const RenderCommand& command_;
+    Drawing drawing_;
+    const LoadedScene loaded_;
+    Request request_;  // of the whole picture
+    farm::UnitHeader header_;
+    std::vector<std::vector<Region>> cut_;
+    bool uploaded_ = false;
+};
+
+UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts)
+    : command_(command),
+      drawing_(command.backend, command.device, command.quiet ? nullptr : &err),
+      loaded_(loadAndPack(command.scene, err, command.quiet)) {
+    constexpr int kLikelyParts = 64;  // to know how many before they are cut
+    request_ = requestOf(command, loaded_);
+    const auto costs =
+        farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_, parts > 0 ? parts : kLikelyParts);
+    cut_ = parts > 0 ? farm::cutPicture(costs, parts)
+                     : cutToHold(costs, std::max(partsFor(costs, request_.samples.count()), leastParts),
+                                 bytesPerPixel(command.aovs));
+    parts = static_cast<int>(cut_.size());
+    header_ = {identityOf(command, loaded_, request_), regionOf(request_), command.aovs, parts};
+    header_.identity.facts.emplace_back("parts", std::to_string(parts));
+    header_.identity.facts.emplace_back("cut", hashOf(cut_));
+}
+
+std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function<void(double)>& progress,
+                                                   const std::function<bool()>& unwanted) {
+    Request request = request_;
+    request.progress = progress;
+    if (unwanted) request.cancelled = [&] { return interrupted() || unwanted(); };
+    if (!uploaded_) drawing_.load(loaded_, request);
+    uploaded_ = true;
+    auto result = drawing_.whole([&] {
+        return farm::drawUnit([&](const Request& r) { return drawing_.draw(r); }, request,
+                              cut_[static_cast<size_t>(part) - 1], command_.aovs);
+    });
+    if (!result) return result;
+    // Losses are told where a picture drawn at once would tell them.
+    if (!loaded_.packed.features.transmission && command_.scene.limits.minContribution == 0)
+        result->losses = {};
+    const DrawingFacts facts = drawing_.facts();
+    result->part = part;
+    result->producer = {facts.device, drawing_.backend() == Backend::Cpu ? "" : facts.driver,
+                        facts.sharesBits()};
+    return result;
+}
+
+Outcome UnitRenderer::complete(UnitPicture& picture, std::ostream& err) const {
+    Outcome outcome = picture.write();
+    outcome.drawn = drawing_.facts();
+    outcome.request = request_;
+    const uint32_t samples = request_.samples.count();
+    outcome.totals = {outcome.totals.done, outcome.totals.done * samples, samples, samples};
+    if (!picture.goesByRows()) adviseOn(outcome, command_, loaded_);
+    warnAboutPicture(outcome, command_, loaded_, err);
+    if (!command_.quiet)
+        warnOfMixedBits(picture.assembly().producers(),
+                        "glint: warning: " + command_.scene.scene.string() + ": ", err);
+    return outcome;
+}
 
 std::filesystem::path partPath(const RenderCommand& command) {
     std::filesystem::path path = command.output;
@@ -65,19 +248,12 @@ void print(const Outcome& outcome, uint64_t pixels, const RenderCommand& command
 
 // Reserves 58 bytes a pixel, or 282 with depth and normal; 36 and 134 were measured.
 void checkRoom(const RenderCommand& command, uint64_t pixels) {
-    const uint64_t needed = 2 * pixels * bytesPerPixel(command.aovs, needsData(command));
+    const uint64_t needed = 2 * pixels * bytesPerPixel(command);
     const uint64_t available = availableMemory();
     if (needed <= available) return;
     throw Error(ErrorKind::Failed, farm::namesOfParts({command.part->number}, command.part->of) + " has " +
                                        counted(pixels, "pixel") + ", which take " + gibibytes(needed) +
                                        " of memory, " + gibibytes(available) + " are free; use more parts");
-}
-
-// Leaves room for a unit while it is rendered, encoded and copied into the image.
-bool goesByRows(const RenderCommand& command, const UnitRenderer& units,
-                const std::filesystem::path& output) {
-    return needsRows(units.header(), output, 3 * unitBytes(command.aovs, units.mostPixels()),
-                     availableMemory());
 }
 
 // Enough units for each rank that all ranks finish at about the same time.
@@ -93,11 +269,10 @@ int windowOf(const farm::UnitHeader& header, uint64_t unit, bool rows) {
 }
 
 // MPI counts the bytes of a message by an int.
-void checkMessage(const UnitRenderer& units, uint64_t bytes) {
-    if (bytes <= std::numeric_limits<int>::max()) return;
-    throw Error(ErrorKind::Failed, "mpirun: a unit of this image has up to " +
-                                       std::to_string(units.mostPixels()) +
-                                       " pixels, more than an MPI message can hold; use --part");
+void checkMessage(uint64_t unit) {
+    if (unit > std::numeric_limits<int>::max())
+        throw Error(ErrorKind::Failed,
+                    "mpirun: the units of this image are larger than an MPI message can be; use --part");
 }
 
 ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport, std::ostream& out,
@@ -114,11 +289,10 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     units.emplace(mine, 0, err, leastUnits(transport));
     const farm::UnitHeader& header = units->header();
     const std::filesystem::path output = outputOf(command, units->loaded().scene);
-    const uint64_t unit = unitBytes(command.aovs, units->mostPixels());
-    checkMessage(*units, unit);
-    const bool rows = needsRows(header, output, 3 * unit, availableMemory(), command.bandRows.has_value());
-    picture.emplace(header, output, rows, scaleOf(output, command.exposure));
-    ranks.begin(header, windowOf(header, unit, rows),
+    const uint64_t unit = units->mostBytes();
+    checkMessage(unit);
+    picture.emplace(header, output, kHeldUnits * unit, command.bandRows.has_value(), command.exposure);
+    ranks.begin(header, windowOf(header, unit, picture->goesByRows()),
                 [&](const farm::UnitResult& result) { picture->add(result); });
     {
         Progress progress = progressOf("render", command.shownProgress(), err);
@@ -130,10 +304,9 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     }
     if (!picture->assembly().complete())
         throw Error(ErrorKind::Interrupted, "interrupted before the image was finished; nothing written");
-    Outcome outcome = picture->write();
+    Outcome outcome = units->complete(*picture, err);
     ranks.end();
     outcome.ranks = transport.size();
-    units->complete(outcome, picture->assembly().producers(), err);
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units->loaded(), out);
     units->drawing().reportValidation(err);
@@ -165,15 +338,8 @@ ExitCode renderAsOther(const RenderCommand& command, farm::Transport& transport)
 
 }  // namespace
 
-void refuseErrorTarget(const RenderCommand& command, const std::string& manner) {
-    if (command.target.error)
-        throw Error(ErrorKind::Argument,
-                    manner + ": --error chooses the samples of the whole image; use --spp");
-}
-
 ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
-    refuseErrorTarget(command, "--part");
     const std::filesystem::path file = partPath(command);
     UnitRenderer units(command, command.part->of, err);
     const uint64_t pixels = units.pixelsOf(command.part->number);
@@ -200,14 +366,12 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
 
 ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
-    refuseErrorTarget(command, "--checkpoint");
     checkPicturePath(outputOf(command));
     checkOutputPath(command.checkpoint);
     UnitRenderer units(command, 0, err);
     const std::filesystem::path output = outputOf(command, units.loaded().scene);
     const farm::UnitHeader& header = units.header();
-    UnitPicture picture(header, output, goesByRows(command, units, output),
-                        scaleOf(output, command.exposure));
+    UnitPicture picture(header, output, kHeldUnits * units.mostBytes(), false, command.exposure);
     std::vector<bool> there(static_cast<size_t>(header.parts) + 1);
     const auto add = [&](const farm::UnitResult& result) {
         picture.add(result);
@@ -234,8 +398,7 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
             add(*result);
         }
     }
-    Outcome outcome = picture.write();
-    units.complete(outcome, picture.assembly().producers(), err);
+    Outcome outcome = units.complete(picture, err);
     checkpoint.remove();
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units.loaded(), out);
@@ -249,7 +412,8 @@ bool isForRanks(const RenderCommand& command) {
     if (command.frames)
         throw Error(ErrorKind::Argument,
                     "--frames: mpirun's processes share one image; give each machine frames of its own");
-    refuseErrorTarget(command, "mpirun");
+    if (command.target.error)
+        throw Error(ErrorKind::Argument, "mpirun: --error chooses the samples of the whole image; use --spp");
     return true;
 }
 

@@ -28,15 +28,10 @@ constexpr int kSecondsForScene = 60;
 
 struct ReportCommand {
     std::vector<fs::path> scenes;
-    fs::path folder;
     bool allowOutside = false;
     std::string camera;  // by its name; empty: each scene's own
-    int width = 256;     // pixels
-    int repeats = 10;
-    int truthSamples = 0;  // as time allows
-    Backend truth = Backend::Cpu;
-    std::optional<int> budget;      // seconds
-    std::vector<std::string> only;  // first words of families; empty: all
+    report::Options options;
+    std::optional<int> budget;  // seconds
     DeviceChoice device;
     std::vector<std::string> devices;  // as --device names them, or "cpu"
     ProgressMode progress = ProgressMode::Auto;
@@ -54,25 +49,25 @@ std::vector<std::string> parseDevices(const std::string& text) {
 void declare(OptionTable& table, ReportCommand& c) {
     addScenes(table, c.scenes, c.allowOutside);
     addCamera(table, c.camera);
-    table.name("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams", c.folder,
-               OptionTable::Need::Required);
+    table.name("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
+               c.options.folder, OptionTable::Need::Required);
     table.whole("--size", "WIDTH", "width of the images in pixels (default 256); the height follows", 4, 4096,
-                c.width);
-    table.whole("--repeats", "N", "most runs of each setting (default 10)", 1, 1000, c.repeats);
+                c.options.width);
+    table.whole("--repeats", "N", "most runs of each setting (default 10)", 1, 1000, c.options.repeats);
     table.whole("--truth-spp", "N",
                 "samples per pixel of the converged image (default: as many as a third of the time allows)",
-                2, kMaxSamplesPerPixel, c.truthSamples);
+                2, kMaxSamplesPerPixel, c.options.truthSamples);
     table.choice<Backend>(
         "--truth",
         "render the converged image with the double-precision reference (cpu, default) or the device",
-        c.truth);
+        c.options.truth);
     table.whole("--budget", "SECONDS", "time to use for the whole report (default: 60 for each scene)", 1,
                 10'000'000, c.budget);
     const auto& families = report::familyStarts();
     table.value("--only", "LIST",
                 "with commas, the settings to measure: " +
                     joinNames(std::vector<std::string_view>(families.begin(), families.end())),
-                c.only, parseFamilies);
+                c.options.only, parseFamilies);
     addDevice(table, c.device);
     table.value(
         "--devices", "LIST",
@@ -82,7 +77,8 @@ void declare(OptionTable& table, ReportCommand& c) {
 }
 
 void checkDevicesAreNamed(const ReportCommand& command) {
-    const bool asked = std::find(command.only.begin(), command.only.end(), "device") != command.only.end();
+    const bool asked = std::find(command.options.only.begin(), command.options.only.end(), "device") !=
+                       command.options.only.end();
     if (asked && command.devices.empty())
         throw Error(ErrorKind::Argument, "--only device requires --devices");
 }
@@ -128,29 +124,18 @@ OpenDevices openDevices(const ReportCommand& command) {
     return devices;
 }
 
-report::Options optionsOf(const ReportCommand& command) {
-    report::Options options;
-    options.folder = command.folder;
-    options.version = GLINT_VERSION;
-    options.width = command.width;
-    options.repeats = command.repeats;
-    options.truthSamples = command.truthSamples;
-    options.truth = command.truth;
-    options.only = command.only;
-    options.cancelled = interrupted;
-    options.memory = [] { return availableMemory(); };
-    return options;
-}
-
 ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     checkDevicesAreNamed(command);
     for (const fs::path& scene : command.scenes) checkScene(scene);
     const OpenDevices devices = openDevices(command);
     const gpu::Device& device = devices.open.front();
-    makeFolder(command.folder);
+    report::Options options = command.options;
+    makeFolder(options.folder);
     installInterruptHandler();
-    report::Options options = optionsOf(command);
+    options.version = GLINT_VERSION;
+    options.cancelled = interrupted;
+    options.memory = [] { return availableMemory(); };
     options.devices = devices.beside;
     const double budget = command.budget.value_or(kSecondsForScene * static_cast<int>(command.scenes.size()));
     options.secondsLeft = [&watch, budget] { return budget - watch.seconds(); };
@@ -171,11 +156,11 @@ ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err)
     };
     const report::Report report = report::run(device, std::move(subjects), earlier, options);
     progress.finish();
-    out << report::toMarkdown(report) << "\nwrote " << shown(command.folder / "report.html")
+    out << report::toMarkdown(report) << "\nwrote " << shown(options.folder / "report.html")
         << ", report.csv, report.json and the diagrams\n";
     for (const gpu::Device& each : devices.open) reportValidation(each, command.device, err);
     if (!report.complete)
-        throw Error(ErrorKind::Interrupted, "interrupted: " + (command.folder / "report.json").string() +
+        throw Error(ErrorKind::Interrupted, "interrupted: " + (options.folder / "report.json").string() +
                                                 " holds the results so far; repeat the command to resume");
     return ExitCode::Done;
 }

@@ -5,6 +5,7 @@
 #include "app/loading.h"
 #include "app/ray_file.h"
 #include "core/error.h"
+#include "core/format.h"
 #include "reference/loaded_truth.h"
 #include "reference/trace_rays.h"
 #include "render/ray_queries.h"
@@ -30,6 +31,7 @@ void declare(OptionTable& table, TraceCommand& c) {
                "read rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", c.rays);
     table.value("--pixel", "x,y", "trace the camera ray of a pixel, from the top left corner", c.pixel,
                 parsePixel);
+    table.exclude("--rays", {"--pixel"});
     table.flag("--any", "report only whether a ray hits anything", c.any);
     table.value("--size", "WxH", "image size for --pixel instead of the scene's", c.scene.size, parseSize);
     addCamera(table, c.scene);
@@ -40,11 +42,10 @@ void declare(OptionTable& table, TraceCommand& c) {
 }
 
 RayBatch batchOf(const TraceCommand& command, std::ostream& err) {
-    RayBatch batch;
-    batch.rays = readRays(command.rays);
+    RayBatch batch = {.rays = readRays(command.rays),
+                      .detail = command.any ? HitDetail::Any : HitDetail::Surface,
+                      .methods = command.scene.methods};
     if (batch.rays.empty()) err << "glint: warning: " << command.rays << ": holds no rays\n";
-    batch.detail = command.any ? HitDetail::Any : HitDetail::Surface;
-    batch.methods = command.scene.methods;
     return batch;
 }
 
@@ -75,22 +76,15 @@ std::vector<WorldHit> traceOnHost(const TraceCommand& command, const LoadedScene
                                                   command.pixel->first + 0.5, command.pixel->second + 0.5))};
 }
 
-void print(const TraceCommand& command, const std::vector<WorldHit>& hits, int digits, std::ostream& out) {
-    out << kHitCsvHeading;
-    for (const WorldHit& hit : hits) out << hitCsv(hit, digits, command.any);
-}
-
 void checkPixel(const Request& image, std::pair<int, int> pixel) {
-    if (pixel.first < 0 || pixel.second < 0 || pixel.first >= image.width || pixel.second >= image.height) {
-        throw Error(ErrorKind::Argument, "--pixel: " + std::to_string(pixel.first) + "," +
-                                             std::to_string(pixel.second) + " is outside the picture of " +
-                                             std::to_string(image.width) + "x" +
-                                             std::to_string(image.height) + " pixels");
-    }
+    const auto [x, y] = pixel;
+    if (x < 0 || y < 0 || x >= image.width || y >= image.height)
+        throw Error(ErrorKind::Argument, format("--pixel: %d,%d is outside the picture of %dx%d pixels", x, y,
+                                                image.width, image.height));
 }
 
 ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) {
-    if (command.rays.empty() == !command.pixel)
+    if (command.rays.empty() && !command.pixel)
         throw Error(ErrorKind::Argument, "trace: give either --rays FILE.csv or --pixel x,y");
     if (command.rays == "-" && command.scene.scene == "-")
         throw Error(ErrorKind::Argument, "--rays: SCENE reads standard input already");
@@ -98,13 +92,14 @@ ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) 
     const LoadedScene loaded = loadAndPack(command.scene, err);
     const Request request = command.pixel ? requestOf(loaded, command.scene) : Request();
     if (command.pixel) checkPixel(request, *command.pixel);
-    if (command.backend == Backend::Gpu) {
-        const gpu::Device device = openDevice(command.device, true);
-        print(command, traceOnDevice(command, loaded, request, device, err), kDeviceDigits, out);
-        reportValidation(device, command.device, err);
-    } else {
-        print(command, traceOnHost(command, loaded, request, err), kReferenceDigits, out);
-    }
+    std::optional<gpu::Device> device;
+    if (command.backend == Backend::Gpu) device.emplace(openDevice(command.device, true));
+    const std::vector<WorldHit> hits = device ? traceOnDevice(command, loaded, request, *device, err)
+                                              : traceOnHost(command, loaded, request, err);
+    out << kHitCsvHeading;
+    for (const WorldHit& hit : hits)
+        out << hitCsv(hit, device ? kDeviceDigits : kReferenceDigits, command.any);
+    if (device) reportValidation(*device, command.device, err);
     return ExitCode::Done;
 }
 

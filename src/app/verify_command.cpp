@@ -1,6 +1,5 @@
 #include <limits>
-#include <map>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
 #include <sstream>
 
@@ -15,6 +14,7 @@
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
+#include "report/run.h"
 #include "verify/film.h"
 #include "verify/verify.h"
 
@@ -59,139 +59,172 @@ void declare(OptionTable& table, VerifyCommand& c) {
 // samples.
 constexpr uint64_t kBytesPerPixel = sizeof(PixelData) + 17 + 4 + 4 + 3 * 12;
 
-// STEM for each scene, STEM-2 for the second scene of the same stem.
-std::vector<std::string> stemsOf(const VerifyCommand& command) {
-    std::map<std::string, int> uses;
-    std::vector<std::string> stems;
-    for (const std::filesystem::path& scene : command.scenes) {
-        const std::string stem = scene.stem().string();
-        const int use = ++uses[stem];
-        stems.push_back(stem + (use > 1 ? "-" + std::to_string(use) : ""));
-    }
-    return stems;
-}
-
 // Schemas may lie beside scenes (scenes/*.json).
 bool isSchema(const std::filesystem::path& path) {
     return path.filename().string().ends_with(".schema.json");
 }
 
-class SceneVerifier {
-  public:
-    SceneVerifier(const VerifyCommand& command, const gpu::Device& device, std::ostream& out,
-                  std::ostream& err)
-        : command_(command), device_(device), out_(out), err_(err) {}
+// Throws the first error after all scenes were looked for, before hours are spent on those that exist.
+void checkScenes(std::vector<SceneResult>& results) {
+    std::optional<Error> first;
+    for (SceneResult& result : results) {
+        try {
+            checkScene(result.scene);
+        } catch (const Error& error) {
+            result.status = SceneStatus::Error;
+            result.message = error.what();
+            if (!first) first = error;
+        }
+    }
+    if (first) throw *first;
+}
 
-    // A scene that cannot be read has the status Error; other errors are thrown.
-    SceneResult verify(const std::filesystem::path& path, const std::string& stem) const {
-        SceneResult result;
-        result.scene = path.string();
+verify::Report verifyLoaded(const VerifyCommand& command, const gpu::Device& device,
+                            const std::filesystem::path& path, const LoadedScene& loaded,
+                            verify::Options& options, std::ostream& err) {
+    render::Options tracing;
+    tracing.traversal = command.device.traversal;
+    tracing.also = alsoFor(loaded, options);
+    tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
+    render::Renderer renderer(device, loaded.packed, tracing);
+    Progress progress = progressOf("verify " + path.filename().string(), command.progress, err);
+    options.progress = [&](double fraction) { progress.update(fraction); };
+    return verify::verify(renderer, loaded.packed, cameraOf(loaded, options), options, &loaded.scene);
+}
+
+// Sets everything but the scene's name and seconds. Throws Error.
+void verifyScene(const VerifyCommand& command, const gpu::Device& device, const std::string& stem,
+                 SceneResult& result, std::ostream& err) {
+    SceneOptions sceneOptions = command.common;
+    sceneOptions.scene = result.scene;
+    const LoadedScene loaded = loadAndPack(sceneOptions, err);
+    verify::Options options;
+    static_cast<Request&>(options) = requestOf(loaded, sceneOptions);
+    options.cancelled = interrupted;
+    options.allowedUnexplained = static_cast<uint64_t>(command.allow);
+    if (!command.jsonFile.empty()) options.worstCount = kListedPixels;
+    checkMemory(options.width, options.height, kBytesPerPixel + verify::Film::bytesPerPixel(options.samples),
+                availableMemory(), "");
+    const verify::Report report = verifyLoaded(command, device, result.scene, loaded, options, err);
+    if (report.interrupted)
+        throw Error(ErrorKind::Interrupted, "interrupted while verifying " + result.scene);
+    result.status = report.passed() ? SceneStatus::Passed : SceneStatus::Failed;
+    result.message = verdict(report);
+    result.brief = briefFigures(report);
+    result.facts = reportJson(report);
+    std::ostringstream details;
+    printReport(printable(result.scene), report, options, loaded.packed.origin, details);
+    result.details = details.str();
+    if (!command.artifacts.empty() && !report.passed()) writeArtifacts(command.artifacts, stem, report);
+}
+
+void print(const VerifyCommand& command, const SceneResult& result, std::ostream& out) {
+    if (command.printsJson()) return;
+    if (!command.brief) {
+        out << result.details << std::flush;
+        return;
+    }
+    out << printable(result.scene) << ": ";
+    if (result.status == SceneStatus::Error)
+        out << "error";
+    else if (result.status == SceneStatus::Skipped)
+        out << "skipped: " << result.message;
+    else
+        out << result.message << ", " << result.brief << ", " << formatSeconds(result.seconds);
+    out << std::endl;
+}
+
+void checkFiles(const VerifyCommand& command) {
+    if (!command.jsonFile.empty() && command.jsonFile == command.junitFile)
+        throw Error(ErrorKind::Argument, "--junit: names the file of --json");
+    if (!command.artifacts.empty()) makeFolder(command.artifacts);
+    if (!command.jsonFile.empty() && !command.printsJson()) checkOutputPath(command.jsonFile);
+    if (!command.junitFile.empty()) checkOutputPath(command.junitFile);
+}
+
+// A run over all scenes. Its files list every scene at any time: as skipped until there is a result.
+class Verification {
+  public:
+    Verification(const VerifyCommand& command, std::ostream& out, std::ostream& err)
+        : command_(command), out_(out), err_(err) {
+        for (const std::filesystem::path& scene : command.scenes)
+            results_.push_back(
+                {.scene = scene.string(), .status = SceneStatus::Skipped, .message = "not verified"});
+    }
+
+    ExitCode run() {
+        try {
+            checkScenes(results_);
+            verifyAll();
+        } catch (...) {
+            write();
+            if (command_.printsJson()) out_ << json();
+            throw;
+        }
+        if (command_.printsJson()) out_ << json();
+        const size_t failed = count(SceneStatus::Failed), unread = count(SceneStatus::Error);
+        if (failed > 0)
+            err_ << "glint: verify: " << failed << " of " << counted(results_.size(), "scene") << " failed\n";
+        if (unread > 0) return ExitCode::Scene;
+        return failed > 0 ? ExitCode::Difference : ExitCode::Done;
+    }
+
+  private:
+    size_t count(SceneStatus status) const { return countOf(results_, status); }
+    std::string json() const { return jsonText(results_, device_.name, device_.driver); }
+
+    void write() const {
+        if (!command_.jsonFile.empty() && !command_.printsJson()) writeTextFile(command_.jsonFile, json());
+        if (!command_.junitFile.empty()) writeTextFile(command_.junitFile, junitText(results_));
+    }
+
+    void verifyAll() {
+        const gpu::Device device = openDevice(command_.device, false);
+        device_ = device.info();
+        installInterruptHandler();
+        if (!command_.printsJson()) out_ << "device: " << device_.name << ", " << device_.driver << '\n';
+        const std::vector<std::string> stems = report::uniqueStems(command_.scenes);
+        write();
+        for (size_t i = 0; i < results_.size(); ++i) {
+            verifyOne(device, stems[i], results_[i]);
+            write();  // a killed process leaves the results so far
+        }
+        if (command_.brief && !command_.printsJson())
+            out_ << counted(results_.size(), "scene") << ": " << count(SceneStatus::Passed) << " passed, "
+                 << count(SceneStatus::Failed) << " failed, " << count(SceneStatus::Error) << " unreadable, "
+                 << count(SceneStatus::Skipped) << " skipped, " << formatSeconds(secondsOf(results_)) << '\n';
+        reportValidation(device, command_.device, err_);
+    }
+
+    // An invalid scene is a result; other errors end the run.
+    void verifyOne(const gpu::Device& device, const std::string& stem, SceneResult& result) {
         const Stopwatch watch;
-        if (isSchema(path)) {
-            result.status = SceneStatus::Skipped;
+        if (isSchema(result.scene)) {
             result.message = "a JSON schema, not a scene";
         } else {
             try {
-                examine(path, stem, result);
+                verifyScene(command_, device, stem, result, err_);
             } catch (const Error& error) {
-                if (error.kind() != ErrorKind::Scene) throw;
-                result.status = SceneStatus::Error;
+                if (error.kind() != ErrorKind::Interrupted) result.status = SceneStatus::Error;
                 result.message = error.what();
+                if (error.kind() != ErrorKind::Scene) throw;
                 err_ << "glint: " << error.what() << '\n';
             }
         }
         result.seconds = watch.seconds();
-        if (command_.brief && !command_.printsJson()) printBrief(path, result);
-        return result;
-    }
-
-  private:
-    void examine(const std::filesystem::path& path, const std::string& stem, SceneResult& result) const {
-        SceneOptions sceneOptions = command_.common;
-        sceneOptions.scene = path;
-        const LoadedScene loaded = loadAndPack(sceneOptions, err_);
-        verify::Options options;
-        static_cast<Request&>(options) = requestOf(loaded, sceneOptions);
-        options.cancelled = interrupted;
-        options.allowedUnexplained = static_cast<uint64_t>(command_.allow);
-        if (!command_.jsonFile.empty()) options.worstCount = kListedPixels;
-        checkMemory(options.width, options.height,
-                    kBytesPerPixel + verify::Film::bytesPerPixel(options.samples), availableMemory(), "");
-        const verify::Report report = reportOf(path, loaded, options);
-        if (report.interrupted)
-            throw Error(ErrorKind::Interrupted, "interrupted while verifying " + path.string());
-        result.status = report.passed() ? SceneStatus::Passed : SceneStatus::Failed;
-        result.message = verdict(report);
-        result.facts = reportJson(path.string(), report);
-        std::ostringstream details;
-        printReport(shown(path), report, options, loaded.packed.origin, details);
-        result.details = details.str();
-        if (!command_.brief && !command_.printsJson()) out_ << result.details << std::flush;
-        if (!command_.artifacts.empty() && !report.passed()) writeArtifacts(command_.artifacts, stem, report);
-    }
-
-    verify::Report reportOf(const std::filesystem::path& path, const LoadedScene& loaded,
-                            verify::Options& options) const {
-        render::Options tracing;
-        tracing.traversal = command_.device.traversal;
-        tracing.also = alsoFor(loaded, options);
-        tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
-        render::Renderer renderer(device_, loaded.packed, tracing);
-        Progress progress = progressOf("verify " + path.filename().string(), command_.progress, err_);
-        options.progress = [&](double fraction) { progress.update(fraction); };
-        return verify::verify(renderer, loaded.packed, cameraOf(loaded, options), options, &loaded.scene);
-    }
-
-    void printBrief(const std::filesystem::path& path, const SceneResult& result) const {
-        out_ << shown(path) << ": ";
-        if (result.status == SceneStatus::Error || result.status == SceneStatus::Skipped)
-            out_ << nameOf(result.status)
-                 << (result.status == SceneStatus::Skipped ? ": " + result.message : "");
-        else
-            out_ << result.message << ", " << briefFigures(result.facts) << ", "
-                 << formatSeconds(result.seconds);
-        out_ << std::endl;
+        print(command_, result, out_);
     }
 
     const VerifyCommand& command_;
-    const gpu::Device& device_;
     std::ostream& out_;
     std::ostream& err_;
+    gpu::DeviceInfo device_;  // empty before it is open
+    std::vector<SceneResult> results_;
 };
 
 ExitCode run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
-    if (!command.jsonFile.empty() && command.jsonFile == command.junitFile)
-        throw Error(ErrorKind::Argument, "--junit: names the file of --json");
-    for (const auto& scene : command.scenes) checkScene(scene);  // the last one's name may be misspelt
-    if (!command.artifacts.empty()) makeFolder(command.artifacts);
-    if (!command.jsonFile.empty() && !command.printsJson()) checkOutputPath(command.jsonFile);
-    if (!command.junitFile.empty()) checkOutputPath(command.junitFile);
-    const gpu::Device device = openDevice(command.device, false);
-    installInterruptHandler();
-    if (!command.printsJson())
-        out << "device: " << device.info().name << ", " << device.info().driver << '\n';
-    const SceneVerifier verifier(command, device, out, err);
-    const auto stems = stemsOf(command);
-    std::vector<SceneResult> results;
-    const auto json = [&] { return jsonText(results, device.info().name, device.info().driver); };
-    for (size_t i = 0; i < stems.size(); ++i) {
-        results.push_back(verifier.verify(command.scenes[i], stems[i]));
-        // After each scene, so that an interrupted run keeps the results so far.
-        if (!command.jsonFile.empty() && !command.printsJson()) writeTextFile(command.jsonFile, json());
-        if (!command.junitFile.empty()) writeTextFile(command.junitFile, junitText(results));
-    }
-    if (command.printsJson()) out << json();
-    const size_t failed = countOf(results, SceneStatus::Failed),
-                 unread = countOf(results, SceneStatus::Error);
-    if (command.brief && !command.printsJson())
-        out << counted(stems.size(), "scene") << ": " << countOf(results, SceneStatus::Passed) << " passed, "
-            << failed << " failed, " << unread << " unreadable, " << countOf(results, SceneStatus::Skipped)
-            << " skipped, " << formatSeconds(secondsOf(results)) << '\n';
-    reportValidation(device, command.device, err);
-    if (failed > 0)
-        err << "glint: verify: " << failed << " of " << counted(stems.size(), "scene") << " failed\n";
-    if (unread > 0) return ExitCode::Scene;
-    return failed > 0 ? ExitCode::Difference : ExitCode::Done;
+    checkFiles(command);
+    return Verification(command, out, err).run();
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "app/common.h"
-#include "app/version.h"
 #include "core/image_io.h"
 #include "core/text_file.h"
 #include "report/write.h"
@@ -20,30 +19,29 @@ constexpr size_t kPrintedPixels = 10;
 
 // Result of one tracer for a pixel.
 struct Seen {
-    const char* who;
     glm::dvec3 color;
     uint32_t pathHash, bounces;
     bool hit;
-    uint32_t object, primitive;
-    double t;
-    glm::dvec3 position;
+    uint32_t object = 0, primitive = 0;
+    double t = 0;
+    glm::dvec3 position{0};
 };
 
 Seen seenBy(const verify::DifferingPixel& pixel) {
     const PixelData& d = pixel.device;
-    return {"device",
-            glm::dvec3(pixel.deviceColor),
+    const bool hit = d.object != PixelData::kNoIndex;
+    return {glm::dvec3(pixel.deviceColor),
             d.pathHash,
             d.bounces,
-            d.object != PixelData::kNoIndex,
+            hit,
             d.object,
             d.primitive,
             d.depth,
             d.position};
 }
 
-Seen seenBy(const char* who, const reference::PixelRecord& r, const glm::dvec3& origin) {
-    Seen seen = {who, r.color, r.pathHash, r.bounces, r.hit && r.surface, 0, 0, 0, glm::dvec3(0)};
+Seen seenBy(const reference::PixelRecord& r, const glm::dvec3& origin) {
+    Seen seen = {r.color, r.pathHash, r.bounces, r.hit && r.surface};
     if (seen.hit) {
         seen.object = r.surface->object;
         seen.primitive = r.surface->primitive;
@@ -53,8 +51,8 @@ Seen seenBy(const char* who, const reference::PixelRecord& r, const glm::dvec3& 
     return seen;
 }
 
-void printSeen(const Seen& s, std::ostream& out) {
-    out << format("      %-9s  color (%.6g %.6g %.6g)  ", s.who, s.color.x, s.color.y, s.color.z);
+void printSeen(const char* who, const Seen& s, std::ostream& out) {
+    out << format("      %-9s  color (%.6g %.6g %.6g)  ", who, s.color.x, s.color.y, s.color.z);
     if (s.hit)
         out << format("object %u primitive %u t %.9g at (%.9g %.9g %.9g)  ", s.object, s.primitive, s.t,
                       s.position.x, s.position.y, s.position.z);
@@ -72,8 +70,8 @@ void printPixel(const verify::DifferingPixel& pixel, bool manySamples, const glm
         out << format(" (%u open decisions, rays moved by at most %.3g x 2^-24)", pixel.openDecisions,
                       pixel.ulps);
     out << '\n';
-    printSeen(seenBy(pixel), out);
-    printSeen(seenBy("reference", pixel.reference, origin), out);
+    printSeen("device", seenBy(pixel), out);
+    printSeen("reference", seenBy(pixel.reference, origin), out);
 }
 
 void printRepresentation(const verify::Representation& r, const glm::dvec3& origin, std::ostream& out) {
@@ -85,8 +83,8 @@ void printRepresentation(const verify::Representation& r, const glm::dvec3& orig
         if (pixel.explained) continue;
         out << "    pixel " << pixel.x << ',' << pixel.y << " sample " << pixel.sample
             << format(": difference %.6g by packing, unexplained\n", pixel.difference);
-        printSeen(seenBy("packed", pixel.rounded, origin), out);
-        printSeen(seenBy("read", pixel.truth, origin), out);
+        printSeen("packed", seenBy(pixel.rounded, origin), out);
+        printSeen("read", seenBy(pixel.truth, origin), out);
     }
 }
 
@@ -109,25 +107,26 @@ nlohmann::json pixelsJson(const verify::Report& report) {
         pixels.push_back({{"x", pixel.x},
                           {"y", pixel.y},
                           {"sample", pixel.sample},
-                          {"reason", std::string(nameOf(pixel.reason))},
+                          {"reason", nameOf(pixel.reason)},
                           {"difference", pixel.difference},
                           {"openDecisions", pixel.openDecisions},
                           {"units", pixel.ulps},
                           {"device", seenJson(seenBy(pixel))},
-                          {"reference", seenJson(seenBy("", pixel.reference, glm::dvec3(0)))}});
+                          {"reference", seenJson(seenBy(pixel.reference, glm::dvec3(0)))}});
     return pixels;
 }
 
-void addTestCase(const SceneResult& result, std::string& out) {
-    out += "  <testcase classname=\"glint.verify\" name=\"" + report::escapeMarkup(printable(result.scene)) +
-           "\" time=\"" + format("%.3f", result.seconds) + "\">";
+std::string testCase(const SceneResult& result) {
+    const auto markup = [](const std::string& text) { return report::escapeMarkup(printable(text)); };
+    std::string inside;
     if (result.status != SceneStatus::Passed) {
-        const std::string element =
+        const std::string name =
             result.status == SceneStatus::Failed ? "failure" : std::string(nameOf(result.status));
-        out += "\n    <" + element + " message=\"" + report::escapeMarkup(printable(result.message)) + "\">" +
-               report::escapeMarkup(result.details) + "</" + element + ">\n  ";
+        inside = "\n    <" + name + " message=\"" + markup(result.message) + "\">" +
+                 report::escapeMarkup(result.details) + "</" + name + ">\n  ";
     }
-    out += "</testcase>\n";
+    return "  <testcase classname=\"glint.verify\" name=\"" + markup(result.scene) + "\" time=\"" +
+           format("%.3f", result.seconds) + "\">" + inside + "</testcase>\n";
 }
 
 }  // namespace
@@ -180,12 +179,10 @@ void printReport(const std::string& scene, const verify::Report& report, const v
         printPixel(report.worst[i], options.samples.round > 1, origin, out);
 }
 
-nlohmann::json reportJson(const std::string& scene, const verify::Report& report) {
+nlohmann::json reportJson(const verify::Report& report) {
     const verify::Sensitivity& s = report.sensitivity;
     nlohmann::json json = {
-        {"scene", scene},
         {"passed", report.passed()},
-        {"verdict", verdict(report)},
         {"pixels", report.pixels},
         {"kappa", s.kappa},
         {"arithmetic",
@@ -213,12 +210,9 @@ nlohmann::json reportJson(const std::string& scene, const verify::Report& report
     return json;
 }
 
-std::string briefFigures(const nlohmann::json& report) {
-    const nlohmann::json& arithmetic = report["arithmetic"];
-    const uint64_t explained = arithmetic["edge"].get<uint64_t>() + arithmetic["rounding"].get<uint64_t>();
-    return std::to_string(report["pixels"].get<uint64_t>()) + " pixels, " + std::to_string(explained) +
-           " explained, " + std::to_string(arithmetic["unexplained"].get<uint64_t>()) +
-           " unexplained, RMSE " + format("%.3g", arithmetic["rmse"].get<double>());
+std::string briefFigures(const verify::Report& report) {
+    return std::to_string(report.pixels) + " pixels, " + std::to_string(report.explained()) + " explained, " +
+           std::to_string(report.unexplained) + " unexplained, RMSE " + format("%.3g", report.rmse);
 }
 
 size_t countOf(const std::vector<SceneResult>& results, SceneStatus status) {
@@ -234,39 +228,33 @@ double secondsOf(const std::vector<SceneResult>& results) {
 
 std::string jsonText(const std::vector<SceneResult>& results, const std::string& device,
                      const std::string& driver) {
-    nlohmann::json scenes = nlohmann::json::array();
+    nlohmann::json file = {{"format", "glint.verify"}, {"version", kVerifyJsonVersion},
+                           {"glint", GLINT_VERSION},   {"device", device},
+                           {"driver", driver},         {"scenes", nlohmann::json::array()}};
+    for (const EnumEntry<SceneStatus>& status : kEnumEntries<SceneStatus>)
+        file["summary"][std::string(status.name)] = countOf(results, status.value);
     for (const SceneResult& result : results) {
-        nlohmann::json one = result.facts.is_object() ? result.facts : nlohmann::json::object();
-        one["scene"] = result.scene;
-        one["status"] = std::string(nameOf(result.status));
-        one["verdict"] = result.message;
-        one["seconds"] = result.seconds;
-        scenes.push_back(std::move(one));
+        nlohmann::json scene = {{"scene", result.scene},
+                                {"status", nameOf(result.status)},
+                                {"verdict", result.message},
+                                {"seconds", result.seconds}};
+        if (result.facts.is_object()) scene.update(result.facts);
+        file["scenes"].push_back(std::move(scene));
     }
-    nlohmann::json summary;
-    for (const SceneStatus status :
-         {SceneStatus::Passed, SceneStatus::Failed, SceneStatus::Error, SceneStatus::Skipped})
-        summary[std::string(nameOf(status))] = countOf(results, status);
-    const nlohmann::json file = {{"format", "glint.verify"},   {"version", kVerifyJsonVersion},
-                                 {"glint", GLINT_VERSION},     {"device", device},
-                                 {"driver", driver},           {"summary", std::move(summary)},
-                                 {"scenes", std::move(scenes)}};
     std::ostringstream text;
     printJson(file, text);
     return text.str();
 }
 
 std::string junitText(const std::vector<SceneResult>& results) {
-    const auto attribute = [&](const char* name, SceneStatus status) {
-        return std::string(" ") + name + "=\"" + std::to_string(countOf(results, status)) + '"';
-    };
-    std::string out =
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"glint verify\" tests=\"" +
-        std::to_string(results.size()) + '"' + attribute("failures", SceneStatus::Failed) +
-        attribute("errors", SceneStatus::Error) + attribute("skipped", SceneStatus::Skipped) + " time=\"" +
-        format("%.3f", secondsOf(results)) + "\">\n";
-    for (const SceneResult& result : results) addTestCase(result, out);
-    return out + "</testsuite>\n";
+    std::ostringstream out;
+    out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"glint verify\" tests=\""
+        << results.size() << "\" failures=\"" << countOf(results, SceneStatus::Failed) << "\" errors=\""
+        << countOf(results, SceneStatus::Error) << "\" skipped=\"" << countOf(results, SceneStatus::Skipped)
+        << "\" time=\"" << format("%.3f", secondsOf(results)) << "\">\n";
+    for (const SceneResult& result : results) out << testCase(result);
+    out << "</testsuite>\n";
+    return out.str();
 }
 
 void writeArtifacts(const std::filesystem::path& folder, const std::string& stem,

@@ -21,10 +21,10 @@ void printReport(const std::string& scene, const verify::Report& report, const v
 std::string verdict(const verify::Report& report);
 
 // The same verdict and numbers, and the differing pixels that the report keeps.
-nlohmann::json reportJson(const std::string& scene, const verify::Report& report);
+nlohmann::json reportJson(const verify::Report& report);
 
-// The figures of one line, of what reportJson gives.
-std::string briefFigures(const nlohmann::json& report);
+// The figures for --brief.
+std::string briefFigures(const verify::Report& report);
 
 // Version of the JSON file's layout (docs/guide/verify.md). A change that breaks readers increments it.
 inline constexpr int kVerifyJsonVersion = 2;
@@ -43,6 +43,7 @@ struct SceneResult {
     std::string scene;
     SceneStatus status = SceneStatus::Passed;
     std::string message;        // the verdict, the error, or why the scene was skipped
+    std::string brief = {};     // the figures for --brief
     std::string details = {};   // the text report; empty without one
     nlohmann::json facts = {};  // figures and differing pixels; null without a report
     double seconds = 0;

@@ -40,7 +40,6 @@ void declare(OptionTable& table, ViewCommand& c) {
 
 #ifdef GLINT_WINDOW
 ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
-    checkErrorIsAsked(command.target);
     if (command.scene.scene == "-")
         throw Error(ErrorKind::Argument, "SCENE: the window needs a file, which it watches for changes");
     view::Options options;

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <optional>
 
-#include "bench/timing.h"
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -30,6 +29,22 @@ constexpr int kCountedPixels = 1 << 14;
 constexpr int kMinWarmUps = 2, kMaxWarmUps = 8;
 constexpr double kWarmUpSeconds = 0.3;
 constexpr int kApartRepeats = 3;
+
+render::StageTimes difference(render::StageTimes after, const render::StageTimes& before) {
+    using render::KernelTimes;
+    using render::StageTimes;
+    for (double StageTimes::*time :
+         {&StageTimes::compile, &StageTimes::trace, &StageTimes::device, &StageTimes::readback})
+        after.*time -= before.*time;
+    for (uint64_t StageTimes::*count : {&StageTimes::submissions, &StageTimes::slices, &StageTimes::resumes,
+                                        &StageTimes::pathRays, &StageTimes::invocations})
+        after.*count -= before.*count;
+    for (double KernelTimes::*time : {&KernelTimes::generate, &KernelTimes::primary, &KernelTimes::shadow,
+                                      &KernelTimes::secondary, &KernelTimes::shade, &KernelTimes::adapt,
+                                      &KernelTimes::whole, &KernelTimes::mirrored, &KernelTimes::refracted})
+        after.kernels.*time -= before.kernels.*time;
+    return after;
+}
 
 [[noreturn]] void stop() {
     throw Error(ErrorKind::Interrupted, "interrupted");
@@ -124,11 +139,13 @@ void summarize(const std::vector<Timing>& timings, Result& result) {
         for (const Timing& timing : timings) seconds.push_back(secondsOf(timing));
         return quartilesOf(seconds);
     };
-    result.generate = quartiles([](const Timing& t) { return t.stages.kernels.generate; });
-    result.primary = quartiles([](const Timing& t) { return t.stages.kernels.primary; });
-    result.shadow = quartiles([](const Timing& t) { return t.stages.kernels.shadow; });
-    result.secondary = quartiles([](const Timing& t) { return t.stages.kernels.secondary; });
-    result.shade = quartiles([](const Timing& t) { return t.stages.kernels.shade; });
+    using render::KernelTimes;
+    for (const auto& [to, from] : {std::pair(&Result::generate, &KernelTimes::generate),
+                                   {&Result::primary, &KernelTimes::primary},
+                                   {&Result::shadow, &KernelTimes::shadow},
+                                   {&Result::secondary, &KernelTimes::secondary},
+                                   {&Result::shade, &KernelTimes::shade}})
+        result.*to = quartiles([from = from](const Timing& t) { return t.stages.kernels.*from; });
     const bool device = result.backend == Backend::Gpu;
     result.trace = quartiles([=](const Timing& t) { return device ? t.stages.trace : t.wall; });
     result.readback = quartiles([](const Timing& t) { return t.stages.readback; });
@@ -243,6 +260,19 @@ std::vector<render::Traversal> waysOf(const Task& task, const gpu::Device& devic
 }
 
 }  // namespace
+
+Timing timeImage(const render::Renderer* renderer, const std::function<Picture()>& draw, Picture& picture) {
+    const render::StageTimes before = renderer ? renderer->times() : render::StageTimes();
+    const ProcessorWatch processors;
+    const Stopwatch watch;
+    picture = draw();
+    Timing timing;
+    timing.wall = watch.seconds();
+    timing.processors = processors.seconds();
+    if (renderer) timing.stages = difference(renderer->times(), before);
+    timing.wall -= timing.stages.compile;
+    return timing;
+}
 
 Result measure(const std::string& scene, const LoadedScene& loaded, const gpu::Device* device,
                const Options& options) {

@@ -1,16 +1,68 @@
-// Measures how many rays a second are traced, and what every stage takes.
+// Measures how many rays a second are traced, and what every stage takes. `glint bench` and `glint report`
+// measure with it.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
-#include "bench/result.h"
+#include "core/quartiles.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
+#include "reference/tracer.h"
 #include "render/renderer.h"
+#include "trace/backend.h"
+#include "trace/picture.h"
 #include "trace/request.h"
 
 namespace glint::bench {
+
+// Times of one image, in seconds.
+struct Timing {
+    double wall = 0;        // from the call to the end of the readback, without compiling
+    double processors = 0;  // of all threads of the process together
+    // Differences of the renderer's sums; `upload` and `longestSubmission` are the renderer's own. All 0 for
+    // the reference.
+    render::StageTimes stages;
+};
+
+// Calls `draw`, which renders one image with `renderer`, or with the reference if that is null.
+Timing timeImage(const render::Renderer* renderer, const std::function<Picture()>& draw, Picture& picture);
+
+// Measurements of one scene. Seconds unless said otherwise.
+struct Result {
+    std::string scene;
+    Backend backend = Backend::Gpu;
+    std::string device, driver, traversal, access;  // the last two empty on the host
+    int width = 0, height = 0, samples = 1, depth = 0, repeats = 0;
+    size_t lights = 0, triangles = 0, primitives = 0;
+    std::vector<std::string> used, also;  // features of the scene; further ones that there is code for
+
+    render::RayCounts rays;  // of one picture
+    // Seconds for one image. The reference does not separate ray classes and fills `trace` only.
+    Quartiles generate, primary, shadow, secondary, shade, trace, readback;
+    // Processor seconds of all threads for one image with its readback. On a software device they depend less
+    // than `trace` on other work of the machine.
+    Quartiles processors;
+    Quartiles mirrored, refracted;  // where a picture has both: in dispatches of their own
+    // The reference's rays, by RayClass: of the first sample of a grid of pixels; on the host, of all.
+    std::array<reference::RayTally, reference::kRayClasses> counted;
+    uint64_t countedPixels = 0;
+
+    // For one image, over all bounces: living paths, and paths that the kernels ran over.
+    uint64_t livePaths = 0, invocations = 0;
+
+    double open = 0, load = 0, build = 0, pack = 0, upload = 0, compile = 0;
+    unsigned threads = 1;
+    uint64_t hostPeakBytes = 0;  // of the process so far
+    uint64_t deviceBytes = 0;
+    uint64_t codeBytes = 0;  // SPIR-V that the driver was given
+    std::string picture;     // hash of the colours
+    // With --traversal all: each way to find hits that device and scene have, measured in turns.
+    std::vector<Result> walks;
+};
 
 struct Options {
     Request request;           // without adaptivity, see measure()
@@ -21,7 +73,7 @@ struct Options {
     std::function<bool()> cancelled = [] { return false; };
 };
 
-// Draws the scene's picture, on `device` or, if that is null, by the reference. Every pixel takes the same
+// Renders the scene's image, on `device` or, if that is null, by the reference. Every pixel takes the same
 // samples, though the scene may ask for adaptive ones: rays a second of pixels that stop say nothing about
 // the kernels. `scene` is the name that the result bears; its `open` is left at 0. Throws Error(Interrupted)
 // once cancelled.

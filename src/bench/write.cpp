@@ -1,8 +1,8 @@
 #include "bench/write.h"
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/format.h"
 #include "core/parallel.h"
 #include "core/text_file.h"
 
@@ -63,25 +63,26 @@ Json walkJson(const Result& r) {
 }
 
 Json sceneJson(const Result& r) {
-    Json json;
-    json["scene"] = r.scene;
-    json["backend"] = nameOf(r.backend);
-    json["device"] = r.device;
-    json["driver"] = r.driver;
-    if (!r.traversal.empty()) json["traversal"] = r.traversal;
-    if (!r.access.empty()) json["access"] = r.access;
-    json["width"] = r.width;
-    json["height"] = r.height;
-    json["samplesPerPixel"] = r.samples;
-    json["maxDepth"] = r.depth;
-    json["lights"] = r.lights;
-    json["triangles"] = r.triangles;
-    json["primitives"] = r.primitives;
-    json["repeats"] = r.repeats;
-    json["features"] = r.used;
-    json["also"] = r.also;
-    json["rays"] = raysJson(r);
-    json["countedPixels"] = r.countedPixels;
+    Json json = {
+        {"scene", r.scene},
+        {"backend", nameOf(r.backend)},
+        {"device", r.device},
+        {"driver", r.driver},
+        {"width", r.width},
+        {"height", r.height},
+        {"samplesPerPixel", r.samples},
+        {"maxDepth", r.depth},
+        {"lights", r.lights},
+        {"triangles", r.triangles},
+        {"primitives", r.primitives},
+        {"repeats", r.repeats},
+        {"features", r.used},
+        {"also", r.also},
+        {"rays", raysJson(r)},
+        {"countedPixels", r.countedPixels},
+        {"build", {{"threads", r.threads}, {"trianglesPerSecond", trianglesPerSecond(r)}}},
+        {"bytes", {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}, {"spirv", r.codeBytes}}},
+        {"picture", r.picture}};
     json["seconds"] = {{"open", r.open},
                        {"load", r.load},
                        {"build", r.build},
@@ -93,47 +94,35 @@ Json sceneJson(const Result& r) {
                        {"trace", quartilesJson(r.trace)},
                        {"readback", quartilesJson(r.readback)},
                        {"processors", quartilesJson(r.processors)}};
-    json["build"] = {{"threads", r.threads}, {"trianglesPerSecond", trianglesPerSecond(r)}};
-    json["bytes"] = {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}, {"spirv", r.codeBytes}};
-    if (r.backend == Backend::Gpu) json["paths"] = {{"live", r.livePaths}, {"invocations", r.invocations}};
-    json["picture"] = r.picture;
+    if (r.backend == Backend::Gpu) {
+        json["traversal"] = r.traversal;
+        json["access"] = r.access;
+        json["paths"] = {{"live", r.livePaths}, {"invocations", r.invocations}};
+    }
     for (const Result& walk : r.walks) json["walks"].push_back(walkJson(walk));
     return json;
 }
 
-template <typename... Values>
-std::string line(const char* format, Values... values) {
-    char text[256];
-    std::snprintf(text, sizeof(text), format, values...);
-    return text;
-}
-
 std::string milliseconds(const Quartiles& q) {
-    return line("%10.2f  %8.2f .. %-8.2f", q.median * 1e3, q.low * 1e3, q.high * 1e3);
-}
-
-std::string traversalText(const Result& r) {
-    const auto traversal = named<render::Traversal>(r.traversal);
-    const bool wide = traversal != render::Traversal::Lane && traversal != render::Traversal::Packet;
-    return wide ? "lanes in a " + r.traversal : r.traversal + "s";
+    return format("%10.2f  %8.2f .. %-8.2f", q.median * 1e3, q.low * 1e3, q.high * 1e3);
 }
 
 std::string rateLine(const Rate& rate) {
-    std::string text = line("  %-20s %11llu", rate.name, static_cast<unsigned long long>(rate.rays));
-    text += rate.rays > 0 ? line(" %10.1f", rate.testsPerRay) : line(" %10s", "-");
-    if (rate.seconds.median <= 0) return text + line(" %10s\n", "-");
+    std::string text = format("  %-20s %11llu", rate.name, static_cast<unsigned long long>(rate.rays));
+    text += rate.rays > 0 ? format(" %10.1f", rate.testsPerRay) : format(" %10s", "-");
+    if (rate.seconds.median <= 0) return text + format(" %10s\n", "-");
     const Quartiles q = perSecond(rate);
-    return text + line(" %10.3f  %8.3f .. %-8.3f %10.2f\n", q.median / 1e6, q.low / 1e6, q.high / 1e6,
-                       rate.seconds.median * 1e3);
+    return text + format(" %10.3f  %8.3f .. %-8.3f %10.2f\n", q.median / 1e6, q.low / 1e6, q.high / 1e6,
+                         rate.seconds.median * 1e3);
 }
 
 std::string stageLines(const Result& r) {
-    std::string text = line("  %-20s %10s  %s\n", "stage", "ms", "quartiles");
+    std::string text = format("  %-20s %10s  %s\n", "stage", "ms", "quartiles");
     const auto once = [&](const char* name, double seconds) {
-        text += line("  %-20s %10.2f\n", name, seconds * 1e3);
+        text += format("  %-20s %10.2f\n", name, seconds * 1e3);
     };
     const auto often = [&](const char* name, const Quartiles& q) {
-        if (q.median > 0) text += line("  %-20s ", name) + milliseconds(q) + "\n";
+        if (q.median > 0) text += format("  %-20s ", name) + milliseconds(q) + "\n";
     };
     const bool device = r.backend == Backend::Gpu;
     once("load", r.load);
@@ -152,75 +141,72 @@ std::string stageLines(const Result& r) {
     return text;
 }
 
+std::string walkTable(const std::vector<Result>& walks) {
+    std::string text = format("  %-9s", "traversal");
+    for (const char* name : {"primary", "shadow", "mirrored", "refracted", "all"})
+        text += format(" %9s", name);
+    text += format(" %9s %9s %9s  %s\n", "trace, ms", "upload", "MiB", "picture");
+    for (const Result& r : walks) {
+        text += format("  %-9s", r.traversal.c_str());
+        for (const Rate& rate : ratesOf(r)) {
+            if (std::string(rate.key) == "mirroredAndRefracted") continue;
+            text += rate.seconds.median > 0 ? format(" %9.3f", perSecond(rate).median / 1e6)
+                                            : format(" %9s", "-");
+        }
+        text += format(" %9.2f %9.2f %9.1f  %s\n", r.trace.median * 1e3, r.upload * 1e3,
+                       static_cast<double>(r.deviceBytes) / 1048576, r.picture.c_str());
+    }
+    return text;
+}
+
 }  // namespace
 
 std::vector<Rate> ratesOf(const Result& r) {
     using enum reference::RayClass;
-    const Quartiles none;
-    const bool mixed = r.rays.mirrored > 0 && r.rays.refracted > 0;
-    std::vector<Rate> rates = {{"primary", "primary", r.rays.primary, r.primary, testsOf(r, {Primary})},
-                               {"shadow", "shadow", r.rays.shadow, r.shadow, testsOf(r, {Shadow})},
-                               {"mirrored", "mirrored", r.rays.mirrored,
-                                mixed                  ? r.mirrored
-                                : r.rays.mirrored == 0 ? none
-                                                       : r.secondary,
-                                testsOf(r, {Mirrored})},
-                               {"refracted", "refracted", r.rays.refracted,
-                                mixed                   ? r.refracted
-                                : r.rays.refracted == 0 ? none
-                                                        : r.secondary,
-                                testsOf(r, {Refracted})}};
+    const auto& [primary, shadow, mirrored, refracted] = r.rays;
+    const bool mixed = mirrored > 0 && refracted > 0;
+    // Rays of one kind have the secondary dispatches for themselves.
+    const auto apart = [&](uint64_t rays, const Quartiles& own) {
+        return rays == 0 ? Quartiles() : mixed ? own : r.secondary;
+    };
+    std::vector<Rate> rates = {
+        {"primary", "primary", primary, r.primary, testsOf(r, {Primary})},
+        {"shadow", "shadow", shadow, r.shadow, testsOf(r, {Shadow})},
+        {"mirrored", "mirrored", mirrored, apart(mirrored, r.mirrored), testsOf(r, {Mirrored})},
+        {"refracted", "refracted", refracted, apart(refracted, r.refracted), testsOf(r, {Refracted})}};
     if (mixed)
-        rates.push_back({"mirroredAndRefracted", "mirrored, refracted", r.rays.mirrored + r.rays.refracted,
-                         r.secondary, testsOf(r, {Mirrored, Refracted})});
-    rates.push_back({"all", "all, with shading",
-                     r.rays.primary + r.rays.shadow + r.rays.mirrored + r.rays.refracted, r.trace,
+        rates.push_back({"mirroredAndRefracted", "mirrored, refracted", mirrored + refracted, r.secondary,
+                         testsOf(r, {Mirrored, Refracted})});
+    rates.push_back({"all", "all, with shading", primary + shadow + mirrored + refracted, r.trace,
                      testsOf(r, {Primary, Shadow, Mirrored, Refracted})});
     return rates;
 }
 
 std::string table(const Result& r, const Program& program) {
     std::string text = r.scene + "\n";
-    text += line("  %d x %d, %s, maxDepth %d, ", r.width, r.height,
-                 counted(static_cast<uint64_t>(r.samples), "sample").c_str(), r.depth);
+    text += format("  %d x %d, %s, maxDepth %d, ", r.width, r.height,
+                   counted(static_cast<uint64_t>(r.samples), "sample").c_str(), r.depth);
     text += counted(r.lights, "light") + ", " + counted(r.primitives, "primitive") + "\n";
     text += "  " + r.device + ", " + r.driver;
-    if (!r.traversal.empty()) text += ", " + traversalText(r) + ", " + r.access + " buffers";
+    if (!r.traversal.empty()) text += ", " + r.traversal + "s, " + r.access + " buffers";
     text += ", commit " + program.commit + "\n";
     if (!r.also.empty()) {
         text += "  with the code of";
         for (const std::string& name : r.also) text += " " + name;
         text += "\n";
     }
-    text += line("\n  %-20s %11s %10s %10s  %-20s %10s\n", "rays", "number", "tests/ray", "Mrays/s",
-                 "quartiles", "ms");
+    text += format("\n  %-20s %11s %10s %10s  %-20s %10s\n", "rays", "number", "tests/ray", "Mrays/s",
+                   "quartiles", "ms");
     for (const Rate& rate : ratesOf(r)) text += rateLine(rate);
     text += "\n" + stageLines(r);
     text += "\n  tree         " + counted(r.threads, "thread");
-    if (r.triangles > 0) text += line(", %.2f million triangles/s", trianglesPerSecond(r) / 1e6);
-    text += line("\n  memory       host %.1f MiB at most", static_cast<double>(r.hostPeakBytes) / 1048576);
+    if (r.triangles > 0) text += format(", %.2f million triangles/s", trianglesPerSecond(r) / 1e6);
+    text += format("\n  memory       host %.1f MiB at most", static_cast<double>(r.hostPeakBytes) / 1048576);
     if (r.backend == Backend::Gpu)
-        text += line(", device buffers %.1f MiB, SPIR-V %.1f KiB",
-                     static_cast<double>(r.deviceBytes) / 1048576, static_cast<double>(r.codeBytes) / 1024);
+        text += format(", device buffers %.1f MiB, SPIR-V %.1f KiB",
+                       static_cast<double>(r.deviceBytes) / 1048576, static_cast<double>(r.codeBytes) / 1024);
     text += "\n  picture      " + r.picture + "\n";
     return r.walks.empty() ? text : text + "\n" + walkTable(r.walks);
-}
-
-std::string walkTable(const std::vector<Result>& walks) {
-    std::string text = line("  %-9s", "traversal");
-    for (const char* name : {"primary", "shadow", "mirrored", "refracted", "all"}) text += line(" %9s", name);
-    text += line(" %9s %9s %9s  %s\n", "trace, ms", "upload", "MiB", "picture");
-    for (const Result& r : walks) {
-        text += line("  %-9s", r.traversal.c_str());
-        for (const Rate& rate : ratesOf(r)) {
-            if (std::string(rate.key) == "mirroredAndRefracted") continue;
-            text +=
-                rate.seconds.median > 0 ? line(" %9.3f", perSecond(rate).median / 1e6) : line(" %9s", "-");
-        }
-        text += line(" %9.2f %9.2f %9.1f  %s\n", r.trace.median * 1e3, r.upload * 1e3,
-                     static_cast<double>(r.deviceBytes) / 1048576, r.picture.c_str());
-    }
-    return text;
 }
 
 std::string json(const std::vector<Result>& results, const Program& program) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/result.h"
+#include "bench/measure.h"
 
 namespace glint::bench {
 
@@ -13,9 +13,18 @@ struct Program {
     std::string version, commit;
 };
 
-// Rays, stages, memory; and a table of the walks, if they were measured.
+// Rays cast and the time they took, in the order that they are shown.
+struct Rate {
+    const char* key;   // in JSON
+    const char* name;  // in the table
+    uint64_t rays = 0;
+    Quartiles seconds;       // all 0: not measured apart
+    double testsPerRay = 0;  // boxes and primitives
+};
+std::vector<Rate> ratesOf(const Result& result);
+
+// Rays, stages, memory; and a line for each of the walks, if they were measured.
 std::string table(const Result& result, const Program& program);
-std::string walkTable(const std::vector<Result>& walks);
 
 // One document for all scenes (docs/lab/building.md).
 std::string json(const std::vector<Result>& results, const Program& program);

@@ -1,5 +1,6 @@
 // One page with everything in it, without scripts and references. Each scene's first screen shows its image,
 // the settings to use and the error curve; the tables follow.
+#include <map>
 #include <sstream>
 
 #include "report/write.h"
@@ -82,26 +83,13 @@ class Page {
 }  // namespace
 
 std::string escapeMarkup(const std::string& text) {
+    static const std::map<char, const char*> entities = {
+        {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
     std::string out;
-    for (const char c : text) switch (c) {
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '&':
-                out += "&amp;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            case '\'':
-                out += "&#39;";
-                break;
-            default:
-                out += c;
-        }
+    for (const char c : text) {
+        const auto entity = entities.find(c);
+        out += entity == entities.end() ? std::string(1, c) : entity->second;
+    }
     return out;
 }
 

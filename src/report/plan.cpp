@@ -2,20 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "core/format.h"
 #include "core/image_diff.h"
-#include "verify/stiffness.h"
 
 namespace glint::report {
 
 namespace {
-
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%g", value);
-    return text;
-}
 
 class Plan {
   public:
@@ -73,12 +66,12 @@ class Plan {
         for (const double contrast : {0.2, 0.05}) {
             Setting s;
             s.contrast = contrast;
-            add(s, "adaptive " + number(contrast), 4);
+            add(s, "adaptive " + format("%g", contrast), 4);
         }
         for (const double error : {0.03, 0.01}) {
             Setting s;
             s.error = error;
-            add(s, "error " + number(error), 1);
+            add(s, "error " + format("%g", error), 1);
         }
         Setting reference;
         reference.onReference = true;
@@ -95,9 +88,9 @@ std::string keyOf(const Setting& s) {
     key += ' ' + std::string(nameOf(s.methods.triangles)) + ' ' + std::string(nameOf(s.methods.spheres));
     key += ' ' + std::string(nameOf(s.methods.slabs)) + ' ' + std::string(nameOf(s.methods.offsets));
     key += " depth=" + (s.limits.depth ? std::to_string(*s.limits.depth) : std::string("scene"));
-    key += " cut=" + number(s.limits.minContribution) + (s.leaveOut ? " pruned" : " full");
-    if (s.error) key += " error=" + number(*s.error);
-    if (s.contrast) key += " contrast=" + number(*s.contrast);
+    key += " cut=" + format("%g", s.limits.minContribution) + (s.leaveOut ? " pruned" : " full");
+    if (s.error) key += " error=" + format("%g", *s.error);
+    if (s.contrast) key += " contrast=" + format("%g", *s.contrast);
     if (s.onReference) key += " reference";
     if (!s.on.empty()) key += " on " + s.on;
     return key;
@@ -147,10 +140,7 @@ const std::vector<std::string>& familyStarts() {
 ErrorMeasures measureError(const Image& picture, std::span<const glm::dvec3> truth,
                            std::span<const uint8_t> counts) {
     ErrorMeasures m;
-    std::vector<float> greatest;
-    greatest.reserve(truth.size());
-    uint64_t visible = 0, small = 0;
-    double squares = 0;
+    uint64_t visible = 0;
     for (size_t i = 0; i < truth.size(); ++i) {
         if (!counts.empty() && counts[i] == 0) continue;
         const float* pixel = &picture.pixels[i * static_cast<size_t>(picture.channels)];
@@ -162,29 +152,18 @@ ErrorMeasures measureError(const Image& picture, std::span<const glm::dvec3> tru
         const glm::dvec3 size = glm::abs(d);
         const double largest = std::max({size.x, size.y, size.z});
         ++m.pixels;
-        const double square = glm::dot(d, d) / 3;
-        m.rmse += square;
-        squares += square * square;
+        m.rmse += glm::dot(d, d);
         for (int c = 0; c < 3; ++c) m.relMse += d[c] * d[c] / (truth[i][c] * truth[i][c] + kRelativeFloor);
         m.bias += d.x + d.y + d.z;
         m.max = std::max(m.max, largest);
         visible += largest > 1.0 / 255 ? 1 : 0;
-        small += largest > 1e-3 ? 1 : 0;
-        greatest.push_back(static_cast<float>(largest));
     }
     if (m.pixels == 0) return m;
     const double pixels = static_cast<double>(m.pixels);
-    const double mean = m.rmse / pixels;
-    m.rmse = std::sqrt(mean);
-    if (m.pixels > 1 && mean > 0) {
-        const double variance = std::max(0.0, (squares / pixels - mean * mean) * pixels / (pixels - 1));
-        m.rmseError = std::sqrt(variance / pixels) / (2 * m.rmse);
-    }
+    m.rmse = std::sqrt(m.rmse / (3 * pixels));
     m.relMse /= 3 * pixels;
     m.bias /= 3 * pixels;
-    m.p99 = verify::percentile99(std::move(greatest));
     m.percentVisible = 100 * static_cast<double>(visible) / pixels;
-    m.percentSmall = 100 * static_cast<double>(small) / pixels;
     return m;
 }
 

@@ -62,15 +62,10 @@ struct ErrorMeasures {
     uint64_t pixels = 0;
     uint64_t notFinite = 0;  // pixels left out because a channel is not finite
     double rmse = 0;         // root mean square over pixels and channels
-    // Standard error of rmse, from the scatter of the pixels' squares: sqrt(var / pixels) / (2 rmse). Errors
-    // of neighbouring pixels count as independent, which those of random samplers are.
-    double rmseError = 0;
     // Mean over pixels and channels of d^2 / (truth^2 + kRelativeFloor), see core/image_diff.h.
     double relMse = 0;
     double max = 0;             // greatest channel of any pixel
-    double p99 = 0;             // 99th percentile over pixels of the greatest channel
     double percentVisible = 0;  // of the pixels, greatest channel above 1/255
-    double percentSmall = 0;    // the same above 1e-3
     double bias = 0;            // mean over pixels and channels
 };
 
@@ -99,7 +94,7 @@ struct Measured {
     double asked = 0;            // --error; 0: none
     double bound = 0;            // on the RMSE of the branches that a depth or cut leaves out
     std::vector<double> seconds, rmse, deviceSeconds;  // of each run; device: 0 without timestamps
-    double compile = 0, upload = 0, readback = 0;
+    double compile = 0;
     uint64_t rays = 0;  // camera and later rays; no shadow rays
 
     Quartiles wall() const { return quartilesOf(seconds); }
@@ -112,7 +107,6 @@ struct SceneReport {
     int width = 0, height = 0, depth = 0;  // depth: the scene's
     double kappa = 0;
     std::string stiffness;
-    std::string contents;   // "mirrors, glass, lens": what makes it expensive
     int truthSamples = 0;   // per pixel of the converged image
     double truthError = 0;  // its own RMSE, from its two halves of different seeds
     std::string thumbnail;  // of the converged image: a PNG in base64

@@ -35,15 +35,12 @@ Report freshReport(const Options& options, const gpu::DeviceInfo& device) {
 
 // The earlier report of a scene of the same bytes and size.
 SceneReport resumed(const SceneReport& empty, const std::optional<Report>& earlier) {
-    if (!earlier) return empty;
-    for (const SceneReport& scene : earlier->scenes) {
-        if (std::tie(scene.path, scene.camera, scene.hash, scene.width, scene.height) !=
-            std::tie(empty.path, empty.camera, empty.hash, empty.width, empty.height))
-            continue;
-        SceneReport report = scene;
-        report.name = empty.name;
-        return report;
-    }
+    const auto identity = [](const SceneReport& s) {
+        return std::tie(s.path, s.camera, s.hash, s.width, s.height);
+    };
+    if (earlier)
+        for (const SceneReport& scene : earlier->scenes)
+            if (identity(scene) == identity(empty)) return scene;
     return empty;
 }
 
@@ -53,18 +50,7 @@ void keepOtherScenes(const Report& earlier, Report& report) {
         const bool named = std::any_of(report.scenes.begin(), report.scenes.end(), [&](const SceneReport& s) {
             return s.path == scene.path && s.camera == scene.camera;
         });
-        if (named) continue;
-        report.scenes.push_back(scene);
-        report.scenes.back().name = fs::path(scene.path).stem().string();
-    }
-}
-
-// knot, knot-2: the names of the diagrams.
-void makeNamesUnique(std::vector<SceneReport>& scenes) {
-    std::map<std::string, int> uses;
-    for (SceneReport& scene : scenes) {
-        const int use = ++uses[scene.name];
-        if (use > 1) scene.name += "-" + std::to_string(use);
+        if (!named) report.scenes.push_back(scene);
     }
 }
 
@@ -129,25 +115,27 @@ bool measureAll(const Sweeps& sweeps, Report& report, const Options& options) {
     return true;
 }
 
-void checkMemory(const Sweeps& sweeps, const Options& options) {
-    const uint64_t available = options.memory();
-    const auto needed = [&](int width) {
-        uint64_t bytes = 0;
-        for (const auto& sweep : sweeps) bytes += sweep->memory(width);
-        return bytes;
-    };
-    if (needed(options.width) <= available) return;
-    int width = options.width;
-    while (width > 1 && needed(width) > available) width /= 2;
-    throw Error(ErrorKind::Failed,
-                "images " + std::to_string(options.width) + " pixels wide may need " +
-                    gibibytes(needed(options.width)) + " of memory, " + gibibytes(available) +
-                    " are free: use " +
-                    (width > 1 ? "a smaller --size (" + std::to_string(width) + " fits) or fewer scenes"
-                               : std::string("fewer scenes")));
+void checkMemory(const Sweeps& sweeps, uint64_t available) {
+    uint64_t needed = 0;
+    for (const auto& sweep : sweeps) needed += sweep->memory();
+    if (needed > available)
+        throw Error(ErrorKind::Failed, "the images may need " + gibibytes(needed) + " of memory, " +
+                                           gibibytes(available) +
+                                           " are free: use a smaller --size or fewer scenes");
 }
 
 }  // namespace
+
+std::vector<std::string> uniqueStems(const std::vector<fs::path>& files) {
+    std::map<std::string, int> uses;
+    std::vector<std::string> stems;
+    for (const fs::path& file : files) {
+        const std::string stem = file.stem().string();
+        const int use = ++uses[stem];
+        stems.push_back(stem + (use > 1 ? "-" + std::to_string(use) : ""));
+    }
+    return stems;
+}
 
 std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInfo& device,
                                     std::string& warning) {
@@ -177,9 +165,12 @@ Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::
         empty.camera = subject.camera;
         report.scenes.push_back(resumed(empty, earlier));
     }
-    checkMemory(sweeps, options);
+    checkMemory(sweeps, options.memory());
     if (earlier) keepOtherScenes(*earlier, report);
-    makeNamesUnique(report.scenes);
+    std::vector<fs::path> paths;
+    for (const SceneReport& scene : report.scenes) paths.emplace_back(scene.path);
+    const std::vector<std::string> names = uniqueStems(paths);
+    for (size_t i = 0; i < names.size(); ++i) report.scenes[i].name = names[i];
     report.complete = measureAll(sweeps, report, options);
     listLeftOut(sweeps, report);
     for (size_t i = 0; i < sweeps.size() && report.complete; ++i)

@@ -38,6 +38,9 @@ struct Subject {
     LoadedScene loaded;
 };
 
+// The stem of each file, STEM-2 for the second of the same stem: names of files about them.
+std::vector<std::string> uniqueStems(const std::vector<std::filesystem::path>& files);
+
 // report.json in the folder, if it was made with the same options, device and version; otherwise empty, with
 // the reason in `warning`. Throws Error(Failed) for a file that is not a report.
 std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInfo& device,

@@ -2,10 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <functional>
 #include <utility>
 
+#include "core/format.h"
 #include "report/write.h"
 
 namespace glint::report {
@@ -31,18 +30,18 @@ struct Series {
     bool line = true;
 };
 
-std::string text(double x, double y, const std::string& anchor, const std::string& content,
+std::string text(double x, double y, const char* anchor, const std::string& content,
                  const std::string& more = "") {
-    char head[128];
-    std::snprintf(head, sizeof(head), "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\"", x, y, anchor.c_str());
-    return head + (more.empty() ? "" : " " + more) + ">" + escapeMarkup(content) + "</text>\n";
+    return format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" ", x, y, anchor) + more + ">" +
+           escapeMarkup(content) + "</text>\n";
 }
 
 std::string line(double x0, double y0, double x1, double y1, const char* style) {
-    char out[192];
-    std::snprintf(out, sizeof(out), "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" %s/>\n", x0, y0,
-                  x1, y1, style);
-    return out;
+    return format("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" %s/>\n", x0, y0, x1, y1, style);
+}
+
+std::string letterStyle(const char* color) {
+    return std::string("font-weight=\"bold\" fill=\"") + color + "\"";
 }
 
 // A range of positive numbers on a logarithmic axis, with room at both ends.
@@ -85,43 +84,35 @@ class LogAxis {
 
 class Drawing {
   public:
-    Drawing(std::string title, std::string xLabel, std::string yLabel)
-        : title_(std::move(title)), xLabel_(std::move(xLabel)), yLabel_(std::move(yLabel)) {}
+    Drawing(std::string title, std::string yLabel) : title_(std::move(title)), yLabel_(std::move(yLabel)) {}
 
     void add(Series series) {
         std::erase_if(series.points, [](const Point& p) { return !(p.x > 0) || !(p.y > 0); });
-        if (!series.points.empty()) series_.push_back(std::move(series));
+        if (series.points.empty()) return;
+        include(series.points);
+        series_.push_back(std::move(series));
     }
-    void setFront(std::vector<Point> front) { front_ = std::move(front); }
+    // The Pareto front, drawn below the other curves.
+    void setFront(std::vector<Point> front) {
+        include(front);
+        front_ = std::move(front);
+    }
 
     std::string draw() {
         if (series_.empty()) return "";
-        for (const Series& series : series_) {
-            for (const Point& p : series.points) {
-                x_.include(p.x);
-                y_.include(p.y);
-            }
-        }
-        for (const Point& p : front_) {
-            x_.include(p.x);
-            y_.include(p.y);
-        }
         x_.addRoom();
         y_.addRoom();
         const double height =
             std::max(kHeight, kTop + kLegendStep * (static_cast<double>(series_.size()) + 2));
-        char head[256];
-        std::snprintf(
-            head, sizeof(head),
+        std::string out = format(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%g\" height=\"%g\" viewBox=\"0 0 %g %g\" "
-            "font-family=\"sans-serif\" font-size=\"12\">\n",
+            "font-family=\"sans-serif\" font-size=\"12\">\n"
+            "<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
             kWidth, height, kWidth, height);
-        std::string out = head;
-        out += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n" + axes();
-        if (front_.size() > 1)
-            out += path(front_, "stroke=\"#bbbbbb\" stroke-width=\"7\" stroke-opacity=\"0.6\"");
+        out += axes();
         double legend = kTop + 8;
         if (front_.size() > 1) {
+            out += path(front_, "stroke=\"#bbbbbb\" stroke-width=\"7\" stroke-opacity=\"0.6\"");
             out += line(kLegendLeft, legend - 4, kLegendLeft + 18, legend - 4,
                         "stroke=\"#bbbbbb\" stroke-width=\"7\"");
             out += text(kLegendLeft + 26, legend, "start", "nothing is faster and more exact");
@@ -132,6 +123,13 @@ class Drawing {
     }
 
   private:
+    void include(const std::vector<Point>& points) {
+        for (const Point& p : points) {
+            x_.include(p.x);
+            y_.include(p.y);
+        }
+    }
+
     std::string axes() const {
         const char* grid = "stroke=\"#e4e4e4\"";
         std::string out = text(kLeft, 22, "start", title_, "font-size=\"15\" font-weight=\"bold\"");
@@ -144,43 +142,34 @@ class Drawing {
             out += text(kLeft - 6, y_.at(v) + 4, "end", shortNumber(v));
         }
         out += "<path d=\"M80 40V400H600\" fill=\"none\" stroke=\"black\"/>\n";
-        out += text((kLeft + kRight) / 2, kBottom + 40, "middle", xLabel_);
+        out +=
+            text((kLeft + kRight) / 2, kBottom + 40, "middle", "seconds for the image (median, wall clock)");
         return out + text(0, 0, "middle", yLabel_, "transform=\"translate(20 220) rotate(-90)\"");
     }
 
     std::string path(const std::vector<Point>& points, const std::string& style) const {
         std::string d;
-        for (const Point& p : points) {
-            char step[64];
-            std::snprintf(step, sizeof(step), "%c%.1f %.1f", d.empty() ? 'M' : 'L', x_.at(p.x), y_.at(p.y));
-            d += step;
-        }
+        for (const Point& p : points)
+            d += format("%c%.1f %.1f", d.empty() ? 'M' : 'L', x_.at(p.x), y_.at(p.y));
         return "<path d=\"" + d + "\" fill=\"none\" stroke-linejoin=\"round\" " + style + "/>\n";
     }
 
     // Letters keep clear of the marks before them: the nearest free place on a spiral, within the axes.
     std::string mark(double x, double y, const std::string& letter, const char* color) {
-        char out[160];
-        if (!letter.empty()) {
-            const double x0 = x, y0 = y;
-            const auto taken = [&] {
-                return std::any_of(marks_.begin(), marks_.end(), [&](const auto& m) {
-                    return std::abs(m.first - x) < 11 && std::abs(m.second - y) < 12;
-                });
-            };
-            for (int step = 1; step < 400 && taken(); ++step) {
-                const double angle = 0.7 * step, radius = 3 * std::sqrt(step) + 6;
-                x = std::clamp(x0 + radius * std::cos(angle), kLeft + 6, kRight - 6);
-                y = std::clamp(y0 + radius * std::sin(angle), kTop + 8, kBottom - 8);
-            }
-            marks_.emplace_back(x, y);
-            return text(x, y + 4, "middle", letter,
-                        std::string("font-weight=\"bold\" fill=\"") + color + "\"");
+        const double x0 = x, y0 = y;
+        const auto taken = [&] {
+            return std::any_of(marks_.begin(), marks_.end(), [&](const auto& m) {
+                return std::abs(m.first - x) < 11 && std::abs(m.second - y) < 12;
+            });
+        };
+        for (int step = 1; step < 400 && !letter.empty() && taken(); ++step) {
+            const double angle = 0.7 * step, radius = 3 * std::sqrt(step) + 6;
+            x = std::clamp(x0 + radius * std::cos(angle), kLeft + 6, kRight - 6);
+            y = std::clamp(y0 + radius * std::sin(angle), kTop + 8, kBottom - 8);
         }
         marks_.emplace_back(x, y);
-        std::snprintf(out, sizeof(out), "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"%s\"/>\n", x, y,
-                      color);
-        return out;
+        return letter.empty() ? format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"%s\"/>\n", x, y, color)
+                              : text(x, y + 4, "middle", letter, letterStyle(color));
     }
 
     std::string drawSeries(size_t index, double legend) {
@@ -189,18 +178,16 @@ class Drawing {
         std::string out;
         if (series.line && series.points.size() > 1)
             out += path(series.points, std::string("stroke=\"") + color + "\" stroke-width=\"1.5\"");
-        for (const Point& p : series.points) {
+        for (const Point& p : series.points)
             out += "<g><title>" + escapeMarkup(p.tip) + "</title>" +
                    mark(x_.at(p.x), y_.at(p.y), p.mark, color) + "</g>\n";
-        }
         const std::string& letter = series.line ? std::string() : series.points.front().mark;
         out += letter.empty() ? mark(kLegendLeft + 9, legend - 4, "", color)
-                              : text(kLegendLeft + 9, legend, "middle", letter,
-                                     std::string("font-weight=\"bold\" fill=\"") + color + "\"");
+                              : text(kLegendLeft + 9, legend, "middle", letter, letterStyle(color));
         return out + text(kLegendLeft + 26, legend, "start", series.label);
     }
 
-    std::string title_, xLabel_, yLabel_;
+    std::string title_, yLabel_;
     LogAxis x_{kLeft, kRight}, y_{kBottom, kTop};
     std::vector<Series> series_;
     std::vector<Point> front_;
@@ -213,7 +200,7 @@ Point totalPoint(const Measured& m, const std::string& mark) {
                 shortNumber(m.error)};
 }
 
-// The families of the first diagram and of the comparison of devices, in order of measurement.
+// Families in order of measurement: of the comparison of devices, or all others but depths and cuts.
 std::vector<std::string> familiesOf(const SceneReport& scene, bool devices) {
     std::vector<std::string> families;
     for (const Measured& m : scene.measured)
@@ -226,14 +213,11 @@ std::vector<std::string> familiesOf(const SceneReport& scene, bool devices) {
 }  // namespace
 
 std::string precisionDiagram(const SceneReport& scene) {
-    Drawing drawing(scene.name + ": error against time", "seconds for the image (median, wall clock)",
-                    "RMSE against the converged image");
+    Drawing drawing(scene.name + ": error against time", "RMSE against the converged image");
     char letter = 'a';
     for (const std::string& family : familiesOf(scene, false)) {
-        Series series;
         const auto points = familyOf(scene, family);
-        series.label = family;
-        series.line = isSampler(family);
+        Series series{family, {}, isSampler(family)};
         if (series.line)
             series.label += " (" + std::to_string(points.front()->spp) + " to " +
                             std::to_string(points.back()->spp) + " spp)";
@@ -250,32 +234,26 @@ std::string precisionDiagram(const SceneReport& scene) {
 
 std::string truncationDiagram(const SceneReport& scene) {
     Drawing drawing(scene.name + ": depth and least contribution, at 4 samples",
-                    "seconds for the image (median, wall clock)",
                     "RMSE against the whole tree, same samples");
-    const auto add = [&](const std::string& family, const std::string& label,
-                         const std::function<std::string(const Measured&)>& mark) {
-        Series series;
-        series.label = label;
-        for (const Measured* m : familyOf(scene, family)) {
+    for (const bool depth : {true, false}) {
+        Series series{depth ? "greatest depth" : "least contribution", {}};
+        for (const Measured* m : familyOf(scene, depth ? "depth" : "cut")) {
             if (!m->arithmetic) continue;
-            series.points.push_back({m->median(), m->arithmetic->all.rmse, mark(*m),
-                                     label + " " + mark(*m) + ": " + shortNumber(m->median()) + " s, error " +
-                                         shortNumber(m->arithmetic->all.rmse)});
+            const std::string mark = depth ? std::to_string(m->depth) : shortNumber(m->minContribution);
+            series.points.push_back({m->median(), m->arithmetic->all.rmse, mark,
+                                     series.label + " " + mark + ": " + shortNumber(m->median()) +
+                                         " s, error " + shortNumber(m->arithmetic->all.rmse)});
         }
         drawing.add(std::move(series));
-    };
-    if (familyOf(scene, "depth").empty() && familyOf(scene, "cut").empty()) return "";
-    add("depth", "greatest depth", [](const Measured& m) { return std::to_string(m.depth); });
-    add("cut", "least contribution", [](const Measured& m) { return shortNumber(m.minContribution); });
+    }
     return drawing.draw();
 }
 
 std::string devicesDiagram(const SceneReport& scene) {
     Drawing drawing(scene.name + ": devices side by side, lowDiscrepancy",
-                    "seconds for the image (median, wall clock)", "RMSE against the converged image");
+                    "RMSE against the converged image");
     for (const std::string& family : familiesOf(scene, true)) {
-        Series series;
-        series.label = family.substr(std::string_view(kOnDevice).size());
+        Series series{family.substr(std::string_view(kOnDevice).size()), {}};
         for (const Measured* m : familyOf(scene, family)) series.points.push_back(totalPoint(*m, ""));
         drawing.add(std::move(series));
     }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "bench/timing.h"
+#include "bench/measure.h"
 #include "converge/bounds.h"
 #include "converge/converge.h"
 #include "core/codecs.h"
@@ -34,20 +34,6 @@ constexpr double kOverdue = 1;              // seconds past the budget after whi
 
 double boundOf(const LostBranches& lost, double pixels) {
     return std::sqrt(lost.greatest * lost.sum / pixels);  // see docs/design/error-targets.md
-}
-
-std::string contentsOf(const LoadedScene& loaded) {
-    const SceneFeatures& f = loaded.packed.features;
-    std::string words;
-    const auto say = [&](bool there, const char* word) {
-        if (there) words += (words.empty() ? "" : ", ") + std::string(word);
-    };
-    say(f.transmission, "glass");
-    say(f.mirrors, "mirrors");
-    say(loaded.scene.camera.lensRadius > 0, "lens");
-    say(f.textures || f.checkers, "textures");
-    say(f.environmentMap, "environment map");
-    return words.empty() ? "diffuse and shadows" : words;
 }
 
 // The file, for camera and image, and the packed arrays, for the meshes and images that it names. The BVH
@@ -92,7 +78,8 @@ SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, Lo
       truthSeconds_(truthSeconds),
       loaded_(std::move(loaded)) {
     image_ = loaded_.scene.image;
-    image_.height = heightOf(options.width);
+    image_.height = std::max(
+        1, static_cast<int>(std::lround(static_cast<double>(options.width) * image_.height / image_.width)));
     image_.width = options.width;
     image_.filter = Filter::Box;  // the same for all settings, and its samples all have the same weight
     image_.filterRadius = defaultRadius(Filter::Box);
@@ -108,30 +95,21 @@ SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, Lo
     });
 }
 
-SceneSweep::~SceneSweep() = default;
-
-int SceneSweep::heightOf(int width) const {
-    const ImageSettings& own = loaded_.scene.image;
-    return std::max(1, static_cast<int>(std::lround(static_cast<double>(width) * own.height / own.width)));
-}
-
 SceneReport SceneSweep::emptyReport() const {
     SceneReport report;
     report.path = path_.generic_string();
-    report.name = path_.stem().string();
     report.hash = hashOf(readFile(path_), loaded_.packed);
     report.width = image_.width;
     report.height = image_.height;
     report.depth = static_cast<int>(depthOf(loaded_.packed, {}));
-    report.contents = contentsOf(loaded_);
     return report;
 }
 
 // Colors in double precision: the converged image with its halves, at most five images of the same samples
 // for each sampler, and those of --error; AOVs of the image that is judged. A driver on the processor adds
 // paths of at most 1 GiB, the arrays, and 48 MiB for the code of each renderer.
-uint64_t SceneSweep::memory(int width) const {
-    const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(heightOf(width));
+uint64_t SceneSweep::memory() const {
+    const uint64_t pixels = static_cast<uint64_t>(image_.width) * static_cast<uint64_t>(image_.height);
     const uint64_t renderers = 2 + options_.devices.size();
     const uint64_t images = (4 + 6 + 4) * sizeof(glm::dvec4) + 2 * sizeof(PixelData) + 8 * sizeof(float) * 4;
     return pixels * images + renderers * (arrayBytes_ + (uint64_t{48} << 20));
@@ -205,17 +183,9 @@ double SceneSweep::secondsOf(const Setting& s) {
     return seconds_[who] = watch.seconds();
 }
 
-double SceneSweep::predictedSeconds(const Setting& s, const Measured* known, const SceneReport& report) {
+double SceneSweep::predictedSeconds(const Setting& s, const Measured* known) {
     if (known) return *std::max_element(known->seconds.begin(), known->seconds.end());
-    double samples = s.contrast ? 32 : s.spp;
-    if (s.error) {
-        samples = 64;
-        // The error falls with about the power -0.6 of the samples.
-        for (const Measured& m : report.measured)
-            if (m.family == nameOf(Sampler::LowDiscrepancy) && m.error > 0)
-                samples =
-                    std::clamp(2 * m.spp * std::pow(m.error / *s.error, 1 / 0.6), 2.0, kMostErrorSamples);
-    }
+    const double samples = s.contrast ? 32 : s.error ? 64 : s.spp;
     const double judged = hasArithmetic(s) && !sameSamples_.contains({s.sampler, s.spp}) ? samples : 0;
     Setting reference;
     reference.onReference = true;
@@ -324,8 +294,6 @@ bool SceneSweep::drawTimed(const Setting& s, Measured& m, const SceneReport& rep
     m.seconds.push_back(timing.wall);
     m.deviceSeconds.push_back(timing.stages.device);
     m.compile += timing.stages.compile;
-    m.upload = timing.stages.upload;
-    m.readback = timing.stages.readback;
     m.rays = timing.stages.pathRays;
     double samples = picture.samplesPerPixel;
     if (!picture.samples.empty())
@@ -350,7 +318,7 @@ SceneSweep::Outcome SceneSweep::run(const Setting& s, SceneReport& report) {
     if (!isPossible(s, report)) return Outcome::Skipped;
     const std::string key = keyOf(s);
     const Measured* known = report.find(key);
-    if (options_.secondsLeft() != infinite && predictedSeconds(s, known, report) > options_.secondsLeft())
+    if (options_.secondsLeft() != infinite && predictedSeconds(s, known) > options_.secondsLeft())
         return unfinished();
     Measured m = known ? *known : Measured();
     if (!known) {

@@ -21,13 +21,12 @@ class SceneSweep {
     // `options` must outlive the object.
     SceneSweep(const gpu::Device& device, std::filesystem::path path, LoadedScene loaded,
                const Options& options, double truthSeconds);
-    ~SceneSweep();
 
     const std::vector<Setting>& settings() const { return settings_; }
     // Sizes, names, hash; without measurements.
     SceneReport emptyReport() const;
-    // Bytes of memory for images of a width, beside the scene itself; a bound.
-    uint64_t memory(int width) const;
+    // Bytes of memory for the images, beside the scene itself; a bound.
+    uint64_t memory() const;
 
     // Done: one more run of the setting is in the report. Skipped: no time is left for it, or rounding alone
     // exceeds its --error.
@@ -42,11 +41,10 @@ class SceneSweep {
     };
 
     Request requestFor(const Setting& setting, uint32_t seed) const;
-    int heightOf(int width) const;
     render::Renderer* rendererOf(const Setting& setting);  // null: the reference
     Picture draw(const Setting& setting, uint32_t seed);
     double secondsOf(const Setting& setting);
-    double predictedSeconds(const Setting& setting, const Measured* known, const SceneReport& report);
+    double predictedSeconds(const Setting& setting, const Measured* known);
     const SameSamples* sameSamples(const Setting& setting);  // null: cancelled
     bool drawTruth(SceneReport& report);                     // false: cancelled, or no time
     bool judgeArithmetic(const Setting& setting, Measured& measured);

@@ -1,18 +1,15 @@
 // Tables and conclusions of a report.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <numeric>
+#include <utility>
 
+#include "core/format.h"
 #include "core/text_file.h"
 #include "report/write.h"
-#include "verify/stiffness.h"
 
 namespace glint::report {
 
 namespace {
-
-constexpr int kLeastTellingWidth = 256;
 
 std::string row(const std::vector<std::string>& cells) {
     std::string line = "|";
@@ -20,10 +17,12 @@ std::string row(const std::vector<std::string>& cells) {
     return line + "\n";
 }
 
-std::string header(const std::vector<std::string>& cells) {
-    std::string line = row(cells) + "|";
-    for (size_t i = 0; i < cells.size(); ++i) line += "---|";
-    return line + "\n";
+// A blank line and the table; empty without rows.
+std::string table(const std::vector<std::string>& heading, const std::string& rows) {
+    if (rows.empty()) return "";
+    std::string rule = "|";
+    for (size_t i = 0; i < heading.size(); ++i) rule += "---|";
+    return "\n" + row(heading) + rule + "\n" + rows;
 }
 
 std::string milliseconds(double seconds) {
@@ -44,48 +43,17 @@ std::string errorOf(const SceneReport& scene, const Measured& m) {
     return m.hidden ? "< " + shortNumber(scene.truthError) : shortNumber(m.error);
 }
 
-std::string settingOf(const Measured& m) {
-    const std::string name = m.family + ", " + shortNumber(m.samples) + " spp";
-    return isSampler(m.family) ? name : name + " lowDiscrepancy";
-}
-
-// The distance from 1 matters.
-std::string similarity(const std::optional<double>& ssim) {
-    char text[32] = "-";
-    if (ssim) std::snprintf(text, sizeof(text), "%.5f", *ssim);
-    return text;
-}
-
-std::string slopeLine(const SceneReport& scene) {
-    std::string out = "Slopes of error against samples:";
-    for (const Sampler s : kSamplers) {
-        const std::string sampler(nameOf(s));
-        std::vector<double> x, y;
-        for (const Measured* m : familyOf(scene, sampler)) {
-            if (m->hidden) continue;
-            x.push_back(m->spp);
-            y.push_back(m->error);
-        }
-        const auto slope = logSlope(x, y);
-        out += " " + sampler + " " + (slope ? shortNumber(*slope) : "not measured") + ",";
-    }
-    return out +
-           " where -1/2 is expected of random samples, -3/4 of stratified ones at edges, -1 of smooth "
-           "images.\n";
-}
-
 std::string samplingTable(const SceneReport& scene) {
     std::string rows;
     for (const Sampler s : kSamplers)
         for (const Measured* m : familyOf(scene, std::string(nameOf(s))))
             rows += row({m->family, std::to_string(m->spp), wallOf(*m),
                          milliseconds(quartilesOf(m->deviceSeconds).median), errorOf(scene, *m),
-                         shortNumber(m->total.relMse), similarity(m->ssim), shortNumber(m->total.max),
-                         shortNumber(m->total.percentVisible), rateOf(*m)});
-    if (rows.empty()) return "";
-    return header({"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "SSIM", "max", "> 1/255 %",
-                   "Mrays/s"}) +
-           rows + "\n" + slopeLine(scene) + "\n";
+                         shortNumber(m->total.relMse), m->ssim ? format("%.5f", *m->ssim) : "-",
+                         shortNumber(m->total.max), shortNumber(m->total.percentVisible), rateOf(*m)});
+    return table({"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "SSIM", "max", "> 1/255 %",
+                  "Mrays/s"},
+                 rows);
 }
 
 bool isTruncated(const Measured& m) {
@@ -102,13 +70,11 @@ std::string methodTable(const SceneReport& scene) {
         const ArithmeticError& a = *m.arithmetic;
         rows += row({m.family, wallOf(m), milliseconds(m.compile), shortNumber(a.samePath.rmse),
                      shortNumber(a.samePath.max), std::to_string(a.otherPath.pixels), shortNumber(a.all.rmse),
-                     shortNumber(a.all.percentVisible), shortNumber(a.all.percentSmall),
-                     shortNumber(a.all.bias)});
+                     shortNumber(a.all.percentVisible), shortNumber(a.all.bias)});
     }
-    if (rows.empty()) return "";
-    return header({"at 1 spp", "ms (q1..q3)", "compile ms", "RMSE, same path", "max, same path",
-                   "other path, pixels", "RMSE, all", "> 1/255 %", "> 1e-3 %", "bias"}) +
-           rows;
+    return table({"at 1 spp", "ms (q1..q3)", "compile ms", "RMSE, same path", "max, same path",
+                  "other path, pixels", "RMSE, all", "> 1/255 %", "bias"},
+                 rows);
 }
 
 std::string truncationTable(const SceneReport& scene) {
@@ -121,10 +87,8 @@ std::string truncationTable(const SceneReport& scene) {
                      wallOf(m), shortNumber(e.rmse), shortNumber(m.bound), shortNumber(e.max),
                      shortNumber(e.percentVisible), shortNumber(e.bias)});
     }
-    if (rows.empty()) return "";
-    return "\n" +
-           header({"at 4 spp", "ms (q1..q3)", "RMSE, same samples", "bound", "max", "> 1/255 %", "bias"}) +
-           rows;
+    return table({"at 4 spp", "ms (q1..q3)", "RMSE, same samples", "bound", "max", "> 1/255 %", "bias"},
+                 rows);
 }
 
 // Adaptive sampling, --error and the reference.
@@ -134,8 +98,7 @@ std::string otherWaysTable(const SceneReport& scene) {
         if (m.family.starts_with("adaptive") || m.family.starts_with("error") || m.family == "reference")
             rows += row({m.family, shortNumber(m.samples), wallOf(m), errorOf(scene, m),
                          m.asked > 0 ? shortNumber(m.error / m.asked) : std::string("-")});
-    if (rows.empty()) return "";
-    return "\n" + header({"in another way", "samples", "ms (q1..q3)", "RMSE", "RMSE / --error"}) + rows;
+    return table({"in another way", "samples", "ms (q1..q3)", "RMSE", "RMSE / --error"}, rows);
 }
 
 std::string devicesTable(const SceneReport& scene) {
@@ -149,25 +112,9 @@ std::string devicesTable(const SceneReport& scene) {
                      shortNumber(m.median() / first->median()), errorOf(scene, m),
                      m.arithmetic ? shortNumber(m.arithmetic->samePath.rmse) : "-", rateOf(m)});
     }
-    if (rows.empty()) return "";
-    return "\n" +
-           header({"device", "spp", "ms (q1..q3)", "time / the first one's", "RMSE",
-                   "rounding (at most 4 spp, same path)", "Mrays/s"}) +
-           rows;
-}
-
-std::string stabilityTable(const Report& report) {
-    std::string rows;
-    for (const SceneReport& scene : report.scenes)
-        for (const Measured* m : familyOf(scene, "lowDiscrepancy")) {
-            if (m->spp != 1 || !m->arithmetic) continue;
-            rows += row({scene.name, shortNumber(scene.kappa), scene.stiffness,
-                         shortNumber(scene.kappa * verify::kFloatUnit), shortNumber(m->arithmetic->all.p99),
-                         shortNumber(m->arithmetic->samePath.rmse)});
-        }
-    if (rows.empty()) return "";
-    return "\n## Stability\n\n" +
-           header({"scene", "kappa", "class", "expected kappa u", "measured p99", "RMSE, same path"}) + rows;
+    return table({"device", "spp", "ms (q1..q3)", "time / the first one's", "RMSE",
+                  "rounding (at most 4 spp, same path)", "Mrays/s"},
+                 rows);
 }
 
 // The fastest sampler and count that reach an error.
@@ -181,21 +128,11 @@ const Measured* cheapestFor(const SceneReport& scene, double wanted) {
 }
 
 std::string sceneLine(const SceneReport& scene) {
-    std::string line = scene.camera.empty() ? "" : "camera \"" + printable(scene.camera) + "\", ";
-    line += std::to_string(scene.width) + " x " + std::to_string(scene.height) + " pixels, " +
-            scene.contents + ", greatest depth " + std::to_string(scene.depth) + ", kappa " +
-            shortNumber(scene.kappa) + " (" + scene.stiffness + "); converged image of " +
-            std::to_string(scene.truthSamples) + " samples, whose own error, " +
-            shortNumber(scene.truthError) + ", is taken out of the others'.";
-    return line + (scene.width < kLeastTellingWidth
-                       ? " Starting the device's work takes much of the time of so small an image."
-                       : "");
-}
-
-std::string frontLine(const SceneReport& scene) {
-    std::string front;
-    for (const Measured* m : frontOf(scene)) front += (front.empty() ? "" : "; ") + settingOf(*m);
-    return front.empty() ? "" : "\nNo setting is faster and more exact than these: " + front + ".\n";
+    return (scene.camera.empty() ? "" : "camera \"" + printable(scene.camera) + "\", ") +
+           format("%d x %d pixels, greatest depth %d, kappa ", scene.width, scene.height, scene.depth) +
+           shortNumber(scene.kappa) + " (" + scene.stiffness + "); converged image of " +
+           std::to_string(scene.truthSamples) + " samples, whose own error, " +
+           shortNumber(scene.truthError) + ", is taken out of the others'.";
 }
 
 std::string list(const std::vector<std::string>& lines) {
@@ -206,51 +143,14 @@ std::string list(const std::vector<std::string>& lines) {
 
 }  // namespace
 
-std::vector<size_t> paretoFront(std::span<const WorkPoint> points) {
-    std::vector<size_t> order(points.size());
-    std::iota(order.begin(), order.end(), size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-        if (points[a].seconds != points[b].seconds) return points[a].seconds < points[b].seconds;
-        return points[a].error < points[b].error;
-    });
-    std::vector<size_t> front;
-    for (const size_t i : order) {
-        if (front.empty() || points[i].error < points[front.back()].error) front.push_back(i);
-    }
-    return front;
-}
-
-std::optional<double> logSlope(std::span<const double> x, std::span<const double> y) {
-    double n = 0, sx = 0, sy = 0;
-    const auto usable = [&](size_t i) { return x[i] > 0 && y[i] > 0; };
-    for (size_t i = 0; i < x.size(); ++i) {
-        if (!usable(i)) continue;
-        n += 1;
-        sx += std::log(x[i]);
-        sy += std::log(y[i]);
-    }
-    if (n < 2) return std::nullopt;
-    double sxx = 0, sxy = 0;  // about the mean, which does not cancel
-    for (size_t i = 0; i < x.size(); ++i) {
-        if (!usable(i)) continue;
-        const double dx = std::log(x[i]) - sx / n;
-        sxx += dx * dx;
-        sxy += dx * (std::log(y[i]) - sy / n);
-    }
-    if (sxx <= 0) return std::nullopt;
-    return sxy / sxx;
-}
-
 bool isSampler(const std::string& family) {
     const auto sampler = named<Sampler>(family);
     return sampler && *sampler != Sampler::Auto;
 }
 
 std::string shortNumber(double value) {
-    char text[32];
     const bool whole = std::abs(value) >= 1000 && std::abs(value) < 1e6;
-    std::snprintf(text, sizeof(text), whole ? "%.0f" : "%.3g", value);
-    return text;
+    return whole ? format("%.0f", value) : format("%.3g", value);
 }
 
 std::vector<const Measured*> familyOf(const SceneReport& scene, const std::string& family) {
@@ -263,15 +163,14 @@ std::vector<const Measured*> familyOf(const SceneReport& scene, const std::strin
 }
 
 std::vector<const Measured*> frontOf(const SceneReport& scene) {
-    std::vector<WorkPoint> points;
-    std::vector<const Measured*> settings;
-    for (const Measured& m : scene.measured) {
-        if (m.hidden || m.family.starts_with(kOnDevice)) continue;
-        points.push_back({m.median(), m.error});
-        settings.push_back(&m);
-    }
-    std::vector<const Measured*> front;
-    for (const size_t i : paretoFront(points)) front.push_back(settings[i]);
+    std::vector<const Measured*> order, front;
+    for (const Measured& m : scene.measured)
+        if (!m.hidden && !m.family.starts_with(kOnDevice)) order.push_back(&m);
+    std::stable_sort(order.begin(), order.end(), [](const Measured* a, const Measured* b) {
+        return std::pair(a->median(), a->error) < std::pair(b->median(), b->error);
+    });
+    for (const Measured* m : order)
+        if (front.empty() || m->error < front.back()->error) front.push_back(m);
     return front;
 }
 
@@ -302,13 +201,12 @@ std::string toMarkdown(const Report& report) {
         ", Vulkan " + report.api + "; " + std::to_string(report.cores) + " cores; glint " + report.version +
         "; converged images: " + report.truthBackend + ", lowDiscrepancy, other seeds\n";
     for (const SceneReport& scene : report.scenes) {
-        out += "\n## " + scene.name + "\n\n" + sceneLine(scene) + "\n\n" + samplingTable(scene) +
-               methodTable(scene) + truncationTable(scene) + otherWaysTable(scene) + devicesTable(scene) +
-               frontLine(scene);
+        out += "\n## " + scene.name + "\n\n" + sceneLine(scene) + "\n" + samplingTable(scene) +
+               methodTable(scene) + truncationTable(scene) + otherWaysTable(scene) + devicesTable(scene);
         if (!scene.leftOut.empty())
             out += "\nNot measured in the time (repeat the command to resume):\n" + list(scene.leftOut);
     }
-    return out + stabilityTable(report);
+    return out;
 }
 
 }  // namespace glint::report

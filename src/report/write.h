@@ -1,10 +1,7 @@
 // A report as JSON, CSV, Markdown, SVG and HTML.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -41,19 +38,8 @@ std::string shortNumber(double value);
 bool isSampler(const std::string& family);
 // The points of a family, by samples per pixel.
 std::vector<const Measured*> familyOf(const SceneReport& scene, const std::string& family);
-// The Pareto front of all settings that a user of one device can choose, ordered by time.
+// The Pareto front of all settings that a user of one device can choose, ordered by time: no other is at
+// least as fast and at least as exact, and better in one of the two. Of equal settings the first stays.
 std::vector<const Measured*> frontOf(const SceneReport& scene);
-
-struct WorkPoint {
-    double seconds = 0, error = 0;
-};
-
-// Indices of the points on the Pareto front, ordered by time: no other point is at least as fast and at least
-// as exact, and better in one of the two. Of equal points the first stays.
-std::vector<size_t> paretoFront(std::span<const WorkPoint> points);
-
-// Least squares through (log x, log y) of the points with x > 0 and y > 0; empty for fewer than two different
-// x.
-std::optional<double> logSlope(std::span<const double> x, std::span<const double> y);
 
 }  // namespace glint::report

@@ -51,17 +51,9 @@ const Nothing kCases[] = {
     {"noLight", kBall, onlyBlack("the scene has neither lights nor ambient light")},
     {"darkLight",
      R"("lights": [{"type": "point", "position": [0, 0, 5], "intensity": 0}], )" + std::string(kBall),
-     onlyBlack("all its lights have the intensity 0, and there is no ambient light")},
+     onlyBlack("the scene has neither lights nor ambient light")},
     {"lightBehind", R"("lights": [{"type": "point", "position": [0, 0, -5]}], )" + std::string(kBall),
-     onlyBlack("all lights are behind the surfaces that are seen")},
-    {"allInShadow",
-     R"("lights": [{"type": "point", "position": [0, 0, 9]}], "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]},
-        {"type": "disc", "center": [0, 0, 7], "normal": [0, 0, 1], "radius": 6}])",
-     onlyBlack("all that is seen lies in shadow")},
-    {"blackMaterial",
-     R"("lights": [{"type": "point", "position": [0, 0, 5]}], "materials": {"soot": {"diffuse": 0}},
-        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "soot"}])",
-     onlyBlack("the materials of what is seen are black")},
+     onlyBlack("no light reaches what is seen, or its materials are black")},
     {"insideASphere",
      R"("lights": [{"type": "point", "position": [0, 90, 5]}], "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
      onlyBlack("the camera is inside /objects/0, which blocks every light")},
@@ -115,24 +107,23 @@ TEST_F(ClippedAdvice, NearAndFar) {
                       limits + R"(}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
         return runGlint("render a.json --backend cpu").err;
     };
-    EXPECT_EQ(advice("\"far\": 3.5"),
-              "glint: warning: a.json: the image shows only background: everything is farther away than the "
-              "camera's far\n");
-    EXPECT_EQ(advice("\"near\": 8"),
-              "glint: warning: a.json: the image shows only background: everything is nearer than the "
-              "camera's near\n");
+    const std::string clipped =
+        "glint: warning: a.json: the image shows only background: everything is nearer than the camera's "
+        "near "
+        "or farther away than its far\n";
+    EXPECT_EQ(advice("\"far\": 3.5"), clipped);
+    EXPECT_EQ(advice("\"near\": 8"), clipped);
     EXPECT_EQ(advice("\"near\": 1, \"far\": 10"), "");
     // The ball is from 4 to 6 beyond the image plane of a parallel camera.
     const std::string parallel = R"("type": "orthographic", )";
-    EXPECT_TRUE(advice(parallel + "\"far\": 3.9").ends_with("farther away than the camera's far\n"));
-    EXPECT_TRUE(advice(parallel + "\"near\": 6.1").ends_with("nearer than the camera's near\n"));
+    EXPECT_EQ(advice(parallel + "\"far\": 3.9"), clipped);
+    EXPECT_EQ(advice(parallel + "\"near\": 6.1"), clipped);
     EXPECT_EQ(advice(parallel + "\"near\": 3.9, \"far\": 6.1"), "");
     // Not the box around it, but all of it that the picture would show.
     writeText("a.json",
               R"({"image": {"width": 16, "height": 12}, "ambient": 1, "camera": {"eye": [0, 0, 5], "far": 4},
               "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}, {"type": "sphere", "center": [90, 0, 0], "radius": 3}]})");
-    EXPECT_TRUE(
-        runGlint("render a.json --backend cpu").err.ends_with("farther away than the camera's far\n"));
+    EXPECT_EQ(runGlint("render a.json --backend cpu").err, clipped);
     // In front of the eye as it looks, behind the turned image plane: the eye is at (0, 0, 5), the plane's
     // normal (0, 3, 1), and of the view direction (0, 2, -5) upwards.
     EXPECT_TRUE(advice(R"("target": [0, 2, 0], "up": [0, 0, 1], "planeNormal": [0, 3, 1])")

@@ -88,12 +88,12 @@ TEST_F(Bands, WhereThereCanBeNone) {
         return ran.err;
     };
     const std::string where =
-        "glint: --band-rows: bands go into .png (layers color and alpha alone), .exr and .pfm, and not with "
-        "--error\n";
+        "glint: --band-rows: bands go into .png (layers color and alpha alone), .exr and .pfm\n";
     EXPECT_EQ(message("-o a.hdr"), where);
     EXPECT_EQ(message("-o a.png --aov color,depth"), where);
-    EXPECT_EQ(message("-o a.png --error 0.1"), where);
-    EXPECT_EQ(message("--part 1/2"), "glint: --part: not together with --band-rows\n");
+    const std::string see = "; see glint render --help\n";
+    EXPECT_EQ(message("-o a.png --error 0.1"), "glint: render: --band-rows excludes --error" + see);
+    EXPECT_EQ(message("--part 1/2"), "glint: render: --band-rows excludes --part" + see);
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 

@@ -1,7 +1,7 @@
 // `glint bench` by the reference on the host, which needs no device.
 #include <nlohmann/json.hpp>
 
-#include "app/option_values.h"
+#include "app/options.h"
 #include "core/error.h"
 #include "support.h"
 

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -89,13 +90,13 @@ bool Child::read(int milliseconds) {
     return true;
 }
 
-bool Child::waitForPercent(int percent) {
+bool Child::waitForPercent(int percent, const std::string& label) {
     static const std::regex kPercent("([0-9]+) %");
     const Stopwatch watch;
     do {
-        for (std::sregex_iterator match(err_.begin(), err_.end(), kPercent), end; match != end; ++match) {
+        const std::string text = err_.substr(std::min(err_.find(label), err_.size()));
+        for (std::sregex_iterator match(text.begin(), text.end(), kPercent), end; match != end; ++match)
             if (std::stoi((*match)[1]) >= percent) return true;
-        }
     } while (read(100) && watch.seconds() < kPatience);
     return false;
 }

@@ -22,9 +22,9 @@ class Child {
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
 
-    // Until standard error holds a percentage of at least `percent` ("render   7 %"). False if the child ends
-    // first, or after a minute.
-    bool waitForPercent(int percent);
+    // Until standard error holds a percentage of at least `percent` ("render   7 %") after `label`. False if
+    // the child ends first, or after a minute.
+    bool waitForPercent(int percent, const std::string& label = "");
     // Until the child has used so much processor time. False if it ends first, or after a minute.
     bool waitForWork(double seconds);
     // Until the child handles the signal. False if it ends first, or after a minute.

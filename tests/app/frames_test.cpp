@@ -123,11 +123,11 @@ TEST_F(Frames, RateAndNames) {
               "such as frame.####.png\n");
     EXPECT_EQ(error(frames("3:2")),
               "glint: --frames: expected A:B with 0 <= A <= B, such as 0:240, or one number, got \"3:2\"\n");
-    EXPECT_EQ(error(frames("0:2", "--time 1")), "glint: --time: --frames says which moments are drawn\n");
-    EXPECT_EQ(error(frames("0:2", "--part 1/2")),
-              "glint: --part: not together with --frames; frames are pieces already, give each machine "
-              "frames of its own\n");
-    EXPECT_EQ(error(runGlint("render a.json --overwrite")), "glint: --overwrite requires --frames\n");
+    const std::string see = "; see glint render --help\n";
+    EXPECT_EQ(error(frames("0:2", "--time 1")), "glint: render: --time excludes --frames" + see);
+    EXPECT_EQ(error(frames("0:2", "--part 1/2")), "glint: render: --part excludes --frames" + see);
+    EXPECT_EQ(error(runGlint("render a.json --overwrite")),
+              "glint: render: --overwrite requires --frames" + see);
 }
 
 TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {

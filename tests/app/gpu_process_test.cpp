@@ -39,13 +39,21 @@ TEST_F(GpuProcess, InterruptBeforeAnythingIsFinishedWritesNoFile) {
     }
 }
 
+// The files list the scene that was finished with its verdict, the others as skipped.
 TEST_F(GpuProcess, InterruptEndsVerify) {
-    Child child("verify a.json --size 2000x2000 --spp 64 --progress plain");
-    ASSERT_TRUE(child.waitForPercent(0)) << child.err();
+    writeText("b.json",
+              "{\"image\": {\"width\": 2000, \"height\": 2000}, \"ambient\": 1, "
+              "\"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1}]}");
+    Child child("verify a.json b.json a.json --spp 4 --progress plain --json r.json --junit r.xml");
+    ASSERT_TRUE(child.waitForPercent(0, "verify b.json")) << child.err();
     child.send(SIGINT);
     EXPECT_EQ(child.wait(), 130);
-    EXPECT_TRUE(child.err().ends_with("glint: interrupted while verifying a.json\n")) << child.err();
-    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+    EXPECT_TRUE(child.err().ends_with("glint: interrupted while verifying b.json\n")) << child.err();
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "b.json", "r.json", "r.xml"}));
+    const std::string xml = glint::test::readText("r.xml");
+    EXPECT_HAS(xml, "tests=\"3\" failures=\"0\" errors=\"0\" skipped=\"2\"");
+    EXPECT_HAS(xml, "<skipped message=\"interrupted while verifying b.json\">");
+    EXPECT_HAS(glint::test::readText("r.json"), "\"passed\": 1");
 }
 
 TEST_F(GpuProcess, InterruptedReportIsAReport) {

@@ -47,6 +47,9 @@ TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {
     EXPECT_FALSE(readBytes("lane.exr").empty());
     if (hasPackets()) {
         EXPECT_EQ(readBytes("lane.exr"), readBytes("packet.exr"));
+        EXPECT_HAS(runGlint("render a.json --traversal packet --aov cost --stats json").out,
+                   "\"traversal\": \"lane\"")
+            << "packets do not count tests";
     }
 }
 

@@ -131,8 +131,7 @@ TEST_F(GpuVerify, FilesAndImagesForOtherPrograms) {
     EXPECT_EQ(planet["differingPixels"].size(), std::min(planet["differing"].get<size_t>(), size_t{1000}));
     for (const char* key : {"x", "y", "sample", "reason", "difference", "device", "reference"})
         EXPECT_TRUE(planet["differingPixels"][0].contains(key)) << key;
-    std::ifstream junit("r.xml");
-    const std::string xml{std::istreambuf_iterator<char>(junit), {}};
+    const std::string xml = glint::test::readText("r.xml");
     EXPECT_HAS(xml, "tests=\"3\" failures=\"2\" errors=\"0\" skipped=\"0\"");
     EXPECT_HAS(xml, "<failure message=\"FAILED: ");
 }
@@ -144,14 +143,19 @@ TEST_F(GpuVerify, JsonOnStandardOutput) {
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
-// Before the device is opened and hours are spent on the others.
+// Before the device is opened and hours are spent on the others. The files list all scenes all the same.
 TEST_F(GpuVerify, AMissingSceneIsNoticedFirst) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
-    const Ran ran = runGlint("verify a.json no.json");
+    const Ran ran = runGlint("verify a.json no.json --json r.json --junit r.xml");
     EXPECT_EQ(ran.code, 3);
     EXPECT_EQ(ran.out, "");
     EXPECT_EQ(ran.err, "glint: no.json: no such file\n");
-    EXPECT_EQ(names(), (std::set<std::string>{"a.json"}));
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "r.json", "r.xml"}));
+    const nlohmann::json scenes = nlohmann::json::parse(std::ifstream("r.json"))["scenes"];
+    EXPECT_EQ(scenes[0]["status"], "skipped");
+    EXPECT_EQ(scenes[1]["status"], "error");
+    EXPECT_HAS(glint::test::readText("r.xml"), "tests=\"2\" failures=\"0\" errors=\"1\" skipped=\"1\"");
+    EXPECT_HAS(glint::test::readText("r.xml"), "<error message=\"no.json: no such file\">");
 }
 
 }  // namespace glint::app::test::gpu_verify_test

@@ -1,6 +1,6 @@
 // Option values from text, through the whole command line: `glint COMMAND x.json OPTION VALUE`, where x.json
 // does not exist. A value that is fine leads to the complaint about the missing file, with exit code 3.
-#include "app/option_values.h"
+#include "app/options.h"
 #include "core/text_file.h"
 #include "support.h"
 

@@ -114,13 +114,4 @@ TEST_F(RayFileOnDisk, FaultyLineLeavesStandardOutputEmpty) {
     EXPECT_EQ(ran.code, 3);
 }
 
-TEST_F(RayFileOnDisk, WithoutRaysThereIsAHeaderAndAWarning) {
-    writeSmallScene("a.json");
-    writeText("r.csv", "# none\n");
-    const Ran ran = runGlint("trace a.json --rays r.csv --backend cpu");
-    EXPECT_EQ(ran.out, "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n");
-    EXPECT_EQ(ran.err, "glint: warning: r.csv: holds no rays\n");
-    EXPECT_EQ(ran.code, 0);
-}
-
 }  // namespace glint::app::test::ray_file_test
