@@ -1,4 +1,4 @@
-// Planes, discs and polygons. The reference's own version is in src/reference/intersect.cpp.
+// Planes, discs and polygons. The reference's own version is in src/reference/primitives/flat.cpp.
 #ifndef GLINT_PRIMITIVES_FLAT_GLSL
 #define GLINT_PRIMITIVES_FLAT_GLSL
 

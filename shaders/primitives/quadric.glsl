@@ -1,5 +1,5 @@
 // Quadrics: where a ray meets the side or a cap, and the surface there. The reference's own versions are in
-// src/reference/quadric.cpp.
+// src/reference/primitives/quadric.cpp.
 #ifndef GLINT_PRIMITIVES_QUADRIC_GLSL
 #define GLINT_PRIMITIVES_QUADRIC_GLSL
 

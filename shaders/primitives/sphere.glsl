@@ -1,4 +1,4 @@
-// Spheres. The reference's own version is in src/reference/intersect.cpp.
+// Spheres. The reference's own version is in src/reference/primitives/sphere.cpp.
 #ifndef GLINT_PRIMITIVES_SPHERE_GLSL
 #define GLINT_PRIMITIVES_SPHERE_GLSL
 

@@ -2,7 +2,7 @@
 // says, faults included (docs/reference/command-line.md lists where they fail). The choice is a
 // specialization constant, so that the code of the others is not in the pipeline. Only intersect.comp and
 // light.comp offer it: a request for a textbook's test excludes packets and whole.comp. Those of the
-// reference are in src/reference/textbook.cpp.
+// reference are in src/reference/primitives/textbook.cpp.
 #ifndef GLINT_TEXTBOOK_GLSL
 #define GLINT_TEXTBOOK_GLSL
 

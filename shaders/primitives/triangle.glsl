@@ -1,4 +1,4 @@
-// Triangles. The reference's own version is in src/reference/intersect.cpp.
+// Triangles. The reference's own version is in src/reference/primitives/flat.cpp.
 #ifndef GLINT_PRIMITIVES_TRIANGLE_GLSL
 #define GLINT_PRIMITIVES_TRIANGLE_GLSL
 

@@ -1,6 +1,7 @@
 #include "app/drawing.h"
 
 #include <algorithm>
+#include <memory>
 #include <ostream>
 #include <utility>
 
@@ -10,8 +11,8 @@
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
-#include "reference/loaded_truth.h"
 #include "reference/render.h"
+#include "reference/truth/truth.h"
 
 namespace glint::app {
 
@@ -74,8 +75,9 @@ void Drawing::load(const LoadedScene& loaded, const Request& expected, uint64_t 
 
 void Drawing::loadTruth() {
     const Stopwatch watch;
-    truth_ = reference::truthOf(*loaded_);
-    truthCamera_ = reference::truthCamera(*loaded_, expected_);
+    const glm::dvec3& origin = loaded_->packed.origin;
+    truth_ = std::make_shared<reference::Model>(reference::truthOf(loaded_->scene, origin));
+    truthCamera_ = reference::truthCamera(loaded_->scene.camera, expected_.width, expected_.height, origin);
     hostSeconds_ += watch.seconds();
 }
 
@@ -112,7 +114,8 @@ void Drawing::reload(const Request& expected, bool cameraAlone) {
     camera_ = cameraOf(*loaded_, expected);
     if (backend_ == Backend::Gpu) return;
     reference::setEye(*truth_, loaded_->scene.camera.eye);
-    truthCamera_ = reference::truthCamera(*loaded_, expected);
+    truthCamera_ = reference::truthCamera(loaded_->scene.camera, expected.width, expected.height,
+                                          loaded_->packed.origin);
 }
 
 Picture Drawing::draw(const Request& request, const std::optional<converge::Job>& job,

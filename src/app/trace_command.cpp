@@ -1,3 +1,4 @@
+#include <memory>
 #include <ostream>
 
 #include "app/commands.h"
@@ -6,8 +7,8 @@
 #include "app/ray_file.h"
 #include "core/error.h"
 #include "core/format.h"
-#include "reference/loaded_truth.h"
-#include "reference/trace_rays.h"
+#include "reference/render.h"
+#include "reference/truth/truth.h"
 #include "render/ray_queries.h"
 #include "render/renderer.h"
 #include "verify/trace_batch.h"
@@ -65,15 +66,17 @@ std::vector<WorldHit> traceOnDevice(const TraceCommand& command, const LoadedSce
 
 std::vector<WorldHit> traceOnHost(const TraceCommand& command, const LoadedScene& loaded,
                                   const Request& request, std::ostream& err) {
-    const auto truth = reference::truthOf(loaded);
+    const auto truth =
+        std::make_shared<const reference::Model>(reference::truthOf(loaded.scene, loaded.packed.origin));
     if (!command.pixel) {
         const RayBatch batch = batchOf(command, err);
         return reference::trace(reference::Tracer(truth, {.methods = batch.methods}, 0), batch);
     }
     const reference::Tracer tracer(truth, request, radianceBoundOf(loaded.packed, request));
-    return {
-        reference::trace(tracer, tracer.cameraRay(reference::truthCamera(loaded, request),
-                                                  command.pixel->first + 0.5, command.pixel->second + 0.5))};
+    const reference::rows::Camera camera =
+        reference::truthCamera(loaded.scene.camera, request.width, request.height, loaded.packed.origin);
+    return {reference::trace(
+        tracer, tracer.cameraRay(camera, command.pixel->first + 0.5, command.pixel->second + 0.5))};
 }
 
 void checkPixel(const Request& image, std::pair<int, int> pixel) {

@@ -1,7 +1,7 @@
 // The closest point of all surfaces. A device finds the primitive, the host the point of it in double.
 #include "library/ray_reader.h"
 #include "library/status.h"
-#include "reference/closest_point.h"
+#include "reference/queries.h"
 
 namespace glint::library {
 

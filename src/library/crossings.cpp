@@ -4,7 +4,7 @@
 #include "core/parallel.h"
 #include "library/ray_reader.h"
 #include "library/status.h"
-#include "reference/crossings.h"
+#include "reference/queries.h"
 
 namespace glint::library {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reference/error_box.h"
+#include "reference/rounding.h"
 
 namespace glint::reference {
 
@@ -20,7 +20,7 @@ InstanceFrame::InstanceFrame(const rows::Instance& instance) : place_(instance.p
 
 Ray InstanceFrame::enterInstance(const Ray& ray) const {
     Ray inside = ray;
-    inside.origin = toObject_ * (ray.origin - place_);
+    inside.origin = pointInObject(ray.origin);
     inside.direction = toObject_ * ray.direction;
     return inside;
 }
@@ -36,6 +36,10 @@ double InstanceFrame::slipOfWayIn(const dvec3& origin) const {
         greatest = std::max(greatest, sum);
     }
     return 9 * 0x1p-24 * greatest;
+}
+
+dvec3 InstanceFrame::pointInObject(const dvec3& point) const {
+    return toObject_ * (point - place_);
 }
 
 dvec3 InstanceFrame::pointInWorld(const dvec3& point) const {

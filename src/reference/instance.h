@@ -2,7 +2,6 @@
 // rounded in the packed scene.
 #pragma once
 
-#include "pack/packed_scene.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -15,10 +14,11 @@ class InstanceFrame {
     Ray enterInstance(const Ray& ray) const;
     // PreparedRay::slip: how far fp32 may take an origin off on its way in, along any unit normal.
     double slipOfWayIn(const glm::dvec3& origin) const;
+    glm::dvec3 pointInObject(const glm::dvec3& point) const;
     glm::dvec3 pointInWorld(const glm::dvec3& point) const;
     // Unit; by the inverse transpose.
     glm::dvec3 normalInWorld(const glm::dvec3& normal) const;
-    // The box of a point's error (error_box.h), in the world, of one in the instance's coordinates.
+    // The box of a point's error (rounding.h), in the world, of one in the instance's coordinates.
     glm::dvec3 errorInWorld(const glm::dvec3& point, const glm::dvec3& error) const;
     // The greatest coordinate, and the greatest number that one in the world is a sum of, of points with
     // coordinates no greater than `size`.

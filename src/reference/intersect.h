@@ -1,6 +1,7 @@
 // Ray against primitive, in double on the fp32 inputs. Hit or miss is decided in double where a forward error
 // bound proves the sign, and in quadruple precision elsewhere; t, u and v of an accepted hit are computed in
-// long double.
+// long double. Each kind of primitive of shaders/shared/primitives.h overloads the functions below in
+// primitives/; the linker names a missing overload.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +11,12 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <span>
 
+#include "pack/scene_arrays.h"
+#include "reference/numbers.h"
 #include "reference/tracer.h"
-#include "shared/layout.h"
+#include "trace/methods.h"
 
 namespace glint::reference {
-
-inline constexpr double kUnitRoundoff = 0x1p-53;  // of double
 
 // Values of a ray that every test needs, computed once.
 struct PreparedRay {
@@ -38,9 +39,11 @@ struct PreparedRay {
     explicit PreparedRay(const Ray& ray);
 };
 
+// A hit in the coordinates of the primitive.
 struct Root {
     double t, u, v;
     double slip = 0;     // see slipOfFlat
+    uint32_t part = 0;   // of a solid with several surfaces, the one that is hit
     bool twice = false;  // what is round is touched there: the line comes in and leaves at one t
 };
 
@@ -60,14 +63,66 @@ inline bool countsAt(const PreparedRay& ray, double t, double slip, double tMax)
            t <= std::numeric_limits<double>::max();
 }
 
-// The rest of intersectTriangle, for the few triangles that the filter does not reject. lineHits: the filter
-// has proved that the line through the ray crosses the inside.
-bool solveTriangle(const rows::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,
-                   Root& root);
+// One ray that may hit one primitive.
+struct RayTest {
+    const Model& scene;
+    const Methods& methods;
+    const PreparedRay& ray;
+    uint32_t primitive;  // kind and index
+    uint32_t source;     // what the ray starts on, of a solid with its part; kNone
+    double tMax;
+
+    bool fromItself() const { return primitive == source; }
+};
+
+// Takes t for the root's if it counts.
+inline bool accept(Extended t, double slip, const RayTest& test, Root& root) {
+    root.t = static_cast<double>(t);
+    root.slip = slip;
+    return countsAt(test.ray, root.t, slip, test.tMax);
+}
+
+// A hit point to describe, in the coordinates of the primitive.
+struct Place {
+    const Model& scene;
+    const Ray& ray;
+    const Hit& hit;
+    glm::dvec3 point;  // origin + t direction
+
+    uint32_t index() const { return hit.primitive & shared::kLeafFirstMask; }
+    uint32_t part() const { return hit.primitive >> shared::kPartShift & shared::kPartMask; }
+};
+
+// intersect: the nearest hit within (ray.tMin, tMax], never one with what the ray starts on again.
+// surfaceOf: position, moved onto the surface, normals, and uv where they are the primitive's own.
+// reachOf: the greatest magnitude among the coordinates that a hit point on it is computed from.
+#define GLINT_PRIMITIVE(number, Kind, kinds, one, many)                                \
+    bool intersect(const rows::Kind& primitive, const RayTest& test, Root& root);      \
+    void surfaceOf(const rows::Kind& primitive, const Place& place, Surface& surface); \
+    double reachOf(const Model& scene, const Methods& methods, const rows::Kind& primitive);
+GLINT_PRIMITIVES(GLINT_PRIMITIVE, GLINT_NO_KIND)
+#undef GLINT_PRIMITIVE
+
+// The textbooks' tests, in double: those that the shader may be told to use instead of the sound ones
+// (Methods).
+bool textbookTriangle(const rows::Triangle& triangle, const RayTest& test, Root& root);
+bool textbookSphere(const rows::Sphere& sphere, const RayTest& test, Root& root);
+
+// ---- Triangles: the filter is here to be inlined, as most of the time goes by in it.
+
+// The rest of the test, for the few triangles that the filter does not reject. lineHits: the filter has
+// proved that the line through the ray crosses the inside.
+bool solveTriangle(const rows::Triangle& triangle, const RayTest& test, bool lineHits, Root& root);
 
 // True if the ray crosses this triangle of those that share the edge or corner that it hits. Around a point
 // of a closed surface as many triangles count as a ray just beside it crosses.
 bool crossesTriangle(const rows::Triangle& triangle, const PreparedRay& ray);
+
+// True if the ray starts on the triangle with this id. A split triangle stands in the BVH more than once.
+inline bool isOwnTriangle(const RayTest& test, uint32_t id) {
+    return test.source != shared::kNone && kindOfPrimitive(test.source) == shared::PrimitiveKind::Triangle &&
+           test.scene.triangles[test.source & shared::kPrimitiveIndexMask].id == id;
+}
 
 // Watertight by the argument of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1),
 // 2013, section 3: an edge function is a function of its edge and the ray alone, its sign is right or it is
@@ -77,8 +132,10 @@ bool crossesTriangle(const rows::Triangle& triangle, const PreparedRay& ray);
 // |A_x| <= |X| + Z, rounding of A, S_x, the product and the difference move X by at most u (|X| + Z) + 3 u Z
 // + u |X| <= u (2 S + 4 Z). An edge function B_x C_y - B_y C_x then errs by at most 4 S u (2 S + 4 Z) + 4 u
 // S^2 <= 16 u S (S + Z), to first order; 20 covers the rest.
-inline bool intersectTriangle(const rows::Triangle& triangle, const PreparedRay& ray, double tMax,
-                              Root& root) {
+inline bool intersect(const rows::Triangle& triangle, const RayTest& test, Root& root) {
+    if (isOwnTriangle(test, triangle.id)) return false;
+    if (test.methods.triangles != TriangleMethod::Watertight) return textbookTriangle(triangle, test, root);
+    const PreparedRay& ray = test.ray;
     const double* v0 = glm::value_ptr(triangle.v0);
     const double* v1 = glm::value_ptr(triangle.v1);
     const double* v2 = glm::value_ptr(triangle.v2);
@@ -98,28 +155,43 @@ inline bool intersectTriangle(const rows::Triangle& triangle, const PreparedRay&
     const double least = std::min(std::min(e0, e1), e2);
     const double greatest = std::max(std::max(e0, e1), e2);
     if (least < -bound && greatest > bound) return false;
-    return solveTriangle(triangle, ray, least > bound || greatest < -bound, tMax, root);
+    return solveTriangle(triangle, test, least > bound || greatest < -bound, root);
 }
 
-// fromSurface: the ray starts on this sphere, so only its other root counts.
-bool intersectSphere(const rows::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
-                     Root& root);
+// ---- What the sources in primitives/ share
 
-// `vertices`: those of the polygon, closed: the last one is the first again.
-bool intersectPolygon(const rows::Polygon& polygon, std::span<const rows::PolygonVertex> vertices,
-                      const PreparedRay& ray, double tMax, Root& root);
+// The vertices of a polygon, closed: the last one is the first again.
 inline std::span<const rows::PolygonVertex> outlineOf(const Model& scene, const rows::Polygon& polygon) {
     return {&scene.polygonVertices[polygon.firstVertex],
             size_t{polygon.trips} * shared::kPolygonEdgesPerTrip + 1};
 }
 
-bool intersectDisc(const rows::Disc& disc, const PreparedRay& ray, double tMax, Root& root);
-
-bool intersectPlane(const rows::Plane& plane, const PreparedRay& ray, double tMax, Root& root);
-
 // True for the sphere whose surface is |x - point|^2 + 2 radius n.(x - point) = 0, see shared/layout.h.
 inline bool isAnchored(const rows::Sphere& sphere) {
     return sphere.anchorNormal != glm::dvec3(0);
 }
+
+// The map of a solid, a quadric or box, into its own coordinates.
+template <class Solid>
+glm::dmat3 toLocal(const Solid& solid) {
+    return glm::transpose(glm::dmat3(solid.toLocal0, solid.toLocal1, solid.toLocal2));
+}
+
+// `from`, and how far the solid's clipping box reaches from its point along each axis.
+template <class Solid>
+glm::dvec3 reachFrom(const glm::dvec3& from, const Solid& solid) {
+    const glm::dmat3 back = glm::inverse(toLocal(solid));
+    const glm::dvec3 size = glm::max(glm::abs(solid.lo), glm::abs(solid.hi));
+    return from + glm::abs(back[0]) * size.x + glm::abs(back[1]) * size.y + glm::abs(back[2]) * size.z;
+}
+
+// True of the kinds whose hits bring texture coordinates of their own.
+constexpr bool hasOwnUv(shared::PrimitiveKind kind) {
+    return kind == shared::PrimitiveKind::Triangle || kind == shared::PrimitiveKind::Cuboid;
+}
+
+// True if both are hits of the same part of two primitives of one kind with equal numbers, in one instance,
+// so that equal arithmetic gives equal t. False for outlines, which have their own arrays.
+bool isSameSurface(const Model& scene, const Hit& a, const Hit& b);
 
 }  // namespace glint::reference

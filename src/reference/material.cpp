@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
-#include "reference/primitives.h"
+#include "reference/intersect.h"
 #include "shared/shading.h"
 
 namespace glint::reference {
@@ -24,7 +25,81 @@ dvec2 latitudeLongitude(const dvec3& direction) {
     return {0.5 + longitude / (2 * std::numbers::pi), 0.5 + latitude / std::numbers::pi};
 }
 
+// The texel of an endless image that stands for number i of `size`.
+int64_t wrapIndex(int64_t i, int64_t size, uint32_t wrap) {
+    const auto modulo = [](int64_t a, int64_t b) { return (a % b + b) % b; };
+    switch (wrap) {
+        case shared::kTextureWrapClamp:
+            return std::clamp<int64_t>(i, 0, size - 1);
+        case shared::kTextureWrapMirror: {
+            const int64_t j = modulo(i, 2 * size);
+            return j < size ? j : 2 * size - 1 - j;
+        }
+        default:
+            return modulo(i, size);
+    }
+}
+
+double sound(double coordinate) {
+    return std::abs(coordinate) <= static_cast<double>(shared::kMaxTextureCoordinate) ? coordinate : 0.0;
+}
+
+class ImageSampler {
+  public:
+    ImageSampler(const Model& scene, const rows::Texture& image) : scene_(scene), image_(image) {}
+
+    dvec4 operator()(const dvec2& uv) const {
+        const double x = sound(uv.x) * image_.width, y = (1 - sound(uv.y)) * image_.height;
+        if (image_.flags & shared::kTextureNearest)
+            return texel(static_cast<int64_t>(std::floor(x)), nearestRow(y));
+        // A texel weighs by how near its centre is, and not from a distance of 1 on.
+        const auto left = static_cast<int64_t>(std::floor(x - 0.5));
+        const auto top = static_cast<int64_t>(std::floor(y - 0.5));
+        dvec4 sum(0);
+        for (int64_t j = top; j <= top + 1; ++j)
+            for (int64_t i = left; i <= left + 1; ++i) sum += nearness(x, i) * nearness(y, j) * texel(i, j);
+        return sum;
+    }
+
+  private:
+    // v = 0 belongs to the lowest row, as u = 0 to the leftmost column.
+    int64_t nearestRow(double y) const { return static_cast<int64_t>(std::ceil(y)) - 1; }
+    static double nearness(double x, int64_t i) { return 1 - std::abs(x - (static_cast<double>(i) + 0.5)); }
+    dvec4 texel(int64_t i, int64_t j) const {
+        const int64_t column = wrapIndex(i, image_.width, image_.flags & shared::kTextureWrapMask);
+        const int64_t row = wrapIndex(j, image_.height,
+                                      image_.flags >> shared::kTextureWrapVShift & shared::kTextureWrapMask);
+        const auto index =
+            image_.firstTexel + static_cast<size_t>(row) * image_.width + static_cast<size_t>(column);
+        const shared::Texel& t = (*scene_.texels)[index];
+        return {dvec3(t.color), t.alpha};
+    }
+
+    const Model& scene_;
+    const rows::Texture& image_;
+};
+
+bool isOdd(double cell) {
+    return std::fmod(std::abs(std::floor(cell)), 2) == 1;
+}
+
 }  // namespace
+
+dvec4 textureAt(const Model& scene, const rows::Texture& texture, const dvec2& uv, const dvec3& position,
+                uint32_t object) {
+    const dvec2 st = uv * dvec2(texture.scaleU, texture.scaleV) + dvec2(texture.place);
+    if (!(texture.flags & shared::kTextureChecker)) return ImageSampler(scene, texture)(st);
+    bool odd = isOdd(st.x) != isOdd(st.y);
+    if (texture.flags & shared::kTextureSolid) {
+        const rows::ObjectFrame& f = scene.objectFrames[object];
+        const dvec3 own(glm::dot(f.toObjectX, position) + f.offsetX,
+                        glm::dot(f.toObjectY, position) + f.offsetY,
+                        glm::dot(f.toObjectZ, position) + f.offsetZ);
+        const dvec3 cell = texture.scaleU * (own - texture.place);
+        odd = (isOdd(cell.x) != isOdd(cell.y)) != isOdd(cell.z);
+    }
+    return {dvec3(odd ? texture.colorB : texture.colorA), 1};
+}
 
 dvec4 textureAt(const Model& scene, uint32_t number, const Surface& surface) {
     if (number == 0) return dvec4(1);
@@ -78,8 +153,8 @@ void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
             surface.uvScale = {sums.x, sums.y};
             break;
         case shared::kUvNormal:
-            surface.uv = latitudeLongitude({glm::dot(dvec3(f.toObjectX), n), glm::dot(dvec3(f.toObjectY), n),
-                                            glm::dot(dvec3(f.toObjectZ), n)});
+            surface.uv = latitudeLongitude(
+                {glm::dot(f.toObjectX, n), glm::dot(f.toObjectY, n), glm::dot(f.toObjectZ, n)});
             break;
         case shared::kUvAxial:
             surface.uv = {latitudeLongitude(own).x, own.y};
@@ -112,7 +187,7 @@ rows::Material materialAt(const Model& scene, const Surface& surface) {
 
 dvec3 transmissionAt(const Model& scene, uint32_t medium, const Surface& surface) {
     const rows::Optics& optics = scene.optics[medium - 1];
-    return dvec3(optics.transmission) * dvec3(textureAt(scene, optics.transmissionTexture, surface));
+    return optics.transmission * dvec3(textureAt(scene, optics.transmissionTexture, surface));
 }
 
 uint32_t cellsAt(const Model& scene, const Surface& surface) {
@@ -142,11 +217,11 @@ bool holeAt(const Model& scene, const Surface& surface) {
 
 dvec3 surroundings(const Model& scene, const rows::Environment& environment, const dvec3& direction,
                    const dvec2& shift) {
-    const dvec3 background(environment.background);
-    if (environment.map == 0) return background;
+    if (environment.map == 0) return environment.background;
     // The middle column, which latitudeLongitude has at +z, is seen along -z with +x to its right.
     const dvec2 uv = latitudeLongitude({direction.x, direction.y, -direction.z}) + shift;
-    return background * dvec3(textureAt(scene, scene.textures[environment.map - 1], uv, dvec3(0), 0));
+    return environment.background *
+           dvec3(textureAt(scene, scene.textures[environment.map - 1], uv, dvec3(0), 0));
 }
 
 }  // namespace glint::reference

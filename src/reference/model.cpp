@@ -2,19 +2,24 @@
 
 #include <bit>
 
-#include "reference/widened.h"
+#include "pack/packed_scene.h"
+#include "reference/ray_mover.h"
 
 namespace glint::reference {
 
 namespace {
 
-template <class To, class From>
-void widenArray(const std::vector<From>& from, std::vector<To>& to) {
-    to.assign(from.begin(), from.end());
+// Each array that both have. Others are shared, or no arrays.
+template <class From, class To>
+void widenArrays(const From& from, To& to) {
+#define GLINT_WIDEN(binding, array, Name, ROWS)                                        \
+    if constexpr (requires { to.array.assign(from.array.begin(), from.array.end()); }) \
+        to.array.assign(from.array.begin(), from.array.end());
+    GLINT_SCENE_ARRAYS(GLINT_WIDEN)
+#undef GLINT_WIDEN
 }
 
-// x (1 + units 2^-24 h) with h in [-1, 1) by the number's bits and the seed. splitmix64 (Steele, Lea, Flood
-// 2014).
+// x (1 + units 2^-24 h) with h in [-1, 1) by the number's bits and the seed.
 struct Disturbance {
     uint64_t seed;
     double step;
@@ -22,11 +27,8 @@ struct Disturbance {
 
     void operator()(double& x) const {
         if (isCopied && x == static_cast<double>(static_cast<float>(x))) return;
-        uint64_t z = std::bit_cast<uint64_t>(x) + seed * 0x9e3779b97f4a7c15u;
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        z ^= z >> 31;
-        x += x * step * (static_cast<double>(z >> 11) * 0x1p-52 - 1);
+        uint64_t state = std::bit_cast<uint64_t>(x) + (seed - 1) * kUniformStride;
+        x += x * step * uniform(state);
     }
     void operator()(glm::dvec3& v) const {
         for (int i = 0; i < 3; ++i) (*this)(v[i]);
@@ -55,19 +57,8 @@ Model widened(const PackedScene& scene) {
     Model model;
     model.origin = scene.origin;
     model.nodes = std::make_shared<const std::vector<rows::Node>>(scene.nodes.begin(), scene.nodes.end());
-#define GLINT_WIDEN(number, Kind, kinds, one, many) widenArray(scene.kinds, model.kinds);
-    GLINT_PRIMITIVES(GLINT_WIDEN, GLINT_WIDEN)
-#undef GLINT_WIDEN
+    widenArrays(scene, model);
     for (rows::Quadric& quadric : model.quadrics) asOneEquation(quadric);
-    widenArray(scene.triangleSurfaces, model.triangleSurfaces);
-    widenArray(scene.vertexNormals, model.vertexNormals);
-    widenArray(scene.polygonVertices, model.polygonVertices);
-    widenArray(scene.materials, model.materials);
-    widenArray(scene.optics, model.optics);
-    widenArray(scene.lights, model.lights);
-    widenArray(scene.textures, model.textures);
-    widenArray(scene.vertexAttributes, model.vertexAttributes);
-    widenArray(scene.objectFrames, model.objectFrames);
     model.environment = scene.environment;
     model.texels = std::shared_ptr<const std::vector<shared::Texel>>(std::shared_ptr<void>(), &scene.texels);
     model.alphaMask = scene.features.alphaMask;

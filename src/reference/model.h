@@ -1,6 +1,5 @@
 // The arrays that the reference traces: those of shaders/shared/layout.h, in double. Widened from the rounded
-// ones of the device (widened.h), or made from the scene as it was read, with nothing rounded
-// (truth/truth.h).
+// ones of the device, or made from the scene as it was read, with nothing rounded (truth/truth.h).
 #pragma once
 
 #include <cstdint>
@@ -9,6 +8,10 @@
 #include <vector>
 
 #include "shared/layout.h"
+
+namespace glint {
+struct PackedScene;  // truth/ includes this header and must not see pack/packed_scene.h
+}
 
 namespace glint::reference {
 
@@ -92,6 +95,10 @@ struct Model {
     double instanceGain = 0;              // see PackedScene
     glm::dvec3 boundsLo{0}, boundsHi{0};  // of everything in the tree
 };
+
+// The same numbers as the rounded ones of the device. The texels are not copied: the scene must outlive the
+// model.
+Model widened(const PackedScene& scene);
 
 // A model that rounding to fp32 could have produced: each number is moved by up to `units` * 2^-24 of itself,
 // at random by its value and `seed`. Equal numbers stay equal, meshes stay closed, zero stays zero; texels

@@ -9,8 +9,9 @@ namespace glint::reference {
 
 // In [-1, 1). splitmix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators",
 // OOPSLA 2014.
+inline constexpr uint64_t kUniformStride = 0x9e3779b97f4a7c15u;
 inline double uniform(uint64_t& state) {
-    state += 0x9e3779b97f4a7c15u;
+    state += kUniformStride;
     uint64_t z = state;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;

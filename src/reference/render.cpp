@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "core/parallel.h"
-#include "reference/error_box.h"
+#include "reference/rounding.h"
 #include "reference/sampling.h"
 #include "reference/tracer.h"
 
@@ -15,8 +15,9 @@ namespace {
 
 using glm::dvec3;
 
-constexpr int kPixelsPerPoll =
-    64;  // between two looks at `cancelled`: 64 pixels take well below a tenth of a second
+// Between two looks at `cancelled`: 64 pixels take well below a tenth of a second.
+constexpr int kPixelsPerPoll = 64;
+constexpr size_t kRaysPerTurn = 256;  // that a thread takes at a time
 
 PixelData dataOf(const dvec3& origin, const PixelRecord& record) {
     PixelData data;
@@ -39,20 +40,12 @@ PixelData dataOf(const dvec3& origin, const PixelRecord& record) {
     return data;
 }
 
-void addLosses(const Losses& sample, Losses& pixel) {
-    for (const auto kind : {&Losses::cut, &Losses::depth, &Losses::room}) {
-        (pixel.*kind).count += (sample.*kind).count;
-        (pixel.*kind).bound += (sample.*kind).bound;
-    }
-    pixel.crowdedMedia += sample.crowdedMedia;
-}
-
 // Bounds are of the mean of the samples.
-TreeLosses lossesOf(const Losses& pixel, double taken) {
+TreeLosses lossesOf(const TreeLosses& pixel, double taken) {
     TreeLosses losses;
-    losses.cut.add(pixel.cut.count, pixel.cut.bound / taken);
-    losses.depth.add(pixel.depth.count, pixel.depth.bound / taken);
-    losses.room.add(pixel.room.count, pixel.room.bound / taken);
+    losses.cut.add(pixel.cut.count, pixel.cut.sum / taken);
+    losses.depth.add(pixel.depth.count, pixel.depth.sum / taken);
+    losses.room.add(pixel.room.count, pixel.room.sum / taken);
     losses.crowdedMedia = pixel.crowdedMedia;
     return losses;
 }
@@ -69,7 +62,7 @@ class RowRenderer {
         const size_t index = picture_.indexOf(x, y);
         dvec3 color(0);
         double alpha = 0;
-        Losses lost;
+        TreeLosses lost;
         std::vector<dvec3> colors;  // of an adaptive pixel
         uint32_t taken = 0;
         while (taken < samples_.count()) {
@@ -77,7 +70,7 @@ class RowRenderer {
             const PixelRecord record = tracer_.trace(ray);
             color += weight * record.color;
             alpha += weight * record.alpha;
-            addLosses(record.lost, lost);
+            lost.add(record.lost);
             if (taken == 0 && !picture_.data.empty())
                 picture_.data[index] = dataOf(tracer_.model().origin, record);
             ++taken;
@@ -157,6 +150,56 @@ Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& 
     });
     sumUp(rows, picture);
     return picture;
+}
+
+WorldHit worldHit(const Tracer& tracer, const Ray& ray, const Hit& hit) {
+    const Surface surface = tracer.surfaceAt(ray, hit);
+    WorldHit found;
+    found.hit = true;
+    found.t = hit.t;
+    found.packed = hit.primitive;
+    found.u = hit.u;
+    found.v = hit.v;
+    found.point = tracer.model().origin + surface.position;
+    found.normal = surface.geometricNormal;
+    found.object = surface.object;
+    found.face = surface.primitive;
+    found.material = surface.material;
+    return found;
+}
+
+WorldHit trace(const Tracer& tracer, const Ray& ray, HitDetail detail) {
+    WorldHit found;
+    uint64_t cost = 0;
+    if (detail == HitDetail::Any) {
+        found.hit = tracer.occluded(ray, {}, &cost);
+    } else if (const std::optional<Hit> hit = tracer.closest(ray, {}, &cost)) {
+        found.hit = true;
+        found.t = hit->t;
+        found.packed = hit->primitive;
+        if (detail == HitDetail::Surface) found = worldHit(tracer, ray, *hit);
+    }
+    found.cost = cost;
+    return found;
+}
+
+std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, const Context& context) {
+    return trace(Tracer(scene, {.methods = batch.methods}), batch, context);
+}
+
+std::vector<WorldHit> trace(const Tracer& tracer, const RayBatch& batch, const Context& context) {
+    const glm::dvec3 origin = tracer.model().origin;
+    std::vector<WorldHit> hits(batch.rays.size());
+    const auto one = [&](size_t i) {
+        const LocalRay local = localRay(batch.rays[i], origin);
+        hits[i] = trace(tracer, {local.origin, local.direction, local.tMin, local.tMax}, batch.detail);
+        if (hits[i].hit) hits[i].t = local.worldT(hits[i].t);
+    };
+    parallelFor(context, (hits.size() + kRaysPerTurn - 1) / kRaysPerTurn, [&](size_t turn) {
+        const size_t end = std::min((turn + 1) * kRaysPerTurn, hits.size());
+        for (size_t i = turn * kRaysPerTurn; i < end; ++i) one(i);
+    });
+    return hits;
 }
 
 }  // namespace glint::reference

@@ -1,6 +1,4 @@
-// Bounds on the fp32 error of shading for given rays and hits, derived from the formulas and not from the
-// shaders. Absolute, in units of 2^-24. Jitter covers the effect of errors of rays, points and normals on a
-// colour.
+// Bounds on the fp32 error of hit points and of shading, derived from the formulas and not from the shaders.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +8,28 @@
 namespace glint::reference {
 
 inline constexpr double kFloatUnit = 0x1p-24;  // of fp32; kUnitRoundoff is that of double
+
+// ---- Points: how far a hit point may be off where it is found in fp32 (docs/design/numerics.md 2.9): a box
+// around it, from whose edge the rays begin that leave the point. In the coordinates of the primitive, until
+// an instance takes the point into the world.
+
+// The relative error of n roundings.
+constexpr double gammaOf(double n) {
+    return n * kFloatUnit / (1 - n * kFloatUnit);
+}
+
+// Error box of a point that is formed as an anchor plus an offset on the surface.
+inline glm::dvec3 errorBox(const glm::dvec3& offset, const glm::dvec3& anchor) {
+    return gammaOf(7) * (glm::abs(offset) + glm::abs(anchor));
+}
+
+// How far along the unit normal of its surface a ray begins from a point.
+inline double clearanceOf(const glm::dvec3& error, const glm::dvec3& normal) {
+    return glm::dot(glm::abs(normal), error);
+}
+
+// ---- Shading, for given rays and hits: absolute errors, in units of 2^-24. Jitter covers the effect of
+// errors of rays, points and normals on a colour.
 
 // A texel's bilinear mixture takes 7 roundings, its product with a colour one, with the vertices' colour
 // four, with the throughput one, and a sum three: 16 of a product of colours.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/vectors.h"
 #include "shared/shading.h"
 
 namespace glint::reference {
@@ -118,6 +119,38 @@ FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, 
     result.lens = concentricDisc(lensCoordinate(lens[0]), lensCoordinate(lens[1]));
     result.weight = s.weight.x;
     return result;
+}
+
+// Camera rays: docs/reference/shading.md.
+Ray Tracer::cameraRay(const rows::Camera& camera, double x, double y, const glm::dvec2& lens) const {
+    // From the middle of the film.
+    const double right = x - camera.halfWidth, down = y - camera.halfHeight;
+    const auto reach = [&](const glm::dvec3& middle, const glm::dvec3& stepX, const glm::dvec3& stepY) {
+        return greatestMagnitude(glm::abs(middle) + glm::abs(right * stepX) + glm::abs(down * stepY));
+    };
+    const glm::dvec3 direction = camera.center + right * camera.stepX + down * camera.stepY;
+    Ray ray;
+    ray.origin = camera.eye + right * camera.originStepX + down * camera.originStepY;
+    ray.direction = glm::normalize(direction);
+    ray.originScale = reach(camera.eye, camera.originStepX, camera.originStepY);
+    ray.directionScale =
+        std::max(1.0, reach(camera.center, camera.stepX, camera.stepY) / glm::length(direction));
+    if (camera.inverseFocus != 0) {
+        const glm::dvec3 aside = lens.x * camera.lensX + lens.y * camera.lensY;
+        const double focus = 1 / camera.inverseFocus;
+        const glm::dvec3 pinhole = ray.origin;
+        ray.origin += aside;
+        ray.direction = glm::normalize(pinhole + focus * direction - ray.origin);
+        // Twice a pinhole's roundings: those of the lens point and its way to the focus.
+        const double radius = glm::length(camera.lensX);
+        ray.originScale = 2 * (ray.originScale + radius);
+        const double reached = glm::length(direction - aside / focus);
+        ray.directionScale =
+            2 * std::max(1.0, (reach(camera.center, camera.stepX, camera.stepY) + radius / focus) / reached);
+    }
+    ray.tMin = camera.nearT;
+    if (camera.farT < shared::kInfinity) ray.tMax = camera.farT;
+    return ray;
 }
 
 PixelSample pixelSample(const Tracer& tracer, const rows::Camera& camera, const PackedSamples& samples,

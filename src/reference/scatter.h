@@ -1,14 +1,70 @@
-// Reflection of a light at a surface, and the rays that leave it. Written apart from
-// shaders/shading/scatter.glsl, by the formulas of docs/reference/shading.md.
+// Light at a surface: what media and lights send there, the light that the surface sends back, and the rays
+// that leave it. Formulas in docs/reference/shading.md; written apart from shaders/shading.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 
-#include "core/vectors.h"
-#include "reference/optics.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
+
+// ---- Media
+
+Media mediaAtEye(const rows::Environment& environment);
+
+// The one that counts: of the greatest priority the one entered last. 0, air, of none.
+uint32_t rulingMedium(const Model& scene, const Media& media);
+
+double iorOf(const Model& scene, uint32_t medium);
+glm::dvec3 attenuationOf(const Model& scene, uint32_t medium);
+
+// Transmittance of a path of `length` through a medium, by Beer's law.
+glm::dvec3 transmittance(const Model& scene, uint32_t medium, double length);
+
+struct Crossing {
+    Media before, after;
+    uint32_t mediumBefore = 0, mediumAfter = 0;
+    bool counts = true;    // false: the surface lies inside a medium of greater priority
+    bool crowded = false;  // a medium found no room in the list
+};
+
+// A ray inside `media` meets a surface of `medium` (0: no dielectric).
+Crossing crossingAt(const Model& scene, const Media& media, uint32_t medium, bool entering);
+
+// The two rays that a surface between different media makes of one.
+struct Split {
+    bool total = false;                     // all light is reflected
+    double reflectance = 0;                 // of unpolarised light
+    glm::dvec3 reflected{0}, refracted{0};  // unit
+};
+
+// d: unit; n: geometric, s: shading normal, unit, against d; ratio: the refractive index on d's side over
+// that behind the surface.
+Split splitAt(const glm::dvec3& d, const glm::dvec3& n, const glm::dvec3& s, double ratio);
+
+// ---- Lights, without shadows
+
+struct LightSample {
+    glm::dvec3 toLight{0};    // to the light's place, or the unit direction to one infinitely far away
+    glm::dvec3 direction{0};  // unit
+    double distance = 0;      // infinity for one infinitely far away
+    bool valid = true;        // false: the light lies on the surface
+};
+LightSample sampleLight(const rows::Light& light, const glm::dvec3& position);
+
+bool isSpot(const rows::Light& light);
+// The part of its intensity that a light sends back along `toLight`, by the cone of a spot light.
+double spotFactor(const rows::Light& light, const glm::dvec3& toLight);
+
+// Radiance at this distance for a spotFactor of `part`.
+glm::dvec3 intensityAt(const rows::Light& light, double distance, double part);
+
+// Relative error of a spotFactor `part`, in units of 2^-24, for an error of `turn` units in the direction to
+// the light; 0 outside a penumbra.
+double spotError(const rows::Light& light, const glm::dvec3& toLight, double part, double turn);
+
+// ---- Surfaces
 
 // A hit as shading sees it: normals turned against the ray.
 struct Interaction {
@@ -19,7 +75,7 @@ struct Interaction {
     double originScale;       // greatest coordinate of the ray's origin
     double scale;             // greatest number that a coordinate of the position is a sum of
     double offset;            // bound on the error of `position` along n
-    double clearance;         // how far along n the device's rays begin (error_box.h)
+    double clearance;         // how far along n the device's rays begin (rounding.h)
     double normalError;       // see rounding.h
     bool entering;            // the ray comes from the outer side
     rows::Material material;  // times its textures

@@ -1,21 +1,15 @@
-// The tree of rays below a camera ray (docs/reference/shading.md). What a surface does to light is in
-// scatter.h, what lights send to it in light.h.
+// The tree of rays below a camera ray (docs/reference/shading.md). What a surface does to light, and what
+// lights send to it, is in scatter.h.
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "reference/error_box.h"
-#include "reference/instance.h"
+#include "core/vectors.h"
 #include "reference/intersect.h"
-#include "reference/light.h"
 #include "reference/material.h"
-#include "reference/optics.h"
-#include "reference/primitives.h"
-#include "reference/quadric.h"
 #include "reference/ray_mover.h"
 #include "reference/rounding.h"
 #include "reference/scatter.h"
-#include "reference/step.h"
 #include "reference/tracer.h"
 #include "shared/shading.h"
 
@@ -45,30 +39,63 @@ class PathTracer {
         double fade = 0, ends = 0;
     };
 
-    Ray moved(const Ray& cameraRay);
     std::optional<Hit> closest(const Ray& ray, const Source& source, RayClass kind);
     void decide(uint32_t word) { record_.decisions = (record_.decisions ^ word) * shared::kHashPrime; }
-    void decide(const Hit& hit);
-    void decideCells(const Surface& textured);
+    void decide(const Hit& hit) {
+        decide(hit.primitive);
+        decide(hit.instance);
+        record_.meetsInstance = record_.meetsInstance || hit.instance != shared::kNone;
+    }
+    // Decides quantities that change in steps.
+    void decideCells(const Surface& textured) {
+        if (!scene_.textures.empty()) decide(cellsAt(scene_, textured));
+    }
     void addLight(const dvec3& throughput, const dvec3& slack, const Light& light);
-    void count(RayClass kind, uint64_t costBefore);
+    void count(RayClass kind, uint64_t costBefore) {
+        RayTally& tally = record_.tally[static_cast<size_t>(kind)];
+        ++tally.rays;
+        tally.tests += record_.cost - costBefore;
+    }
     Interaction interactionAt(const Ray& ray, const Hit& hit, const Surface& surface, const Media& media);
     Ray rayFrom(const Interaction& at, const dvec3& direction, double tMax);
     Light shadeLights(const Interaction& at, bool first);
     std::optional<Light> shadeLight(const Interaction& at, size_t index, bool first);
     std::optional<Passed> lightThrough(const Ray& ray, const Interaction& at, bool directional);
-    void follow(const Branch& branch);
+    void follow(const Branch& branch) {
+        for (const Branch& b : visit(branch)) {
+            ++record_.bounces;
+            follow(b);
+        }
+    }
     // Adds the light of one ray's hit, and returns the rays that leave it.
     std::vector<Branch> visit(const Branch& branch);
     std::vector<Branch> branchesOf(const Branch& branch, const Interaction& at, const dvec3& throughput,
                                    const dvec3& slack);
-    void finishRounding();
-    void dropOne(std::vector<Branch>& next);
+    // Each contribution is added with a rounding of the sum so far.
+    void finishRounding() {
+        record_.rounding += static_cast<double>(contributions_) * record_.color;
+        record_.rounding *= kFloatUnit;
+    }
+    // Drops the weaker of two branches if there is no room for one to wait.
+    void dropOne(std::vector<Branch>& next) {
+        const bool keepSecond = contribution(next[1]) > contribution(next[0]);
+        record_.lost.room.add(1, contribution(next[keepSecond ? 0 : 1]));
+        next.erase(next.begin() + (keepSecond ? 0 : 1));
+    }
     bool isFollowed(const Branch& next);
-    double contribution(const Branch& next) const;
-    // The surface as textures see it, and the environment map's coordinates, moved by rounding.
+    double contribution(const Branch& next) const {
+        const dvec3& t = next.throughput;
+        const double most = std::max({t.x, t.y, t.z});
+        const bool tells = most >= static_cast<double>(shared::kLeastThroughput);
+        return tells ? most * tracer_.environment().radianceBound : 0;
+    }
+    // The surface as textures see it, moved by rounding; and so the environment map's coordinates.
     Surface texturedAt(const Surface& surface);
-    glm::dvec2 mapShift();
+    glm::dvec2 mapShift() {
+        if (tracer_.environment().map == 0) return glm::dvec2(0);
+        const double u = mover_.shift(1);
+        return {u, mover_.shift(1)};
+    }
 
     const Tracer& tracer_;
     const Model& scene_;
@@ -78,23 +105,6 @@ class PathTracer {
     PixelRecord record_;
     uint32_t contributions_ = 0;
 };
-
-void PathTracer::count(RayClass kind, uint64_t costBefore) {
-    RayTally& tally = record_.tally[static_cast<size_t>(kind)];
-    ++tally.rays;
-    tally.tests += record_.cost - costBefore;
-}
-
-void PathTracer::decide(const Hit& hit) {
-    decide(hit.primitive);
-    decide(hit.instance);
-    record_.meetsInstance = record_.meetsInstance || hit.instance != shared::kNone;
-}
-
-// Decides quantities that change in steps.
-void PathTracer::decideCells(const Surface& textured) {
-    if (!scene_.textures.empty()) decide(cellsAt(scene_, textured));
-}
 
 bool isRound(const Hit& hit) {
     const shared::PrimitiveKind kind = kindOfPrimitive(hit.primitive);
@@ -290,37 +300,14 @@ Surface PathTracer::texturedAt(const Surface& surface) {
     return moved;
 }
 
-glm::dvec2 PathTracer::mapShift() {
-    if (tracer_.environment().map == 0) return glm::dvec2(0);
-    const double u = mover_.shift(1);
-    return {u, mover_.shift(1)};
-}
-
-double PathTracer::contribution(const Branch& next) const {
-    const dvec3& t = next.throughput;
-    const double most = std::max({t.x, t.y, t.z});
-    const bool tells = most >= static_cast<double>(shared::kLeastThroughput);
-    return tells ? most * static_cast<double>(tracer_.environment().radianceBound) : 0;
-}
-
 // A throughput is a product of weights, each of them good to 8 roundings.
 bool PathTracer::isFollowed(const Branch& next) {
     const double most = contribution(next);
     const bool inDepth = next.depth <= tracer_.environment().maxDepth;
     const double seen = mover_.sway(most, 8.0 * next.depth);
-    if (inDepth && !(seen < static_cast<double>(tracer_.environment().minContribution))) return true;
-    Lost& lost = inDepth ? record_.lost.cut : record_.lost.depth;
-    ++lost.count;
-    lost.bound += most;
+    if (inDepth && !(seen < tracer_.environment().minContribution)) return true;
+    (inDepth ? record_.lost.cut : record_.lost.depth).add(1, most);
     return false;
-}
-
-// Drops the weaker of two branches if there is no room for one to wait.
-void PathTracer::dropOne(std::vector<Branch>& next) {
-    const bool keepSecond = contribution(next[1]) > contribution(next[0]);
-    ++record_.lost.room.count;
-    record_.lost.room.bound += contribution(next[keepSecond ? 0 : 1]);
-    next.erase(next.begin() + (keepSecond ? 0 : 1));
 }
 
 // The one on the outer side comes first.
@@ -357,13 +344,6 @@ std::vector<Branch> PathTracer::branchesOf(const Branch& branch, const Interacti
     return next;
 }
 
-void PathTracer::follow(const Branch& branch) {
-    for (const Branch& b : visit(branch)) {
-        ++record_.bounces;
-        follow(b);
-    }
-}
-
 std::vector<Branch> PathTracer::visit(const Branch& branch) {
     const rows::Environment& environment = tracer_.environment();
     const Ray& ray = branch.ray;
@@ -377,7 +357,7 @@ std::vector<Branch> PathTracer::visit(const Branch& branch) {
     if (!hit) {
         const double endless = std::numeric_limits<double>::infinity();
         const dvec3 left = transmittance(scene_, rulingMedium(scene_, branch.media), endless);
-        const dvec3 seen = surroundings(scene_, tracer_.environment(), ray.direction, mapShift());
+        const dvec3 seen = surroundings(scene_, environment, ray.direction, mapShift());
         addLight(branch.throughput * left, branch.slack * left, {seen, kProductRoundings * seen});
         return {};
     }
@@ -400,7 +380,7 @@ std::vector<Branch> PathTracer::visit(const Branch& branch) {
             slack[i] += throughput[i] * exponentialRoundings(way * sigma[i], at.scale * sigma[i]);
     }
     if (at.crossing.counts) {
-        const dvec3 ambient = dvec3(at.material.ambient) * dvec3(environment.ambient);
+        const dvec3 ambient = at.material.ambient * environment.ambient;
         Light light = shadeLights(at, first);
         light.radiance += ambient;
         light.error += kProductRoundings * ambient;
@@ -417,26 +397,13 @@ void PathTracer::addLight(const dvec3& throughput, const dvec3& slack, const Lig
     ++contributions_;
 }
 
-Ray PathTracer::moved(const Ray& cameraRay) {
-    Ray ray = cameraRay;
-    mover_.move(ray, std::max(greatestMagnitude(ray.origin), ray.originScale));
-    return ray;
-}
-
 PixelRecord PathTracer::run(const Ray& cameraRay) {
-    Branch branch;
-    branch.ray = moved(cameraRay);
-    branch.media = mediaAtEye(tracer_.environment());
+    Branch branch = tracer_.firstBranch(cameraRay);
+    mover_.move(branch.ray, std::max(greatestMagnitude(cameraRay.origin), cameraRay.originScale));
     record_.pathHash = shared::kHashStart;
     follow(branch);
     finishRounding();
     return std::move(record_);
-}
-
-// Each contribution is added with a rounding of the sum so far.
-void PathTracer::finishRounding() {
-    record_.rounding += static_cast<double>(contributions_) * record_.color;
-    record_.rounding *= kFloatUnit;
 }
 
 Step PathTracer::step(Branch branch) {

@@ -15,6 +15,7 @@
 #include "pack/packed_scene.h"
 #include "pack/request_environment.h"
 #include "reference/model.h"
+#include "trace/picture.h"
 
 namespace glint::reference {
 
@@ -78,7 +79,7 @@ struct Surface {
     double scale = 0;       // the greatest coordinate of the position, and of what it is computed from
     glm::dvec2 uvScale{0};  // the same of u and v, in units of theirs
     double bend = 0;        // of quadrics: at most how far the normal turns for a unit of way
-    glm::dvec3 error{0};    // what fp32 may make of the position, on each axis (error_box.h)
+    glm::dvec3 error{0};    // what fp32 may make of the position, on each axis (rounding.h)
 };
 
 // Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray
@@ -93,7 +94,7 @@ struct Surface {
 // `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more
 // than fp32 does (FormulaNoise).
 // `clears`: besides, rays begin `ulps` times as far from the surface that they leave as the device's do
-// (error_box.h). Of the errors that their point may have that is the sum, which rounding hardly ever makes.
+// (rounding.h). Of the errors that their point may have that is the sum, which rounding hardly ever makes.
 // `slips`: no movement. fp32's own errors in the rule for surfaces in one place, as parts of their bound:
 // with 0 as few surfaces as possible coincide with the closest one, or with the one that a ray leaves; with
 // kMostSlips as many as possible. kMostSlips also starts rays as far from their surface as the device may.
@@ -129,18 +130,6 @@ struct Bounce {
     glm::dvec3 light{0};  // what it adds to the pixel's colour itself, without the rays that follow from it
 };
 
-// Branches of one kind that were not followed, and the sum of what they could have brought.
-struct Lost {
-    uint32_t count = 0;
-    double bound = 0;
-};
-
-// See TreeLosses in trace/picture.h.
-struct Losses {
-    Lost cut, depth, room;
-    uint32_t crowdedMedia = 0;
-};
-
 // Rays of one class, and the boxes and primitives that they tested.
 struct RayTally {
     uint64_t rays = 0, tests = 0;
@@ -164,12 +153,35 @@ struct PixelRecord {
     // True if a ray of the path, or under jitter a blocked shadow ray, hit an instance.
     bool meetsInstance = false;
     std::array<RayTally, kRayClasses> tally;  // by RayClass; the tests sum up to `cost`
-    Losses lost;
+    TreeLosses lost;
     std::vector<Bounce> path;
 };
 
-struct Branch;  // step.h
-struct Step;
+// The media that a ray is inside of, oldest first; numbers as in rows::Material::medium.
+using Media = std::vector<uint32_t>;
+
+// A ray of the tree, and what the path so far determines.
+struct Branch {
+    Ray ray;
+    Source source;
+    glm::dvec3 throughput{1};
+    glm::dvec3 slack{0};  // of the throughput, see rounding.h
+    RayClass kind = RayClass::Primary;
+    uint32_t depth = 0;    // rays before it
+    uint32_t waiting = 0;  // branches that are followed only after all that comes of this one
+    Media media;
+    // Start on a surface: the point, the unit normal on the ray's side (0 for camera rays), the distance from
+    // the point at which the device's ray begins, and the greatest number that a coordinate of the point is a
+    // sum of.
+    glm::dvec3 start{0}, out{0};
+    double clearance = 0, scale = 0;
+};
+
+// `record` describes the branch's ray as if it were a camera ray; its color is the light that the hit adds.
+struct Step {
+    PixelRecord record;
+    std::vector<Branch> next;
+};
 
 class Tracer {
   public:

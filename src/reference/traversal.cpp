@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -7,10 +6,10 @@
 
 #include "pack/dielectric_rank.h"
 #include "reference/instance.h"
+#include "reference/intersect.h"
 #include "reference/material.h"
-#include "reference/primitives.h"
 #include "reference/tracer.h"
-#include "reference/widened.h"
+#include "reference/traverse.h"
 
 namespace glint::reference {
 namespace {
@@ -28,39 +27,10 @@ constexpr double kFarPad = 1 + 8 * kUnitRoundoff;
 // that is left out.
 constexpr double kCullPad = 1 + 0x1p-30;
 
-// The best hit so far, or in `all` every one, a counter of boxes and primitives, and where the search is: the
-// instance and what its ids count from, kNone and 0 in the world.
-struct Search {
-    Hit best;
-    double end = 0;  // of the ray's interval: at most the least t + slip so far
-    uint64_t cost = 0;
-    bool found = false;
-    uint32_t instance = kNone;
-    uint32_t idBase = 0;
-    bool everywhere = false;  // every box is entered
-    bool behind = false;      // boxes that begin behind `end` are entered, too
-    std::vector<Hit>* all = nullptr;
-    const Ray* world = nullptr;      // as it was given
-    const Tracer* tracer = nullptr;  // whose search it is
-
-    // Boxes that begin beyond it are left out. No box begins at infinity: a parallel ray outside a slab has
-    // its near t there.
-    double cullLimit() const {
-        return std::min((behind ? world->tMax : end) * kCullPad, std::numeric_limits<double>::max());
-    }
-};
-
-// The world, as a ray was given to it.
-struct World {
-    const Model& scene;
-    const Ray& ray;
-    const Source& source;
-};
-
-// Entry t into the box of a child (0 or 1) of a node; NaN-free. > limit: not within [0, limit]. A comparison
-// with NaN is false, so a plane that a parallel ray runs in (0 * inf) constrains nothing: boxes are closed.
-inline double enterBox(const double* node, int child, const PreparedRay& ray, double limit) {
-    const double* box = node + 8 * child;
+// Entry t into the box of a child (0 or 1) of a node; NaN-free. A comparison with NaN is false, so a plane
+// that a parallel ray runs in (0 * inf) constrains nothing: boxes are closed.
+inline double enterBox(const rows::Node& node, int child, const PreparedRay& ray, double limit) {
+    const double* box = reinterpret_cast<const double*>(&node) + 8 * child;
     double tNear = ray.tMin * (2 - kCullPad), tFar = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
         const double t0 = (box[ray.nearPlane[i]] - ray.origin[i]) * ray.inverse[i];
@@ -68,173 +38,135 @@ inline double enterBox(const double* node, int child, const PreparedRay& ray, do
         tNear = t0 > tNear ? t0 : tNear;
         tFar = t1 < tFar ? t1 : tFar;
     }
-    return tNear <= tFar * kFarPad && tNear <= limit ? tNear : std::numeric_limits<double>::infinity();
+    return tNear <= tFar * kFarPad && tNear <= limit ? tNear : kNotEntered;
 }
 
-bool isHole(const Model& scene, const Search& search, const Hit& hit) {
-    return scene.alphaMask && holeAt(scene, search.tracer->surfaceAt(*search.world, hit));
-}
-
-// The hits of one primitive that count for the search: the first that is no hole of the surface, or all of
-// them. True if there is one.
-template <class Primitive>
-bool testPrimitive(const Model& scene, const PreparedRay& ray, const Primitive& one, uint32_t primitive,
-                   uint32_t source, Search& search, Hit& hit) {
-    Root root;
-    uint32_t part = 0;
-    const Methods& methods = search.tracer->methods();
-    if (!meets(one, {scene, methods, ray, primitive, source, search.end}, root, part)) return false;
-    PreparedRay further = ray;
-    do {
-        if (std::is_same_v<Primitive, rows::Triangle> && isMirrored(scene, search.instance))
-            std::swap(root.u, root.v);
-        const uint32_t id = idInInstance(search.idBase, one.id);
-        hit = {root.t, root.u, root.v, primitive | part << shared::kPartShift, id, search.instance};
-        hit.slip = ray.ties ? root.slip : 0;
-        const bool hole = isHole(scene, search, hit);
-        if (!hole && !search.all) return true;
-        if (!hole) search.all->insert(search.all->end(), root.twice ? 2 : 1, hit);
-        // Search again behind a root, for surfaces that are hit more than once.
-        further.tMin = root.t;
-    } while (meets(one, {scene, methods, further, primitive, source, search.end}, root, part));
-    return false;
-}
-
-// Tests `count` primitives of a kind. True if an any-hit search is over.
-template <bool kAny, class Primitive>
-bool testArray(const Model& scene, const PreparedRay& ray, const std::vector<Primitive>& array, uint32_t kind,
-               uint32_t first, uint32_t count, uint32_t source, Search& search) {
-    for (uint32_t i = first; i < first + count; ++i) {
-        Hit hit;
-        ++search.cost;
-        const uint32_t primitive = kind << shared::kPrimitiveKindShift | i;
-        if (!testPrimitive(scene, ray, array[i], primitive, source, search, hit)) continue;
-        if constexpr (!kAny) {
-            const bool closer = !search.found || hit.t + hit.slip < search.best.t - search.best.slip;
-            search.end = std::min(search.end, hit.t + hit.slip);
-            if (!closer && hit.id > search.best.id) continue;
-            search.best = hit;
-        }
-        search.found = true;
-        if constexpr (kAny) return true;
-    }
-    return false;
-}
-
+// One query: the closest hit, or any.
 template <bool kAny>
-bool testPrimitives(const Model& scene, const PreparedRay& ray, shared::PrimitiveKind kind, uint32_t first,
-                    uint32_t count, uint32_t source, Search& search) {
-    switch (kind) {
+class Search {
+  public:
+    Search(const Tracer& tracer, const Ray& ray, const Source& source)
+        : end(ray.tMax), tracer_(tracer), scene_(tracer.model()), ray_(ray), source_(source) {}
+
+    double end;                       // of the ray's interval: at most the least t + slip so far
+    bool everywhere = false;          // every box is entered
+    bool behind = false;              // boxes that begin behind `end` are entered, too
+    std::vector<Hit>* all = nullptr;  // collects every hit; then the result is none
+
+    // cost: a counter of boxes and primitives, or null.
+    std::optional<Hit> run(uint64_t* cost) {
+        Space world{PreparedRay(ray_), source_.instance == kNone ? source_.primitive : kNone};
+        if (!world.ray.valid) return std::nullopt;
+        world.ray.leaves = source_.primitive != kNone;
+        const Leaf planes{shared::PrimitiveKind::Plane, 0, static_cast<uint32_t>(scene_.planes.size())};
+        if (!testLeaf(world, planes) && scene_.environment.root != kNone)
+            testTree(world, scene_.environment.root);
+        if (cost) *cost += cost_;
+        return best_;
+    }
+
+  private:
+    // The world, or an instance with its own coordinates.
+    struct Space {
+        PreparedRay ray;
+        uint32_t source;  // what the ray starts on, if it is of this space
+        uint32_t instance = kNone, idBase = 0;
+    };
+
+    // The functions below return true if an any-hit search is over.
+    bool testTree(const Space& space, uint32_t root) {
+        return traverse(
+            *scene_.nodes, root,
+            [&](const rows::Node& node, int child) {
+                ++cost_;
+                return everywhere ? 0 : enterBox(node, child, space.ray, cullLimit());
+            },
+            [&] { return cullLimit(); }, [&](const Leaf& leaf, double) { return testLeaf(space, leaf); });
+    }
+
+    // Boxes that begin beyond it are left out. No box begins at infinity: a parallel ray outside a slab has
+    // its near t there.
+    double cullLimit() const {
+        return std::min((behind ? ray_.tMax : end) * kCullPad, std::numeric_limits<double>::max());
+    }
+
+    bool testLeaf(const Space& space, const Leaf& leaf) {
+        switch (leaf.kind) {
 #define GLINT_TEST(number, Kind, kinds, one, many) \
     case shared::PrimitiveKind::Kind:              \
-        return testArray<kAny>(scene, ray, scene.kinds, shared::kKind##Kind, first, count, source, search);
-        GLINT_PRIMITIVES(GLINT_TEST, GLINT_NO_KIND)
+        return testArray(space, scene_.kinds, leaf);
+            GLINT_PRIMITIVES(GLINT_TEST, GLINT_NO_KIND)
 #undef GLINT_TEST
-        case shared::PrimitiveKind::Instance:
-            return false;
-    }
-    return false;
-}
-
-template <bool kAny>
-void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uint32_t root, Search& search);
-
-// Everything of an instance that the ray may hit. True if an any-hit search is over.
-template <bool kAny>
-bool searchInstance(const World& world, uint32_t index, Search& search) {
-    const rows::Instance& instance = world.scene.instances[index];
-    PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
-    if (!inside.valid) return false;
-    inside.leaves = world.source.primitive != kNone;
-    inside.slip = InstanceFrame(instance).slipOfWayIn(world.ray.origin);
-    search.instance = index;
-    search.idBase = instance.idBase;
-    const uint32_t source = world.source.instance == index ? world.source.primitive : kNone;
-    searchTree<kAny>(world, inside, source, instance.root, search);
-    search.instance = kNone;
-    search.idBase = 0;
-    return kAny && search.found;
-}
-
-template <bool kAny>
-bool testLeaf(const World& world, const PreparedRay& ray, uint32_t leaf, uint32_t source, Search& search) {
-    const shared::PrimitiveKind kind = kindOfLeaf(leaf);
-    const uint32_t first = leaf & shared::kLeafFirstMask;
-    const uint32_t count = (leaf >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
-    if (kind != shared::PrimitiveKind::Instance)
-        return testPrimitives<kAny>(world.scene, ray, kind, first, count, source, search);
-    for (uint32_t i = first; i < first + count; ++i)
-        if (searchInstance<kAny>(world, i, search)) return true;
-    return false;
-}
-
-// search.end holds the end of the ray's interval on entry.
-template <bool kAny>
-void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uint32_t root, Search& search) {
-    const Model& scene = world.scene;
-    const rows::Node* nodes = scene.nodes->data();
-    struct Entry {
-        double t;
-        uint32_t child;
-    };
-    std::array<Entry, kMaxTreeDepth + 1> stack;
-    size_t size = 0;
-    uint32_t child = root;
-    for (;;) {
-        if (child & shared::kLeafFlag) {
-            if (testLeaf<kAny>(world, ray, child, source, search)) return;
-        } else {
-            const rows::Node& node = nodes[child];
-            const auto* planes = reinterpret_cast<const double*>(&node);
-            const double limit = search.cullLimit();
-            const bool has0 = node.child0 != kNone, has1 = node.child1 != kNone;
-            const auto enter = [&](bool has, int side) {
-                if (!has) return std::numeric_limits<double>::infinity();
-                return search.everywhere ? 0 : enterBox(planes, side, ray, limit);
-            };
-            const double t0 = enter(has0, 0), t1 = enter(has1, 1);
-            search.cost += static_cast<uint64_t>(has0) + static_cast<uint64_t>(has1);
-            const bool enter0 = t0 <= limit, enter1 = t1 <= limit;
-            if (enter0 && enter1) {
-                const bool swap = t1 < t0;
-                stack[size++] = swap ? Entry{t0, node.child0} : Entry{t1, node.child1};
-                child = swap ? node.child1 : node.child0;
-                continue;
-            }
-            if (enter0 || enter1) {
-                child = enter0 ? node.child0 : node.child1;
-                continue;
-            }
+            case shared::PrimitiveKind::Instance:
+                for (uint32_t i = leaf.first; i < leaf.end; ++i)
+                    if (testInstance(i)) return true;
         }
-        const double limit = search.cullLimit();
-        do {
-            if (size == 0) return;
-            --size;
-        } while (stack[size].t > limit);
-        child = stack[size].child;
+        return false;
     }
-}
 
-template <bool kAny>
-void searchScene(const Model& scene, const Source& from, Search& search) {
-    const World world{scene, *search.world, from};
-    const uint32_t source = from.instance == kNone ? from.primitive : kNone;
-    PreparedRay prepared(world.ray);
-    if (!prepared.valid) return;
-    prepared.leaves = from.primitive != kNone;
-    const auto planes = static_cast<uint32_t>(scene.planes.size());
-    if (!testPrimitives<kAny>(scene, prepared, shared::PrimitiveKind::Plane, 0, planes, source, search) &&
-        scene.environment.root != kNone)
-        searchTree<kAny>(world, prepared, source, scene.environment.root, search);
-}
+    bool testInstance(uint32_t index) {
+        const rows::Instance& instance = scene_.instances[index];
+        const InstanceFrame frame(instance);
+        Space inside{PreparedRay(frame.enterInstance(ray_)),
+                     source_.instance == index ? source_.primitive : kNone, index, instance.idBase};
+        if (!inside.ray.valid) return false;
+        inside.ray.leaves = source_.primitive != kNone;
+        inside.ray.slip = frame.slipOfWayIn(ray_.origin);
+        return testTree(inside, instance.root);
+    }
 
-Search searchOf(const Tracer& tracer, const Ray& ray) {
-    Search search;
-    search.tracer = &tracer;
-    search.world = &ray;
-    search.end = ray.tMax;
-    return search;
-}
+    template <class Primitive>
+    bool testArray(const Space& space, const std::vector<Primitive>& array, const Leaf& leaf) {
+        for (uint32_t i = leaf.first; i < leaf.end; ++i) {
+            ++cost_;
+            Hit hit;
+            const uint32_t primitive = static_cast<uint32_t>(leaf.kind) << shared::kPrimitiveKindShift | i;
+            if (!testPrimitive(space, array[i], primitive, hit)) continue;
+            if constexpr (!kAny) {
+                const bool closer = !best_ || hit.t + hit.slip < best_->t - best_->slip;
+                end = std::min(end, hit.t + hit.slip);
+                if (!closer && hit.id > best_->id) continue;
+            }
+            best_ = hit;
+            if constexpr (kAny) return true;
+        }
+        return false;
+    }
+
+    // The hits of one primitive that count for the search: the first that is no hole of the surface, or all
+    // of them. True if there is one.
+    template <class Primitive>
+    bool testPrimitive(const Space& space, const Primitive& one, uint32_t primitive, Hit& hit) {
+        Root root;
+        const Methods& methods = tracer_.methods();
+        if (!intersect(one, {scene_, methods, space.ray, primitive, space.source, end}, root)) return false;
+        PreparedRay further = space.ray;
+        do {
+            if (std::is_same_v<Primitive, rows::Triangle> && isMirrored(scene_, space.instance))
+                std::swap(root.u, root.v);
+            hit = {root.t,
+                   root.u,
+                   root.v,
+                   primitive | root.part << shared::kPartShift,
+                   idInInstance(space.idBase, one.id),
+                   space.instance,
+                   space.ray.ties ? root.slip : 0};
+            const bool hole = scene_.alphaMask && holeAt(scene_, tracer_.surfaceAt(ray_, hit));
+            if (!hole && !all) return true;
+            if (!hole) all->insert(all->end(), root.twice ? 2 : 1, hit);
+            // Search again behind a root, for surfaces that are hit more than once.
+            further.tMin = root.t;
+        } while (intersect(one, {scene_, methods, further, primitive, space.source, end}, root));
+        return false;
+    }
+
+    const Tracer& tracer_;
+    const Model& scene_;
+    const Ray& ray_;
+    const Source& source_;
+    uint64_t cost_ = 0;
+    std::optional<Hit> best_;
+};
 
 // The device's least contribution is a float.
 Tracing roundedTracing(const Tracing& tracing) {
@@ -268,33 +200,30 @@ Tracer::Tracer(const PackedScene& scene, const Tracing& tracing)
 // it is found after the closest hit, and its box begins behind that. The bounds of the rule are those of
 // every order. A second search tests the fewest surfaces (slips 0), or the most.
 std::optional<Hit> Tracer::closest(const Ray& ray, const Source& source, uint64_t* cost) const {
-    Search search = searchOf(*this, ray);
-    searchScene<false>(scene_, source, search);
-    if (search.found && ray.ties && ray.slips != 1) {
-        Search bound = searchOf(*this, ray);
-        bound.end = search.end;
-        bound.behind = ray.slips > 1;
-        searchScene<false>(scene_, source, bound);
-        bound.cost += search.cost;
-        search = bound;
-    }
-    if (cost) *cost += search.cost;
-    return search.found ? std::optional<Hit>(search.best) : std::nullopt;
+    Search<false> search(*this, ray, source);
+    const std::optional<Hit> hit = search.run(cost);
+    if (!hit || !ray.ties || ray.slips == 1) return hit;
+    Search<false> bound(*this, ray, source);
+    bound.end = search.end;
+    bound.behind = ray.slips > 1;
+    return bound.run(cost);
+}
+
+std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& source) const {
+    Search<false> search(*this, ray, source);
+    search.everywhere = true;
+    return search.run(nullptr);
 }
 
 bool Tracer::occluded(const Ray& ray, const Source& source, uint64_t* cost) const {
-    Search search = searchOf(*this, ray);
-    searchScene<true>(scene_, source, search);
-    if (cost) *cost += search.cost;
-    return search.found;
+    return Search<true>(*this, ray, source).run(cost).has_value();
 }
 
 std::vector<Hit> Tracer::allHits(const Ray& ray, const Source& source, uint64_t* cost) const {
     std::vector<Hit> hits;
-    Search search = searchOf(*this, ray);
+    Search<false> search(*this, ray, source);
     search.all = &hits;
-    searchScene<false>(scene_, source, search);
-    if (cost) *cost += search.cost;
+    search.run(cost);
     std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
         const uint32_t ofFile = ~shared::kDielectricRank;
         return std::pair(a.t, a.id & ofFile) < std::pair(b.t, b.id & ofFile);
@@ -336,13 +265,6 @@ bool Tracer::crosses(const Ray& ray, const Hit& hit) const {
     const PreparedRay seen(
         hit.instance == kNone ? ray : InstanceFrame(scene_.instances[hit.instance]).enterInstance(ray));
     return crossesTriangle(scene_.triangles[hit.primitive & shared::kPrimitiveIndexMask], seen);
-}
-
-std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& source) const {
-    Search search = searchOf(*this, ray);
-    search.everywhere = true;
-    searchScene<false>(scene_, source, search);
-    return search.found ? std::optional<Hit>(search.best) : std::nullopt;
 }
 
 }  // namespace glint::reference

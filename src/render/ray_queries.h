@@ -58,7 +58,7 @@ struct RayTask {
     // Nearest; Any: whether there is a hit, FoundHit::primitive alone and any of them; Count:
     // FoundHit::crossings, of a scene packed without split triangles; Point: the primitive that is closest to
     // the ray's origin, FoundHit::t the square of its distance (kinds: hasClosestPoint in
-    // reference/closest_point.h).
+    // reference/queries.h).
     enum class Ask { Nearest, Any, Count, Point } ask = Ask::Nearest;
     Methods methods = {};
     bool leaves = false;                   // rays start on surfaces (docs/design/numerics.md)

@@ -4,10 +4,10 @@
 
 namespace glint::verify {
 
-void Account::addAlike(const reference::Losses& lost, double weight) {
-    alike_.cut.add(lost.cut.count, lost.cut.bound * weight);
-    alike_.depth.add(lost.depth.count, lost.depth.bound * weight);
-    alike_.room.add(lost.room.count, lost.room.bound * weight);
+void Account::addAlike(const TreeLosses& lost, double weight) {
+    alike_.cut.add(lost.cut.count, lost.cut.sum * weight);
+    alike_.depth.add(lost.depth.count, lost.depth.sum * weight);
+    alike_.room.add(lost.room.count, lost.room.sum * weight);
     alike_.crowdedMedia += lost.crowdedMedia;
     greatestWeight_ = std::max(greatestWeight_, weight);
 }

@@ -3,7 +3,6 @@
 // pixels.
 #pragma once
 
-#include "reference/tracer.h"
 #include "trace/picture.h"
 
 namespace glint::verify {
@@ -14,7 +13,7 @@ class Account {
     explicit Account(double radianceBound) : radianceBound_(radianceBound) {}
 
     // Adds a pixel whose rays hit the same primitives on device and reference: it loses the same branches.
-    void addAlike(const reference::Losses& lost, double weight);
+    void addAlike(const TreeLosses& lost, double weight);
     // Adds a pixel whose rays hit others. Each hit loses at most two branches, and one medium.
     void addOther(uint32_t bounces, double weight);
     void add(const Account& rows);

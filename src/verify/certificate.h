@@ -2,7 +2,7 @@
 // makes of the device's own ray, for roundings of this one step (docs/design/verification.md).
 #pragma once
 
-#include "reference/step.h"
+#include "reference/tracer.h"
 #include "trace/trail.h"
 #include "verify/quantities.h"
 

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "core/vectors.h"
-#include "reference/error_box.h"
 #include "reference/rounding.h"
 #include "verify/stiffness.h"
 

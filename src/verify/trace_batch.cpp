@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "reference/trace_rays.h"
+#include "reference/render.h"
 
 namespace glint::verify {
 

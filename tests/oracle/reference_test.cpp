@@ -1,6 +1,6 @@
 // The double-precision reference judged by the oracle, with rays that aim where decisions fall: edges,
 // vertices, rims and tangents. It must be right everywhere but where quadruple precision cannot tell
-// (src/reference/intersect.cpp), and then say "hit".
+// (src/reference/intersect.h), and then say "hit".
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -17,8 +17,7 @@ using glm::vec3;
 
 // The closest hit, on which all queries agree.
 std::optional<Hit> hitOnly(SceneMaker& maker, const Ray& ray) {
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const auto hit = tracer.closest(ray);
     EXPECT_EQ(hit, tracer.closestBruteForce(ray));
     EXPECT_EQ(hit.has_value(), tracer.occluded(ray));
@@ -54,8 +53,7 @@ TEST(ReferenceDisc, SurfaceAndSource) {
     const uint32_t material = maker.material(vec3(0.5));
     maker.disc({0, 0, 0}, {0, 0, 1}, 2, material);
     maker.disc({0, 0, -1}, {0, 0, 1}, 2);
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const Ray ray = makeRay({1, 0.5, 3}, {0, 0, -1});
     const auto hit = tracer.closest(ray);
     ASSERT_TRUE(hit);
@@ -181,8 +179,7 @@ TEST(ReferencePolygon, PlaneAndSource) {
     EXPECT_FALSE(hitPolygon(kL, makeRay({0.5, 0.5, 1}, {0, 0, 1}))) << "behind";
     SceneMaker maker;
     maker.polygon(kL);
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const Ray ray = makeRay({0.5, 0.25, 3}, {0, 0, -1});
     const auto hit = tracer.closest(ray);
     ASSERT_TRUE(hit);

@@ -62,8 +62,7 @@ TEST_F(ReferenceJitter, FindsShadowEdges) {
     maker.plane(vec3(0), {0, 1, 0});
     maker.triangle({0, 2, -50}, {0, 2, 50}, {100, 2, 0});  // its edge x = 0 lies above z axis
     maker.light(shared::kLightDirectional, {0, 1, 0});
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const auto shadowed = [&](double x) {
         int count = 0;
         for (uint64_t seed = 1; seed <= 64; ++seed) {
@@ -108,8 +107,7 @@ TEST_F(ReferenceJitter, DisplacementsKeepTheirBounds) {
 TEST_F(ReferenceJitter, RaysLeaveAsFarAwayAsTheyDoInSinglePrecision) {
     SceneMaker maker;
     maker.triangle({-1, -1, -3}, {1, -1, -3}, {0, 1, -3}, maker.material(vec3(.5f), vec3(0), 1, vec3(.5f)));
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     for (uint64_t seed = 1; seed <= 20; ++seed) {
         double height[2];
         for (const bool clears : {false, true}) {

@@ -1,6 +1,6 @@
 // Dielectrics of the reference: Snell, Fresnel, total reflection, slabs and lists of media, against closed
 // forms.
-#include "reference/optics.h"
+#include "reference/scatter.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "reference/tracer.h"
-#include "reference/widened.h"
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::optics_test {

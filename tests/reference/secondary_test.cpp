@@ -20,8 +20,7 @@ TEST(ReferenceShadow, SphereOverPlaneCastsADisc) {
     maker.plane(vec3(0), {0, 1, 0});
     maker.sphere({0, 2, 0}, 1);
     maker.light(kLightPoint, {0, 7, 0});
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const double radius = 7 * std::tan(std::asin(1.0 / 5));
     for (int i = 0; i < 360; ++i) {
         const double angle = i * std::numbers::pi / 180;
@@ -44,8 +43,7 @@ TEST(ReferenceShadow, OneBitForEachLight) {
     maker.light(kLightPoint, {0, 0.5f, 0});      // below the sphere
     maker.light(kLightPoint, {0, 9, 0});         // blocked
     maker.light(kLightDirectional, {0, -1, 0});  // behind
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const PixelRecord record = tracer.trace(makeRay({3, 3, 0}, {-1, -1, 0}), {}, true);
     EXPECT_EQ(record.shadowBits, 0b01001u);
     EXPECT_EQ(record.path[0].occluded, (std::vector<uint8_t>{1, 0, 0, 1, 0}));
@@ -68,8 +66,7 @@ struct Lighting {
     }
     // Shadowed lights at the hits of rays towards the points that `target` makes.
     void expectNone(const std::function<dvec3()>& target) {
-        const PackedScene scene = maker.finish();
-        const Tracer tracer(scene);
+        const SceneTracer tracer(maker);
         int lit = 0, shadowed = 0;
         for (int i = 0; i < 4000; ++i) {
             const dvec3 eye = center + size * (i % 10 == 0 ? 1e5 : 4.0) * random.direction();
@@ -147,8 +144,7 @@ TEST(ReferenceAcne, ConvexMirrorsReflectOnce) {
             const dvec3 center(vec3(offset * dvec3(1, -1, 1)));
             maker.sphere(vec3(center), static_cast<float>(size), mirror);
             maker.environment.background = vec3(1);
-            const PackedScene scene = maker.finish();
-            const Tracer tracer(scene);
+            const SceneTracer tracer(maker);
             Random random(82);
             for (int i = 0; i < 2000; ++i) {
                 const dvec3 eye = center + 4 * size * random.direction();
@@ -168,8 +164,7 @@ TEST(ReferenceAcne, MirrorSphereFromInside) {
     const uint32_t mirror = maker.material(vec3(0), vec3(0), 1, vec3(1));
     maker.sphere({5, 6, 7}, 2, mirror);
     maker.environment.maxDepth = 8;
-    const PackedScene scene = maker.finish();
-    const PixelRecord record = Tracer(scene).trace(makeRay({5, 6, 7}, {0, 0, 1}), {}, true);
+    const PixelRecord record = SceneTracer(maker).trace(makeRay({5, 6, 7}, {0, 0, 1}), {}, true);
     ASSERT_EQ(record.bounces, 8u);
     for (size_t i = 1; i < record.path.size(); ++i) EXPECT_NEAR(record.path[i].hit->t, 4, 1e-13);
 }
@@ -187,8 +182,7 @@ TEST(ReferenceLeaks, ThinSlabsShade) {
         }
         maker.light(kLightPoint, {at, at + 5, at});
         maker.light(kLightDirectional, {0, 1, 0});
-        const PackedScene scene = maker.finish();
-        const Tracer tracer(scene);
+        const SceneTracer tracer(maker);
         Random random(82);
         for (int i = 0; i < 2000; ++i) {
             const dvec3 target(at + random.uniform(-3.9, 3.9), at, at + random.uniform(-3.9, 3.9));
@@ -211,8 +205,7 @@ TEST(ReferenceLeaks, ContactPointIsFinite) {
     maker.light(kLightPoint, {0, 5, 0});
     maker.environment.background = vec3(1);
     maker.environment.maxDepth = 50;
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     for (const double off : {0.0, 1e-12, 1e-8, 1e-4}) {
         const PixelRecord record = tracer.trace(rayTowards({5, 1, 0}, {off, 0, 0}));
         for (int i = 0; i < 3; ++i) EXPECT_TRUE(std::isfinite(record.color[i]));

@@ -17,8 +17,7 @@ using shared::kLightPoint;
 using shared::kLightPointInverseSquare;
 
 PixelRecord traceScene(const SceneMaker& maker, const Ray& ray, bool keepPath = false) {
-    const PackedScene scene = maker.finish();
-    return Tracer(scene).trace(ray, {}, keepPath);
+    return SceneTracer(maker).trace(ray, {}, keepPath);
 }
 
 void expectColor(const dvec3& color, const dvec3& expected, double tolerance) {
@@ -154,8 +153,7 @@ TEST(ReferenceShading, VertexNormals) {
         maker.light(kLightDirectional, {.96f, 0, -.28f}, vec3(1000));  // before s, behind n
         const double cosine = .8;
         expectColor(traceScene(maker, makeRay({0, 0, 5}, {0, 0, -1})).color, dvec3(cosine), 1e-6);
-        const PackedScene scene = maker.finish();
-        const Tracer tracer(scene);
+        const SceneTracer tracer(maker);
         const Ray ray = makeRay({0, 0, -5}, {0, 0, 1});
         const Surface surface = tracer.surfaceAt(ray, *tracer.closest(ray));
         EXPECT_EQ(surface.geometricNormal, dvec3(0, 0, 1)) << "outward also when seen from behind";
@@ -172,8 +170,7 @@ TEST(ReferenceShading, VertexNormalsInterpolate) {
     normals.n1 = {-.6f, 0, .8f};
     normals.n2 = {0, .6f, .8f};
     maker.triangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}, normals);
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const auto normalAt = [&](double x, double y) {
         const Ray ray = makeRay({x, y, 5}, {0, 0, -1});
         return tracer.surfaceAt(ray, *tracer.closest(ray)).shadingNormal;
@@ -271,9 +268,8 @@ constexpr double kRounding = 1e-6;
 
 // The colour of a white floor at `theta` degrees from below a lamp of height 2, seen from the side.
 double floorAt(const SceneMaker& maker, double theta) {
-    const PackedScene scene = maker.finish();
     const dvec3 point(2 * std::tan(theta * kDegree), 0, 0);
-    return Tracer(scene).trace(rayTowards(point + dvec3(0, 1, 3), point)).color.x;
+    return SceneTracer(maker).trace(rayTowards(point + dvec3(0, 1, 3), point)).color.x;
 }
 
 SceneMaker lamp(double angle, double penumbra, uint32_t kind = shared::kLightSpot) {
@@ -324,8 +320,7 @@ TEST(ReferenceSpot, FullSphereIsAPointLight) {
 TEST(ReferenceSpot, NoShadowRayOutsideTheCone) {
     SceneMaker maker = lamp(20, 10);
     maker.sphere({0, 1.9f, 0}, .01f);  // blocks the lamp for all of the floor within 6 degrees
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const auto recordAt = [&](double theta) {
         const dvec3 point(2 * std::tan(theta * kDegree), 0, 0);
         return tracer.trace(rayTowards(point + dvec3(0, .5, 1), point), {}, true);
@@ -353,8 +348,7 @@ TEST(ReferenceSpot, NoShadowRayOutsideTheCone) {
 // Where the cone's sharp edge meets the floor, rounding decides; a little aside it does not.
 TEST(ReferenceSpot, JitterFindsTheEdge) {
     const SceneMaker maker = lamp(45, 0);  // radius 2
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const auto lit = [&](double x) {
         int count = 0;
         for (uint64_t seed = 1; seed <= 64; ++seed) {

@@ -14,8 +14,7 @@ using glm::dvec3;
 using glm::vec3;
 
 std::optional<Hit> hitScene(const SceneMaker& maker, const Ray& ray) {
-    const PackedScene scene = maker.finish();
-    return Tracer(scene).closest(ray);
+    return SceneTracer(maker).closest(ray);
 }
 
 std::optional<Hit> hitSphere(const vec3& center, float radius, const Ray& ray) {
@@ -90,11 +89,10 @@ TEST(ReferenceSphere, SourceHitsOnlyItsOtherSide) {
     SceneMaker maker;
     maker.sphere(vec3(0), 1);
     maker.anchoredSphere({100, 0, 0}, {0, 1, 0}, 1000);
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     for (uint32_t i = 0; i < 2; ++i) {
         const uint32_t source = shared::kKindSphere << shared::kPrimitiveKindShift | i;
-        const bool anchored = scene.spheres[i].anchorNormal != vec3(0);
+        const bool anchored = tracer.scene.spheres[i].anchorNormal != vec3(0);
         const dvec3 at = anchored ? dvec3(100, 0, 0) : dvec3(0, 1, 0);
         const double diameter = anchored ? 2000 : 2;
         for (const double error : {-1e-12, 0.0, 1e-12}) {
@@ -117,8 +115,7 @@ TEST(ReferenceSphere, SurfaceLiesOnTheSphere) {
     SceneMaker maker;
     maker.sphere({3, 4, 5}, 2.5f);
     maker.anchoredSphere({0, -50, 0}, {0, 1, 0}, 1e6f);
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     int seen[2] = {0, 0};
     for (int i = 0; i < 2000; ++i) {
         const Ray ray =
@@ -189,14 +186,13 @@ TEST(ReferenceCuboid, WholeNumbersExactly) {
             low[i] = whole(4);
             high[i] = low[i] + 1 + std::abs(whole(3));
         }
-        const PackedScene scene = packBox({low[0], low[1], low[2]}, {high[0], high[1], high[2]});
-        const Tracer tracer(scene);
+        const SceneTracer tracer(packBox({low[0], low[1], low[2]}, {high[0], high[1], high[2]}));
         for (int r = 0; r < 100; ++r) {
             int o[3], d[3];
             for (int i = 0; i < 3; ++i) o[i] = whole(9), d[i] = whole(6);
             if (d[0] == 0 && d[1] == 0 && d[2] == 0) continue;
             // Coordinates may be counted from near the box, by whole numbers.
-            const Ray ray{dvec3(o[0], o[1], o[2]) - scene.origin, {d[0], d[1], d[2]}};
+            const Ray ray{dvec3(o[0], o[1], o[2]) - tracer.scene.origin, {d[0], d[1], d[2]}};
             const auto truth = exactHit(o, d, low, high);
             const auto hit = tracer.closest(ray);
             ASSERT_EQ(hit.has_value(), truth.has_value()) << k << " " << r;
@@ -204,7 +200,7 @@ TEST(ReferenceCuboid, WholeNumbersExactly) {
             if (!truth) continue;
             ++hits;
             EXPECT_EQ(hit->t, *truth);
-            const dvec3 at = scene.origin + ray.origin + hit->t * ray.direction;
+            const dvec3 at = tracer.scene.origin + ray.origin + hit->t * ray.direction;
             int sides = 0;
             for (int i = 0; i < 3; ++i) sides += at[i] == low[i] || at[i] == high[i];
             touches += sides > 1;
@@ -216,8 +212,7 @@ TEST(ReferenceCuboid, WholeNumbersExactly) {
 
 // A ray that starts on a face leaves the box for good, or meets the face where it goes out.
 TEST(ReferenceCuboid, TheSourceIsNeverMetAgain) {
-    const PackedScene scene = packBox({-1, -1, -1}, {1, 1, 1});
-    const Tracer tracer(scene);
+    const SceneTracer tracer(packBox({-1, -1, -1}, {1, 1, 1}));
     const auto hit = tracer.closest({{0.25, 5, 0.5}, {0, -1, 0}});
     ASSERT_TRUE(hit);
     EXPECT_EQ(hit->primitive >> shared::kPartShift & shared::kPartMask, 3u) << "the upper face across y";
@@ -232,8 +227,7 @@ TEST(ReferenceCuboid, TheSourceIsNeverMetAgain) {
 }
 
 TEST(ReferenceCuboid, AllHitsAreTwo) {
-    const PackedScene scene = packBox({-1, -1, -1}, {1, 1, 1});
-    const Tracer tracer(scene);
+    const SceneTracer tracer(packBox({-1, -1, -1}, {1, 1, 1}));
     const auto hits = tracer.allHits({{0.5, 0.25, 7}, {0, 0, -1}});
     ASSERT_EQ(hits.size(), 2u);
     EXPECT_EQ(hits[0].t, 6);
@@ -242,8 +236,7 @@ TEST(ReferenceCuboid, AllHitsAreTwo) {
 
 // u to the right and v upwards as seen from outside; top and bottom as floor and ceiling.
 TEST(ReferenceCuboid, CoordinatesOfFaces) {
-    const PackedScene scene = packBox({0, 0, 0}, {4, 2, 1});
-    const Tracer tracer(scene);
+    const SceneTracer tracer(packBox({0, 0, 0}, {4, 2, 1}));
     const auto uvAt = [&](const dvec3& point, const dvec3& out) {
         const Ray ray{point + out, -out};
         return tracer.surfaceAt(ray, tracer.closest(ray).value()).uv;

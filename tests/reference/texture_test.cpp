@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "reference/material.h"
-#include "reference/widened.h"
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::texture_test {

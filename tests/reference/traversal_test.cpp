@@ -18,8 +18,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 std::optional<Hit> hitPlane(const vec3& point, const vec3& normal, const Ray& ray) {
     SceneMaker maker;
     maker.plane(point, normal);
-    const PackedScene scene = maker.finish();
-    return Tracer(scene).closest(ray);
+    return SceneTracer(maker).closest(ray);
 }
 
 TEST(ReferencePlane, ParallelAndInPlaneMiss) {
@@ -36,8 +35,7 @@ TEST(ReferencePlane, SurfaceLiesOnThePlane) {
         SceneMaker maker;
         const vec3 point(random.box(10)), normal(random.direction());
         maker.plane(point, normal);
-        const PackedScene scene = maker.finish();
-        const Tracer tracer(scene);
+        const SceneTracer tracer(maker);
         const dvec3 at = dvec3(point) + random.box(1);
         const Ray ray = rayTowards(at + 1e6 * random.direction(), at);
         const auto hit = tracer.closest(ray);
@@ -55,8 +53,7 @@ TEST(ReferencePlane, SurfaceLiesOnThePlane) {
 TEST(ReferenceBoxes, AreClosedForParallelRays) {
     SceneMaker maker;
     maker.triangle({0, 0, .5f}, {1, 0, .5f}, {0, 1, .5f});
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     for (const double zero : {0.0, -0.0}) {
         const dvec3 d(zero, zero, 1);
         for (const dvec3 o : {dvec3(0, .5, -1), dvec3(.5, 0, -1), dvec3(0, 0, -1), dvec3(1, 0, -1),
@@ -74,8 +71,7 @@ TEST(ReferenceBoxes, AreClosedForParallelRays) {
 TEST(ReferenceBoxes, TinyDirections) {
     SceneMaker maker;
     maker.triangle({0, 0, .5f}, {1, 0, .5f}, {0, 1, .5f});
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     EXPECT_DOUBLE_EQ(tracer.closest(makeRay({.25, .25, 0}, {0, 0, 1e-40}))->t, .5e40);
     EXPECT_DOUBLE_EQ(tracer.closest(makeRay({.25, .25, 0}, {1e-50, 0, 1e-40}))->t, .5e40);
     EXPECT_FALSE(tracer.closest(makeRay({.25, .25, 0}, {0, 0, 0})));
@@ -118,8 +114,7 @@ TEST(ReferenceTraversal, NotFiniteRaysMissAtOnce) {
     }
     maker.sphere(vec3(0), 1);
     maker.plane(vec3(0), {0, 1, 0});
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     for (const double bad : {kNan, kInf, -kInf}) {
         for (int component = 0; component < 6; ++component) {
             Ray ray = makeRay({0, 5, 0}, {0, -1, 0});
@@ -144,8 +139,7 @@ TEST(ReferenceTraversal, CostCountsBoxesAndPrimitives) {
     SceneMaker maker;
     maker.triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
     maker.plane({0, 0, -1}, {0, 0, 1});
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     uint64_t cost = 0;
     tracer.closest(makeRay({.25, .25, 1}, {0, 0, -1}), shared::kNone, &cost);
     EXPECT_EQ(cost, 3u);
@@ -159,8 +153,7 @@ TEST(ReferenceTraversal, CostCountsBoxesAndPrimitives) {
 TEST(ReferenceTraversal, ParallelRayBesideABoxDoesNotEnterIt) {
     SceneMaker maker;
     maker.triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     for (const double zero : {0.0, -0.0}) {
         uint64_t cost = 0;
         EXPECT_FALSE(tracer.closest(makeRay({5, .5, 1}, {zero, zero, -1}), shared::kNone, &cost));
@@ -202,8 +195,7 @@ TEST(ReferenceTies, CoplanarTrianglesInDifferentBoxes) {
         const float size = 4.0f + static_cast<float>(i);
         maker.triangle({-size, -size, 1}, {size, -size, 1}, {0, size, 1});
     }
-    const PackedScene scene = maker.finish(1);
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker, 1);
     Random random(95);
     for (int i = 0; i < 5000; ++i) {
         const dvec3 from = random.box(3) + dvec3(0, 0, 5);
@@ -306,8 +298,7 @@ TEST(ReferenceTraversal, NestedAndExponentialScenes) {
     }
     Random random(48);
     for (const SceneMaker* maker : {&nested, &row}) {
-        const PackedScene scene = maker->finish();
-        const Tracer tracer(scene);
+        const SceneTracer tracer(maker->finish());
         for (int i = 0; i < 500; ++i) {
             const Ray ray =
                 makeRay(random.box(i % 2 ? 250 : 1e-3), i % 3 ? random.direction() : dvec3(1, 0, 0));

@@ -15,8 +15,7 @@ using glm::vec3;
 std::optional<Hit> hitTriangle(const vec3& a, const vec3& b, const vec3& c, const Ray& ray) {
     SceneMaker maker;
     maker.triangle(a, b, c);
-    const PackedScene scene = maker.finish();
-    return Tracer(scene).closest(ray);
+    return SceneTracer(maker).closest(ray);
 }
 
 // Embree's TriangleHit test and others use this one.
@@ -94,8 +93,7 @@ TEST(ReferenceTriangle, ExtremeScales) {
 TEST(ReferenceTriangle, SourceNeverHitsItself) {
     SceneMaker maker;
     maker.triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     const Ray ray = makeRay({.25, .25, -1e-9}, {0, 0, 1});
     EXPECT_TRUE(tracer.closest(ray));
     EXPECT_FALSE(tracer.closest(ray, 0));
@@ -154,8 +152,7 @@ TEST_F(BumpySphere, RaysAtEdgesHit) {
 TEST(ReferenceWatertight, CubeCornersAndEdges) {
     SceneMaker maker;
     maker.cube(vec3(0), 1);
-    const PackedScene scene = maker.finish();
-    const Tracer tracer(scene);
+    const SceneTracer tracer(maker);
     for (int corner = 0; corner < 8; ++corner) {
         const dvec3 c(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
         const auto hit = tracer.closest(makeRay(10.0 * c, -c));

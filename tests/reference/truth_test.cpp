@@ -7,7 +7,7 @@
 
 #include "import/load.h"
 #include "pack/packed_scene.h"
-#include "reference/trace_rays.h"
+#include "reference/render.h"
 #include "reference/tracer.h"
 #include "support/support.h"
 

@@ -12,27 +12,20 @@ namespace glint::verify {
 
 namespace {
 
-reference::Losses lossesOf(uint32_t cut, uint32_t depth, uint32_t room, uint32_t crowded) {
-    return {.cut = {cut, 0.1 * cut},
-            .depth = {depth, 0.2 * depth},
-            .room = {room, 0.3 * room},
-            .crowdedMedia = crowded};
-}
-
-TreeLosses deviceOf(const reference::Losses& lost) {
-    TreeLosses device;
-    device.cut.add(lost.cut.count, lost.cut.bound);
-    device.depth.add(lost.depth.count, lost.depth.bound);
-    device.room.add(lost.room.count, lost.room.bound);
-    device.crowdedMedia = lost.crowdedMedia;
-    return device;
+TreeLosses lossesOf(uint32_t cut, uint32_t depth, uint32_t room, uint32_t crowded) {
+    TreeLosses losses;
+    losses.cut.add(cut, 0.1 * cut);
+    losses.depth.add(depth, 0.2 * depth);
+    losses.room.add(room, 0.3 * room);
+    losses.crowdedMedia = crowded;
+    return losses;
 }
 
 TEST(AccountTest, CountsOfPixelsAlikeAreExact) {
-    const reference::Losses lost = lossesOf(40, 50, 60, 7);
+    const TreeLosses lost = lossesOf(40, 50, 60, 7);
     Account account(1);
     account.addAlike(lost, 1);
-    EXPECT_TRUE(account.agrees(deviceOf(lost), 0));
+    EXPECT_TRUE(account.agrees(lost, 0));
     const std::function<uint64_t&(TreeLosses&)> counts[] = {
         [](TreeLosses& l) -> uint64_t& { return l.cut.count; },
         [](TreeLosses& l) -> uint64_t& { return l.depth.count; },
@@ -40,19 +33,19 @@ TEST(AccountTest, CountsOfPixelsAlikeAreExact) {
         [](TreeLosses& l) -> uint64_t& { return l.crowdedMedia; }};
     for (const auto& count : counts) {
         for (const int step : {-1, 1}) {
-            TreeLosses device = deviceOf(lost);
+            TreeLosses device = lost;
             count(device) += static_cast<uint64_t>(step);
             EXPECT_FALSE(account.agrees(device, 0));
             EXPECT_TRUE(account.agrees(device, 1));
         }
     }
-    TreeLosses device = deviceOf(lost);
+    TreeLosses device = lost;
     device.cut.count -= 3;
     EXPECT_FALSE(account.agrees(device, 1));
 }
 
 TEST(AccountTest, BoundsAreRightToA256th) {
-    const reference::Losses lost = lossesOf(40, 0, 0, 0);
+    const TreeLosses lost = lossesOf(40, 0, 0, 0);
     Account account(1);
     account.addAlike(lost, 0.5);  // by the sample's weight
     TreeLosses device;
@@ -69,7 +62,7 @@ TEST(AccountTest, BoundsAreRightToA256th) {
 TEST(AccountTest, WhatNoBranchLosesIsNothing) {
     Account account(1);
     account.addAlike(lossesOf(0, 9, 0, 0), 1);
-    TreeLosses device = deviceOf(lossesOf(0, 9, 0, 0));
+    TreeLosses device = lossesOf(0, 9, 0, 0);
     EXPECT_TRUE(account.agrees(device, 5));
     device.room.sum = 0.1;
     EXPECT_FALSE(account.agrees(device, 5));

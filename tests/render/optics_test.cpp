@@ -301,8 +301,8 @@ TEST_F(OpticsTest, AccountsAgreeWithTheReference) {
     for (int y = 0; y < c.height; ++y) {
         for (int x = 0; x < c.width; ++x) {
             const reference::PixelRecord r = tracer.trace(tracer.cameraRay(c.camera, x + 0.5, y + 0.5));
-            expected.cut.add(r.lost.cut.count, r.lost.cut.bound);
-            expected.depth.add(r.lost.depth.count, r.lost.depth.bound);
+            expected.cut.add(r.lost.cut.count, r.lost.cut.sum);
+            expected.depth.add(r.lost.depth.count, r.lost.depth.sum);
             samePaths += r.pathHash == picture.at(x, y).pathHash;
             same += r.bounces == picture.at(x, y).bounces;
         }
@@ -347,7 +347,7 @@ TEST_F(OpticsTest, NothingIsMadeOfSubnormalThroughput) {
     EXPECT_EQ(picture.at(0, 0).bounces, expected.bounces);
     EXPECT_EQ(picture.losses.cut.count, expected.lost.cut.count);
     EXPECT_EQ(picture.losses.cut.sum, 0);
-    EXPECT_EQ(expected.lost.cut.bound, 0);
+    EXPECT_EQ(expected.lost.cut.sum, 0);
 }
 
 // The eye is in a crystal that absorbs, 4 from a face with corners 300 away. t errs by the
@@ -412,7 +412,7 @@ TEST_F(OpticsTest, FullWaitingRoomIsReported) {
     EXPECT_EQ(record.lost.room.count, 1u);
     EXPECT_EQ(record.pathHash, picture.at(0, 0).pathHash);
     EXPECT_EQ(record.bounces, picture.at(0, 0).bounces);
-    EXPECT_NEAR(picture.losses.room.sum, record.lost.room.bound, 1e-4 * record.lost.room.bound);
+    EXPECT_NEAR(picture.losses.room.sum, record.lost.room.sum, 1e-4 * record.lost.room.sum);
     // 16 reflections and as many refractions, and the refraction that is kept of the 17th surface.
     EXPECT_EQ(record.bounces, 33u);
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "reference/trace_rays.h"
+#include "reference/render.h"
 #include "support.h"
 #include "verify/trace_batch.h"
 

@@ -78,7 +78,7 @@ double placeError(const Form& form, const oracle::Ray& world, double t, const Ro
 }
 
 // The left side of the equation at a point that is off by `place`, and by the rounding of its terms; in the
-// reference by 32 roundings of those at the origin as well (src/reference/quadric.cpp).
+// reference by 32 roundings of those at the origin as well (src/reference/primitives/quadric.cpp).
 double formError(const Form& form, const oracle::Ray& local, double t, double place,
                  const Rounding& rounding) {
     const dvec3 y = local.origin + t * local.direction;

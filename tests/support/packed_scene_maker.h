@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "pack/packed_scene.h"
@@ -47,6 +48,16 @@ class SceneMaker {
   private:
     uint32_t nextId_ = 0;
     PackedScene scene_;  // primitives in the order added
+};
+
+// A tracer of a scene of its own.
+struct SceneHolder {
+    PackedScene scene;
+};
+struct SceneTracer : SceneHolder, reference::Tracer {
+    explicit SceneTracer(PackedScene packed) : SceneHolder{std::move(packed)}, Tracer(scene) {}
+    explicit SceneTracer(const SceneMaker& maker, uint32_t maxLeafSize = 2)
+        : SceneTracer(maker.finish(maxLeafSize)) {}
 };
 
 // A closed mesh: the sphere of 16 x 16 quads (theta, phi), two triangles each, whose radii are 1 + 5 xi for

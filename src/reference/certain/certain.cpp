@@ -7,6 +7,10 @@
 
 #include "core/vectors.h"
 #include "pack/primitives.h"
+#include "pack/scene_arrays.h"
+#include "reference/certain/decide.h"
+#include "reference/rounding.h"
+#include "reference/traverse.h"
 #include "scene/transform.h"
 
 namespace glint::reference::certain {
@@ -18,11 +22,17 @@ using shared::kNone;
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFloatUnit = 0x1p-24;
 
 bool asksForNothing(const WorldRay& ray) {
     return !isFinite(ray.origin) || !isFinite(ray.direction) ||
            greatestMagnitude(ray.direction) < kShortestDirection || !(ray.tMin < ray.tMax) || !(ray.tMax > 0);
+}
+
+Answer miss() {
+    Answer answer;
+    answer.sure = true;
+    answer.hit.t = answer.lower = answer.upper = kInfinity;
+    return answer;
 }
 
 // A ray in the coordinates of a tree, as boxes see it.
@@ -92,7 +102,8 @@ class Search {
         : tracer_(tracer), packed_(tracer.packed_), ray_(ray), end_(ray.tMax) {}
 
     Answer run() {
-        for (uint32_t i = 0; i < packed_.planes.size(); ++i) plane(i);
+        for (uint32_t i = 0; i < packed_.planes.size(); ++i)
+            flat(shared::kKindPlane << shared::kPrimitiveKindShift | i, kNone, packed_.planes[i].material);
         const dvec3 origin = ray_.ray().origin - packed_.origin;
         BoxRay local{origin, ray_.ray().direction,
                      2 * tracer_.slack_ + tracer_.boxSlack_ + 0x1p-50 * greatestMagnitude(origin), 0x1p-50};
@@ -101,7 +112,7 @@ class Search {
                 static_cast<double>(packed_.environment.instancePad) * greatestMagnitude(origin) +
                 static_cast<double>(packed_.environment.instancePadAtOrigin);
             local.pad += instances;
-            walk(packed_.environment.root, local, kNone);
+            search(packed_.environment.root, local, kNone);
         }
         return decide();
     }
@@ -113,71 +124,76 @@ class Search {
         bool exact = false;  // nearestExactly can tell
     };
 
-    struct Waiting {
-        uint32_t node;
-        double near;  // where the ray enters its box
-    };
-
-    void walk(uint32_t root, const BoxRay& ray, uint32_t instance) {
-        const size_t others = waiting_.size();  // of a walk that led here, through an instance
-        waiting_.push_back({root, 0});
-        while (waiting_.size() > others) {
-            const Waiting next = waiting_.back();
-            waiting_.pop_back();
-            if (next.near > end_) continue;
-            const shared::Node& node = packed_.nodes[next.node];
-            const double near0 = enter(ray, node.child0, node.lo0, node.hi0);
-            const double near1 = enter(ray, node.child1, node.lo1, node.hi1);
-            // The nearer one is taken first.
-            const bool swapped = near1 < near0;
-            const uint32_t children[2] = {swapped ? node.child0 : node.child1,
-                                          swapped ? node.child1 : node.child0};
-            const double nears[2] = {swapped ? near0 : near1, swapped ? near1 : near0};
-            for (const int i : {1, 0})
-                if (nears[i] <= end_ && nears[i] < kInfinity && (children[i] & shared::kLeafFlag) != 0)
-                    leaf(children[i], ray, instance, nears[i]);
-            for (const int i : {0, 1})
-                if (nears[i] <= end_ && nears[i] < kInfinity && (children[i] & shared::kLeafFlag) == 0)
-                    waiting_.push_back({children[i], nears[i]});
-        }
+    void search(uint32_t root, const BoxRay& ray, uint32_t instance) {
+        traverse(
+            packed_.nodes, root,
+            [&](const shared::Node& node, int child) {
+                return enter(ray, dvec3(loOf(node, child)), dvec3(hiOf(node, child)));
+            },
+            [&] { return std::min(end_, std::numeric_limits<double>::max()); },
+            [&](const Leaf& leaf, double near) {
+                testLeaf(leaf, ray, instance, near);
+                return false;
+            });
     }
 
     // Entry t of the box, or infinity. The box contains the fp32 geometry and may lie a unit of its
     // coordinates outside.
-    double enter(const BoxRay& ray, uint32_t child, const glm::vec3& lo, const glm::vec3& hi) const {
-        if (child == kNone) return kInfinity;
-        const double size = std::max(greatestMagnitude(dvec3(lo)), greatestMagnitude(dvec3(hi)));
+    double enter(const BoxRay& ray, const dvec3& lo, const dvec3& hi) const {
+        const double size = std::max(greatestMagnitude(lo), greatestMagnitude(hi));
         const double pad = ray.pad + ray.spread * (ray.reach + size) + 2 * kFloatUnit * size;
         double near = std::max(ray_.ray().tMin, 0.0) * (1 - 0x1p-48), far = end_ * (1 + 0x1p-48);
         for (int i = 0; i < 3; ++i) {
-            const double t0 = (static_cast<double>(lo[i]) - pad - ray.origin[i]) * ray.inverse[i];
-            const double t1 = (static_cast<double>(hi[i]) + pad - ray.origin[i]) * ray.inverse[i];
+            const double t0 = (lo[i] - pad - ray.origin[i]) * ray.inverse[i];
+            const double t1 = (hi[i] + pad - ray.origin[i]) * ray.inverse[i];
             if (std::isnan(t0) || std::isnan(t1)) continue;
             near = std::max(near, std::min(t0, t1) * (1 - 0x1p-48));
             far = std::min(far, std::max(t0, t1) * (1 + 0x1p-48));
         }
-        return near <= far ? near : kInfinity;
+        return near <= far ? near : kNotEntered;
     }
 
-    void leaf(uint32_t leaf, const BoxRay& ray, uint32_t instance, double near) {
-        const auto kind =
-            static_cast<shared::PrimitiveKind>(leaf >> shared::kLeafKindShift & shared::kLeafKindMask);
-        const uint32_t first = leaf & shared::kLeafFirstMask;
-        const uint32_t end = first + (leaf >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
-        for (uint32_t i = first; i < end; ++i) {
-            const uint32_t primitive = static_cast<uint32_t>(kind) << shared::kPrimitiveKindShift | i;
-            if (kind == shared::PrimitiveKind::Instance) {
-                walk(packed_.instances[i].root, entered(ray, packed_.instances[i]), i);
-            } else if (kind == shared::PrimitiveKind::Triangle) {
-                const ExactSurface surface = tracer_.triangle(i, instance);
-                if (const auto span = ray_.span(surface.corners, surface.place))
-                    add({*span, primitive, instance, surface.id, true}, materialOf(i, instance));
-            } else if (kind == shared::PrimitiveKind::Sphere && instance == kNone) {
+    void testLeaf(const Leaf& leaf, const BoxRay& ray, uint32_t instance, double near) {
+        for (uint32_t i = leaf.first; i < leaf.end; ++i) {
+            const uint32_t primitive = static_cast<uint32_t>(leaf.kind) << shared::kPrimitiveKindShift | i;
+            if (leaf.kind == shared::PrimitiveKind::Instance)
+                search(packed_.instances[i].root, entered(ray, packed_.instances[i]), i);
+            else if (leaf.kind == shared::PrimitiveKind::Triangle)
+                flat(primitive, instance, materialOf(i, instance));
+            else if (leaf.kind == shared::PrimitiveKind::Sphere && instance == kNone)
                 sphere(i, primitive);
-            } else {
+            else
                 add({{near, kInfinity}, primitive, instance, kNone, false}, kNone);
-            }
         }
+    }
+
+    // A triangle or plane.
+    void flat(uint32_t primitive, uint32_t instance, uint32_t material) {
+        const ExactSurface surface = exactly(primitive, instance);
+        if (const auto span = ray_.span(surface))
+            add({*span, primitive, instance, surface.id, true}, material);
+    }
+
+    // The numbers of the scene itself, before packing.
+    ExactSurface exactly(uint32_t primitive, uint32_t instance) const {
+        const uint32_t index = primitive & shared::kPrimitiveIndexMask;
+        const Scene& scene = tracer_.scene_;
+        ExactSurface surface;
+        if (kindOfPrimitive(primitive) == shared::PrimitiveKind::Plane) {
+            const shared::Plane& plane = packed_.planes[index];
+            surface.plane = std::get_if<PlaneShape>(&scene.objects[plane.object].shape);
+            surface.id = plane.id;
+            return surface;
+        }
+        const bool placed = instance != kNone;
+        const uint32_t object =
+            placed ? packed_.instances[instance].object : packed_.triangleSurfaces[index].object;
+        surface.id = (packed_.triangles[index].id & ~shared::kDielectricRank) +
+                     (placed ? packed_.instances[instance].idBase & ~shared::kDielectricRank : 0);
+        const Object& source = scene.objects[object];
+        surface.corners = TriangleSource(source).vertices(surface.id - tracer_.firstIds_[object]);
+        if (placed && source.transform) surface.place = &*source.transform;
+        return surface;
     }
 
     void sphere(uint32_t index, uint32_t primitive) {
@@ -189,14 +205,6 @@ class Search {
         }
         for (const auto& span : ray_.spans(*shape))
             if (span) add({*span, primitive, kNone, packed.id, false}, packed.material);
-    }
-
-    void plane(uint32_t index) {
-        const shared::Plane& packed = packed_.planes[index];
-        const auto* shape = std::get_if<PlaneShape>(&tracer_.scene_.objects[packed.object].shape);
-        const uint32_t primitive = shared::kKindPlane << shared::kPrimitiveKindShift | index;
-        if (const auto span = ray_.span(*shape))
-            add({*span, primitive, kNone, packed.id, true}, packed.material);
     }
 
     uint32_t materialOf(uint32_t triangle, uint32_t instance) const {
@@ -232,17 +240,13 @@ class Search {
     Answer decide() {
         std::erase_if(contenders_, [&](const Contender& c) { return c.span.lower > end_; });
         if (packed_.features.splitTriangles && contenders_.size() > 1) dropTwins();
-        Answer answer;
-        answer.lower = answer.upper = kInfinity;
-        if (contenders_.empty()) {
-            answer.sure = true;
-            answer.hit.t = kInfinity;
-            return answer;
-        }
+        if (contenders_.empty()) return miss();
         if (contenders_.size() == 1 && contenders_[0].span.met) return sure(contenders_[0]);
         const bool exact =
             std::all_of(contenders_.begin(), contenders_.end(), [](const Contender& c) { return c.exact; });
         if (exact) return decideExactly();
+        Answer answer;
+        answer.lower = answer.upper = kInfinity;
         for (const Contender& c : contenders_) {
             answer.lower = std::min(answer.lower, c.span.lower);
             if (c.span.met) answer.upper = std::min(answer.upper, c.span.upper);
@@ -257,34 +261,17 @@ class Search {
 
     Answer decideExactly() const {
         std::vector<ExactSurface> surfaces;
-        for (const Contender& c : contenders_) {
-            const uint32_t index = c.primitive & shared::kPrimitiveIndexMask;
-            if (c.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle) {
-                surfaces.push_back(tracer_.triangle(index, c.instance));
-            } else {
-                ExactSurface& surface = surfaces.emplace_back();
-                surface.plane =
-                    std::get_if<PlaneShape>(&tracer_.scene_.objects[packed_.planes[index].object].shape);
-                surface.id = c.id;
-            }
-        }
-        Answer answer;
-        answer.sure = true;
-        answer.hit.t = answer.lower = answer.upper = kInfinity;
+        for (const Contender& c : contenders_) surfaces.push_back(exactly(c.primitive, c.instance));
         const auto hit = nearestExactly(ray_.ray(), surfaces);
-        if (!hit) return answer;
+        if (!hit) return miss();
         const Contender& c = contenders_[hit->surface];
-        answer.hit = {hit->lower, hit->u, hit->v, c.primitive, c.id, c.instance};
-        answer.lower = hit->lower;
-        answer.upper = hit->upper;
-        return answer;
+        return {true, {hit->lower, hit->u, hit->v, c.primitive, c.id, c.instance}, hit->lower, hit->upper};
     }
 
     const Tracer& tracer_;
     const PackedScene& packed_;
-    PreparedRay ray_;
+    SpanRay ray_;
     double end_;  // something is met before that
-    std::vector<Waiting> waiting_;
     std::vector<Contender> contenders_;
 };
 
@@ -319,25 +306,7 @@ Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), p
 }
 
 Answer Tracer::closest(const WorldRay& ray) const {
-    if (!asksForNothing(ray)) return Search(*this, ray).run();
-    Answer miss;
-    miss.sure = true;
-    miss.hit.t = miss.lower = miss.upper = kInfinity;
-    return miss;
-}
-
-ExactSurface Tracer::triangle(uint32_t index, uint32_t instance) const {
-    const shared::Triangle& t = packed_.triangles[index];
-    const bool placed = instance != kNone;
-    const uint32_t object =
-        placed ? packed_.instances[instance].object : packed_.triangleSurfaces[index].object;
-    ExactSurface surface;
-    surface.id = (t.id & ~shared::kDielectricRank) +
-                 (placed ? packed_.instances[instance].idBase & ~shared::kDielectricRank : 0);
-    const Object& source = scene_.objects[object];
-    surface.corners = TriangleSource(source).vertices(surface.id - firstIds_[object]);
-    if (placed && source.transform) surface.place = &*source.transform;
-    return surface;
+    return asksForNothing(ray) ? miss() : Search(*this, ray).run();
 }
 
 }  // namespace glint::reference::certain

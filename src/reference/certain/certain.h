@@ -1,5 +1,5 @@
 // Nearest hits that are certain: of the scene before it is packed, of rays before they are rounded, as exact
-// arithmetic has them. First in double with bounds; where those leave more than one answer, in whole numbers
+// arithmetic has them. First in double with bounds; where those leave more than one answer, in fractions
 // (Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", Discrete &
 // Computational Geometry 18(3), 1997, goes the same way with longer and longer numbers).
 //
@@ -8,10 +8,12 @@
 // their area, are no part of the scene.
 #pragma once
 
+#include <vector>
+
 #include "pack/packed_scene.h"
-#include "reference/certain/exact.h"
-#include "reference/certain/spans.h"
 #include "reference/tracer.h"
+#include "scene/scene.h"
+#include "trace/ray_batch.h"
 
 namespace glint::reference::certain {
 
@@ -35,8 +37,6 @@ class Tracer {
 
   private:
     friend class Search;
-    // Wherever it is.
-    ExactSurface triangle(uint32_t index, uint32_t instance) const;
 
     const Scene& scene_;
     const PackedScene& packed_;

@@ -1,10 +1,9 @@
-#include "reference/certain/spans.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/vectors.h"
+#include "reference/certain/decide.h"
 
 namespace glint::reference::certain {
 
@@ -28,14 +27,14 @@ double cross(const dvec2& p, const dvec2& q) {
 
 }  // namespace
 
-PreparedRay::PreparedRay(const WorldRay& ray) : ray_(ray) {
+SpanRay::SpanRay(const WorldRay& ray) : ray_(ray) {
     const dvec3 size = glm::abs(ray.direction);
     axis_ = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
     const dvec3 d = turned(ray.direction, axis_);
     shear_ = {d.x / d.z, d.y / d.z, 1 / d.z};
 }
 
-std::optional<Span> PreparedRay::within(Span span, bool met) const {
+std::optional<Span> SpanRay::within(Span span, bool met) const {
     const double from = std::max(ray_.tMin, 0.0);
     // Comparisons that are false for NaN keep the span.
     if (span.upper <= from || span.lower > ray_.tMax) return std::nullopt;
@@ -46,16 +45,21 @@ std::optional<Span> PreparedRay::within(Span span, bool met) const {
     return span;
 }
 
+std::optional<Span> SpanRay::span(const ExactSurface& surface) const {
+    return surface.plane != nullptr ? planeSpan(*surface.plane) : triangleSpan(surface);
+}
+
 // A corner's place across the ray errs by e = offset + 24 u depth + 8 u reach: the corner in the world, where
 // it is moved there, by `offset`; the difference with the origin by u of itself, at most depth + reach; the
 // shear, a quotient of two exact numbers, by u; product and difference by u each. An edge function then errs
 // by 4 e reach + 2 e^2 and three units of 2 reach^2 < 2 e reach.
-std::optional<Span> PreparedRay::span(const std::array<dvec3, 3>& corners, const Affine* place) const {
+std::optional<Span> SpanRay::triangleSpan(const ExactSurface& triangle) const {
+    const Affine* place = triangle.place;
     std::array<dvec2, 3> across;
     dvec3 along;
     double offset = 0, depth = 0, reach = 0;
     for (int i = 0; i < 3; ++i) {
-        dvec3 corner = corners[i];
+        dvec3 corner = triangle.corners[static_cast<size_t>(i)];
         if (place != nullptr) {
             const glm::dmat3 sizes{glm::abs(place->linear[0]), glm::abs(place->linear[1]),
                                    glm::abs(place->linear[2])};
@@ -93,7 +97,7 @@ std::optional<Span> PreparedRay::span(const std::array<dvec3, 3>& corners, const
     return within(span, met && std::isfinite(span.lower) && std::isfinite(span.upper));
 }
 
-std::optional<Span> PreparedRay::span(const PlaneShape& plane) const {
+std::optional<Span> SpanRay::planeSpan(const PlaneShape& plane) const {
     const dvec3 away = plane.point - ray_.origin, n = plane.normal, d = ray_.direction;
     const double height = glm::dot(n, away), speed = glm::dot(n, d);
     const double heightOff = 8 * kUnit * glm::dot(glm::abs(n), glm::abs(away)) + kLeastDoubt;
@@ -112,7 +116,7 @@ std::optional<Span> PreparedRay::span(const PlaneShape& plane) const {
 // With c the centre, a = d.d and b = (c - o).d the roots are (b -+ sqrt(a D)) / a with D = r^2 - |p|^2, p the
 // way from the centre to the line's nearest point. p errs by 16 u |c - o| in each coordinate, so D by less
 // than 128 u (|c - o|^2 + r^2), the root of D by that over the root, b / a by 8 u |c - o| / |d|.
-std::array<std::optional<Span>, 2> PreparedRay::spans(const SphereShape& sphere) const {
+std::array<std::optional<Span>, 2> SpanRay::spans(const SphereShape& sphere) const {
     // By a power of two, exactly: the square of a direction may overflow or vanish.
     const int exponent = std::ilogb(greatestMagnitude(ray_.direction));
     const dvec3 scaled = {std::scalbn(ray_.direction.x, -exponent), std::scalbn(ray_.direction.y, -exponent),

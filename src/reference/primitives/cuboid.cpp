@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reference/error_box.h"
-#include "reference/precision.h"
-#include "reference/primitives.h"
+#include "core/vectors.h"
+#include "reference/intersect.h"
+#include "reference/rounding.h"
 
 namespace glint::reference {
 namespace {
@@ -19,7 +19,7 @@ struct Sum {
 };
 
 // n.(v - p)
-Sum along(const glm::dvec3& n, const double (&v)[3], const glm::dvec3& p) {
+Sum along(const dvec3& n, const double (&v)[3], const dvec3& p) {
     Sum sum;
     for (int i = 0; i < 3; ++i) {
         const Extended term =
@@ -35,10 +35,10 @@ struct Seen {
     Sum o[3], d[3];
 
     Seen(const rows::Cuboid& c, const PreparedRay& ray) {
-        const glm::dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+        const dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
         for (int i = 0; i < 3; ++i) {
             o[i] = along(normals[i], ray.origin, c.point);
-            d[i] = along(normals[i], ray.direction, glm::dvec3(0));
+            d[i] = along(normals[i], ray.direction, dvec3(0));
         }
     }
     // t at the plane y_axis = height; d[axis] is not 0.
@@ -55,7 +55,7 @@ struct Seen {
 // slipOfFlat for the face across an axis.
 double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t, const PreparedRay& ray) {
     if (!ray.leaves && !ray.ties) return 0;
-    const glm::dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+    const dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
     const double plane = std::max(std::abs(c.lo[axis]), std::abs(c.hi[axis]));
     const double place = glm::dot(glm::abs(normals[axis]), glm::abs(c.point));
     const double height =
@@ -67,27 +67,27 @@ double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t,
 
 }  // namespace
 
-bool meets(const rows::Cuboid& c, const Meeting& m, Root& root, uint32_t& part) {
+bool intersect(const rows::Cuboid& c, const RayTest& test, Root& root) {
     root.u = root.v = 0;
-    const Seen seen(c, m.ray);
+    const Seen seen(c, test.ray);
     bool found = false, leaves = false;
-    for (int face = 0; face < 6; ++face) {
-        const int axis = face / 2;
+    for (uint32_t face = 0; face < 6; ++face) {
+        const int axis = static_cast<int>(face / 2);
         if (seen.d[axis].value == 0) continue;
         const Extended t = seen.reach(axis, face & 1 ? c.hi[axis] : c.lo[axis]);
-        const double slip = slipOfFace(c, seen, axis, t, m.ray);
-        if (!countsAt(m.ray, static_cast<double>(t), slip, m.tMax)) continue;
+        const double slip = slipOfFace(c, seen, axis, t, test.ray);
+        if (!countsAt(test.ray, static_cast<double>(t), slip, test.tMax)) continue;
         if (found && static_cast<double>(t) > root.t) continue;
         if (!seen.isBetween(c, (axis + 1) % 3, t) || !seen.isBetween(c, (axis + 2) % 3, t)) continue;
-        const bool leavesHere = (face & 1) == (seen.d[axis].value > 0 ? 1 : 0);
+        const bool leavesHere = (face & 1) == (seen.d[axis].value > 0 ? 1u : 0u);
         if (found && static_cast<double>(t) == root.t) {
             root.twice = root.twice || leavesHere != leaves;
             continue;
         }
         root.t = static_cast<double>(t);
         root.slip = slip;
+        root.part = face;
         root.twice = false;
-        part = static_cast<uint32_t>(face);
         leaves = leavesHere;
         found = true;
     }
@@ -95,35 +95,26 @@ bool meets(const rows::Cuboid& c, const Meeting& m, Root& root, uint32_t& part) 
 }
 
 void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
-    const glm::dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
-    const uint32_t axis = place.part() / 2;
+    const dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+    const int axis = static_cast<int>(place.part() / 2);
     const bool upper = place.part() % 2 == 1;
-    const dvec3 normal = glm::normalize(dvec3(normals[axis]));
-    const int a = static_cast<int>(axis);
-    const double distance = glm::dot(dvec3(normals[axis]), place.point - dvec3(c.point)) -
-                            static_cast<double>(upper ? c.hi[a] : c.lo[a]);
+    const dvec3 normal = glm::normalize(normals[axis]);
+    const double distance =
+        glm::dot(normals[axis], place.point - c.point) - (upper ? c.hi[axis] : c.lo[axis]);
     surface.position = place.point - distance * normal;
     surface.error = errorBox(surface.position - c.point, c.point);
     surface.geometricNormal = surface.shadingNormal = upper ? normal : -normal;
     // How far along x, y and z the point is. On the sides v goes up and u to the right as seen from outside.
     dvec3 share;
     for (int i = 0; i < 3; ++i)
-        share[i] =
-            (glm::dot(dvec3(normals[i]), surface.position - dvec3(c.point)) - static_cast<double>(c.lo[i])) /
-            (static_cast<double>(c.hi[i]) - static_cast<double>(c.lo[i]));
+        share[i] = (glm::dot(normals[i], surface.position - c.point) - c.lo[i]) / (c.hi[i] - c.lo[i]);
     const double u[6] = {share.z, 1 - share.z, share.x, share.x, 1 - share.x, share.x};
     const double v[6] = {share.y, share.y, share.z, 1 - share.z, share.y, share.y};
     surface.uv = {u[place.part()], v[place.part()]};
 }
 
 double reachOf(const Model&, const Methods&, const rows::Cuboid& c) {
-    const glm::dmat3 rows =
-        glm::transpose(glm::dmat3(dvec3(c.toLocal0), dvec3(c.toLocal1), dvec3(c.toLocal2)));
-    const glm::dmat3 back = glm::inverse(rows);
-    const dvec3 size = glm::max(glm::abs(dvec3(c.lo)), glm::abs(dvec3(c.hi)));
-    const dvec3 reach = glm::abs(dvec3(c.point)) + glm::abs(back[0]) * size.x + glm::abs(back[1]) * size.y +
-                        glm::abs(back[2]) * size.z;
-    return std::max({reach.x, reach.y, reach.z});
+    return greatestMagnitude(reachFrom(glm::abs(c.point), c));
 }
 
 }  // namespace glint::reference

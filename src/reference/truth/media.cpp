@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "reference/instance.h"
+#include "reference/traverse.h"
 #include "reference/truth/part.h"
-#include "reference/truth/shading.h"
 
 namespace glint::reference::truth {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 using glm::dvec3;
 
 // Solid angle of a triangle seen from 0, in whole spheres (A. van Oosterom, J. Strackee 1983).
-double turnsOf(const dvec3& a, const dvec3& b, const dvec3& c) {
+double solidAngle(const dvec3& a, const dvec3& b, const dvec3& c) {
     const double x = glm::length(a), y = glm::length(b), z = glm::length(c);
     const double over = glm::dot(glm::cross(a, b), c);
     const double under = x * y * z + z * glm::dot(a, b) + x * glm::dot(b, c) + y * glm::dot(c, a);
@@ -27,13 +27,7 @@ class MediaAround {
 
     std::vector<uint32_t> find() {
         if (!model_.nodes->empty()) addTree(0, nullptr);
-        for (const rows::Plane& p : model_.planes) {
-            const uint32_t medium = mediumOf(p.material);
-            if (medium == 0) continue;
-            turns_[medium] += glm::dot(p.normal, eye_ - p.point) < 0 ? 1 : 0;
-            boxes_[medium].include(dvec3(std::numeric_limits<double>::max()));
-            boxes_[medium].include(dvec3(-std::numeric_limits<double>::max()));
-        }
+        for (const rows::Plane& plane : model_.planes) add(plane);
         std::vector<uint32_t> media;
         for (uint32_t medium = 1; medium < turns_.size(); ++medium)
             for (long i = 0; i < std::lround(turns_[medium]) && i < long{shared::kMaxMedia}; ++i)
@@ -51,35 +45,26 @@ class MediaAround {
     }
 
     void addTree(uint32_t root, const rows::Instance* instance) {
-        std::vector<uint32_t> waiting{root};
-        while (!waiting.empty()) {
-            const uint32_t child = waiting.back();
-            waiting.pop_back();
-            if (child == shared::kNone) continue;
-            if ((child & shared::kLeafFlag) == 0) {
-                waiting.push_back((*model_.nodes)[child].child0);
-                waiting.push_back((*model_.nodes)[child].child1);
-                continue;
-            }
-            const uint32_t first = child & shared::kLeafFirstMask;
-            const uint32_t end = first + (child >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
-            for (uint32_t i = first; i < end; ++i)
-                addPrimitive(child >> shared::kLeafKindShift & shared::kLeafKindMask, i, instance);
-        }
+        traverse(
+            *model_.nodes, root, [](const rows::Node&, int) { return 0.0; }, [] { return 0.0; },
+            [&](const Leaf& leaf, double) {
+                for (uint32_t i = leaf.first; i < leaf.end; ++i) addPrimitive(leaf.kind, i, instance);
+                return false;
+            });
     }
 
-    void addPrimitive(uint32_t kind, uint32_t i, const rows::Instance* instance) {
-        switch (static_cast<shared::PrimitiveKind>(kind)) {
+    void addPrimitive(shared::PrimitiveKind kind, uint32_t i, const rows::Instance* instance) {
+        switch (kind) {
             case shared::PrimitiveKind::Triangle:
                 return addTriangle(i, instance);
             case shared::PrimitiveKind::Sphere:
-                return addSphere(model_.spheres[i]);
+                return add(model_.spheres[i]);
             case shared::PrimitiveKind::Polygon:
-                return addPolygon(model_.polygons[i]);
+                return add(model_.polygons[i]);
             case shared::PrimitiveKind::Quadric:
-                return addQuadric(model_.quadrics[i]);
+                return add(model_.quadrics[i]);
             case shared::PrimitiveKind::Cuboid:
-                return addCuboid(model_.cuboids[i]);
+                return add(model_.cuboids[i]);
             case shared::PrimitiveKind::Instance:
                 return addTree(model_.instances[i].root, &model_.instances[i]);
             case shared::PrimitiveKind::Disc:   // goes round nothing
@@ -102,59 +87,60 @@ class MediaAround {
         const uint32_t medium = mediumOf(material);
         if (medium == 0) return;
         for (const dvec3& p : v) boxes_[medium].include(p);
-        const double turns = turnsOf(v[0] - eye_, v[1] - eye_, v[2] - eye_);
+        const double turns = solidAngle(v[0] - eye_, v[1] - eye_, v[2] - eye_);
         turns_[medium] += mirrored ? -turns : turns;
     }
-    void addSphere(const rows::Sphere& s) {
-        const uint32_t medium = mediumOf(s.material);
-        if (medium == 0) return;
-        const dvec3 center = s.point - s.radius * s.anchorNormal;
-        boxes_[medium].include(center - s.radius);
-        boxes_[medium].include(center + s.radius);
-        turns_[medium] += glm::distance(eye_, center) < s.radius ? 1 : 0;
-    }
-    void addPolygon(const rows::Polygon& p) {
-        const uint32_t medium = mediumOf(p.material);
-        if (medium == 0) return;
-        const rows::PolygonVertex* v = &model_.polygonVertices[p.firstVertex];
-        for (uint32_t i = 0; i < p.trips * shared::kPolygonEdgesPerTrip; ++i) {
-            boxes_[medium].include(v[i].position);
-            if (i > 0)
-                turns_[medium] +=
-                    turnsOf(v[0].position - eye_, v[i].position - eye_, v[i + 1].position - eye_);
-        }
+
+    template <class Solid>
+    void add(const Solid& solid) {
+        if (const uint32_t medium = mediumOf(solid.material))
+            turns_[medium] += turnsOf(solid, boxes_[medium]);
     }
 
-    // The eye in the solid's own coordinates; the medium's box grows by the solid's.
-    template <typename Solid>
-    dvec3 eyeIn(const Solid& solid, uint32_t medium) {
+    // How often the surface goes round the eye. The medium's box grows by the surface's.
+    double turnsOf(const rows::Plane& plane, Bounds& box) const {
+        box.include(dvec3(std::numeric_limits<double>::max()));
+        box.include(dvec3(-std::numeric_limits<double>::max()));
+        return glm::dot(plane.normal, eye_ - plane.point) < 0 ? 1 : 0;
+    }
+    double turnsOf(const rows::Sphere& s, Bounds& box) const {
+        const dvec3 center = s.point - s.radius * s.anchorNormal;
+        box.include(center - s.radius);
+        box.include(center + s.radius);
+        return glm::distance(eye_, center) < s.radius ? 1 : 0;
+    }
+    double turnsOf(const rows::Polygon& p, Bounds& box) const {
+        const rows::PolygonVertex* v = &model_.polygonVertices[p.firstVertex];
+        double turns = 0;
+        for (uint32_t i = 0; i < p.trips * shared::kPolygonEdgesPerTrip; ++i) {
+            box.include(v[i].position);
+            if (i > 0)
+                turns += solidAngle(v[0].position - eye_, v[i].position - eye_, v[i + 1].position - eye_);
+        }
+        return turns;
+    }
+    double turnsOf(const rows::Quadric& q, Bounds& box) const {
+        const dvec3 y = eyeIn(q, box);
+        for (int i = 0; i < 3; ++i)
+            if (y[i] < q.lo[i] || y[i] > q.hi[i]) return 0;
+        const double value = glm::dot(y, symmetric(q.squares, q.products) * y + 2.0 * q.linear) + q.constant;
+        return value < 0 ? 1 : 0;
+    }
+    double turnsOf(const rows::Cuboid& c, Bounds& box) const {
+        const dvec3 y = eyeIn(c, box);
+        return glm::all(glm::lessThan(c.lo, y)) && glm::all(glm::lessThan(y, c.hi)) ? 1 : 0;
+    }
+
+    // The eye in the solid's own coordinates.
+    template <class Solid>
+    dvec3 eyeIn(const Solid& solid, Bounds& box) const {
         const glm::dmat3 toLocal = glm::transpose(glm::dmat3(solid.toLocal0, solid.toLocal1, solid.toLocal2));
         const glm::dmat3 back = glm::inverse(toLocal);
         Bounds local;
         local.include(solid.lo);
         local.include(solid.hi);
-        for (int i = 0; i < 8; ++i) boxes_[medium].include(solid.point + back * local.corner(i));
+        for (int i = 0; i < 8; ++i) box.include(solid.point + back * local.corner(i));
         return toLocal * (eye_ - solid.point);
-    }
-
-    void addQuadric(const rows::Quadric& q) {
-        const uint32_t medium = mediumOf(q.material);
-        if (medium == 0) return;
-        const dvec3 y = eyeIn(q, medium);
-        for (int i = 0; i < 3; ++i)
-            if (y[i] < q.lo[i] || y[i] > q.hi[i]) return;
-        const double value = glm::dot(q.squares, y * y) +
-                             2 * (q.products.x * y.y * y.z + q.products.y * y.x * y.z +
-                                  q.products.z * y.x * y.y + glm::dot(q.linear, y)) +
-                             q.constant;
-        turns_[medium] += value < 0 ? 1 : 0;
-    }
-    void addCuboid(const rows::Cuboid& c) {
-        const uint32_t medium = mediumOf(c.material);
-        if (medium == 0) return;
-        const dvec3 y = eyeIn(c, medium);
-        const bool inside = glm::all(glm::lessThan(c.lo, y)) && glm::all(glm::lessThan(y, c.hi));
-        turns_[medium] += inside ? 1 : 0;
     }
 
     dvec3 eye_;

@@ -1,11 +1,45 @@
 // Contents of one BVH on the way into the model; internal to truth.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/vectors.h"
 #include "reference/model.h"
-#include "reference/truth/tree.h"
 #include "scene/scene.h"
 
 namespace glint::reference::truth {
+
+struct Bounds {
+    glm::dvec3 lo{std::numeric_limits<double>::infinity()};
+    glm::dvec3 hi{-std::numeric_limits<double>::infinity()};
+
+    void include(const glm::dvec3& p) {
+        lo = glm::min(lo, p);
+        hi = glm::max(hi, p);
+    }
+    void include(const Bounds& other) {
+        lo = glm::min(lo, other.lo);
+        hi = glm::max(hi, other.hi);
+    }
+    bool empty() const { return lo.x > hi.x; }
+    double halfArea() const {
+        const glm::dvec3 size = hi - lo;
+        return empty() ? 0 : size.x * size.y + size.y * size.z + size.z * size.x;
+    }
+    // The greatest coordinate of a point in it.
+    double reach() const { return greatestMagnitude(glm::max(glm::abs(lo), glm::abs(hi))); }
+    void grow(double margin) {
+        lo -= margin;
+        hi += margin;
+    }
+    // Corner i of 8.
+    glm::dvec3 corner(int i) const { return {i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z}; }
+};
 
 // x -> linear x + offset, and how many times the way there and back makes of a rounding: the greatest row sum
 // of |A| |A^-1|.
@@ -19,17 +53,37 @@ struct Place {
     glm::dvec3 operator()(const glm::dvec3& p) const { return linear * p + offset; }
 };
 
+// Entry of a BVH: number `index` of its kind.
+struct Item {
+    Bounds box;
+    shared::PrimitiveKind kind{};
+    uint32_t index = 0;
+};
+
 // Identity of a primitive.
 struct Identity {
     uint32_t id = 0, object = 0, face = 0, material = 0;
 };
 
+// How a shape stands in its BVH: its place, and what coordinates count from. eye: near it
+// surfaces are measured from other points. ranks: kDielectricRank or 0, by material; empty
+// where an instance has the rank.
+struct Setting {
+    Identity who = {};
+    Place place = {};
+    bool moved = false;  // by `place`
+    glm::dvec3 origin{0}, eye{0};
+    std::span<const uint32_t> ranks = {};
+
+    uint32_t id() const { return who.id | (ranks.empty() ? 0 : ranks[who.material]); }
+};
+
 template <class Row>
-void identify(const Identity& who, Row& row) {
-    row.id = who.id;
-    row.object = who.object;
-    row.primitive = who.face;
-    row.material = who.material;
+void identify(const Setting& at, Row& row) {
+    row.id = at.id();
+    row.object = at.who.object;
+    row.primitive = at.who.face;
+    row.material = at.who.material;
 }
 
 // The world's primitives, or a prototype's, in the order of the scene.
@@ -37,30 +91,50 @@ struct Part {
     Model model;  // the arrays of primitives and what belongs to them
     std::vector<Item> items;
 
-    // Counts from `origin`.
-    void addSphere(const SphereShape& sphere, const glm::dvec3& origin, const glm::dvec3& eye,
-                   const Identity& who);
-    void addPlane(const PlaneShape& plane, const glm::dvec3& origin, const Identity& who);
-    void addDisc(const DiscShape& disc, const glm::dvec3& origin, const Identity& who);
-    void addPolygon(const PolygonShape& polygon, const glm::dvec3& origin, const Identity& who);
-    void addBox(const BoxShape& box, const Place* place, const glm::dvec3& origin, const Identity& who);
-    // Adds any shape that is a quadric.
-    void addQuadric(const Shape& shape, const Place& place, const glm::dvec3& origin, const glm::dvec3& eye,
-                    const Identity& who);
-    void addTriangle(const glm::dvec3 (&vertices)[3], const glm::dvec3& origin, const Identity& who);
+    void add(const SphereShape& sphere, const Setting& at);
+    void add(const PlaneShape& plane, const Setting& at);
+    void add(const DiscShape& disc, const Setting& at);
+    void add(const PolygonShape& polygon, const Setting& at);
+    void add(const BoxShape& box, const Setting& at);
+    void add(const TriangleShape& triangle, const Setting& at);
+    void add(const MeshShape& mesh, const Setting& at);
+    // Any shape that is a quadric.
+    void addQuadric(const Shape& shape, const Setting& at);
+
+    // Adds a primitive to its array and the BVH. gain: of rounding, in the primitive's own coordinates.
+    template <class Row>
+    void put(shared::PrimitiveKind kind, std::vector<Row>& array, Row row, const Setting& at,
+             const Bounds& box, double gain) {
+        identify(at, row);
+        array.push_back(row);
+        addItem(kind, array.size() - 1, box, gain);
+    }
+    void addItem(shared::PrimitiveKind kind, size_t index, Bounds box, double gain);
+
+  private:
+    void addTriangle(const glm::dvec3 (&vertices)[3], const Setting& at);
     // The triangle added last: what the mesh knows of it.
     void addAttributes(const Mesh& mesh, uint32_t face);
-    void addMesh(const Mesh& mesh, const glm::dvec3& origin, const Identity& first);
-
-    // gain: of rounding, in the primitive's own coordinates.
-    void addItem(shared::PrimitiveKind kind, size_t index, Bounds box, double gain = 1);
 };
 
-// Brings the part's primitives into the order of leaves behind those of the model. The tree's root, kNone of
-// nothing.
-uint32_t append(Part&& part, const Context& context, std::vector<rows::Node>& nodes, Model& model);
+// Builds the part's BVH behind the nodes that are there, and brings its primitives into the order of leaves
+// behind those of the model. The tree's root, kNone of nothing.
+uint32_t append(Part&& part, std::vector<rows::Node>& nodes, Model& model);
 
 // A unit vector, of any length but 0.
 glm::dvec3 unit(const glm::dvec3& v);
+
+// The symmetric matrix with these elements on the diagonal, and off it: yz, zx, xy.
+inline glm::dmat3 symmetric(const glm::dvec3& squares, const glm::dvec3& products) {
+    return {squares.x,  products.z, products.y, products.z, squares.y,
+            products.x, products.y, products.x, squares.z};
+}
+
+// Materials, media, lights, background, textures and the coordinates of objects. `used`: by material, whether
+// a surface has it.
+void addShading(const Scene& scene, const std::vector<bool>& used, Model& model);
+
+// Media around the eye, once all primitives are there (docs/reference/shading.md).
+void addMediaAtEye(const glm::dvec3& eye, Model& model);
 
 }  // namespace glint::reference::truth

@@ -13,20 +13,21 @@ using glm::dvec3;
 // Half extent of a side that does not clip.
 constexpr double kBeyond = 1.25;
 
-// y = (rows of toLocal).(x - point), in the coordinates of the shape.
-struct Surface {
-    dvec3 point{0};
+// The row on its way, in the coordinates of the shape: y = toLocal (x - point).
+struct Surface : rows::Quadric {
     dmat3 toLocal{1};
-    dvec3 squares{0}, products{0}, linear{0};
-    double constant = 0;
-    dvec3 lo{-kBeyond}, hi{kBeyond};
-    uint32_t caps = 0;
-    Bounds box;  // in the coordinates of the shape; of a body of revolution its `discs`
-    // The discs whose hull holds a body of revolution.
-    struct Disc {
-        dvec3 center, u, v;
+    // The surface is in the hull of these ellipsoids with half axes u, v, w, of which any may be 0; or, if
+    // there are none, in the box.
+    struct Ellipsoid {
+        dvec3 center, u, v, w{0};
     };
-    std::vector<Disc> discs;
+    std::vector<Ellipsoid> hull;
+    Bounds box;
+
+    Surface() {
+        lo = dvec3(-kBeyond);
+        hi = dvec3(kBeyond);
+    }
 };
 
 // Local z from base to top, in units of `size`, from the middle. The length from there to either end.
@@ -45,7 +46,7 @@ double alongAxis(const dvec3& base, const dvec3& top, double size, double radius
     s.lo.z = -half;
     s.hi.z = half;
     if (capped) s.caps = shared::kCapLower | shared::kCapUpper;
-    for (const dvec3& end : {base, top}) s.discs.push_back({end, radius * u, radius * v});
+    for (const dvec3& end : {base, top}) s.hull.push_back({end, radius * u, radius * v});
     return half;
 }
 
@@ -75,9 +76,7 @@ struct SurfaceOf {
         s.lo = -s.hi;
         const dvec3 p = s.point;
         const dvec3 squares(c[0], c[1], c[2]), products(c[4] / 2, c[5] / 2, c[3] / 2);
-        const dvec3 image(squares.x * p.x + products.z * p.y + products.y * p.z,
-                          products.z * p.x + squares.y * p.y + products.x * p.z,
-                          products.y * p.x + products.x * p.y + squares.z * p.z);
+        const dvec3 image = symmetric(squares, products) * p;
         const dvec3 slope(c[6] / 2, c[7] / 2, c[8] / 2);
         s.squares = size * size * squares;
         s.products = size * size * products;
@@ -87,8 +86,7 @@ struct SurfaceOf {
     }
     Surface operator()(const EllipsoidShape& e) const {
         Surface s;
-        s.box.include(e.center - e.radii);
-        s.box.include(e.center + e.radii);
+        s.hull.push_back({e.center, {e.radii.x, 0, 0}, {0, e.radii.y, 0}, {0, 0, e.radii.z}});
         s.point = e.center;
         s.toLocal = dmat3(1 / e.radii.x, 0, 0, 0, 1 / e.radii.y, 0, 0, 0, 1 / e.radii.z);
         s.squares = dvec3(1);
@@ -149,31 +147,22 @@ struct SurfaceOf {
     }
 };
 
-Bounds boundsOf(const Surface& s, const Shape& shape, const Place& place) {
+Bounds boundsOf(const Surface& s, const Place& place) {
     Bounds bounds;
-    // An ellipse's half widths are the lengths of the rows of its axes.
-    for (const Surface::Disc& disc : s.discs) {
-        const dvec3 u = place.linear * disc.u, v = place.linear * disc.v;
-        const dvec3 reach = glm::sqrt(u * u + v * v);
-        bounds.include(place(disc.center) - reach);
-        bounds.include(place(disc.center) + reach);
+    if (s.hull.empty())
+        for (int i = 0; i < 8; ++i) bounds.include(place(s.box.corner(i)));
+    // An ellipsoid's half widths are the lengths of the rows of its axes.
+    for (const Surface::Ellipsoid& e : s.hull) {
+        const dvec3 u = place.linear * e.u, v = place.linear * e.v, w = place.linear * e.w;
+        const dvec3 reach = glm::sqrt(u * u + v * v + w * w);
+        bounds.include(place(e.center) - reach);
+        bounds.include(place(e.center) + reach);
     }
-    if (!s.discs.empty()) return bounds;
-    if (const auto* e = std::get_if<EllipsoidShape>(&shape)) {
-        dvec3 square(0);
-        for (int i = 0; i < 3; ++i) square += e->radii[i] * e->radii[i] * place.linear[i] * place.linear[i];
-        bounds.include(place(e->center) - glm::sqrt(square));
-        bounds.include(place(e->center) + glm::sqrt(square));
-        return bounds;
-    }
-    for (int i = 0; i < 8; ++i) bounds.include(place(s.box.corner(i)));
     return bounds;
 }
 
 double valueAt(const Surface& s, const dvec3& y, dvec3& slope) {
-    const dvec3 image(s.squares.x * y.x + s.products.z * y.y + s.products.y * y.z,
-                      s.products.z * y.x + s.squares.y * y.y + s.products.x * y.z,
-                      s.products.y * y.x + s.products.x * y.y + s.squares.z * y.z);
+    const dvec3 image = symmetric(s.squares, s.products) * y;
     slope = 2.0 * (image + s.linear);
     return glm::dot(y, image + 2.0 * s.linear) + s.constant;
 }
@@ -201,34 +190,26 @@ void measureFromNear(const dvec3& eye, Surface& s) {
 
 }  // namespace
 
-void Part::addQuadric(const Shape& shape, const Place& place, const dvec3& origin, const dvec3& eye,
-                      const Identity& who) {
-    const dvec3 seenFrom = place.inverse * (eye - place.offset);
+void Part::addQuadric(const Shape& shape, const Setting& at) {
+    const Place& place = at.place;
+    const dvec3 seenFrom = place.inverse * (at.eye - place.offset);
     Surface s = std::visit(SurfaceOf{seenFrom}, shape);
-    Bounds bounds = boundsOf(s, shape, place);
+    Bounds bounds = boundsOf(s, place);
+    bounds.lo -= at.origin;
+    bounds.hi -= at.origin;
     measureFromNear(seenFrom, s);
+    s.point = place(s.point) - at.origin;
     const dmat3 turned = glm::transpose(s.toLocal * place.inverse);
-    rows::Quadric row;
-    row.point = place(s.point) - origin;
-    row.toLocal0 = turned[0];
-    row.toLocal1 = turned[1];
-    row.toLocal2 = turned[2];
-    const double greatest =
-        std::max({std::abs(s.squares.x), std::abs(s.squares.y), std::abs(s.squares.z), std::abs(s.products.x),
-                  std::abs(s.products.y), std::abs(s.products.z), std::abs(s.linear.x), std::abs(s.linear.y),
-                  std::abs(s.linear.z), std::abs(s.constant)});
-    row.squares = s.squares / greatest;
-    row.products = s.products / greatest;
-    row.linear = s.linear / greatest;
-    row.constant = s.constant / greatest;
-    row.lo = s.lo;
-    row.hi = s.hi;
-    row.caps = s.caps;
-    identify(who, row);
-    model.quadrics.push_back(row);
-    bounds.lo -= origin;
-    bounds.hi -= origin;
-    addItem(shared::PrimitiveKind::Quadric, model.quadrics.size() - 1, bounds, 16 * place.gain);
+    s.toLocal0 = turned[0];
+    s.toLocal1 = turned[1];
+    s.toLocal2 = turned[2];
+    const double greatest = std::max({greatestMagnitude(s.squares), greatestMagnitude(s.products),
+                                      greatestMagnitude(s.linear), std::abs(s.constant)});
+    s.squares /= greatest;
+    s.products /= greatest;
+    s.linear /= greatest;
+    s.constant /= greatest;
+    put<rows::Quadric>(shared::PrimitiveKind::Quadric, model.quadrics, s, at, bounds, 16 * place.gain);
 }
 
 }  // namespace glint::reference::truth

@@ -1,5 +1,3 @@
-#include "reference/truth/shading.h"
-
 #include <cmath>
 #include <map>
 #include <numbers>

@@ -1,12 +1,10 @@
 // Split by the surface area heuristic over bins of the boxes' middles (I. Wald, "On Fast Construction of SAH
 // Based Bounding Volume Hierarchies", 2007): of many items along the widest axis, of few along all three.
-#include "reference/truth/tree.h"
-
+#include <algorithm>
 #include <array>
-#include <numeric>
 
-#include "core/parallel.h"
-#include "reference/model.h"
+#include "core/room.h"
+#include "reference/truth/part.h"
 
 namespace glint::reference::truth {
 namespace {
@@ -18,8 +16,6 @@ constexpr uint32_t kMaxLeaf = 8;
 // From here on halves of equal numbers: 2^25 items then take 25 more levels.
 constexpr uint32_t kDeep = 36;
 static_assert(kDeep + 26 <= kMaxTreeDepth);
-// Fewer items are one thread's.
-constexpr uint32_t kTask = 4096;
 // Three axes take three times as long to fill bins of.
 constexpr uint32_t kFew = 32;
 
@@ -29,71 +25,101 @@ struct Split {
     size_t bin = 0;  // the first on the right
 };
 
+// Builds the tree and writes the primitives of each leaf as it is made.
 class Builder {
   public:
-    Builder(std::vector<Item>& items, uint32_t soloKind) : items_(items), soloKind_(soloKind) {}
+    Builder(Part& part, std::vector<rows::Node>& nodes, Model& model)
+        : part_(part), items_(part.items), nodes_(nodes), model_(model) {
+        reserveMore(nodes, items_.size() / 2 + 1);
+        reserveMore(model.triangles, part.model.triangles.size());
+        reserveMore(model.triangleSurfaces, part.model.triangles.size());
+        const auto normals = moved(part.model.vertexNormals, model.vertexNormals);
+        const auto attributes = moved(part.model.vertexAttributes, model.vertexAttributes);
+        const auto vertices = moved(part.model.polygonVertices, model.polygonVertices);
+        for (rows::TriangleSurface& surface : part.model.triangleSurfaces) {
+            if (surface.vertexNormals != shared::kNone) surface.vertexNormals += normals;
+            if (surface.attributes != 0) surface.attributes += attributes;
+        }
+        for (rows::Polygon& polygon : part.model.polygons) polygon.firstVertex += vertices;
+    }
 
-    std::vector<TreeNode> run(const Context& context) {
-        std::vector<TreeNode> nodes;
-        std::vector<Task> tasks;
-        grow(0, static_cast<uint32_t>(items_.size()), 0, nodes, &tasks);
-        std::vector<std::vector<TreeNode>> parts(tasks.size());
-        parallelFor(context, tasks.size(),
-                    [&](size_t i) { grow(tasks[i].first, tasks[i].end, tasks[i].depth, parts[i], nullptr); });
-        for (size_t i = 0; i < tasks.size(); ++i) put(parts[i], tasks[i].node, nodes);
-        return nodes;
+    uint32_t run() {
+        const Child all = grow(0, static_cast<uint32_t>(items_.size()), 0);
+        if (!(all.word & shared::kLeafFlag)) return all.word;
+        rows::Node& node = nodes_.emplace_back();
+        node.lo0 = all.box.lo;
+        node.hi0 = all.box.hi;
+        node.child0 = all.word;
+        node.child1 = shared::kNone;
+        return static_cast<uint32_t>(nodes_.size() - 1);
     }
 
   private:
-    struct Task {
-        uint32_t node, first, end, depth;
+    struct Child {
+        Bounds box;
+        uint32_t word;  // as in rows::Node
     };
 
-    // The part's root takes the place kept for it, the others come behind all there are.
-    static void put(std::vector<TreeNode>& part, uint32_t place, std::vector<TreeNode>& nodes) {
-        const auto offset = static_cast<uint32_t>(nodes.size()) - 1;
-        for (TreeNode& node : part) {
-            if (node.count > 0) continue;
-            node.left += offset;
-            node.right += offset;
-        }
-        nodes[place] = part[0];
-        nodes.insert(nodes.end(), part.begin() + 1, part.end());
+    template <class Row>
+    static uint32_t moved(const std::vector<Row>& from, std::vector<Row>& to) {
+        const auto base = static_cast<uint32_t>(to.size());
+        to.insert(to.end(), from.begin(), from.end());
+        return base;
     }
 
-    uint32_t grow(uint32_t first, uint32_t end, uint32_t depth, std::vector<TreeNode>& nodes,
-                  std::vector<Task>* tasks) {
-        const auto index = static_cast<uint32_t>(nodes.size());
-        nodes.emplace_back();
-        if (tasks != nullptr && end - first <= kTask) {
-            tasks->push_back({index, first, end, depth});
-            return index;
-        }
-        TreeNode node;
-        Bounds middles;
+    Child grow(uint32_t first, uint32_t end, uint32_t depth) {
+        Bounds box, middles;
         bool oneKind = true;
         for (uint32_t i = first; i < end; ++i) {
-            node.box.include(items_[i].box);
+            box.include(items_[i].box);
             middles.include(middleOf(items_[i]));
             oneKind = oneKind && items_[i].kind == items_[first].kind;
         }
         const uint32_t count = end - first;
-        const uint32_t most = !oneKind ? 0 : items_[first].kind == soloKind_ ? 1 : kMaxLeaf;
+        // A leaf of instances holds one.
+        const uint32_t most = !oneKind                                                ? 0
+                              : items_[first].kind == shared::PrimitiveKind::Instance ? 1
+                                                                                      : kMaxLeaf;
         const Split split = count == 1 ? Split{} : bestSplit(first, end, middles);
-        const double area = node.box.halfArea();
-        if (count == 1 || (count <= most && !(split.cost + area < count * area))) {
-            node.first = first;
-            node.count = count;
-        } else {
-            const uint32_t middle = partition(first, end, depth, split, middles, oneKind);
-            node.left = grow(first, middle, depth + 1, nodes, tasks);
-            node.right = grow(middle, end, depth + 1, nodes, tasks);
-        }
-        nodes[index] = node;
-        return index;
+        const double area = box.halfArea();
+        if (count == 1 || (count <= most && !(split.cost + area < count * area)))
+            return {box, writeLeaf(first, end)};
+        const auto index = static_cast<uint32_t>(nodes_.size());
+        nodes_.emplace_back();
+        const uint32_t middle = partition(first, end, depth, split, middles, oneKind);
+        const Child left = grow(first, middle, depth + 1), right = grow(middle, end, depth + 1);
+        rows::Node& node = nodes_[index];
+        node.lo0 = left.box.lo;
+        node.hi0 = left.box.hi;
+        node.child0 = left.word;
+        node.lo1 = right.box.lo;
+        node.hi1 = right.box.hi;
+        node.child1 = right.word;
+        return {box, index};
     }
 
-    static dvec3 middleOf(const Item& item) { return 0.5 * item.box.lo + 0.5 * item.box.hi; }
+    uint32_t writeLeaf(uint32_t first, uint32_t end) {
+        const shared::PrimitiveKind kind = items_[first].kind;
+        size_t start = 0;
+        switch (kind) {
+#define GLINT_WRITE(number, Kind, kinds, one, many)                                                        \
+    case shared::PrimitiveKind::Kind:                                                                      \
+        start = model_.kinds.size();                                                                       \
+        for (uint32_t i = first; i < end; ++i) model_.kinds.push_back(part_.model.kinds[items_[i].index]); \
+        break;
+            GLINT_PRIMITIVES(GLINT_WRITE, GLINT_WRITE)
+#undef GLINT_WRITE
+        }
+        if (kind == shared::PrimitiveKind::Triangle)
+            for (uint32_t i = first; i < end; ++i)
+                model_.triangleSurfaces.push_back(part_.model.triangleSurfaces[items_[i].index]);
+        return shared::kLeafFlag | static_cast<uint32_t>(kind) << shared::kLeafKindShift |
+               (end - first - 1) << shared::kLeafCountShift | static_cast<uint32_t>(start);
+    }
+
+    static dvec3 middleOf(const Item& item) {
+        return 0.5 * item.box.lo + 0.5 * item.box.hi;
+    }
 
     static size_t binOf(double middle, double lo, double size) {
         const double bin = (middle - lo) / size * kBins;
@@ -153,15 +179,17 @@ class Builder {
         return first + (end - first) / 2;
     }
 
+    Part& part_;
     std::vector<Item>& items_;
-    uint32_t soloKind_;
+    std::vector<rows::Node>& nodes_;
+    Model& model_;
 };
 
 }  // namespace
 
-std::vector<TreeNode> buildTree(std::vector<Item>& items, uint32_t soloKind, const Context& context) {
-    if (items.empty()) return {};
-    return Builder(items, soloKind).run(context);
+uint32_t append(Part&& part, std::vector<rows::Node>& nodes, Model& model) {
+    model.planes.insert(model.planes.end(), part.model.planes.begin(), part.model.planes.end());
+    return part.items.empty() ? shared::kNone : Builder(part, nodes, model).run();
 }
 
 }  // namespace glint::reference::truth

@@ -3,10 +3,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <set>
+#include <vector>
 
 #include "reference/truth/part.h"
-#include "reference/truth/shading.h"
 #include "scene/placement.h"
 
 namespace glint::reference {
@@ -23,10 +22,11 @@ size_t facesOf(const Object& object) {
 
 class Maker {
   public:
-    Maker(const Scene& scene, const dvec3& origin, const Context& context)
-        : scene_(scene), context_(context) {
+    Maker(const Scene& scene, const dvec3& origin) : scene_(scene), used_(scene.materials.size(), false) {
         model_.origin = origin;
-        used_.assign(scene.materials.size(), false);
+        // Among surfaces in one place the opaque one is hit.
+        for (const Material& material : scene.materials)
+            ranks_.push_back(material.transmission != Color(0) ? shared::kDielectricRank : 0);
     }
 
     Model make() {
@@ -36,18 +36,16 @@ class Maker {
             add(object, {id, i, 0, object.material});
             id += static_cast<uint32_t>(facesOf(object));
         }
-        for (size_t i = 0; i < world_.items.size(); ++i) {
-            model_.boundsLo =
-                i == 0 ? world_.items[i].box.lo : glm::min(model_.boundsLo, world_.items[i].box.lo);
-            model_.boundsHi =
-                i == 0 ? world_.items[i].box.hi : glm::max(model_.boundsHi, world_.items[i].box.hi);
+        Bounds bounds;
+        for (const Item& item : world_.items) bounds.include(item.box);
+        if (!bounds.empty()) {
+            model_.boundsLo = bounds.lo;
+            model_.boundsHi = bounds.hi;
         }
-        rankAll();
         std::vector<rows::Node> nodes;
-        model_.environment.root = append(std::move(world_), context_, nodes, model_);
+        model_.environment.root = append(std::move(world_), nodes, model_);
         std::vector<uint32_t> roots;
-        for (Part& prototype : prototypes_)
-            roots.push_back(append(std::move(prototype), context_, nodes, model_));
+        for (Part& prototype : prototypes_) roots.push_back(append(std::move(prototype), nodes, model_));
         for (rows::Instance& instance : model_.instances) instance.root = roots[instance.root];
         model_.nodes = std::make_shared<const std::vector<rows::Node>>(std::move(nodes));
         addShading(scene_, used_, model_);
@@ -59,69 +57,32 @@ class Maker {
     void add(const Object& object, const Identity& who) {
         use(object);
         if (object.transform && !takesTransform(object.shape)) return addInstance(object, who);
-        const dvec3& origin = model_.origin;
-        const dvec3& eye = scene_.camera.eye;
-        if (const auto* mesh = std::get_if<MeshShape>(&object.shape))
-            return world_.addMesh(*mesh->mesh, origin, who);
-        if (const auto* plane = std::get_if<PlaneShape>(&object.shape))
-            return world_.addPlane(*plane, origin, who);
-        if (const auto* sphere = std::get_if<SphereShape>(&object.shape))
-            return world_.addSphere(*sphere, origin, eye, who);
-        if (const auto* disc = std::get_if<DiscShape>(&object.shape))
-            return world_.addDisc(*disc, origin, who);
-        if (const auto* polygon = std::get_if<PolygonShape>(&object.shape))
-            return world_.addPolygon(*polygon, origin, who);
-        if (const auto* triangle = std::get_if<TriangleShape>(&object.shape))
-            return addTriangle(*triangle, who);
-        const Place place = object.transform ? Place(*object.transform) : Place();
-        if (const auto* box = std::get_if<BoxShape>(&object.shape))
-            return world_.addBox(*box, object.transform ? &place : nullptr, origin, who);
-        world_.addQuadric(object.shape, place, origin, eye, who);
-    }
-
-    void addTriangle(const TriangleShape& triangle, const Identity& who) {
-        const auto& v = triangle.vertices;
-        const dvec3 area = glm::cross(v[1] - v[0], v[2] - v[0]);
-        if (area == dvec3(0) || !std::isfinite(area.x + area.y + area.z)) return;
-        world_.addTriangle(v, model_.origin, who);
-    }
-
-    // kDielectricRank for the ids of dielectrics.
-    uint32_t rankOf(uint32_t material) const {
-        return scene_.materials[material].transmission != Color(0) ? shared::kDielectricRank : 0;
-    }
-
-    void rankAll() {
-        const auto rank = [this](auto& rows) {
-            for (auto& row : rows) row.id |= rankOf(row.material);
-        };
-        rank(world_.model.spheres);
-        rank(world_.model.planes);
-        rank(world_.model.discs);
-        rank(world_.model.polygons);
-        rank(world_.model.quadrics);
-        rank(world_.model.cuboids);
-        rankTriangles(world_);
-        for (rows::Instance& instance : world_.model.instances) {
-            if (instance.material == shared::kNone)
-                ranked_.insert(instance.root);
-            else
-                instance.idBase |= rankOf(instance.material);
+        Setting at{who, {}, false, model_.origin, scene_.camera.eye, ranks_};
+        if (object.transform) {
+            at.place = Place(*object.transform);
+            at.moved = true;
         }
-        for (const uint32_t prototype : ranked_) rankTriangles(prototypes_[prototype]);
+        std::visit(
+            [&](const auto& shape) {
+                if constexpr (requires { world_.add(shape, at); })
+                    world_.add(shape, at);
+                else
+                    world_.addQuadric(object.shape, at);
+            },
+            object.shape);
     }
 
-    void rankTriangles(Part& part) {
-        for (size_t i = 0; i < part.model.triangles.size(); ++i)
-            part.model.triangles[i].id |= rankOf(part.model.triangleSurfaces[i].material);
+    static bool hasOwnMaterials(const Object& object) {
+        const auto* mesh = std::get_if<MeshShape>(&object.shape);
+        return mesh != nullptr && !mesh->mesh->materials.empty();
     }
 
     void use(const Object& object) {
-        const auto* mesh = std::get_if<MeshShape>(&object.shape);
-        if (mesh == nullptr || mesh->mesh->materials.empty()) {
+        if (!hasOwnMaterials(object)) {
             used_[object.material] = true;
         } else {
-            for (const uint32_t material : mesh->mesh->materials) used_[material] = true;
+            for (const uint32_t material : std::get<MeshShape>(object.shape).mesh->materials)
+                used_[material] = true;
         }
     }
 
@@ -135,9 +96,9 @@ class Maker {
         }
         Part& prototype = prototypes_.emplace_back();
         if (mesh != nullptr)
-            prototype.addMesh(*mesh->mesh, dvec3(0), {});
+            prototype.add(*mesh, {.ranks = hasOwnMaterials(object) ? ranks_ : std::span<const uint32_t>()});
         else if (const auto* disc = std::get_if<DiscShape>(&object.shape))
-            prototype.addDisc(*disc, dvec3(0), {});
+            prototype.add(*disc, Setting{});
         for (const Item& item : prototype.items) boxes_[number].include(item.box);
         return number;
     }
@@ -154,10 +115,9 @@ class Maker {
         row.toObjectY = rows[1];
         row.toObjectZ = rows[2];
         row.root = prototype;
-        row.idBase = who.id;
+        row.idBase = who.id | (hasOwnMaterials(object) ? 0 : ranks_[who.material]);
         row.object = who.object;
-        const auto* mesh = std::get_if<MeshShape>(&object.shape);
-        row.material = mesh != nullptr && !mesh->mesh->materials.empty() ? shared::kNone : who.material;
+        row.material = hasOwnMaterials(object) ? shared::kNone : who.material;
         row.mirrored = glm::dot(place.linear[0], glm::cross(place.linear[1], place.linear[2])) < 0 ? 1 : 0;
         world_.model.instances.push_back(row);
         model_.instanceGain = std::max(model_.instanceGain, place.gain);
@@ -171,22 +131,21 @@ class Maker {
     }
 
     const Scene& scene_;
-    const Context& context_;
     Model model_;
     Part world_;
     std::vector<Part> prototypes_;
     std::map<const Mesh*, uint32_t> meshes_;
     std::map<uint32_t, Bounds> boxes_;  // of prototypes
-    std::set<uint32_t> ranked_;         // prototypes whose materials count
+    std::vector<uint32_t> ranks_;       // by material: kDielectricRank for dielectrics
     std::vector<bool> used_;
 };
 
 }  // namespace
 }  // namespace truth
 
-Model truthOf(const Scene& scene, const glm::dvec3& origin, const Context& context) {
+Model truthOf(const Scene& scene, const glm::dvec3& origin) {
     Scene copy;
-    return truth::Maker(placedScene(scene, copy), origin, context).make();
+    return truth::Maker(placedScene(scene, copy), origin).make();
 }
 
 void setEye(Model& model, const glm::dvec3& eye) {

@@ -2,7 +2,6 @@
 // (tests/module_dependencies.cmake). What the reference makes of it is the truth.
 #pragma once
 
-#include "core/context.h"
 #include "reference/model.h"
 #include "scene/scene.h"
 
@@ -11,7 +10,7 @@ namespace glint::reference {
 // `scene`: valid. origin: what local coordinates count from; where that is PackedScene::origin, rays of the
 // packed scene are rays of this one. Boxes of its tree have room for disturbed models. Ids, objects and faces
 // are those of the packed scene, the places of primitives in their arrays are not.
-Model truthOf(const Scene& scene, const glm::dvec3& origin, const Context& context = {});
+Model truthOf(const Scene& scene, const glm::dvec3& origin);
 
 // Another camera's eye, in the world: the media that it is in.
 void setEye(Model& model, const glm::dvec3& eye);

@@ -1,5 +1,7 @@
-#include "reference/textbook.h"
+#include <algorithm>
+#include <cmath>
 
+#include "reference/intersect.h"
 #include "reference/ray_mover.h"
 
 namespace glint::reference {
@@ -11,10 +13,6 @@ using glm::dvec3;
 
 dvec3 vectorOf(const double (&v)[3]) {
     return {v[0], v[1], v[2]};
-}
-
-bool inInterval(const PreparedRay& ray, double t, double tMax) {
-    return t > ray.tMin && t <= tMax && t <= std::numeric_limits<double>::max();
 }
 
 // The unknowns beta, gamma, t of v0 + beta (v1 - v0) + gamma (v2 - v0) = o + t d by Cramer's rule (P.
@@ -78,15 +76,16 @@ bool triangleInSpace(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
 
 }  // namespace
 
-bool textbookTriangle(TriangleMethod method, const rows::Triangle& triangle, const PreparedRay& ray,
-                      double tMax, Root& root) {
+bool textbookTriangle(const rows::Triangle& triangle, const RayTest& test, Root& root) {
+    const PreparedRay& ray = test.ray;
+    const TriangleMethod method = test.methods.triangles;
     const dvec3 v[3] = {dvec3(triangle.v0), dvec3(triangle.v1), dvec3(triangle.v2)};
     const bool inside = method == TriangleMethod::Barycentric  ? triangleByCramer(v, ray, root)
                         : method == TriangleMethod::Projection ? triangleByProjection(v, ray, root)
                                                                : triangleInSpace(v, ray, root);
     if (!inside) return false;
-    root.slip = slipOfFlat(ray, glm::normalize(glm::cross(v[1] - v[0], v[2] - v[0])), v[0], root.t);
-    return countsAt(ray, root.t, root.slip, tMax);
+    const dvec3 normal = glm::normalize(glm::cross(v[1] - v[0], v[2] - v[0]));
+    return accept(root.t, slipOfFlat(ray, normal, v[0], root.t), test, root);
 }
 
 namespace {
@@ -97,21 +96,10 @@ namespace {
 // |w| / |d|, s^2 a by gamma_21 |w|^2, each difference by one more: 29 u |w|^2 + 2 u r^2;
 constexpr double kSquareRoundings = 30, kMiddleRoundings = 8;
 
-// Up to as many of so many roundings as the ray's noise has units, by the sphere.
-struct Loss {
-    double square, middle;
-
-    Loss(const FormulaNoise& noise, uint32_t sphere) {
-        uint64_t state = noise.seed ^ sphere;
-        square = std::min(noise.step, kSquareRoundings * 0x1p-24) * uniform(state);
-        middle = std::min(noise.step, kMiddleRoundings * 0x1p-24) * uniform(state);
-    }
-};
-
 }  // namespace
 
-bool textbookSphere(SphereMethod method, const rows::Sphere& sphere, const PreparedRay& ray, bool fromSurface,
-                    double tMax, Root& root) {
+bool textbookSphere(const rows::Sphere& sphere, const RayTest& test, Root& root) {
+    const PreparedRay& ray = test.ray;
     root.u = root.v = 0;
     const dvec3 d = vectorOf(ray.direction), o = vectorOf(ray.origin);
     const double r = sphere.radius;
@@ -121,13 +109,17 @@ bool textbookSphere(SphereMethod method, const rows::Sphere& sphere, const Prepa
     double half;      // of the chord
     double lost = 0;  // of its square
     if (ray.noise.step != 0) {
-        const Loss loss(ray.noise, sphere.id);
-        lost = loss.square * (reach + r * r);
-        middle += loss.middle * std::sqrt(reach / a);
+        // Up to as many of so many roundings as the ray's noise has units, by the sphere.
+        uint64_t state = ray.noise.seed ^ sphere.id;
+        const auto upTo = [&](double roundings) {
+            return std::min(ray.noise.step, roundings * 0x1p-24) * uniform(state);
+        };
+        lost = upTo(kSquareRoundings) * (reach + r * r);
+        middle += upTo(kMiddleRoundings) * std::sqrt(reach / a);
     }
-    if (fromSurface) {
+    if (test.fromItself()) {
         half = std::abs(middle);
-    } else if (method == SphereMethod::Geometric) {
+    } else if (test.methods.spheres == SphereMethod::Geometric) {
         const dvec3 foot = o + middle * d;
         const double square = r * r - glm::dot(foot - center, foot - center) + lost;
         if (square < 0) return false;
@@ -138,10 +130,7 @@ bool textbookSphere(SphereMethod method, const rows::Sphere& sphere, const Prepa
         if (disc < 0) return false;
         half = std::sqrt(disc) / (2 * a);
     }
-    root.t = middle - half;
-    if (inInterval(ray, root.t, tMax)) return true;
-    root.t = middle + half;
-    return inInterval(ray, root.t, tMax);
+    return accept(middle - half, 0, test, root) || accept(middle + half, 0, test, root);
 }
 
 }  // namespace glint::reference

@@ -1,8 +1,9 @@
-// The closest point of all surfaces, in double: what shaders/closest_point.comp finds, by formulas of its
-// own.
+// Closest points and crossings, in double and beyond: what shaders/closest_point.comp and
+// shaders/traversal/crossings.glsl find, by formulas of their own.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "reference/tracer.h"
 
@@ -17,15 +18,21 @@ struct ClosestPoint {
 // True of triangles and spheres: the other kinds have no closest points.
 bool hasClosestPoint(shared::PrimitiveKind kind);
 
-// The point of the triangle a b c that is closest to `point`.
-glm::dvec3 closestOnTriangle(const glm::dvec3& point, const glm::dvec3& a, const glm::dvec3& b,
-                             const glm::dvec3& c);
-
 // The point of a primitive, of an instance or none, that is closest to a local point.
 ClosestPoint closestPointOn(const Model& model, uint32_t primitive, uint32_t instance,
                             const glm::dvec3& point);
 
 // The closest point of all. At the same distance the lowest id counts. Empty if nothing is in the BVH.
 std::optional<ClosestPoint> closestPoint(const Model& model, const glm::dvec3& point);
+
+// Crossings of a local ray, nearest first. At a shared edge or corner of triangles it counts only those that
+// it crosses, so a closed surface is entered and left in turns. Each triangle must stand in the BVH once
+// (packScene without `split`).
+std::vector<Hit> crossings(const Tracer& tracer, const Ray& ray);
+
+// True if rounding to fp32 cannot tell the local point from a surface: if it lies within 4 u (|point| + |v|)
+// of a triangle (16 u of an instance's), u = 2^-24, both in the greatest coordinate, v the triangle's
+// farthest vertex; of any other surface along an axis.
+bool touches(const Tracer& tracer, const glm::dvec3& point);
 
 }  // namespace glint::reference

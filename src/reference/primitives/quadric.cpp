@@ -1,9 +1,14 @@
-#include "reference/quadric.h"
-
+// Quadrics. Not the shader's way: the quadric is one symmetric form of four homogeneous coordinates, its
+// three values on a ray give the equation at the ray's own origin, with digits enough that nothing has to be
+// moved, and every root and every cap is asked on its own whether it lies within the bounds.
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
-#include "reference/error_box.h"
-#include "reference/precision.h"
+#include "core/vectors.h"
+#include "reference/intersect.h"
+#include "reference/rounding.h"
 
 namespace glint::reference {
 namespace {
@@ -77,12 +82,27 @@ struct Equation {
 
     // Bound on the error of `disc`. Each sum has 16 products of three factors, one of which is a sum of three
     // products of a difference: its error is below 32 u of its terms.
-    T bound(const HomogeneousForm<T>& form, const LocalTerms<T>& terms, double roundoff) const {
-        return static_cast<T>(64 * roundoff) *
+    T bound(const HomogeneousForm<T>& form, const LocalTerms<T>& terms) const {
+        return static_cast<T>(64 * kRoundoff<T>) *
                (magnitude(b) * form.terms(terms.o, terms.d) + magnitude(a) * form.terms(terms.o, terms.o) +
                 magnitude(c) * form.terms(terms.d, terms.d));
     }
 };
+
+// Roots of a t^2 + 2 b t + c = 0 for a discriminant that is not negative, smaller first; how many. A double
+// root counts as two, an equation without unknown has none.
+int solveQuadratic(Extended a, Extended b, Extended c, Extended disc, Extended (&roots)[2]) {
+    if (a == 0) {
+        if (b == 0) return 0;
+        roots[0] = -c / (2 * b);
+        return 1;
+    }
+    const Extended q = b + std::copysign(std::sqrt(disc), b);
+    roots[0] = q == 0 ? 0 : -c / q;
+    roots[1] = -q / a;
+    if (roots[0] > roots[1]) std::swap(roots[0], roots[1]);
+    return 2;
+}
 
 // Beside numbers as small as this double has too few digits to prove anything.
 constexpr double kLeastProof = 0x1p-900;
@@ -95,12 +115,12 @@ class Rough {
           local_(quadric, ray),
           terms_(quadric, ray),
           equation_(form_, local_),
-          bound_(equation_.bound(form_, terms_, kUnitRoundoff)) {}
+          bound_(equation_.bound(form_, terms_)) {}
 
     bool missesSides() const { return bound_ > kLeastProof && equation_.disc < -bound_; }
     // The discriminant is more than 2^20 bounds of extended precision from zero.
     bool isFarFromTangent() const {
-        constexpr double kBounds = 2 * 0x1p20 * kExtendedRoundoff / kUnitRoundoff;
+        constexpr double kBounds = 2 * 0x1p20 * kRoundoff<Extended> / kUnitRoundoff;
         return bound_ > kLeastProof && std::abs(equation_.disc) > std::max(kBounds, 2.0) * bound_;
     }
     // With the place on the cap's plane known to 6 u of `reach`, its coordinates are to 12 u of `most`, and
@@ -129,21 +149,23 @@ constexpr double kClipSlack = 0x1p-44;
 
 class Search {
   public:
-    Search(const rows::Quadric& quadric, const PreparedRay& ray, const Rough& rough, double tMax)
-        : quadric_(quadric), ray_(ray), rough_(rough), form_(quadric), local_(quadric, ray), tMax_(tMax) {}
+    Search(const rows::Quadric& quadric, const RayTest& test, const Rough& rough, Root& root)
+        : quadric_(quadric),
+          test_(test),
+          ray_(test.ray),
+          rough_(rough),
+          form_(quadric),
+          local_(quadric, test.ray),
+          root_(root) {}
 
-    bool run(bool fromSide, Root& root, uint32_t& part) {
+    bool run(bool fromSide) {
+        root_.u = root_.v = 0;
         sides(fromSide);
         for (const bool upper : {false, true}) {
             const uint32_t cap = upper ? shared::kPartUpperCap : shared::kPartLowerCap;
             const bool present = quadric_.caps & (upper ? shared::kCapUpper : shared::kCapLower);
             if (present) capAt(upper, cap);
         }
-        root.u = root.v = 0;
-        root.t = best_;
-        root.slip = slip_;
-        root.twice = twice_;
-        part = part_;
         return found_;
     }
 
@@ -159,11 +181,10 @@ class Search {
         }
         // 2^20 bounds from tangency the square root no longer magnifies the error above 2^-21 of itself.
         if (!rough_.isFarFromTangent() &&
-            magnitude(e.disc) <=
-                0x1p20L * e.bound(form_, LocalTerms<Extended>(quadric_, ray_), kExtendedRoundoff)) {
+            magnitude(e.disc) <= 0x1p20L * e.bound(form_, LocalTerms<Extended>(quadric_, ray_))) {
             const HomogeneousForm<Quad> form(quadric_);
             const Equation<Quad> exact(form, LocalRay<Quad>(quadric_, ray_));
-            const Quad bound = exact.bound(form, LocalTerms<Quad>(quadric_, ray_), kQuadRoundoff);
+            const Quad bound = exact.bound(form, LocalTerms<Quad>(quadric_, ray_));
             // A ray that quadruple precision cannot separate from a tangent is one.
             e.disc = magnitude(exact.disc) <= bound ? 0 : static_cast<Extended>(exact.disc);
             e.a = static_cast<Extended>(exact.a);
@@ -178,26 +199,27 @@ class Search {
     }
 
     void side(Extended t, bool twice = false) {
-        if (!counts(static_cast<double>(t), slipOfRound(ray_, static_cast<double>(t)))) return;
+        const double slip = slipOfRound(ray_, static_cast<double>(t));
+        if (!counts(static_cast<double>(t), slip)) return;
         const Vec4<Extended> y = local_.at(t);
         for (int i = 0; i < 3; ++i) {
             const Extended slack = slackAt(y, i);
             if (!(y[i] >= quadric_.lo[i] - slack && y[i] <= quadric_.hi[i] + slack)) return;
         }
-        take(t, shared::kPartSide);
-        twice_ = twice;
+        take(t, slip, shared::kPartSide, twice);
     }
 
     void capAt(bool upper, uint32_t cap) {
         const Extended plane = upper ? quadric_.hi.z : quadric_.lo.z;
         if (local_.d[2] == 0) return;
         const Extended t = (plane - local_.o[2]) / local_.d[2];
-        if (!counts(static_cast<double>(t), slipOfCap(t))) return;
+        const double slip = slipOfCap(t);
+        if (!counts(static_cast<double>(t), slip)) return;
         Vec4<Extended> y = local_.at(t);
         y[2] = plane;
         Vec4<Extended> terms;
         for (int i = 0; i < 4; ++i) terms[i] = magnitude(y[i]);
-        if (form_(y, y) <= kClipSlack * form_.terms(terms, terms)) take(t, cap);
+        if (form_(y, y) <= kClipSlack * form_.terms(terms, terms)) take(t, slip, cap, false);
     }
 
     Extended slackAt(const Vec4<Extended>& y, int i) const {
@@ -206,7 +228,7 @@ class Search {
 
     // Within the ray's interval, and before what was found.
     bool counts(double t, double slip) const {
-        return countsAt(ray_, t, slip, tMax_) && !(found_ && best_ <= t);
+        return countsAt(ray_, t, slip, test_.tMax) && !(found_ && root_.t <= t);
     }
 
     // slipOfFlat for a cap: the third axis, which is no unit vector, is the caps' normal.
@@ -222,42 +244,36 @@ class Search {
                slipOfRound(ray_, static_cast<double>(t));
     }
 
-    void take(Extended t, uint32_t part) {
-        best_ = static_cast<double>(t);
-        slip_ = part == shared::kPartSide ? slipOfRound(ray_, best_) : slipOfCap(t);
-        part_ = part;
+    void take(Extended t, double slip, uint32_t part, bool twice) {
+        root_.t = static_cast<double>(t);
+        root_.slip = slip;
+        root_.part = part;
+        root_.twice = twice;
         found_ = true;
-        twice_ = false;
     }
 
     const rows::Quadric& quadric_;
+    const RayTest& test_;
     const PreparedRay& ray_;
     const Rough& rough_;
     HomogeneousForm<Extended> form_;
     LocalRay<Extended> local_;
-    double tMax_;
-    double best_ = 0, slip_ = 0;
-    uint32_t part_ = 0;
-    bool found_ = false, twice_ = false;
+    Root& root_;
+    bool found_ = false;
 };
-
-dmat3 toLocal(const rows::Quadric& q) {
-    return glm::transpose(dmat3(dvec3(q.toLocal0), dvec3(q.toLocal1), dvec3(q.toLocal2)));
-}
 
 }  // namespace
 
-bool intersectQuadric(const rows::Quadric& quadric, const PreparedRay& ray, uint32_t primitive,
-                      uint32_t source, double tMax, Root& root, uint32_t& part) {
-    const bool fromSide = source == (primitive | shared::kPartSide << shared::kPartShift);
-    const Rough rough(quadric, ray);
+bool intersect(const rows::Quadric& quadric, const RayTest& test, Root& root) {
+    const bool fromSide = test.source == (test.primitive | shared::kPartSide << shared::kPartShift);
+    const Rough rough(quadric, test.ray);
     const auto mayMeet = [&](uint32_t cap, double plane) {
         return (quadric.caps & cap) && !rough.missesCap(plane);
     };
     if (rough.missesSides() && !fromSide && !mayMeet(shared::kCapLower, quadric.lo.z) &&
         !mayMeet(shared::kCapUpper, quadric.hi.z))
         return false;
-    return Search(quadric, ray, rough, tMax).run(fromSide, root, part);
+    return Search(quadric, test, rough, root).run(fromSide);
 }
 
 namespace {
@@ -276,66 +292,80 @@ double errorAlong(double terms, const dvec3& slope, const dmat3& rows, const dve
 // n(y) is no less than a sixteenth of n(y + a), from its apex, n the form of all magnitudes. NaN: at that
 // bound.
 double termsAt(const rows::Quadric& quadric, const dmat3& squares, const dvec3& y) {
-    const dvec3 linear(quadric.linear);
-    const double here = glm::dot(glm::abs(y), glm::abs(squares * y) + 2.0 * glm::abs(linear)) +
-                        std::abs(static_cast<double>(quadric.constant));
+    const double here = glm::dot(glm::abs(y), glm::abs(squares * y) + 2.0 * glm::abs(quadric.linear)) +
+                        std::abs(quadric.constant);
     if (!(quadric.caps & shared::kFromApex)) return here;
     const dmat3 positive(glm::abs(squares[0]), glm::abs(squares[1]), glm::abs(squares[2]));
     const auto form = [&](const dvec3& v) { return glm::dot(glm::abs(v), positive * glm::abs(v)); };
-    const dvec3 fromApex = y + glm::inverse(squares) * linear;
+    const dvec3 fromApex = y + glm::inverse(squares) * quadric.linear;
     const double near = 16 * form(y), far = form(fromApex);
     if (std::abs(near - far) <= 0x1p-10 * far) return std::numeric_limits<double>::quiet_NaN();
     return near < far ? here : glm::dot(glm::abs(fromApex), glm::abs(squares * fromApex));
 }
 
-}  // namespace
+// The surface next to a hit point; normal outward, of length 1.
+// bend: at most how far the normal turns for a unit of way. error: along the normal, of the value of the
+// equation there, in fp32 (rounding.h).
+struct SurfacePoint {
+    dvec3 position, normal;
+    double bend = 0, error = 0;
+};
 
-QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const dvec3& point,
-                          const dvec3& direction) {
-    const dmat3 local = toLocal(quadric), transposed = glm::transpose(local);
-    const dvec3 origin(quadric.point);
-    QuadricPoint site{point, -glm::normalize(direction)};
-    if (part != shared::kPartSide) {
-        const bool upper = part == shared::kPartUpperCap;
-        const dvec3 row = transposed[2];
-        const double height =
-            glm::dot(row, point - origin) - static_cast<double>(upper ? quadric.hi.z : quadric.lo.z);
-        site.position = point - height / glm::dot(row, row) * row;
-        site.normal = glm::normalize(upper ? row : -row);
-        const double plane = std::abs(static_cast<double>(upper ? quadric.hi.z : quadric.lo.z));
-        site.error = errorAlong(plane, {0, 0, 1}, transposed, site.position - origin, glm::length(row));
-        return site;
-    }
-    const dmat3 squares(quadric.squares.x, quadric.products.z, quadric.products.y, quadric.products.z,
-                        quadric.squares.y, quadric.products.x, quadric.products.y, quadric.products.x,
-                        quadric.squares.z);
-    const dvec3 linear(quadric.linear);
-    const dvec3 y = local * (point - origin);
-    const dvec3 slope = 2.0 * (squares * y + linear);
-    const dvec3 gradient = transposed * slope;
-    const double square = glm::dot(gradient, gradient);
-    if (!(square > 0)) return site;
-    const double value = glm::dot(y, squares * y + 2.0 * linear) + static_cast<double>(quadric.constant);
-    // A step longer than the root of the error of `value` is the sign of a point without a normal.
-    const double limit = 0x1p-20 * glm::length(slope) / std::sqrt(square);
-    site.normal = gradient / std::sqrt(square);
-    const dmat3 turning = transposed * squares * local;
-    site.bend =
-        2 * (glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2])) / std::sqrt(square);
-    site.position = point - std::clamp(value / std::sqrt(square), -limit, limit) * site.normal;
-    const double terms = termsAt(quadric, squares, y);
-    // Near an apex the surface is no farther than the root of what the equation is off by.
-    const double most = std::sqrt(gammaOf(12) * terms) * glm::length(slope) / std::sqrt(square);
+SurfacePoint pointOnCap(const rows::Quadric& quadric, bool upper, const dvec3& point) {
+    const dmat3 rows = glm::transpose(toLocal(quadric));
+    const double plane = upper ? quadric.hi.z : quadric.lo.z;
+    const double height = glm::dot(rows[2], point - quadric.point) - plane;
+    SurfacePoint site;
+    site.position = point - height / glm::dot(rows[2], rows[2]) * rows[2];
+    site.normal = glm::normalize(upper ? rows[2] : -rows[2]);
     site.error =
-        std::min(most, errorAlong(terms, slope, transposed, site.position - origin, std::sqrt(square)));
+        errorAlong(std::abs(plane), {0, 0, 1}, rows, site.position - quadric.point, glm::length(rows[2]));
     return site;
 }
 
-double quadricReach(const rows::Quadric& quadric) {
-    const dmat3 back = glm::inverse(toLocal(quadric));
-    const dvec3 size = glm::max(glm::abs(dvec3(quadric.lo)), glm::abs(dvec3(quadric.hi)));
-    const dvec3 reach = glm::abs(back[0]) * size.x + glm::abs(back[1]) * size.y + glm::abs(back[2]) * size.z;
-    return std::max({reach.x, reach.y, reach.z});
+// direction: of the ray, against which the surface faces where it has no normal (the apex of a cone, a double
+// plane).
+SurfacePoint pointOnSide(const rows::Quadric& quadric, const dvec3& point, const dvec3& direction) {
+    const dmat3 local = toLocal(quadric), rows = glm::transpose(local);
+    const dmat3 squares(quadric.squares.x, quadric.products.z, quadric.products.y, quadric.products.z,
+                        quadric.squares.y, quadric.products.x, quadric.products.y, quadric.products.x,
+                        quadric.squares.z);
+    const dvec3 y = local * (point - quadric.point);
+    const dvec3 slope = 2.0 * (squares * y + quadric.linear);
+    const dvec3 gradient = rows * slope;
+    const double square = glm::dot(gradient, gradient);
+    if (!(square > 0)) return {point, -glm::normalize(direction)};
+    const double steepness = std::sqrt(square);
+    const double value = glm::dot(y, squares * y + 2.0 * quadric.linear) + quadric.constant;
+    // A step longer than the root of the error of `value` is the sign of a point without a normal.
+    const double limit = 0x1p-20 * glm::length(slope) / steepness;
+    SurfacePoint site;
+    site.normal = gradient / steepness;
+    const dmat3 turning = rows * squares * local;
+    site.bend = 2 * (glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2])) / steepness;
+    site.position = point - std::clamp(value / steepness, -limit, limit) * site.normal;
+    const double terms = termsAt(quadric, squares, y);
+    // Near an apex the surface is no farther than the root of what the equation is off by.
+    const double most = std::sqrt(gammaOf(12) * terms) * glm::length(slope) / steepness;
+    site.error = std::min(most, errorAlong(terms, slope, rows, site.position - quadric.point, steepness));
+    return site;
+}
+
+}  // namespace
+
+void surfaceOf(const rows::Quadric& quadric, const Place& place, Surface& surface) {
+    const SurfacePoint site = place.part() == shared::kPartSide
+                                  ? pointOnSide(quadric, place.point, place.ray.direction)
+                                  : pointOnCap(quadric, place.part() == shared::kPartUpperCap, place.point);
+    surface.position = site.position;
+    surface.geometricNormal = surface.shadingNormal = site.normal;
+    surface.bend = site.bend;
+    surface.error =
+        errorBox(site.position - quadric.point, quadric.point) + site.error * glm::abs(site.normal);
+}
+
+double reachOf(const Model&, const Methods&, const rows::Quadric& quadric) {
+    return greatestMagnitude(quadric.point) + greatestMagnitude(reachFrom(dvec3(0), quadric));
 }
 
 }  // namespace glint::reference

@@ -1,0 +1,67 @@
+// Two ways to intersect a ray with surfaces of the scene before it is packed: in double with bounds on each
+// rounding error, which leave spans of t, and in exact fractions. Internal to certain.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+
+#include "scene/scene.h"
+#include "trace/ray_batch.h"
+
+namespace glint::reference::certain {
+
+// A triangle or a plane.
+struct ExactSurface {
+    std::array<glm::dvec3, 3> corners{};  // of a triangle
+    const Affine* place = nullptr;        // from their coordinates to the world
+    const PlaneShape* plane = nullptr;    // if it is one
+    uint32_t id = 0;                      // of surfaces met at the same t, the one with the lowest is taken
+};
+
+// If the surface is met at all, and `met` says that it is for sure, then at lower <= t <= upper. t, u, v: as
+// rounded; u and v of triangles, P = (1-u-v)a + u b + v c.
+struct Span {
+    double lower = 0, upper = 0;
+    double t = 0, u = 0, v = 0;
+    bool met = false;
+};
+
+// Finds spans of t that contain every hit: outside of them a miss is proven. The ray is finite and has a
+// direction.
+class SpanRay {
+  public:
+    explicit SpanRay(const WorldRay& ray);
+
+    // Nothing: the surface is not met, for sure, or not within the ray's interval.
+    std::optional<Span> span(const ExactSurface& surface) const;
+    // Spans of the entry into and the exit from the sphere.
+    std::array<std::optional<Span>, 2> spans(const SphereShape& sphere) const;
+
+    const WorldRay& ray() const { return ray_; }
+
+  private:
+    std::optional<Span> triangleSpan(const ExactSurface& triangle) const;
+    std::optional<Span> planeSpan(const PlaneShape& plane) const;
+    // `lower` and `upper` of something that is met, or may be: cut to the ray's interval.
+    std::optional<Span> within(Span span, bool met) const;
+
+    WorldRay ray_;
+    int axis_ = 2;  // of the direction's greatest component; it comes last when turned
+    glm::dvec3 shear_{0};
+};
+
+struct ExactHit {
+    size_t surface = 0;           // of those given
+    double lower = 0, upper = 0;  // neighbouring doubles, or the same, with the exact t between them
+    double u = 0, v = 0;
+};
+
+// The first within max(tMin, 0) < t <= tMax, or nothing. A triangle is met in its edges and corners too, and
+// by no ray that runs in its plane, as a plane is by none that is parallel. All numbers must be finite but
+// tMax, and the direction not zero.
+std::optional<ExactHit> nearestExactly(const WorldRay& ray, std::span<const ExactSurface> surfaces);
+
+}  // namespace glint::reference::certain
