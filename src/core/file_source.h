@@ -26,7 +26,7 @@ class FileSource {
     virtual std::string read(const std::filesystem::path& path, const Context& context) = 0;
     virtual FileStatus status(const std::filesystem::path& path) = 0;
     // Absolute, with links followed as far as there are files. Throws Error(Scene) "PATH: cannot be read:
-    // "...
+    // ...".
     virtual std::filesystem::path real(const std::filesystem::path& path) = 0;
 };
 

@@ -5,6 +5,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <string>
 #include <string_view>
 
 #include "core/codecs.h"
@@ -73,24 +75,14 @@ class HdrReader {
     // "-Y HEIGHT +X WIDTH" is left to right from the top. The axis that comes first is that of the scanlines;
     // X counts to the right, Y upwards.
     void readSize() {
-        const std::string_view text = line();
-        const char* at = text.data();
-        const char* const end = at + text.size();
+        const std::string text(line());
         size_t sizes[2] = {};
-        char axes[2] = {}, signs[2] = {};
-        bool good = true;
-        for (int i = 0; i < 2; i++) {
-            while (at < end && *at == ' ') at++;
-            good = good && end - at > 3 && (*at == '+' || *at == '-') && at[2] == ' ';
-            if (!good) break;
-            signs[i] = *at;
-            axes[i] = at[1];
-            const auto [stop, error] = std::from_chars(at + 3, end, sizes[i]);
-            good = error == std::errc{};
-            at = stop;
-        }
+        char axes[2] = {}, signs[2] = {}, more = 0;
+        bool good = std::sscanf(text.c_str(), "%c%c %zu %c%c %zu%c", &signs[0], &axes[0], &sizes[0],
+                                &signs[1], &axes[1], &sizes[1], &more) == 6;
+        for (const char sign : signs) good = good && (sign == '+' || sign == '-');
         turned_ = axes[0] == 'X';
-        if (!good || at != end || axes[turned_ ? 1 : 0] != 'Y' || axes[turned_ ? 0 : 1] != 'X')
+        if (!good || axes[turned_ ? 1 : 0] != 'Y' || axes[turned_ ? 0 : 1] != 'X')
             failDamaged("unsupported data layout");
         height_ = sizes[0];
         width_ = sizes[1];

@@ -40,7 +40,6 @@ std::vector<uint8_t> drawnVertices(const Mesh& mesh) {
             drawn[c.x] = drawn[c.y] = drawn[c.z] = 1;
     return drawn;
 }
-using DrawnVertices = std::map<const Mesh*, std::vector<uint8_t>>;  // of meshes that were looked at
 
 // Calls visit(center, axes) for parts that together hold the finite geometry that will be drawn. A part is
 // the image of the unit ball, center + axes b: it reaches |axes^T n| from its centre in the unit direction n.
@@ -49,8 +48,7 @@ using DrawnVertices = std::map<const Mesh*, std::vector<uint8_t>>;  // of meshes
 template <typename Visit>
 class PartVisitor {
   public:
-    PartVisitor(const Affine& transform, DrawnVertices& drawn, const Visit& visit)
-        : transform_(transform), drawn_(drawn), visit_(visit) {}
+    PartVisitor(const Affine& transform, const Visit& visit) : transform_(transform), visit_(visit) {}
 
     void operator()(const SphereShape& s) const { ball(s.center, glm::dmat3(s.radius)); }
     void operator()(const PlaneShape&) const {}
@@ -72,11 +70,9 @@ class PartVisitor {
         // It bulges out of the hull of vertex and rim, but not out of a cylinder about it.
         ends(s.vertex, s.radius, s.top, s.radius);
     }
-    // Each vertex once: scenes that change come here with every change.
     void operator()(const MeshShape& s) const {
         const auto& p = s.mesh->positions;
-        std::vector<uint8_t>& drawn = drawn_[s.mesh.get()];
-        if (drawn.empty()) drawn = drawnVertices(*s.mesh);
+        const std::vector<uint8_t> drawn = drawnVertices(*s.mesh);
         for (size_t i = 0; i < p.size(); ++i)
             if (drawn[i] != 0) point(p[i]);
     }
@@ -110,19 +106,18 @@ class PartVisitor {
     }
 
     Affine transform_;
-    DrawnVertices& drawn_;
     const Visit& visit_;
 };
 
 // Visits the box corners of meshes with several instances, so that time does not grow with the number of
 // instances.
 template <typename Visit>
-void forEachPart(const Scene& scene, DrawnVertices& drawn, const Visit& visit) {
+void forEachPart(const Scene& scene, const Visit& visit) {
     std::map<const Mesh*, std::pair<size_t, Box>> shared;
     for (const Object& object : scene.objects)
         if (const auto* shape = std::get_if<MeshShape>(&object.shape)) shared[shape->mesh.get()].first++;
     for (const Object& object : scene.objects) {
-        const PartVisitor<Visit> visitor(object.transform.value_or(Affine{}), drawn, visit);
+        const PartVisitor<Visit> visitor(object.transform.value_or(Affine{}), visit);
         const auto* shape = std::get_if<MeshShape>(&object.shape);
         if (!shape || shared[shape->mesh.get()].first == 1) {
             std::visit(visitor, object.shape);
@@ -131,7 +126,7 @@ void forEachPart(const Scene& scene, DrawnVertices& drawn, const Visit& visit) {
         Box& box = shared[shape->mesh.get()].second;
         if (box.empty()) {
             const auto add = [&box](const glm::dvec3& center, const glm::dmat3*) { box.add(center); };
-            PartVisitor<decltype(add)>({}, drawn, add)(*shape);
+            PartVisitor<decltype(add)>({}, add)(*shape);
         }
         if (!box.empty()) visitor.corners(box.low, box.high);
     }
@@ -153,14 +148,13 @@ CameraFrame viewFrame(UpAxis up) {
 // picture are planes through the eye with the outward normals n = cos a (+-right or +-up) + sin a back, a
 // half the picture's angle; p is inside if n.(p - eye) <= 0, that is with eye = middle + D back if D >= n.(p
 // - middle) / sin a.
-double viewingDistance(const Scene& scene, DrawnVertices& drawn, const CameraFrame& frame,
-                       const glm::dvec3& middle) {
+double viewingDistance(const Scene& scene, const CameraFrame& frame, const glm::dvec3& middle) {
     const double tanY = std::tan(kFovY * std::numbers::pi / 360) / kMargin;
     const double tanX = tanY * scene.image.width / scene.image.height;
     double distance = 0;
     const glm::dvec3 normals[] = {frame.u / tanX + frame.w, -frame.u / tanX + frame.w,
                                   frame.v / tanY + frame.w, -frame.v / tanY + frame.w};  // n / sin a
-    forEachPart(scene, drawn, [&](const glm::dvec3& center, const glm::dmat3* axes) {
+    forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3* axes) {
         for (const glm::dvec3& normal : normals)
             distance = std::max(distance, glm::dot(normal, center - middle) + reach(axes, normal));
     });
@@ -193,16 +187,15 @@ void frameCamera(Scene& scene, UpAxis up) {
     scene.camera = Camera{};
     scene.camera.up = fromYUp(scene.camera.up, up);
     const CameraFrame frame = viewFrame(up);
-    DrawnVertices drawn;
     Box box;
-    forEachPart(scene, drawn, [&](const glm::dvec3& center, const glm::dmat3* axes) {
+    forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3* axes) {
         const glm::dvec3 extent(reach(axes, {1, 0, 0}), reach(axes, {0, 1, 0}), reach(axes, {0, 0, 1}));
         box.add(center - extent);
         box.add(center + extent);
     });
     if (box.empty()) return;
     const glm::dvec3 middle = box.low + 0.5 * (box.high - box.low);
-    double distance = viewingDistance(scene, drawn, frame, middle);
+    double distance = viewingDistance(scene, frame, middle);
     // A single point has no size to go by; stay far enough away for the eye to differ from it in double and
     // in float.
     distance = std::max({distance, 1e-6 * glm::length(middle), 1e-12});

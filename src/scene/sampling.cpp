@@ -1,5 +1,8 @@
 #include "scene/sampling.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "scene/limits.h"
 
 namespace glint {
@@ -21,17 +24,8 @@ Sampler samplerOf(const ImageSettings& image) {
 }
 
 double defaultRadius(Filter filter) {
-    switch (filter) {
-        case Filter::Box:
-            return 0.5;
-        case Filter::Tent:
-            return 1;
-        case Filter::Gaussian:
-            return 1.5;
-        case Filter::Mitchell:
-            return 2;
-    }
-    return 0.5;
+    constexpr double kRadii[] = {0.5, 1, 1.5, 2};  // in the order of Filter
+    return kRadii[static_cast<size_t>(filter)];
 }
 
 std::string samplingConflict(const ImageSettings& image) {

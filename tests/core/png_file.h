@@ -1,5 +1,5 @@
-// A PNG reader and writer written from the specification (W3C, PNG Second Edition, 2003) with zlib alone, so
-// that the tests do not check the library under test against itself.
+// PNG files read by libpng, for what stb_image_write and core/png_rows.cpp have written, and made from the
+// specification (W3C, PNG Second Edition, 2003) with zlib alone, for the decoder, which is libpng.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,10 @@ struct PngFile {
     int width = 0;
     int height = 0;
     int bitDepth = 8;
-    int colorType = 2;             // 0 grey, 2 RGB, 4 grey and alpha, 6 RGBA
-    std::vector<uint8_t> samples;  // rows from the top, 16-bit samples big endian
-
-    int bytesPerPixel() const;
+    int colorType = 2;                  // 0 grey, 2 RGB, 4 grey and alpha, 6 RGBA
+    std::vector<uint8_t> samples = {};  // rows from the top, 16-bit samples big endian
 };
 
-// Adds a failure to the running test if the file is malformed. Knows the row filters None, Sub and Up.
 PngFile readPng(const std::filesystem::path& path);
 
 struct PngParts {
