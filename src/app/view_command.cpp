@@ -45,7 +45,7 @@ ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     view::Options options;
     options.until.error = command.target.error.value_or(0);
     options.until.confidence = command.target.confidence.value_or(options.until.confidence);
-    options.until.withinDepth = command.target.withinDepth;
+    options.until.depthCounts = !command.target.withinDepth;
     options.scene = command.scene.scene;
     options.loading.allowOutside = command.scene.allowOutside;
     options.loading.camera = command.scene.camera;

@@ -24,6 +24,7 @@ struct Target {
     // True: the truth has no limit of depth. False: it ends at the depth of the request, and what may lie
     // beyond is reported but not counted.
     bool depthCounts = true;
+    bool operator==(const Target&) const = default;
 };
 
 // Bounds of the parts of the error. Their sum bounds the whole, by the triangle inequality.

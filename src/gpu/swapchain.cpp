@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <stdexcept>
+#include <iterator>
 #include <vector>
 
 #include "core/error.h"
@@ -12,19 +12,10 @@ namespace glint::gpu {
 
 namespace {
 
-VkPresentModeKHR vulkanMode(PresentMode mode) {
-    switch (mode) {
-        case PresentMode::Fifo:
-            return VK_PRESENT_MODE_FIFO_KHR;
-        case PresentMode::Mailbox:
-            return VK_PRESENT_MODE_MAILBOX_KHR;
-        case PresentMode::Immediate:
-            return VK_PRESENT_MODE_IMMEDIATE_KHR;
-        case PresentMode::FifoRelaxed:
-            return VK_PRESENT_MODE_FIFO_RELAXED_KHR;
-    }
-    throw std::logic_error("vulkanMode: not a value of PresentMode");
-}
+// In the order of PresentMode.
+constexpr VkPresentModeKHR kModes[] = {VK_PRESENT_MODE_FIFO_KHR, VK_PRESENT_MODE_MAILBOX_KHR,
+                                       VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_FIFO_RELAXED_KHR};
+static_assert(std::size(kModes) == kEnumNames<PresentMode>.size());
 
 // An image that no other program gives back within this time will not come: the window system hangs.
 constexpr uint64_t kAcquireNanoseconds = 5'000'000'000;
@@ -171,7 +162,6 @@ VkSwapchainCreateInfoKHR SwapchainState::describe(const VkSurfaceCapabilitiesKHR
             capabilities.supportedCompositeAlpha & (~capabilities.supportedCompositeAlpha + 1));
     }
     info.clipped = VK_TRUE;
-    info.presentMode = VK_PRESENT_MODE_FIFO_KHR;
     return info;
 }
 
@@ -182,9 +172,10 @@ void SwapchainState::rebuild(int width, int height, PresentMode wantedMode) {
     const VkSurfaceCapabilitiesKHR capabilities = capabilitiesOf(state);
     VkSwapchainCreateInfoKHR info = describe(capabilities, width, height);
     const std::vector<VkPresentModeKHR> offered = modesOf(state);
-    const bool isOffered = std::find(offered.begin(), offered.end(), vulkanMode(wantedMode)) != offered.end();
+    const VkPresentModeKHR wanted = kModes[static_cast<size_t>(wantedMode)];
+    const bool isOffered = std::find(offered.begin(), offered.end(), wanted) != offered.end();
     mode = isOffered ? wantedMode : PresentMode::Fifo;
-    info.presentMode = vulkanMode(mode);
+    info.presentMode = kModes[static_cast<size_t>(mode)];
     drawn.clear();
     images.clear();
     if (extent.width == 0 || extent.height == 0) {  // minimised

@@ -1,43 +1,88 @@
-// The commands of the window, by key, button, mouse or dropped file. They need a device, but no window.
+// The commands of the window, by key, button, mouse or dropped file, and the list of all keys and gestures:
+// the window obeys it, F1 shows it, and a test compares it with docs/guide/window.md.
 #pragma once
 
-#include <functional>
 #include <iosfwd>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "view/jobs.h"
-#include "view/keys.h"
 #include "view/model.h"
+#include "view/window.h"
 
 namespace glint::view {
 
-// Services of the window for commands.
-struct Host {
-    std::ostream& out;  // results: CSV of a pick, JSON, names of files
-    std::ostream& err;  // errors of files and jobs
-    std::function<void(const std::string&)> copy = [](const std::string&) {};      // to the clipboard
-    std::function<void(const std::string&)> setTitle = [](const std::string&) {};  // of the window
-    std::function<void()> toggleFullscreen = [] {};
-    std::function<void()> wake = [] {};  // a job has ended; from any thread
+struct KeyBinding {
+    int key;           // GLFW_KEY_*
+    int mods;          // GLFW_MOD_*
+    const char* name;  // "Shift+S"
+    const char* help;
+    Command run;                    // null for gestures of the mouse and keys that fly
+    const char* heading = nullptr;  // of the group of keys that starts here
 };
+
+std::span<const KeyBinding> keyBindings();
+
+inline constexpr int kShift = GLFW_MOD_SHIFT, kControl = GLFW_MOD_CONTROL, kAlt = GLFW_MOD_ALT;
+
+// While flying, the keys that move have no other meaning.
+bool isFlyKey(int key);
+
+// Null for a key without a command.
+const KeyBinding* bindingOf(int key, int mods, bool flying);
 
 class Commands {
   public:
-    Commands(Model& model, Host host);
+    // `out`: results (CSV of a pick, JSON, names of files); `err`: errors of files and jobs.
+    Commands(Model& model, Window& window, std::ostream& out, std::ostream& err);
 
     // Shows the scene on this device. Jobs on an earlier device are stopped.
     void setDevice(const gpu::Device& device);
     void releaseDevice();
 
-    void perform(Action action);
-    // Opens a scene, or compares with an image.
-    void drop(const std::vector<std::string>& files);
+    void perform(Command command);
+
+    // ---- camera ----
+    void undo();
+    void redo();
+    void framePicked();
     // Pixels of the image; outside of it nothing happens.
     void pick(int x, int y);
     void focusAt(int x, int y);
+    void goToCamera(size_t index);  // of the file's cameras, then the bookmarks
 
+    // ---- files ----
+    // Opens a scene, or compares with an image.
+    void open(const std::filesystem::path& file);
+    void reload();
+    void copyJson();
+    void writeCameras();
+    void writeScene();
+    // At the scene's own sampling, or `seen`: as shown.
+    void save(const std::filesystem::path& file, bool seen);
+    // Under the next free name.
+    void savePng() { saveNumbered(".png", true); }
+    void saveExr() { saveNumbered(".exr", true); }
+    void renderPng() { saveNumbered(".png", false); }
+    void renderExr() { saveNumbered(".exr", false); }
+    void saveNamed();
+
+    // ---- comparison ----
+    void keepPicture();
+    void nextComparison();
+    void verify();
+    void traceReference();
+
+    // ---- window ----
+    void toggleFullscreen() { window_.toggleFullscreen(); }
+    // Closes after the save at hand; at once if asked twice.
+    void askToClose();
+    bool closing() const { return closing_; }
+    // Stops all jobs. Throws Error(Failed) if an image was not saved that the user waited for.
+    void close();
+
+    // ---- each round of the loop ----
     // Takes what the panel or a script changed in Model::settings.
     void takeSettings();
     // Records changes for undo, and forgets what belongs to the view before.
@@ -46,69 +91,39 @@ class Commands {
     void poll();
     // The image with comparison or verification, in Model::picture.
     const Canvas& refreshPicture();
-
+    bool flashChanged() const;  // the other image of a flicker is due
     bool hasJobs() const;
     // No job is running, and all edits are packed and shown.
     bool settled() const;
-    void follow(Hint hint);
-    // Closes after the save at hand; at once if asked twice.
-    void askToClose();
-    bool closing() const { return closing_; }
-    // Stops all jobs. Throws Error(Failed) if an image was not saved that the user waited for.
-    void close();
 
     uint64_t reloads() const { return reloads_; }
     const std::string& lastError() const { return lastError_; }
-    // The other image of a flicker is shown.
-    bool flash() const;
-    bool flashChanged() const;
-    void save(const std::filesystem::path& file, bool seen);
 
   private:
-    struct Loaded {
-        std::shared_ptr<Moments> moments;
-        Moment shown;
-    };
-    void performTime(Action action);
-    void performOther(Action action);
     void fail(const std::string& what);
-
-    void travel(const std::optional<Undoable>& state, const char* otherwise);
-    void framePicked();
-    void copyJson();
-    void keepCamera();
-    void goToCamera(size_t index);
-    void writeCameras();
-    void writeScene();
+    void report(const std::string& line);  // a message and a line of `out`
+    void follow(Hint hint);
+    bool saves();  // says so
+    void saveNumbered(const char* extension, bool seen);
+    void travel(const Undoable* state, const char* otherwise);
     void checkUnchanged(const std::string& text) const;
 
     void showScene(std::shared_ptr<const ViewScene> scene);
-    void startLoading();
-    void open(const std::filesystem::path& scene);
-    void useScene(Loaded loaded);
+    void useScene(std::shared_ptr<Moments> moments, Moment shown);
     void takeMoment(Moment moment);
-    void pollLoading();
-    void pollPacking();
+    void takeVerdict(const verify::Report& report);
+    void watchFiles();
+    void pack();
     std::string momentText() const;
 
-    void saveNumbered(Action action);
-    void saveNamed();
-    void startVerifying();
-    void startReference();
-    void keepPicture();
-    void nextComparison();
-    void compareWith(const std::filesystem::path& image);
-    void takeVerdict(VerifyResult result);
+    void compareWith(const std::string& name, std::optional<Image> linear, Canvas canvas = {});
+    bool flash() const;
 
     Model& m_;
-    Host host_;
+    Window& window_;
+    std::ostream &out_, &err_;
     const gpu::Device* device_ = nullptr;
-    Job<std::string> saving_{host_.wake};
-    Job<VerifyResult> verifying_{host_.wake};
-    Job<Image> referring_{host_.wake};
-    Job<Loaded> loading_{host_.wake};
-    Job<Moment> packing_{host_.wake};
-    SceneEdits editsAtWork_;            // of packing_, or of the scene that is shown
+    SceneEdits editsAtWork_;            // of Model::packing, or of the scene that is shown
     std::optional<double> timeAtWork_;  // likewise
     FileWatch files_;
     Stopwatch fileWatch_;
@@ -123,10 +138,17 @@ class Commands {
         bool difference = false, flash = false;
         CompareMode mode = CompareMode::Off;
         double wipe = 0, gain = 0;
-        uint64_t compared = 0;
+        uint64_t other = 0;
+        bool measured = false;
         bool operator==(const Shown&) const = default;
     } shown_;
-    uint64_t measured_ = ~uint64_t{0};
+    std::pair<uint64_t, uint64_t> measured_;  // version of the image, number of the other one
 };
+
+// A function of Commands as a command.
+template <void (Commands::*kFunction)()>
+void call(Model&, Commands& c) {
+    (c.*kFunction)();
+}
 
 }  // namespace glint::view

@@ -1,6 +1,7 @@
-// Commands that take time: loading, packing, saving, verifying, the reference image.
+// Commands that take time: loading, packing, saving, verifying, the reference image; and comparison.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <ostream>
 #include <utility>
 
@@ -23,14 +24,13 @@ constexpr double kFlickerSeconds = 0.5;  // for which each of two images is show
 
 void Commands::setDevice(const gpu::Device& device) {
     device_ = &device;
-    m_.device = &device.info();
     showScene(m_.scene);
 }
 
 void Commands::releaseDevice() {
-    if (saving_.running()) host_.err << "glint: warning: the image that was being saved is lost\n";
-    saving_.stop();
-    verifying_.stop();
+    if (m_.saving.running()) err_ << "glint: warning: the image that was being saved is lost\n";
+    m_.saving.stop();
+    m_.verifying.stop();
     m_.session.reset();
 }
 
@@ -43,35 +43,45 @@ void Commands::showScene(std::shared_ptr<const ViewScene> scene) {
     m_.session->wantData(m_.inspects);
     m_.session->setView(m_.control.camera(), width, height);
     shown_ = {};
-    m_.pixel.reset();
+    measured_ = {};
     m_.forgetView(true);
     m_.touch();
     m_.dirty = 3;
 }
 
-void Commands::startLoading() {
-    loading_.start([path = m_.path, loading = m_.loading, another = opensAnother_, time = m_.timeline.time(),
-                    edits = m_.settings.edits, before = m_.fileSettings.edits](JobControl&) {
-        Loaded loaded;
-        loaded.moments = std::make_shared<Moments>(path, loading, another ? std::optional<double>() : time);
-        loaded.shown = another ? loaded.moments->show() : loaded.moments->show({}, edits, before);
-        return loaded;
+void Commands::reload() {
+    m_.loading.start([this, path = m_.path, options = m_.options, another = opensAnother_,
+                      time = m_.timeline.time(), edits = m_.settings.edits,
+                      before = m_.fileSettings.edits](JobControl&) -> Job::Rest {
+        auto moments = std::make_shared<Moments>(path, options, another ? std::optional<double>() : time);
+        Moment shown = another ? moments->show() : moments->show({}, edits, before);
+        return [this, moments, shown] { useScene(moments, shown); };
     });
     m_.dirty = 3;
 }
 
-void Commands::open(const std::filesystem::path& scene) {
-    m_.path = scene;
-    m_.loading.camera.clear();  // of the other scene
+void Commands::open(const std::filesystem::path& file) {
+    if (isPictureFile(file)) {
+        try {
+            compareWith(file.filename().string(), readImage(file));
+            if (m_.comparison.mode == CompareMode::Off) m_.comparison.mode = CompareMode::Wipe;
+            follow(Hint::Compare);
+        } catch (const Error& e) {
+            m_.say(e.what(), ToastKind::Error);
+        }
+        return;
+    }
+    m_.path = file;
+    m_.options.camera.clear();  // of the other scene
     opensAnother_ = true;
-    startLoading();
+    reload();
 }
 
-// Shows a scene that was loaded, of the same file as before or of another one.
-void Commands::useScene(Loaded loaded) {
+// A scene was loaded, of the same file as before or of another one.
+void Commands::useScene(std::shared_ptr<Moments> moments, Moment shown) {
     const bool another = std::exchange(opensAnother_, false);
     if (another) {
-        const Scene& scene = *loaded.shown.file;
+        const Scene& scene = *shown.file;
         const PictureSettings mine = std::exchange(m_.settings, PictureSettings::of(scene));
         m_.settings.layer = mine.layer;
         m_.settings.sampleLimit = mine.sampleLimit;
@@ -82,14 +92,19 @@ void Commands::useScene(Loaded loaded) {
         m_.bookmarks.clear();
         m_.camera = Model::kNoCamera;
         m_.timeline = {};
-        m_.timeline.setTime(loaded.shown.time);
+        m_.timeline.setTime(shown.time);
     }
-    packing_.stop();
-    m_.moments = std::move(loaded.moments);
-    timeAtWork_ = loaded.shown.time;
-    takeMoment(std::move(loaded.shown));
+    m_.packing.stop();
+    m_.moments = std::move(moments);
+    timeAtWork_ = shown.time;
+    takeMoment(std::move(shown));
     m_.timeline.follow(m_.file->animation);
-    if (another) m_.sayWarnings(host_.err);
+    m_.sceneError.clear();
+    window_.setTitle("glint: " + m_.path.filename().string());
+    m_.say(another ? "opened " + m_.path.string() : "loaded " + m_.path.string() + " again");
+    if (!another) return;
+    m_.recent.add(m_.path);
+    m_.sayWarnings(err_);
 }
 
 // Values that the user has not changed follow the file.
@@ -108,49 +123,21 @@ void Commands::takeMoment(Moment moment) {
     m_.touch();
 }
 
-void Commands::pollLoading() {
-    if (!loading_.finished()) return;
-    m_.dirty = 3;
-    ++reloads_;
-    const bool another = opensAnother_;
-    try {
-        useScene(loading_.take());
-        m_.sceneError.clear();
-        host_.setTitle("glint: " + m_.path.filename().string());
-        if (another) m_.recent.add(m_.path);
-        m_.say(another ? "opened " + m_.path.string() : "loaded " + m_.path.string() + " again");
-    } catch (const Error& e) {
-        if (e.kind() != ErrorKind::Scene && e.kind() != ErrorKind::Failed) throw;
-        m_.sceneError = e.what();
-        host_.err << "glint: " << e.what() << '\n';
-        if (another) {  // keep watching the scene that is shown
-            m_.path = m_.scene->path;
-            opensAnother_ = false;
-        }
-    }
-    // A fixed file may name other files than before; the next look finds those that changed meanwhile.
+// A fixed file may name other files than before; the next look finds those that changed meanwhile.
+void Commands::watchFiles() {
     files_.watch(sceneFiles(m_.path, *m_.file));
 }
 
 // Packs one moment at a time: the latest edits and time once the one before is done.
-void Commands::pollPacking() {
-    if (packing_.finished()) {
-        m_.dirty = 3;
-        try {
-            takeMoment(packing_.take());
-        } catch (const Error& e) {
-            fail(e.what());
-            m_.timeline.setTime(m_.time);
-            timeAtWork_ = m_.time;
-        }
-    }
-    if (packing_.running() || loading_.running()) return;
+void Commands::pack() {
+    if (m_.packing.running() || m_.loading.running()) return;
     if (m_.settings.edits == editsAtWork_ && m_.timeline.time() == timeAtWork_) return;
     editsAtWork_ = m_.settings.edits;
     timeAtWork_ = m_.timeline.time();
-    packing_.start(
-        [moments = m_.moments, time = timeAtWork_, edits = editsAtWork_,
-         before = m_.fileSettings.edits](JobControl&) { return moments->show(time, edits, before); });
+    m_.packing.start([this, moments = m_.moments, time = timeAtWork_, edits = editsAtWork_,
+                      before = m_.fileSettings.edits](JobControl&) -> Job::Rest {
+        return [this, moment = moments->show(time, edits, before)] { takeMoment(moment); };
+    });
 }
 
 // The words that ask `glint render` for the moment that is shown.
@@ -163,155 +150,130 @@ std::string Commands::momentText() const {
 
 void Commands::poll() {
     if (m_.timeline.advance(m_.clock.seconds())) m_.dirty = std::max(m_.dirty, 1);
-    const auto collect = [&](auto& job, auto use) {
+    const auto collect = [&](Job& job, const std::function<void(const std::string& what)>& failed) {
         if (job.running()) m_.dirty = std::max(m_.dirty, 1);
-        if (!job.finished()) return;
+        if (!job.finished()) return false;
         m_.dirty = 3;
         try {
-            use(job.take());
+            job.finish();
         } catch (const gpu::DeviceLost&) {
             throw;
         } catch (const std::exception& e) {
-            fail(e.what());
-            if (static_cast<void*>(&job) == &saving_) lostPicture_ = e.what();
+            failed(e.what());
         }
+        return true;
     };
-    collect(saving_, [&](const std::string& line) {
-        m_.say(line);
-        host_.out << line << std::endl;
+    const auto said = [&](const std::string& what) { fail(what); };
+    collect(m_.saving, [&](const std::string& what) {
+        fail(what);
+        lostPicture_ = what;
     });
-    collect(verifying_, [&](VerifyResult result) { takeVerdict(std::move(result)); });
-    collect(referring_, [&](Image image) {
-        m_.comparison.name = "reference";
-        m_.comparison.linear = std::move(image);
-        m_.comparison.canvas = {};
-        if (m_.comparison.mode == CompareMode::Off) m_.comparison.mode = CompareMode::Wipe;
-        ++m_.compared;
-        m_.say("the reference image is ready to compare with");
+    collect(m_.verifying, said);
+    collect(m_.referring, said);
+    const bool loaded = collect(m_.loading, [&](const std::string& what) {
+        if (!m_.session) throw;  // the device has no room for the scene
+        m_.sceneError = what;
+        err_ << "glint: " << what << '\n';
+        if (std::exchange(opensAnother_, false)) m_.path = m_.scene->path;
     });
-    pollLoading();
-    pollPacking();
-    if (!loading_.running() && fileWatch_.seconds() >= kFileSeconds) {
-        fileWatch_.restart();
-        if (files_.changed()) startLoading();
+    if (loaded) {
+        ++reloads_;
+        watchFiles();
     }
-    const auto progress = [](const auto& job) { return job.running() ? job.progress() : -1; };
-    m_.saveProgress = progress(saving_);
-    m_.verifyProgress = progress(verifying_);
-    m_.referenceProgress = progress(referring_);
-    m_.isLoading = loading_.running();
-    if (m_.isClosing && !saving_.running()) closing_ = true;
-}
-
-void Commands::takeVerdict(VerifyResult result) {
-    m_.verdict = result.text;
-    m_.verdictPassed = result.passed;
-    host_.out << "verify " << result.text << std::endl;
-    if (result.passed) return;  // the image stays
-    Comparison difference;
-    difference.linear = std::move(result.difference);
-    difference.mode = CompareMode::Wipe;
-    difference.wipe = 1;
-    m_.difference = Canvas(difference.width(), difference.height());
-    compose(difference, nullptr, {}, false, *m_.difference);
+    collect(m_.packing, [&](const std::string& what) {
+        if (!m_.session) throw;
+        fail(what);
+        m_.timeline.setTime(m_.time);
+        timeAtWork_ = m_.time;
+    });
+    pack();
+    if (!m_.loading.running() && fileWatch_.seconds() >= kFileSeconds) {
+        fileWatch_.restart();
+        if (files_.changed()) reload();
+    }
+    if (m_.isClosing && !m_.saving.running()) closing_ = true;
 }
 
 bool Commands::hasJobs() const {
-    return saving_.running() || verifying_.running() || referring_.running() || packing_.running();
+    return m_.saving.running() || m_.verifying.running() || m_.referring.running() || m_.packing.running();
 }
 
 bool Commands::settled() const {
-    return !m_.moving() && m_.session->finished() && !hasJobs() && !loading_.running() &&
+    return !m_.moving() && m_.session->finished() && !hasJobs() && !m_.loading.running() &&
            !m_.timeline.playing() && m_.timeline.time() == timeAtWork_ && m_.settings.edits == editsAtWork_;
 }
 
 void Commands::close() {
-    const bool cut = saving_.running();
-    saving_.stop();
-    verifying_.stop();
-    referring_.stop();
-    loading_.stop();
-    packing_.stop();
+    const bool cut = m_.saving.running();
+    for (Job* job : {&m_.saving, &m_.verifying, &m_.referring, &m_.loading, &m_.packing}) job->stop();
     m_.session.reset();
     if (cut) throw Error(ErrorKind::Failed, "the window was closed before the image was saved");
     if (m_.isClosing && !lostPicture_.empty()) throw Error(ErrorKind::Failed, lostPicture_);
 }
 
-// ---- files ----
+// ---- saving ----
 
-void Commands::saveNumbered(Action action) {
-    const bool exr = action == Action::SaveExr || action == Action::RenderExr;
-    const bool seen = action == Action::SavePng || action == Action::SaveExr;
-    if (saving_.running()) {
-        m_.say("still saving; one image at a time", ToastKind::Error);
-        return;
-    }
+bool Commands::saves() {
+    if (m_.saving.running()) m_.say("still saving; one image at a time", ToastKind::Error);
+    return m_.saving.running();
+}
+
+void Commands::saveNumbered(const char* extension, bool seen) {
+    if (saves()) return;
     try {
-        save(claimName(".", m_.scene->path.stem().string(), exr ? ".exr" : ".png"), seen);
+        save(claimName(".", m_.scene->path.stem().string(), extension), seen);
     } catch (const Error& e) {
         fail(e.what());
     }
 }
 
 void Commands::saveNamed() {
-    const std::filesystem::path file = m_.saveName.data();
-    if (!isWritableImagePath(file)) {
+    if (!isWritableImagePath(m_.saveName)) {
         m_.say("give a name that ends in .png, .exr, .pfm or .hdr", ToastKind::Error);
-    } else if (saving_.running()) {
-        m_.say("still saving; one image at a time", ToastKind::Error);
-    } else {
+    } else if (!saves()) {
         m_.saveAsVisible = false;
-        save(file, m_.savesSeen);
+        save(m_.saveName, m_.savesSeen);
     }
 }
 
 void Commands::save(const std::filesystem::path& file, bool seen) {
     follow(Hint::Save);
-    const auto start = [&](auto request) {
-        saving_.start([device = device_, moment = momentText(), request](JobControl& control) mutable {
-            return view::save(*device, std::move(request), control) + moment;
-        });
-    };
-    if (!seen) return start(RenderRequest{viewRequest(*m_.session), file, m_.settings.sampling, m_.display});
-    SeenRequest request = seenRequest(*m_.session, file, m_.display);
-    // A comparison or a verification over the image is saved too.
-    if (request.canvas && (m_.difference || m_.compares())) request.canvas = refreshPicture();
-    start(std::move(request));
-}
-
-void Commands::drop(const std::vector<std::string>& files) {
-    for (const std::string& file : files) isPictureFile(file) ? compareWith(file) : open(file);
+    const Session& session = *m_.session;
+    const ViewRequest view(session);
+    std::function<std::string(JobControl&)> work;
+    if (!seen) {
+        work = [=, sampling = m_.settings.sampling, display = m_.display](JobControl& c) {
+            return saveRendered(view, file, sampling, display, c);
+        };
+    } else if (isExr(file)) {
+        work = [=, picture = session.picture(), samples = session.samples(), hasData = session.hasData()](
+                   JobControl& c) { return saveLayers(view, file, picture, samples, hasData, c); };
+    } else {
+        const ViewLayer layer = m_.settings.layer;
+        const std::string how = needsData(layer)
+                                    ? std::string(nameOf(layer))
+                                    : counted(static_cast<uint64_t>(session.samples()), "sample");
+        work = [=, canvas = refreshPicture()](JobControl&) { return saveCanvas(file, canvas, how); };
+    }
+    m_.saving.start([this, work, file, moment = momentText()](JobControl& control) -> Job::Rest {
+        try {
+            return [this, line = work(control) + moment] { report(line); };
+        } catch (...) {  // a claimed name is free again
+            std::error_code error;
+            if (std::filesystem::file_size(file, error) == 0) std::filesystem::remove(file, error);
+            throw;
+        }
+    });
 }
 
 // ---- comparison ----
 
-void Commands::nextComparison() {
+void Commands::compareWith(const std::string& name, std::optional<Image> linear, Canvas canvas) {
     Comparison& c = m_.comparison;
-    if (!c.any()) {
-        m_.say("K keeps an image to compare with; or drop a file here", ToastKind::Error);
-        return;
-    }
-    c.mode = static_cast<CompareMode>((static_cast<size_t>(c.mode) + 1) % kEnumNames<CompareMode>.size());
-    follow(Hint::Compare);
-    std::string text = "compare: " + std::string(nameOf(c.mode));
-    if (c.mode == CompareMode::Wipe) text += ", left of the line";
-    if (c.mode != CompareMode::Off) text += ": " + c.name + "; B: next";
-    m_.say(text);
-}
-
-void Commands::startVerifying() {
-    if (verifying_.running()) return;
-    m_.verdict.clear();
-    m_.difference.reset();
-    verifying_.start([device = device_, request = viewRequest(*m_.session)](JobControl& control) {
-        return verifyView(*device, request, control);
-    });
-}
-
-void Commands::startReference() {
-    if (referring_.running()) return;
-    referring_.start([request = viewRequest(*m_.session), samples = m_.session->taken()](
-                         JobControl& control) { return traceReference(request, samples, control); });
+    c.name = name;
+    c.linear = std::move(linear);
+    c.canvas = std::move(canvas);
+    ++c.number;
 }
 
 void Commands::keepPicture() {
@@ -319,30 +281,64 @@ void Commands::keepPicture() {
         m_.say("nothing to keep yet", ToastKind::Error);
         return;
     }
-    m_.comparison.name = "kept " + std::string(nameOf(m_.settings.layer));
-    m_.comparison.linear.reset();
-    m_.comparison.canvas = {};
-    if (m_.settings.layer == ViewLayer::Color)
-        m_.comparison.linear = *m_.comparable();
+    const ViewLayer layer = m_.settings.layer;
+    const std::string name = "kept " + std::string(nameOf(layer));
+    if (layer == ViewLayer::Color)
+        compareWith(name, *m_.comparable());
     else
-        m_.comparison.canvas = m_.session->canvas(m_.display);
-    ++m_.compared;
+        compareWith(name, std::nullopt, m_.session->canvas(m_.display));
     m_.say("kept this image; B compares with it");
 }
 
-void Commands::compareWith(const std::filesystem::path& image) {
-    try {
-        m_.comparison.linear = readImage(image);
-    } catch (const Error& e) {
-        m_.say(e.what(), ToastKind::Error);
+void Commands::nextComparison() {
+    Comparison& c = m_.comparison;
+    if (!c.any()) {
+        m_.say("K keeps an image to compare with; or drop a file here", ToastKind::Error);
         return;
     }
-    m_.comparison.canvas = {};
-    m_.comparison.name = image.filename().string();
-    if (m_.comparison.mode == CompareMode::Off) m_.comparison.mode = CompareMode::Wipe;
+    c.mode = nextOf(c.mode);
     follow(Hint::Compare);
-    ++m_.compared;
-    m_.dirty = 3;
+    std::string text = "compare: " + std::string(nameOf(c.mode));
+    if (c.mode == CompareMode::Wipe) text += ", left of the line";
+    if (c.mode != CompareMode::Off) text += ": " + c.name + "; B: next";
+    m_.say(text);
+}
+
+void Commands::verify() {
+    if (m_.verifying.running()) return;
+    m_.verdict.clear();
+    m_.difference.reset();
+    m_.verifying.start([this, view = ViewRequest(*m_.session)](JobControl& control) -> Job::Rest {
+        return [this, report = verifyView(view, control)] { takeVerdict(report); };
+    });
+}
+
+void Commands::takeVerdict(const verify::Report& report) {
+    m_.verdictPassed = report.passed();
+    char text[256];
+    std::snprintf(
+        text, sizeof(text), "%s: %llu pixels, %llu explained (%llu edges), %llu unexplained, RMSE %.3g",
+        report.interrupted ? "stopped"
+        : m_.verdictPassed ? "passed"
+                           : "FAILED",
+        static_cast<unsigned long long>(report.pixels), static_cast<unsigned long long>(report.explained()),
+        static_cast<unsigned long long>(report.edges), static_cast<unsigned long long>(report.unexplained),
+        report.rmse);
+    m_.verdict = text;
+    out_ << "verify " << text << std::endl;
+    if (!m_.verdictPassed) m_.difference = canvasOf(report.difference, {});  // else the image stays
+}
+
+void Commands::traceReference() {
+    if (m_.referring.running()) return;
+    m_.referring.start([this, view = ViewRequest(*m_.session),
+                        samples = m_.session->taken()](JobControl& control) -> Job::Rest {
+        return [this, image = view::traceReference(view, samples, control)] {
+            compareWith("reference", image);
+            if (m_.comparison.mode == CompareMode::Off) m_.comparison.mode = CompareMode::Wipe;
+            m_.say("the reference image is ready to compare with");
+        };
+    });
 }
 
 bool Commands::flash() const {
@@ -354,23 +350,14 @@ bool Commands::flashChanged() const {
 }
 
 const Canvas& Commands::refreshPicture() {
-    constexpr uint64_t kFar = 1000003;
-    const bool compares = m_.compares();
-    if (compares && m_.session->finished()) {
-        const uint64_t wanted = m_.session->version() * kFar + m_.compared;
-        if (std::exchange(measured_, wanted) != wanted) measure(m_.comparison, m_.comparable());
-    }
-    Shown now;
-    now.version = m_.session->version();
-    now.display = m_.display;
-    now.difference = m_.difference.has_value();
-    if (compares) {
-        now.mode = m_.comparison.mode;
-        now.flash = now.mode == CompareMode::Flicker && flash();
-        now.wipe = m_.comparison.wipe;
-        now.gain = m_.comparison.gain;
-        now.compared = m_.compared + (m_.comparison.figures ? kFar : 0);
-    }
+    Comparison& c = m_.comparison;
+    const uint64_t version = m_.session->version();
+    const std::pair wanted{version, c.number};
+    if (m_.compares() && m_.session->finished() && std::exchange(measured_, wanted) != wanted)
+        measure(c, m_.comparable());
+    const bool flashes = m_.compares() && c.mode == CompareMode::Flicker && flash();
+    const Shown now = {version, m_.display, m_.difference.has_value(), flashes, c.mode, c.wipe,
+                       c.gain,  c.number,   c.figures.has_value()};
     if (now == shown_) return m_.picture;
     shown_ = now;
     if (m_.difference) {
@@ -379,7 +366,7 @@ const Canvas& Commands::refreshPicture() {
         return m_.picture;
     }
     m_.picture = m_.session->canvas(m_.display);
-    if (compares) compose(m_.comparison, m_.comparable(), m_.display, now.flash, m_.picture);
+    if (m_.compares()) compose(c, m_.comparable(), m_.display, now.flash, m_.picture);
     return m_.picture;
 }
 

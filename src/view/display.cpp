@@ -43,8 +43,8 @@ uint32_t mix(uint32_t a, uint32_t b, uint32_t weight) {
 
 constexpr uint32_t kNothing = packColor(0, 0, 0);
 
-uint32_t packUnit(double r, double g, double b) {
-    return packColor(linearByte(r), linearByte(g), linearByte(b));
+uint32_t packUnit(const glm::dvec3& color) {
+    return packColor(linearByte(color.x), linearByte(color.y), linearByte(color.z));
 }
 
 // Well-spread bits for numbers in a row: the finaliser of MurmurHash3 (Appleby 2008).
@@ -63,13 +63,6 @@ uint32_t idColor(uint32_t id) {
                      64 + (h >> 16 & 127u) + (h >> 20 & 63u));
 }
 
-uint32_t heat(double x) {
-    const glm::dvec3 color = heatOf(x);
-    return packUnit(color.x, color.y, color.z);
-}
-
-using PixelColor = std::function<uint32_t(const PixelData&)>;
-
 // A floor reaches to the horizon; its last pixels would leave one grey to all the rest.
 LayerRange depthRange(const Picture& picture) {
     std::vector<double> depths;
@@ -84,55 +77,32 @@ LayerRange depthRange(const Picture& picture) {
     return {*std::min_element(depths.begin(), last + 1), *last};
 }
 
-PixelColor depthColor(const LayerRange& range, const Display& display) {
-    const double width = range.hi > range.lo ? range.hi - range.lo : 1;
-    const bool colored = display.toneMap == ToneMap::False;
-    return [lo = range.lo, width, colored](const PixelData& d) {
-        if (!std::isfinite(d.depth)) return kNothing;
-        const double at = std::clamp((d.depth - lo) / width, 0.0, 1.0);
-        if (colored) return heat(at);
-        const double grey = 1 - 0.85 * at;
-        return packUnit(grey, grey, grey);
-    };
-}
-
-PixelColor heatColor(const LayerRange& range, uint32_t PixelData::*field) {
-    return
-        [field, most = range.hi](const PixelData& d) { return heat(static_cast<double>(d.*field) / most); };
-}
-
-PixelColor colorOf(ViewLayer layer, const Display& display, const LayerRange& range) {
-    const auto id = [](uint32_t PixelData::*field) {
-        return [field](const PixelData& d) { return idColor(d.*field); };
-    };
+uint32_t colorOf(const PixelData& d, ViewLayer layer, const Display& display, const LayerRange& range) {
     switch (layer) {
-        case ViewLayer::Depth:
-            return depthColor(range, display);
+        case ViewLayer::Color:
+            break;
+        case ViewLayer::Depth: {
+            if (!std::isfinite(d.depth)) return kNothing;
+            const double width = range.hi > range.lo ? range.hi - range.lo : 1;
+            const double at = std::clamp((d.depth - range.lo) / width, 0.0, 1.0);
+            return packUnit(display.toneMap == ToneMap::False ? heatOf(at) : glm::dvec3(1 - 0.85 * at));
+        }
         case ViewLayer::Normal:
-            return [](const PixelData& d) {
-                if (d.object == PixelData::kNoIndex) return kNothing;
-                const glm::dvec3 n = 0.5 * glm::dvec3(d.normal) + 0.5;
-                return packUnit(n.x, n.y, n.z);
-            };
+            return d.object == PixelData::kNoIndex ? kNothing : packUnit(0.5 * glm::dvec3(d.normal) + 0.5);
         case ViewLayer::Uv:
-            return [](const PixelData& d) {
-                if (d.object == PixelData::kNoIndex) return kNothing;
-                return packUnit(static_cast<double>(d.u), static_cast<double>(d.v), 0.25);
-            };
+            return d.object == PixelData::kNoIndex ? kNothing : packUnit(glm::dvec3(d.u, d.v, 0.25));
         case ViewLayer::Object:
-            return id(&PixelData::object);
+            return idColor(d.object);
         case ViewLayer::Primitive:
-            return [](const PixelData& d) {
-                if (d.object == PixelData::kNoIndex) return kNothing;
-                return idColor(scatter(d.object) ^ d.primitive);
-            };
+            return d.object == PixelData::kNoIndex ? kNothing : idColor(scatter(d.object) ^ d.primitive);
         case ViewLayer::Material:
-            return id(&PixelData::material);
+            return idColor(d.material);
         case ViewLayer::Bounces:
-            return heatColor(range, &PixelData::bounces);
-        default:
-            return heatColor(range, &PixelData::cost);
+            return packUnit(heatOf(d.bounces / range.hi));
+        case ViewLayer::Cost:
+            return packUnit(heatOf(d.cost / range.hi));
     }
+    return kNothing;
 }
 
 void forRows(int height, const std::function<void(int)>& body) {
@@ -140,29 +110,6 @@ void forRows(int height, const std::function<void(int)>& body) {
         const int begin = static_cast<int>(chunk) * kRowsAtOnce;
         for (int y = begin; y < std::min(begin + kRowsAtOnce, height); ++y) body(y);
     });
-}
-
-uint32_t shown(const glm::vec3& color, ToneMap toneMap) {
-    if (toneMap == ToneMap::False) return heat(falseColorOf(luminance(glm::dvec3(color))));
-    const glm::vec3 mapped =
-        toneMap == ToneMap::Linear ? color : glm::vec3(toneMapped(glm::dvec3(color), toneMap));
-    return packColor(srgbByte(mapped.x), srgbByte(mapped.y), srgbByte(mapped.z));
-}
-
-// Adds alpha 1 if there is none.
-Picture pictureOf(const Image& image) {
-    Picture picture;
-    picture.region = {0, 0, image.width, image.height};
-    picture.color = Image(image.width, image.height, 4, 1.0f);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x)
-            for (int c = 0; c < 3; ++c)
-                picture.color.at(x, y, c) = image.at(x, y, std::min(c, image.channels - 1));
-    return picture;
-}
-
-Canvas canvasOf(const Image& image, const Display& display) {
-    return colorize(pictureOf(image), ViewLayer::Color, display, {});
 }
 
 Canvas fitted(Canvas canvas, const Canvas& like) {
@@ -176,18 +123,17 @@ constexpr uint32_t kLine = packColor(255, 255, 255);
 
 }  // namespace
 
+// False color: 0 blue to 1 red for the luminance, by the screen's own numbers.
 glm::dvec3 toneMapped(const glm::dvec3& color, ToneMap toneMap) {
     if (toneMap == ToneMap::Reinhard) return color / (1 + std::max(luminance(color), 0.0));
     if (toneMap == ToneMap::Aces) {
         const glm::dvec3 x = glm::max(color, glm::dvec3(0));
         return glm::clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
     }
-    return color;
-}
-
-double falseColorOf(double luminance) {
-    if (!(luminance > 0)) return 0;
-    return std::clamp(0.5 + 0.5 * std::log2(luminance) / kFalseStops, 0.0, 1.0);
+    if (toneMap != ToneMap::False) return color;
+    const double stops = std::log2(std::max(1e-30, luminance(color)));
+    const glm::dvec3 heat = heatOf(0.5 + 0.5 * stops / kFalseStops);
+    return {linearFromSrgb(heat.x), linearFromSrgb(heat.y), linearFromSrgb(heat.z)};
 }
 
 glm::dvec3 heatOf(double x) {
@@ -196,9 +142,14 @@ glm::dvec3 heatOf(double x) {
     return {ramp(at - 2), at < 2 ? ramp(at) : ramp(4 - at), ramp(2 - at)};
 }
 
-glm::dvec3 heatLinear(double x) {
-    const glm::dvec3 heat = heatOf(x);
-    return {linearFromSrgb(heat.x), linearFromSrgb(heat.y), linearFromSrgb(heat.z)};
+void applyDisplay(Image& color, const Display& display) {
+    if (display == Display{}) return;
+    const auto gain = static_cast<float>(std::exp2(display.exposure));
+    for (size_t i = 0; i < color.pixels.size(); i += 4) {
+        const glm::vec3 c = gain * glm::vec3(color.pixels[i], color.pixels[i + 1], color.pixels[i + 2]);
+        const glm::dvec3 shown = toneMapped(glm::dvec3(c), display.toneMap);
+        for (int k = 0; k < 3; ++k) color.pixels[i + static_cast<size_t>(k)] = static_cast<float>(shown[k]);
+    }
 }
 
 void stretch(const Canvas& source, Canvas& target, bool smooth) {
@@ -248,10 +199,10 @@ Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display,
     const size_t width = static_cast<size_t>(canvas.width);
     if (needsData(layer) && picture.data.size() != canvas.pixels.size()) return canvas;
     if (needsData(layer)) {
-        const PixelColor color = colorOf(layer, display, range);
         forRows(canvas.height, [&](int y) {
             const PixelData* data = picture.data.data() + static_cast<size_t>(y) * width;
-            std::transform(data, data + width, canvas.row(y), color);
+            std::transform(data, data + width, canvas.row(y),
+                           [&](const PixelData& d) { return colorOf(d, layer, display, range); });
         });
         return canvas;
     }
@@ -259,10 +210,24 @@ Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display,
     forRows(canvas.height, [&](int y) {
         const float* in = picture.color.pixels.data() + static_cast<size_t>(y) * width * 4;
         uint32_t* out = canvas.row(y);
-        for (size_t x = 0; x < width; ++x, in += 4)
-            out[x] = shown(gain * glm::vec3(in[0], in[1], in[2]), display.toneMap);
+        for (size_t x = 0; x < width; ++x, in += 4) {
+            glm::vec3 c = gain * glm::vec3(in[0], in[1], in[2]);
+            if (display.toneMap != ToneMap::Linear) c = glm::vec3(toneMapped(glm::dvec3(c), display.toneMap));
+            out[x] = packColor(srgbByte(c.x), srgbByte(c.y), srgbByte(c.z));
+        }
     });
     return canvas;
+}
+
+Canvas canvasOf(const Image& image, const Display& display) {
+    Picture picture;
+    picture.region = {0, 0, image.width, image.height};
+    picture.color = Image(image.width, image.height, 4, 1.0f);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            for (int c = 0; c < 3; ++c)
+                picture.color.at(x, y, c) = image.at(x, y, std::min(c, image.channels - 1));
+    return colorize(picture, ViewLayer::Color, display, {});
 }
 
 void measure(Comparison& comparison, const Image* a) {

@@ -45,13 +45,11 @@ inline double luminance(const glm::dvec3& color) {
 // Tone Mapping Curve", 2016, his fit of the ACES RRT and ODT, on each channel.
 glm::dvec3 toneMapped(const glm::dvec3& color, ToneMap toneMap);
 
-// Place of a luminance in false color: 0 blue to 1 red.
-double falseColorOf(double luminance);
-
 // Blue, cyan, green, yellow, red for 0 to 1, as the screen's own numbers, 0..1.
 glm::dvec3 heatOf(double x);
-// The same as linear numbers, before the sRGB curve.
-glm::dvec3 heatLinear(double x);
+
+// Applies exposure and tone map to a linear image of 4 channels, which stays linear.
+void applyDisplay(Image& color, const Display& display);
 
 struct Canvas {
     int width = 0, height = 0;
@@ -93,7 +91,13 @@ constexpr auto entriesOf(ViewLayer) {
          {ViewLayer::Bounces, "bounces", "reflections followed: blue none, red the most in the image"},
          {ViewLayer::Cost, "cost", "boxes and primitives tested: blue few, red the most in the image"}});
 }
-inline constexpr int kViewLayers = static_cast<int>(kEnumNames<ViewLayer>.size());
+
+// The next value of an enumeration, or the one `step` places on; round and round.
+template <NamedEnum E>
+E nextOf(E value, int step = 1) {
+    const int all = static_cast<int>(kEnumNames<E>.size());
+    return static_cast<E>((static_cast<int>(value) + step + all) % all);
+}
 
 // Colour needs Picture::color alone; everything else comes from Picture::data.
 inline bool needsData(ViewLayer layer) {
@@ -117,6 +121,9 @@ inline bool hasLegend(ViewLayer layer, const Display& display) {
 // With the default display, Color gives the bytes of a PNG of the image.
 Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range);
 
+// The same for an image of 3 or 4 linear channels.
+Canvas canvasOf(const Image& image, const Display& display);
+
 enum class CompareMode { Off, Wipe, Difference, Flicker };
 constexpr auto entriesOf(CompareMode) {
     return std::to_array<EnumEntry<CompareMode>>(
@@ -135,8 +142,9 @@ struct Comparison {
     double wipe = 0.5;  // the line's place, 0..1 of the width
     double gain = 16;   // of the difference
     std::optional<ImageDifference>
-        figures;        // as `glint diff` prints them; without: not of one size, or no colors
-    std::string fault;  // why there are none
+        figures;          // as `glint diff` prints them; without: not of one size, or no colors
+    std::string fault;    // why there are none
+    uint64_t number = 0;  // of the other image: grows with each new one
 
     bool any() const { return linear.has_value() || !canvas.pixels.empty(); }
     int width() const { return linear ? linear->width : canvas.width; }

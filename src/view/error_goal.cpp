@@ -4,33 +4,13 @@
 #include <cstdio>
 #include <limits>
 
+#include "core/text_file.h"
+
 namespace glint::view {
 
-namespace {
-
-// --error does not work with the grid sampler; `glint render --error` replaces it too.
-ImageSettings withoutGrid(ImageSettings image) {
-    if (image.sampler == Sampler::Grid) image.sampler = Sampler::LowDiscrepancy;
-    return image;
-}
-
-converge::Target targetOf(const ErrorSetting& setting) {
-    converge::Target target;
-    target.error = setting.error;
-    target.confidence = setting.confidence;
-    target.depthCounts = !setting.withinDepth;
-    return target;
-}
-
-}  // namespace
-
-ErrorGoal::ErrorGoal(const ErrorSetting& setting, const ImageSettings& image, const Region& region,
+ErrorGoal::ErrorGoal(const converge::Target& target, const ImageSettings& image, const Region& region,
                      bool knowsDepth)
-    : target_(targetOf(setting)),
-      image_(withoutGrid(image)),
-      region_(region),
-      knowsDepth_(knowsDepth),
-      both_(image_, target_) {}
+    : target_(target), image_(image), region_(region), knowsDepth_(knowsDepth), both_(image_, target_) {}
 
 PackedSamples ErrorGoal::begin() {
     turn_ = both_.first.count() > both_.second.count() ? &both_.second : &both_.first;
@@ -58,7 +38,7 @@ void ErrorGoal::look(double rounding) {
     converge::State& state = facts_.state;
     const bool reached = both_.look(target_, rounding, state);
     if (!knowsDepth_) state.budget.depth = std::numeric_limits<double>::infinity();
-    facts_.looks.push_back({static_cast<int>(state.samplesPerPixel), state.budget.total()});
+    facts_.bounds.push_back(state.budget.total());
     if (state.budget.fixed() >= target_.error)
         facts_.stop = converge::Stop::Fixed;
     else if (reached)
@@ -81,28 +61,25 @@ PackedSamples ErrorGoal::taken() const {
     return all;
 }
 
-std::string inWords(const GoalFacts& facts, const ErrorSetting& setting) {
+std::string inWords(const GoalFacts& facts, double error) {
     const converge::ErrorBudget& budget = facts.state.budget;
+    const uint32_t samples = facts.state.samplesPerPixel;
+    const double other = budget.rounding + budget.cut;
     char text[160];
-    if (facts.looks.empty()) {
-        std::snprintf(text, sizeof(text), "error not known yet; until %.3g", setting.error);
-    } else if (facts.stop == converge::Stop::Fixed) {
-        const double other = budget.rounding + budget.cut;
-        if (budget.depthCounts && !std::isfinite(budget.depth))
-            return "out of reach: with depth 0 nobody knows what mirrors would show";
-        if (budget.depthCounts && budget.depth > other)
-            std::snprintf(text, sizeof(text), "out of reach: beyond the depth there may be %.2g",
-                          budget.depth);
-        else
-            std::snprintf(text, sizeof(text), "out of reach: rounding and cuts may take %.2g", other);
-    } else {
-        const uint32_t samples = facts.state.samplesPerPixel;
-        std::snprintf(text, sizeof(text), "error <= %.3g, %u sample%s", budget.total(), samples,
-                      samples == 1 ? "" : "s");
-        if (!facts.stop)
-            std::snprintf(text, sizeof(text), "error <= %.3g after %u; until %.3g", budget.total(), samples,
-                          setting.error);
-    }
+    if (facts.bounds.empty())
+        std::snprintf(text, sizeof(text), "error not known yet; until %.3g", error);
+    else if (!facts.stop)
+        std::snprintf(text, sizeof(text), "error <= %.3g after %u; until %.3g", budget.total(), samples,
+                      error);
+    else if (facts.stop != converge::Stop::Fixed)
+        std::snprintf(text, sizeof(text), "error <= %.3g, %s", budget.total(),
+                      counted(samples, "sample").c_str());
+    else if (budget.depthCounts && !std::isfinite(budget.depth))
+        return "out of reach: with depth 0 no bound on reflections is known";
+    else if (budget.depthCounts && budget.depth > other)
+        std::snprintf(text, sizeof(text), "out of reach: beyond the depth there may be %.2g", budget.depth);
+    else
+        std::snprintf(text, sizeof(text), "out of reach: rounding and cuts may take %.2g", other);
     return text;
 }
 

@@ -11,21 +11,17 @@ namespace glint::view {
 
 // Progress of the goal, for the panel.
 struct GoalFacts {
-    // Looks so far: samples of a pixel, and what the error was known not to exceed by then.
-    struct Look {
-        int samples = 0;
-        double bound = 0;
-    };
-    std::vector<Look> looks;
+    std::vector<double> bounds;          // of the error, by each look so far
     converge::State state;               // of the last look
     std::optional<converge::Stop> stop;  // Reached, Fixed or Samples; empty: it goes on
 };
 
 class ErrorGoal {
   public:
-    // `image`: sampler, filter and seed; `region`: the whole picture.
+    // `image`: sampler (no grid), filter and seed; `region`: the whole picture.
     // `knowsDepth`: the pictures tell what lies beyond the depth.
-    ErrorGoal(const ErrorSetting& setting, const ImageSettings& image, const Region& region, bool knowsDepth);
+    ErrorGoal(const converge::Target& target, const ImageSettings& image, const Region& region,
+              bool knowsDepth);
 
     // Samples of the next pass over the picture, which goes to the two replicates in turns; its bands, each
     // once; its end.
@@ -54,6 +50,6 @@ class ErrorGoal {
 };
 
 // One line for the panel: "error <= 0.012, 24 samples; until 0.003".
-std::string inWords(const GoalFacts& facts, const ErrorSetting& setting);
+std::string inWords(const GoalFacts& facts, double error);
 
 }  // namespace glint::view

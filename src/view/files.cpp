@@ -1,8 +1,11 @@
 #include "view/files.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
-#include <string>
+#include <cstring>
+#include <fstream>
 
 #include "core/error.h"
 #include "core/file_io.h"
@@ -13,8 +16,6 @@ namespace glint::view {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr size_t kMostBytes = 1 << 20;  // of what somebody else may have written
 
 fs::path folderIn(const char* variable) {
     const char* value = std::getenv(variable);
@@ -41,21 +42,80 @@ bool endsIn(const fs::path& file, std::initializer_list<const char*> extensions)
 
 }  // namespace
 
+std::vector<fs::path> sceneFiles(const fs::path& scene, const Scene& read) {
+    std::vector<fs::path> files = {scene.lexically_normal()};
+    for (const SourceFile& source : read.sources)
+        files.push_back((scene.parent_path() / source.name).lexically_normal());
+    return files;
+}
+
+// Zeros for a file that is not there.
+FileWatch::Stamp FileWatch::stampOf(const fs::path& file) {
+    std::error_code error;
+    const fs::file_time_type time = fs::last_write_time(file, error);
+    const std::uintmax_t size = error ? 0 : fs::file_size(file, error);
+    return error ? Stamp{} : Stamp{time, size};
+}
+
+void FileWatch::watch(const std::vector<fs::path>& files) {
+    known_.clear();
+    for (const fs::path& file : files) known_[file] = stampOf(file);
+    seen_ = known_;
+}
+
+bool FileWatch::changed() {
+    std::map<fs::path, Stamp> now;
+    for (const auto& [file, stamp] : known_) now[file] = stampOf(file);
+    const bool settled = now == seen_;
+    seen_ = now;
+    if (!settled || now == known_) return false;
+    known_ = now;
+    return true;
+}
+
+bool isPictureFile(const fs::path& file) {
+    return endsIn(file, {".png", ".exr", ".pfm", ".hdr", ".jpg", ".jpeg", ".webp"});
+}
+
+std::vector<std::string> listFiles(const fs::path& folder) {
+    std::vector<std::string> folders = {"../"}, files;
+    std::error_code error;
+    for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+        const std::string name = i->path().filename().string();
+        std::error_code unknown;
+        if (name.starts_with('.')) continue;
+        if (i->is_directory(unknown))
+            folders.push_back(name + '/');
+        else if (isPictureFile(name) ||
+                 endsIn(name, {".json", ".gltf", ".glb", ".nff", ".obj", ".ply", ".stl"}))
+            files.push_back(name);
+    }
+    std::sort(folders.begin() + 1, folders.end());
+    std::sort(files.begin(), files.end());
+    folders.insert(folders.end(), files.begin(), files.end());
+    return folders;
+}
+
+fs::path claimName(const fs::path& folder, const std::string& stem, const std::string& extension) {
+    for (int i = 1; i < 10000; ++i) {
+        char number[24];
+        std::snprintf(number, sizeof(number), "-view-%03d", i);
+        const fs::path candidate = folder / (stem + number + extension);
+        // "x": fails if the file is there, and nobody can come in between.
+        if (std::FILE* file = std::fopen(candidate.c_str(), "wx")) {
+            std::fclose(file);
+            return candidate;
+        }
+        if (errno != EEXIST) throw Error(ErrorKind::Failed, candidate.string() + ": " + std::strerror(errno));
+    }
+    throw Error(ErrorKind::Failed, folder.string() + ": holds 9999 saved views of this scene; remove some");
+}
+
 fs::path stateFile(const std::string& name) {
     const fs::path state = folderIn("XDG_STATE_HOME");
     if (!state.empty()) return state / "glint" / name;
     const fs::path home = folderIn("HOME");
     return home.empty() ? home : home / ".local" / "state" / "glint" / name;
-}
-
-std::string readState(const fs::path& file) {
-    if (file.empty()) return "";
-    try {
-        const std::vector<uint8_t> bytes = readFile(file);
-        return bytes.size() > kMostBytes ? "" : std::string(bytes.begin(), bytes.end());
-    } catch (const Error&) {
-        return "";
-    }
 }
 
 void writeState(const fs::path& file, const std::string& text) {
@@ -73,15 +133,12 @@ RecentFiles::RecentFiles(fs::path file) : file_(std::move(file)) {
 }
 
 void RecentFiles::read() {
-    const std::string text = readState(file_);
-    if (!text.empty()) list_.clear();
-    for (size_t at = 0; at < text.size() && list_.size() < kMost;) {
-        const size_t end = std::min(text.find('\n', at), text.size());
-        const fs::path path = text.substr(at, end - at);
-        at = end + 1;
-        if (isThere(path) && std::find(list_.begin(), list_.end(), path) == list_.end())
-            list_.push_back(path);
-    }
+    std::ifstream lines(file_);
+    std::vector<fs::path> found;
+    for (std::string line; found.size() < kMost && std::getline(lines, line);)
+        if (isThere(line) && std::find(found.begin(), found.end(), line) == found.end())
+            found.push_back(line);
+    if (!found.empty()) list_ = std::move(found);
 }
 
 void RecentFiles::add(const fs::path& scene) {
@@ -97,28 +154,33 @@ void RecentFiles::add(const fs::path& scene) {
     writeState(file_, text);
 }
 
-bool isPictureFile(const std::filesystem::path& file) {
-    return endsIn(file, {".png", ".exr", ".pfm", ".hdr", ".jpg", ".jpeg", ".webp"});
+Hints::Hints(std::filesystem::path file) : file_(std::move(file)) {
+    std::ifstream words(file_);
+    for (std::string word; words >> word;)
+        if (const auto hint = named<Hint>(word)) done_[static_cast<size_t>(*hint)] = true;
 }
 
-bool isSceneFile(const std::filesystem::path& file) {
-    return endsIn(file, {".json", ".gltf", ".glb", ".nff", ".obj", ".ply", ".stl"});
+bool Hints::any() const {
+    return std::find(done_.begin(), done_.end(), false) != done_.end();
 }
 
-std::vector<FileEntry> listFiles(const std::filesystem::path& folder) {
-    std::vector<FileEntry> entries;
-    std::error_code error;
-    for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
-        const std::filesystem::path& path = i->path();
-        if (path.filename().string().rfind('.', 0) == 0) continue;
-        std::error_code unknown;
-        const bool isFolder = i->is_directory(unknown);
-        if (isFolder || isSceneFile(path) || isPictureFile(path)) entries.push_back({path, isFolder});
-    }
-    std::sort(entries.begin(), entries.end(), [](const FileEntry& a, const FileEntry& b) {
-        return a.folder != b.folder ? a.folder : a.path < b.path;
-    });
-    return entries;
+bool Hints::done(Hint hint) {
+    if (!wanted(hint)) return false;
+    done_[static_cast<size_t>(hint)] = true;
+    remember();
+    return !any();
+}
+
+void Hints::close() {
+    done_.fill(true);
+    remember();
+}
+
+void Hints::remember() const {
+    std::string text;
+    for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
+        if (!wanted(entry.value)) text += std::string(entry.name) + '\n';
+    writeState(file_, text);
 }
 
 }  // namespace glint::view

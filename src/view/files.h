@@ -1,27 +1,65 @@
-// Files that windows remember and list. Errors are ignored: a window must open in a home that is full or
+// Files beside the image: those of the scene that the window watches, those that it lists and names, and what
+// it remembers. Errors of remembered files are ignored: a window must open in a home that is full or
 // read-only.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "core/enum_names.h"
+#include "scene/scene.h"
+
 namespace glint::view {
+
+// ---- the scene's files ----
+
+// The scene's file and the files that it was read from.
+std::vector<std::filesystem::path> sceneFiles(const std::filesystem::path& scene, const Scene& read);
+
+class FileWatch {
+  public:
+    // Remembers how the files are now.
+    void watch(const std::vector<std::filesystem::path>& files);
+    // True once for each change: a file has another time or size than at the last call, and both have been
+    // the same for two calls, so that a file which is still being written is left in peace.
+    bool changed();
+
+  private:
+    using Stamp = std::pair<std::filesystem::file_time_type, std::uintmax_t>;  // time, size
+    static Stamp stampOf(const std::filesystem::path& file);
+    std::map<std::filesystem::path, Stamp> known_, seen_;
+};
+
+// ---- files to open and to save ----
+
+// Pictures that readImage takes, by their extension.
+bool isPictureFile(const std::filesystem::path& file);
+
+// Names of what can be opened in a folder: "../", folders ("parts/"), then pictures and scenes; hidden ones
+// are left out.
+std::vector<std::string> listFiles(const std::filesystem::path& folder);
+
+// STEM-view-001.png in `folder`, or the first number that is free; the file is there from now on, empty, so
+// that no other process takes the name. Throws Error(Failed) where no file can be made.
+std::filesystem::path claimName(const std::filesystem::path& folder, const std::string& stem,
+                                const std::string& extension);
+
+// ---- remembered files ----
 
 // Path of a file of remembered state (XDG Base Directory Specification 0.8): the file `name` in glint's
 // folder in $XDG_STATE_HOME, or else in ~/.local/state. Empty if neither is an absolute path.
 std::filesystem::path stateFile(const std::string& name);
-
-// The whole file; empty if there is none that can be read, or it is large.
-std::string readState(const std::filesystem::path& file);
 
 // Makes the file, and its folder, if that is possible; an empty name is none.
 void writeState(const std::filesystem::path& file, const std::string& text);
 
 class RecentFiles {
   public:
-    // `file` holds the list, a path a line; empty: nothing is remembered. That it cannot be read or written
-    // is no error.
+    // `file` holds the list, a path a line; empty: nothing is remembered.
     explicit RecentFiles(std::filesystem::path file = {});
 
     // Absolute paths, the latest first, each once; files that are gone are left out.
@@ -38,16 +76,33 @@ class RecentFiles {
     std::vector<std::filesystem::path> list_;
 };
 
-struct FileEntry {
-    std::filesystem::path path;
-    bool folder = false;
+// The first steps of a new user.
+enum class Hint { Turn, Pick, Save, Compare };
+constexpr auto entriesOf(Hint) {
+    return std::to_array<EnumEntry<Hint>>(
+        {{Hint::Turn, "turn", "Drag: turn around. Wheel: nearer."},
+         {Hint::Pick, "pick", "Click: what is there, and where its light comes from."},
+         {Hint::Save, "save", "S: save the image."},
+         {Hint::Compare, "compare", "K: keep the image. Change something, then B: compare."}});
+}
+
+class Hints {
+  public:
+    // `file` holds what was done, by earlier windows too; empty: nothing is remembered.
+    explicit Hints(std::filesystem::path file = {});
+
+    bool wanted(Hint hint) const { return !done_[static_cast<size_t>(hint)]; }
+    bool any() const;
+    // True if that was the last of them.
+    bool done(Hint hint);
+    // None is wanted any more.
+    void close();
+
+  private:
+    void remember() const;
+
+    std::filesystem::path file_;
+    std::array<bool, kEnumNames<Hint>.size()> done_{};
 };
-
-// Pictures that readImage takes, and scenes that loadScene does, by their extension.
-bool isPictureFile(const std::filesystem::path& file);
-bool isSceneFile(const std::filesystem::path& file);
-
-// Folders, then such files, each by name; hidden ones are left out. Empty where nothing can be read.
-std::vector<FileEntry> listFiles(const std::filesystem::path& folder);
 
 }  // namespace glint::view

@@ -145,18 +145,18 @@ constexpr ImGuiKey_ kKeypadEnterKey = ImGuiKey_KeyPadEnter;
 #endif
 
 void mapKeys(ImGuiIO& io) {
-    io.KeyMap[ImGuiKey_Tab] = key::kTab;
-    io.KeyMap[ImGuiKey_LeftArrow] = key::kLeft;
-    io.KeyMap[ImGuiKey_RightArrow] = key::kRight;
-    io.KeyMap[ImGuiKey_UpArrow] = key::kUp;
-    io.KeyMap[ImGuiKey_DownArrow] = key::kDown;
-    io.KeyMap[ImGuiKey_Home] = key::kHome;
-    io.KeyMap[ImGuiKey_End] = key::kEnd;
-    io.KeyMap[ImGuiKey_Delete] = key::kDelete;
-    io.KeyMap[ImGuiKey_Backspace] = key::kBackspace;
-    io.KeyMap[ImGuiKey_Enter] = key::kEnter;
-    io.KeyMap[kKeypadEnterKey] = key::kKeypadEnter;
-    io.KeyMap[ImGuiKey_Escape] = key::kEscape;
+    io.KeyMap[ImGuiKey_Tab] = GLFW_KEY_TAB;
+    io.KeyMap[ImGuiKey_LeftArrow] = GLFW_KEY_LEFT;
+    io.KeyMap[ImGuiKey_RightArrow] = GLFW_KEY_RIGHT;
+    io.KeyMap[ImGuiKey_UpArrow] = GLFW_KEY_UP;
+    io.KeyMap[ImGuiKey_DownArrow] = GLFW_KEY_DOWN;
+    io.KeyMap[ImGuiKey_Home] = GLFW_KEY_HOME;
+    io.KeyMap[ImGuiKey_End] = GLFW_KEY_END;
+    io.KeyMap[ImGuiKey_Delete] = GLFW_KEY_DELETE;
+    io.KeyMap[ImGuiKey_Backspace] = GLFW_KEY_BACKSPACE;
+    io.KeyMap[ImGuiKey_Enter] = GLFW_KEY_ENTER;
+    io.KeyMap[kKeypadEnterKey] = GLFW_KEY_KP_ENTER;
+    io.KeyMap[ImGuiKey_Escape] = GLFW_KEY_ESCAPE;
     io.KeyMap[ImGuiKey_A] = 'A';
     io.KeyMap[ImGuiKey_C] = 'C';
     io.KeyMap[ImGuiKey_V] = 'V';
@@ -178,7 +178,7 @@ const char* findFont() {
 
 }  // namespace
 
-Gui::Gui(float scale, Window& window) : scale_(scale), window_(window) {
+Gui::Gui(float scale, Window& window) : window_(window) {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;  // no file appears where the program runs
@@ -241,27 +241,37 @@ void Gui::feed(const Event& event) {
         case Event::Type::Text:
             io.AddInputCharacter(static_cast<unsigned>(event.code));
             break;
-        case Event::Type::Key:
-            if (event.code < key::kCount) io.KeysDown[event.code] = event.down;
+        case Event::Type::Key: {
+            if (event.code <= GLFW_KEY_LAST) io.KeysDown[event.code] = event.down;
             // Under X11 the event of a modifier's own press does not have it among its modifiers yet.
-            io.KeyCtrl = held(key::kLeftControl, key::kRightControl);
-            io.KeyShift = held(key::kLeftShift, key::kRightShift);
-            io.KeyAlt = held(key::kLeftAlt, key::kRightAlt);
+            const auto held = [&](int left, int right) { return io.KeysDown[left] || io.KeysDown[right]; };
+            io.KeyCtrl = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+            io.KeyShift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+            io.KeyAlt = held(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT);
             break;
+        }
         default:
             break;
     }
 }
 
-bool Gui::held(int first, int second) const {
-    const ImGuiIO& io = ImGui::GetIO();
-    return io.KeysDown[first] || io.KeysDown[second];
+std::vector<Gui::Rectangle> Gui::windows(bool inert) const {
+    const ImGuiWindowFlags skipped = ImGuiWindowFlags_ChildWindow | ImGuiWindowFlags_Tooltip |
+                                     (inert ? 0 : ImGuiWindowFlags_NoMouseInputs);
+    std::vector<Rectangle> result;
+    for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows) {
+        const ImRect r = window->Rect();
+        if (window->Active && (window->Flags & skipped) == 0)
+            result.push_back({r.Min.x, r.Min.y, r.Max.x, r.Max.y});
+    }
+    return result;
 }
 
 bool Gui::covers(double x, double y) const {
-    return anyPopup_ || std::any_of(windows_.begin(), windows_.end(), [&](const Rectangle& r) {
-               return r.takesMouse && x >= static_cast<double>(r.x0) && x < static_cast<double>(r.x1) &&
-                      y >= static_cast<double>(r.y0) && y < static_cast<double>(r.y1);
+    const auto at = ImVec2(static_cast<float>(x), static_cast<float>(y));
+    const std::vector<Rectangle> all = windows(false);
+    return anyPopup_ || std::any_of(all.begin(), all.end(), [&](const Rectangle& r) {
+               return at.x >= r.x0 && at.x < r.x1 && at.y >= r.y0 && at.y < r.y1;
            });
 }
 
@@ -280,9 +290,6 @@ void Gui::begin(int width, int height, double seconds) {
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
     io.DeltaTime = static_cast<float>(std::clamp(seconds, 1e-4, 1.0));
-    nextWindows_.clear();
-    nextControls_.clear();
-    nextTip_.clear();
     ImGui::NewFrame();
     if (std::exchange(closesPopups_, false)) ImGui::ClosePopupToLevel(0, true);
 }
@@ -290,11 +297,6 @@ void Gui::begin(int width, int height, double seconds) {
 bool Gui::closePopups() {
     closesPopups_ = anyPopup_;
     return anyPopup_;
-}
-
-void Gui::noteWindow(bool takesMouse) {
-    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-    nextWindows_.push_back({at.x, at.y, at.x + size.x, at.y + size.y, takesMouse});
 }
 
 void Gui::noteControl(const char* label) {
@@ -306,9 +308,8 @@ void Gui::noteControl(const char* label) {
 
 void Gui::end(Canvas& target) {
     ImGui::Render();
-    windows_ = nextWindows_;
-    controls_ = nextControls_;
-    tip_ = nextTip_;
+    controls_ = std::exchange(nextControls_, {});
+    tip_ = std::exchange(nextTip_, {});
     // Open lists and menus reach beyond their windows.
     anyPopup_ = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
     const ImDrawData* data = ImGui::GetDrawData();

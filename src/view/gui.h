@@ -1,4 +1,4 @@
-
+// Dear ImGui in the window: events in, drawn by the processor over the picture.
 #pragma once
 
 #include <map>
@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "view/display.h"
-#include "view/keys.h"
 #include "view/window.h"
 
 namespace glint::view {
@@ -27,38 +26,31 @@ class Gui {
     bool wantsKeys() const;  // something is being typed, or a control is held
     // Closes open lists and pickers in the next frame; false if there are none.
     bool closePopups();
-    // Windows of the last frame, in pixels.
+    // Windows of the last frame, in pixels; with `inert`, also those that leave the mouse to the image.
     struct Rectangle {
         float x0, y0, x1, y1;
-        bool takesMouse;
     };
-    const std::vector<Rectangle>& windows() const { return windows_; }
+    std::vector<Rectangle> windows(bool inert) const;
     // The middle of a control of the last frame, by its label.
     struct Place {
         double x, y;
     };
     std::optional<Place> controlAt(const std::string& label) const;
     const std::string& tip() const { return tip_; }  // that was shown in the last frame; empty: none
-    float scale() const { return scale_; }
-    float line() const { return fontPixels_; }  // the height of letters, pixels
+    float line() const { return fontPixels_; }       // the height of letters, pixels
 
     // Between the two, ImGui's functions describe the panel; end() draws it over the picture.
     void begin(int width, int height, double seconds);
     void end(Canvas& target);
 
-    // To be called inside each window, and after each control.
-    void noteWindow(bool takesMouse = true);
+    // To be called after each control.
     void noteControl(const char* label);
     void noteTip(const char* text) { nextTip_ = text; }
 
   private:
-    bool held(int first, int second) const;
-
-    float scale_;
     float fontPixels_ = 0;
     Window& window_;
     std::string pasted_;  // what ImGui was given last
-    std::vector<Rectangle> windows_, nextWindows_;
     std::map<std::string, Place> controls_, nextControls_;
     std::string tip_, nextTip_;
     bool anyPopup_ = false, closesPopups_ = false;

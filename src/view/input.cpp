@@ -46,7 +46,7 @@ bool Input::handle(const Event& event) {
             commands_.askToClose();
             return true;
         case Event::Type::Drop:
-            commands_.drop(event.files);
+            for (const std::string& file : event.files) commands_.open(file);
             return true;
         case Event::Type::Resize:
             m_.touch();
@@ -77,7 +77,7 @@ bool Input::handle(const Event& event) {
             return !gui_.wantsKeys();
         case Event::Type::Text:
             gui_.feed(event);
-            if (!gui_.wantsKeys() && event.code == '?') commands_.perform(Action::Help);
+            if (!gui_.wantsKeys() && event.code == '?') m_.helpVisible = !m_.helpVisible;
             return true;
         case Event::Type::Redraw:
             return true;
@@ -86,7 +86,7 @@ bool Input::handle(const Event& event) {
 }
 
 void Input::press(const Event& event) {
-    const auto button = static_cast<Button>(event.code);
+    const int button = event.code;
     if (event.down) {
         m_.history.endStep();
         if (covered() || dragging_) return;
@@ -95,13 +95,13 @@ void Input::press(const Event& event) {
         dragged_ = false;
         pressed_ = cursor_;
         const double line = m_.comparison.wipe * m_.session->width();
-        draggingWipe_ = button == Button::Left && m_.compares() && m_.comparison.mode == CompareMode::Wipe &&
-                        std::abs(cursor_.x - line) <= kWipePixels;
+        draggingWipe_ = button == GLFW_MOUSE_BUTTON_LEFT && m_.compares() &&
+                        m_.comparison.mode == CompareMode::Wipe && std::abs(cursor_.x - line) <= kWipePixels;
         return;
     }
     if (dragging_ != button) return;
     dragging_.reset();
-    if (std::exchange(draggingWipe_, false) || button != Button::Left || dragged_) return;
+    if (std::exchange(draggingWipe_, false) || button != GLFW_MOUSE_BUTTON_LEFT || dragged_) return;
     const auto x = static_cast<int>(pressed_.x), y = static_cast<int>(pressed_.y);
     (dragMods_ & kControl) != 0 ? commands_.focusAt(x, y) : commands_.pick(x, y);
 }
@@ -115,9 +115,9 @@ void Input::drag(const glm::dvec2& by) {
     }
     step /= std::max(m_.session->height(), 1);
     const bool shifted = (dragMods_ & kShift) != 0;
-    if (dragging_ == Button::Middle || (dragging_ == Button::Left && shifted))
+    if (dragging_ == GLFW_MOUSE_BUTTON_MIDDLE || (dragging_ == GLFW_MOUSE_BUTTON_LEFT && shifted))
         m_.control.pan(step.x, step.y);
-    else if (dragging_ == Button::Right)
+    else if (dragging_ == GLFW_MOUSE_BUTTON_RIGHT)
         m_.control.dolly(std::exp2(2 * step.y));
     else if (m_.flying)
         m_.control.look(kTurnPerHeight / 2 * step.x, kTurnPerHeight / 2 * step.y);
@@ -131,17 +131,17 @@ void Input::key(const Event& event) {
         return;
     }
     if (gui_.wantsKeys()) return;
-    if (event.code == key::kEscape && gui_.closePopups()) return;
+    if (event.code == GLFW_KEY_ESCAPE && gui_.closePopups()) return;
     fastFlight_ = (event.mods & kShift) != 0;
     if (m_.flying && isFlyKey(event.code) && (event.mods & (kControl | kAlt)) == 0) {
         held_.insert(event.code);
         return;
     }
-    const std::optional<Action> action = actionOf(event.code, event.mods, m_.flying);
-    if (!action) return;
+    const KeyBinding* binding = bindingOf(event.code, event.mods, m_.flying);
+    if (binding == nullptr) return;
     if (!event.repeat) m_.history.endStep();
-    if (action == Action::ToggleFly) held_.clear();
-    commands_.perform(*action);
+    commands_.perform(binding->run);
+    if (!m_.flying) held_.clear();
 }
 
 void Input::flyOn(double seconds) {
@@ -157,28 +157,12 @@ void Input::flyOn(double seconds) {
 
 // If the inspector forgot its pixel over its own slider, it would shrink, and a press would miss the slider.
 void Input::inspect() {
-    m_.pixel.reset();
-    const Session& session = *m_.session;
     const auto inside = [&](const glm::ivec2& p) {
-        return p.x >= 0 && p.y >= 0 && p.x < session.width() && p.y < session.height();
+        return p.x >= 0 && p.y >= 0 && p.x < m_.session->width() && p.y < m_.session->height();
     };
     const glm::ivec2 under(std::floor(cursor_.x), std::floor(cursor_.y));
-    if (inside(under) && !covered()) inspected_ = under;
-    if (!m_.inspects || !inspected_ || !inside(*inspected_)) {
-        inspected_.reset();
-        return;
-    }
-    PixelFacts& facts = m_.pixel.emplace();
-    facts.x = inspected_->x;
-    facts.y = inspected_->y;
-    facts.hasColor = session.samples() > 0;
-    facts.hasData = session.hasData();
-    const Picture& picture = session.picture();
-    for (int c = 0; facts.hasColor && c < 3; ++c) facts.linear[c] = picture.color.at(facts.x, facts.y, c);
-    if (!facts.hasData) return;
-    facts.data = picture.at(facts.x, facts.y);
-    facts.object = objectName(m_.scene->scene, facts.data.object);
-    facts.material = materialName(m_.scene->scene, facts.data.material);
+    if (inside(under) && !covered()) m_.pixel = under;
+    if (!m_.inspects || (m_.pixel && !inside(*m_.pixel))) m_.pixel.reset();
 }
 
 }  // namespace glint::view

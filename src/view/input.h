@@ -41,12 +41,11 @@ class Input {
     Gui& gui_;
     std::deque<Event> queue_;
     glm::dvec2 cursor_{-1}, pressed_{0};  // pixels of the image
-    std::optional<Button> dragging_;
+    std::optional<int> dragging_;         // button
     bool dragged_ = false, draggingWipe_ = false;
     int dragMods_ = 0;
     std::set<int> held_;  // keys that fly
     bool fastFlight_ = false;
-    std::optional<glm::ivec2> inspected_;
 };
 
 }  // namespace glint::view

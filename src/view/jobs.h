@@ -1,5 +1,4 @@
-// Long work beside the window: saving at full quality, verifying, loading. One thread each; the window asks
-// now and then.
+// Long work beside the window: loading, packing, saving, verifying, the reference image. One thread each.
 #pragma once
 
 #include <atomic>
@@ -7,11 +6,11 @@
 #include <functional>
 #include <future>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "core/image.h"
 #include "gpu/device.h"
+#include "verify/verify.h"
 #include "view/session.h"
 
 namespace glint::view {
@@ -21,95 +20,63 @@ struct JobControl {
     std::atomic<bool> cancelled{false};
 };
 
-// At most one run at a time. Destruction cancels and waits. Each run ends with `wake`, on its own thread.
-template <typename Result>
+// At most one run at a time. Destruction cancels and waits.
 class Job {
   public:
-    explicit Job(std::function<void()> wake) : wake_(std::move(wake)) {}
+    // The rest of the work, on the window's thread, with the result.
+    using Rest = std::function<void()>;
+
+    Job() = default;
     ~Job() { stop(); }
     Job(const Job&) = delete;
     Job& operator=(const Job&) = delete;
 
+    // Stops an earlier run. Wakes the window at the end.
+    void start(std::function<Rest(JobControl&)> work);
     bool running() const { return future_.valid(); }
     double progress() const { return control_ ? control_->progress.load() : 0; }
-    void start(std::function<Result(JobControl&)> work) {
-        stop();
-        control_ = std::make_unique<JobControl>();
-        future_ = std::async(std::launch::async, [this, work = std::move(work), control = control_.get()] {
-            Result result = work(*control);
-            wake_();
-            return result;
-        });
-    }
-    bool finished() const {
-        return future_.valid() && future_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    }
-    Result take() { return future_.get(); }  // or what it threw
-    void stop() {
-        if (!future_.valid()) return;
-        control_->cancelled = true;
-        future_.wait();
-        future_ = {};
-    }
+    bool finished() const;
+    void finish() { future_.get()(); }  // Throws what the work threw.
+    void stop();
 
   private:
-    std::function<void()> wake_;
     std::unique_ptr<JobControl> control_;
-    std::future<Result> future_;
+    std::future<Rest> future_;
 };
 
-// A view as it is when something is asked about it.
+// A view at the time of a command.
 struct ViewRequest {
+    explicit ViewRequest(const Session& session);
+
+    const gpu::Device* device;
     std::shared_ptr<const ViewScene> scene;
     Tracing tracing;
     shared::Camera camera;
-    bool lens = false;  // the camera has one
-    int width = 0, height = 0;
-};
-ViewRequest viewRequest(const Session& session);
-
-// A picture as `glint render` would draw it of the view, with the sampling that is set.
-struct RenderRequest {
-    ViewRequest view;
-    std::filesystem::path file;  // .exr: every layer; else colour, by `display`
-    ImageSettings sampling;      // its size is not used
-    Display display;
+    bool lens;  // the camera has one
+    int width, height;
 };
 
-// The picture that is on the screen.
-struct SeenRequest {
-    ViewRequest view;
-    std::filesystem::path file;  // .exr: every layer, colour as radiance; else what is seen
-    ViewLayer layer = ViewLayer::Color;
-    Display display;
-    // Present results; missing ones are traced with one sample in the middle of each pixel.
-    std::optional<Canvas> canvas;  // as seen
-    Picture picture;               // colour if samples > 0, data if hasData
-    int samples = 0;
-    bool hasData = false;
-};
-SeenRequest seenRequest(const Session& session, const std::filesystem::path& file, const Display& display);
+bool isExr(const std::filesystem::path& file);
 
-// Draw and write. Return a line about it. A file that was claimed and could not be written is taken away
-// again.
-std::string save(const gpu::Device& device, const RenderRequest& request, JobControl& control);
-std::string save(const gpu::Device& device, SeenRequest request, JobControl& control);
+// Each save function returns a line about the file.
 
-struct VerifyResult {
-    bool passed = false;
-    std::string text;  // one line
-    Image difference;
-};
+// Saves the image of `glint render` for the view with this sampling. EXR: every layer; else colour, by
+// `display`.
+std::string saveRendered(const ViewRequest& view, const std::filesystem::path& file,
+                         const ImageSettings& sampling, const Display& display, JobControl& control);
 
-// `glint verify` of the session's view.
-VerifyResult verifyView(const gpu::Device& device, const ViewRequest& request, JobControl& control);
+// Saves every layer of the session's image as EXR. Missing ones are traced with one sample in the middle of
+// each pixel. `picture`: colour if samples > 0, layers if `hasData`.
+std::string saveLayers(const ViewRequest& view, const std::filesystem::path& file, Picture picture,
+                       int samples, bool hasData, JobControl& control);
+
+// Saves the bytes of the screen; `how`: what they show.
+std::string saveCanvas(const std::filesystem::path& file, const Canvas& canvas, const std::string& how);
+
+// `glint verify` of the view.
+verify::Report verifyView(const ViewRequest& view, JobControl& control);
 
 // The view's colours by the reference, of these samples. Throws Error(Failed) if it is stopped.
-Image traceReference(const ViewRequest& request, const PackedSamples& samples, JobControl& control);
-
-// STEM-view-001.png in `folder`, or the first number that is free; the file is there from now on, empty, so
-// that nobody else takes the name. Throws Error(Failed) where no file can be made.
-std::filesystem::path claimName(const std::filesystem::path& folder, const std::string& stem,
-                                const std::string& extension);
+Image traceReference(const ViewRequest& view, const PackedSamples& samples, JobControl& control);
 
 }  // namespace glint::view

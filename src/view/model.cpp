@@ -1,5 +1,6 @@
 #include "view/model.h"
 
+#include <algorithm>
 #include <ostream>
 #include <utility>
 
@@ -7,23 +8,33 @@
 
 namespace glint::view {
 
-Model::Model(const Options& options)
-    : path(options.scene),
-      loading(options.loading),
-      moments(std::make_shared<Moments>(path, loading, options.time)),
+void Toasts::add(const std::string& text, ToastKind kind, double now) {
+    std::erase_if(toasts_, [&](const Toast& t) { return t.text == text; });
+    toasts_.push_back({text, kind, now + kSeconds * (kind == ToastKind::Error ? 2 : 1)});
+    while (toasts_.size() > kMost) toasts_.pop_front();
+}
+
+bool Toasts::expire(double now) {
+    return std::erase_if(toasts_, [&](const Toast& t) { return t.until <= now; }) > 0;
+}
+
+Model::Model(const Options& start)
+    : path(start.scene),
+      options(start.loading),
+      moments(std::make_shared<Moments>(path, options, start.time)),
       scene(moments->show().scene),
-      time(options.time),
+      time(start.time),
       control(scene->scene.camera, boundsOf(*scene).radius),
       hints(stateFile("hints")),
       recent(stateFile("recent")),
-      docked(options.width == 0) {
+      docked(start.width == 0) {
     file = {scene, &scene->scene};
     settings = fileSettings = PictureSettings::of(*file);
-    settings.until = options.until;
+    settings.until = start.until;
     timeline.follow(file->animation);
     timeline.setTime(time);
     for (size_t i = 0; i < file->cameras.size(); ++i)
-        if (file->cameras[i].name == loading.camera) camera = i;
+        if (file->cameras[i].name == options.camera) camera = i;
     openFolder = std::filesystem::absolute(path).parent_path();
     recent.add(path);
     history.reset(undoable());
@@ -32,6 +43,18 @@ Model::Model(const Options& options)
 void Model::say(const std::string& text, ToastKind kind) {
     toasts.add(text, kind, clock.seconds());
     dirty = 3;
+}
+
+void Model::keepCamera() {
+    const auto taken = [](const std::vector<NamedCamera>& list, const std::string& name) {
+        return std::any_of(list.begin(), list.end(), [&](const NamedCamera& c) { return c.name == name; });
+    };
+    std::string name;
+    for (size_t i = 1; name.empty() || taken(file->cameras, name) || taken(bookmarks, name); ++i)
+        name = "bookmark " + std::to_string(i);
+    bookmarks.push_back({name, control.camera()});
+    camera = file->cameras.size() + bookmarks.size() - 1;
+    say(name + "; N goes to the next camera");
 }
 
 const Image* Model::comparable() const {

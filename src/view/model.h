@@ -1,8 +1,7 @@
-// The state of the window: scene, edits, image, messages, controls. No part of it knows the window or the
-// keys. Commands (commands.h) change it; it needs a device, but neither GLFW nor Dear ImGui.
+// The state of the window: scene, edits, image, messages, controls. Commands (commands.h) change it.
 #pragma once
 
-#include <array>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -14,8 +13,7 @@
 #include "view/camera_control.h"
 #include "view/display.h"
 #include "view/files.h"
-#include "view/keys.h"
-#include "view/messages.h"
+#include "view/jobs.h"
 #include "view/picker.h"
 #include "view/session.h"
 #include "view/settings.h"
@@ -25,22 +23,43 @@
 
 namespace glint::view {
 
-// The pixel that the inspector shows.
-struct PixelFacts {
-    int x = 0, y = 0;
-    bool hasColor = false, hasData = false;
-    glm::vec3 linear{0};
-    PixelData data;
-    std::string object, material;
+enum class ToastKind { Info, Error };
+
+struct Toast {
+    std::string text;
+    ToastKind kind = ToastKind::Info;
+    double until = 0;  // seconds of the clock that add() was given
 };
+
+// Messages that go away by themselves.
+class Toasts {
+  public:
+    // An error stays twice as long. A toast with the text of a shown one replaces it.
+    void add(const std::string& text, ToastKind kind, double now);
+    // Drops what has expired; true if anything has.
+    bool expire(double now);
+    void clear() { toasts_.clear(); }
+    const std::deque<Toast>& shown() const { return toasts_; }
+
+    static constexpr double kSeconds = 5;  // to read a line of text and look back at the image
+    static constexpr size_t kMost = 4;
+
+  private:
+    std::deque<Toast> toasts_;
+};
+
+class Commands;
+struct Model;
+// The effect of a key or a button.
+using Command = void (*)(Model&, Commands&);
 
 struct Model {
     // Loads the scene. Throws Error as loadScene does.
-    explicit Model(const Options& options);
+    explicit Model(const Options& start);
 
     // ---- the scene ----
     std::filesystem::path path;  // of the scene to show; that of `scene` while another one is loading
-    Loading loading;
+    Loading options;             // of every load
     std::shared_ptr<Moments> moments;
     std::shared_ptr<const Scene> file;       // of the moment that is shown, without the user's edits
     std::shared_ptr<const ViewScene> scene;  // that is shown
@@ -57,15 +76,13 @@ struct Model {
     size_t camera = kNoCamera;  // last chosen, of the file's cameras, then the bookmarks
 
     // ---- the image ----
-    const gpu::DeviceInfo* device = nullptr;
     std::unique_ptr<Session> session;
     Display display;
     Comparison comparison;
-    uint64_t compared = 0;  // grows with each new comparison image
     std::optional<Pick> pick;
-    bool pickIsOld = false;  // from an earlier view
-    std::optional<PixelFacts> pixel;
-    std::string verdict;  // of the last verification; empty: none to show
+    bool pickIsOld = false;           // from an earlier view
+    std::optional<glm::ivec2> pixel;  // that the inspector shows
+    std::string verdict;              // of the last verification; empty: none to show
     bool verdictPassed = false;
     std::optional<Canvas> difference;  // of a failed verification, while it is shown
     Canvas picture;                    // as shown, without the panel
@@ -75,9 +92,10 @@ struct Model {
     Hints hints;
     RecentFiles recent;
     std::vector<std::string> warnings;  // of the scene's files, until Esc
-    // Progress of jobs beside the window, 0..1; negative: not running.
-    double saveProgress = -1, verifyProgress = -1, referenceProgress = -1;
-    bool isLoading = false, isClosing = false;
+
+    // ---- jobs beside the window ----
+    Job saving, verifying, referring, loading, packing;
+    bool isClosing = false;  // once the image is saved
 
     // ---- controls of the panel ----
     int left = 0;  // of the image in the window: width of the docked panel
@@ -87,14 +105,14 @@ struct Model {
     double flySpeed = 1;
     size_t material = 0;  // shown in the group "materials"
     int zoom = 9;         // pixels across the inspector's magnifier
-    std::array<char, 4096> saveName{}, sceneName{}, openName{};
+    std::string saveName, sceneName, openName;
     bool savesSeen = true;      // save as: as shown, or at the scene's own sampling
     bool replacesFile = false;  // save scene: over an existing file
     std::filesystem::path openFolder;
-    std::vector<FileEntry> openFiles;  // in openFolder
-    double helpScroll = 0;             // pixels
-    float timelineHeight = 0;          // pixels, of the last frame; 0: there is none
-    std::optional<Action> wish;        // of a button, for the next round
+    std::vector<std::string> openFiles;  // in openFolder
+    double helpScroll = 0;               // pixels
+    float timelineHeight = 0;            // pixels, of the last frame; 0: there is none
+    Command wish = nullptr;              // of a button, for the next round
 
     // ---- speed ----
     double targetSeconds = 0;  // of a frame while the camera moves
@@ -124,6 +142,9 @@ struct Model {
     }
     // While a comparison cannot be shown yet: what it waits for; else empty.
     std::string waitingComparison() const;
+
+    // Keeps this camera as a bookmark.
+    void keepCamera();
 
     // The state that undo restores; whether it differs from the one that the history has seen.
     Undoable undoable() const { return {control.camera(), settings, fileSettings}; }

@@ -45,10 +45,9 @@ bool slider(Gui& gui, const char* label, double& value, double lo, double hi, co
 }
 
 bool slider(Gui& gui, const char* label, int& value, int lo, int hi, const char* help, bool logarithmic) {
-    const ImGuiSliderFlags flags =
-        ImGuiSliderFlags_AlwaysClamp | (logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-    const bool changed = ImGui::SliderInt(label, &value, lo, hi, "%d", flags);
-    tip(gui, label, help);
+    double number = value;
+    const bool changed = slider(gui, label, number, lo, hi, "%.0f", help, logarithmic);
+    if (changed) value = static_cast<int>(std::lround(number));
     return changed;
 }
 
@@ -130,70 +129,62 @@ bool resetButton(Gui& gui, const char* name, bool differs) {
     return pressed;
 }
 
-void corner(Gui& gui, int left, const char* title, const ImVec2& pivot, float width,
-            const std::function<void()>& content, ImGuiWindowFlags more, float part) {
-    const ImVec2 screen = ImGui::GetIO().DisplaySize;
-    const auto x = static_cast<float>(left);
-    const ImVec2 size(screen.x - x, screen.y);
-    ImGui::SetNextWindowPos(ImVec2(x + size.x * pivot.x, size.y * pivot.y), ImGuiCond_Always, pivot);
-    ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(width, size.x), 0),
-                                        ImVec2(std::min(width, size.x), part * size.y));
+void drawCorner(const Corner& c, const std::function<void()>& content) {
+    const auto x = static_cast<float>(c.left);
+    const ImVec2 screen = ImGui::GetIO().DisplaySize, size(screen.x - x, screen.y);
+    const float width = std::min(c.width, size.x);
+    ImGui::SetNextWindowPos(ImVec2(x + size.x * c.pivot.x, size.y * c.pivot.y), ImGuiCond_Always, c.pivot);
+    ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, c.part * size.y));
     ImGui::SetNextWindowBgAlpha(0.85f);
-    if (ImGui::Begin(title, nullptr,
-                     kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | more))
-        content();
-    gui.noteWindow((more & ImGuiWindowFlags_NoInputs) == 0);
+    constexpr ImGuiWindowFlags kFlags =
+        kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove;
+    if (ImGui::Begin(c.title, nullptr, kFlags | c.more)) content();
     ImGui::End();
 }
 
 namespace {
 
 // How the bound has fallen, both axes in powers: from the first look to what was asked for.
-void drawFall(const Model& m) {
-    if (m.session->goal() == nullptr || m.session->goal()->looks.size() < 2) return;
+void drawFall(const GoalFacts& facts, double error) {
     std::vector<float> bounds;
-    for (const GoalFacts::Look& look : m.session->goal()->looks)
-        if (std::isfinite(look.bound)) bounds.push_back(static_cast<float>(std::log(look.bound)));
+    for (const double bound : facts.bounds)
+        if (std::isfinite(bound)) bounds.push_back(static_cast<float>(std::log(bound)));
     if (bounds.size() < 2) return;
-    const auto wanted = static_cast<float>(std::log(m.settings.until.error));
+    const auto wanted = static_cast<float>(std::log(error));
     const float most = *std::max_element(bounds.begin(), bounds.end());
     ImGui::PlotLines("##fall", bounds.data(), static_cast<int>(bounds.size()), 0, nullptr,
                      std::min(wanted, bounds.back()), std::max(most, wanted + 0.1f),
                      ImVec2(ImGui::GetContentRegionAvail().x, 2 * ImGui::GetFontSize()));
 }
 
-void drawGoal(const Model& m) {
-    const ErrorSetting& until = m.settings.until;
-    const std::string line =
-        m.session->goal() ? inWords(*m.session->goal(), until) : inWords(GoalFacts(), until);
+void drawGoal(const GoalFacts& facts, double error) {
     // Samples grow with about the -5/3rd power of the error.
-    const double error = m.session->goal() ? m.session->goal()->state.estimate : 0;
-    const double part = m.session->goal() && m.session->goal()->stop ? 1
-                        : error > until.error                        ? std::pow(until.error / error, 5.0 / 3)
-                                                                     : 0.99;
-    ImGui::ProgressBar(
-        static_cast<float>(m.session->goal() && !m.session->goal()->looks.empty() ? part : 0.0),
-        ImVec2(-1, 0), line.c_str());
-    drawFall(m);
+    const double part = facts.bounds.empty()           ? 0
+                        : facts.stop                   ? 1
+                        : facts.state.estimate > error ? std::pow(error / facts.state.estimate, 5.0 / 3)
+                                                       : 0.99;
+    ImGui::ProgressBar(static_cast<float>(part), ImVec2(-1, 0), inWords(facts, error).c_str());
+    drawFall(facts, error);
 }
 
 void drawStatus(const Model& m) {
-    if (!m.moving() && m.settings.until.error > 0) return drawGoal(m);
+    const Session& session = *m.session;
+    const double error = m.settings.until.error;
+    if (!m.moving() && error > 0) return drawGoal(session.goal(), error);
     char line[96];
+    double part = 0;
     if (m.moving()) {
-        std::snprintf(line, sizeof(line), "moving: %d x %d, depth %d", m.session->facts().width,
-                      m.session->facts().height, m.session->facts().depth);
-    } else if (m.session->finished()) {
-        std::snprintf(line, sizeof(line), "done: %d sample%s", m.session->samples(),
-                      m.session->samples() == 1 ? "" : "s");
+        const FrameFacts& facts = session.facts();
+        std::snprintf(line, sizeof(line), "moving: %d x %d, depth %d", facts.width, facts.height,
+                      facts.depth);
+    } else if (session.finished()) {
+        std::snprintf(line, sizeof(line), "done: %d sample%s", session.samples(),
+                      session.samples() == 1 ? "" : "s");
+        part = 1;
     } else {
-        std::snprintf(line, sizeof(line), "sample %d of %d", m.session->samples() + 1,
-                      m.settings.sampleLimit);
+        std::snprintf(line, sizeof(line), "sample %d of %d", session.samples() + 1, m.settings.sampleLimit);
+        part = (session.samples() + session.progress()) / std::max(m.settings.sampleLimit, 1);
     }
-    const double all = std::max(m.settings.sampleLimit, 1);
-    const double part = m.moving()              ? 0
-                        : m.session->finished() ? 1
-                                                : (m.session->samples() + m.session->progress()) / all;
     ImGui::ProgressBar(static_cast<float>(std::clamp(part, 0.0, 1.0)), ImVec2(-1, 0), line);
 }
 
@@ -240,7 +231,7 @@ void drawMain(Gui& gui, Model& m) {
         drawMaterials(gui, m);
         if (m.hasJsonFile() && m.edited() &&
             button(gui, "save scene", "lights and materials, into a scene file"))
-            m.wish = Action::SaveScene;
+            m.saveSceneVisible = true;
         drawFiles(gui, m);
         drawCompare(gui, m);
         drawCameras(gui, m);
@@ -249,7 +240,6 @@ void drawMain(Gui& gui, Model& m) {
         drawSpeed(gui, m);
         ImGui::PopItemWidth();
     }
-    gui.noteWindow();
     ImGui::End();
 }
 
@@ -263,13 +253,13 @@ int dockWidth(const Gui& gui, int window) {
 void drawPanel(Gui& gui, Model& model) {
     if (model.helpVisible) {  // without what lies over the image
         if (model.left > 0) drawMain(gui, model);
-        drawHelp(gui, model);
-        drawProgress(gui, model);
+        drawHelp(model);
+        drawProgress(model);
         return;
     }
     drawMarks(model);
-    drawLegend(gui, model);
-    if (model.hints.any()) drawHints(gui, model);
+    drawLegend(model);
+    if (model.hints.any()) drawHints(model);
     if (!model.panelVisible) model.timelineHeight = 0;
     if (model.panelVisible) drawMain(gui, model);
     if (model.saveAsVisible) drawSaveAs(gui, model);
@@ -277,8 +267,8 @@ void drawPanel(Gui& gui, Model& model) {
     if (model.openVisible) drawOpen(gui, model);
     if (model.inspects) drawInspector(gui, model);
     if (model.pick.has_value()) drawPickWindow(gui, model);
-    drawMessages(gui, model);
-    drawProgress(gui, model);
+    drawMessages(model);
+    drawProgress(model);
 }
 
 }  // namespace glint::view

@@ -68,13 +68,25 @@ bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help,
 
 // A heading that opens and closes what follows.
 bool group(Gui& gui, const char* name, bool open, const char* help);
-// "reset" at the right of a line; true if it was pressed. Nothing is drawn unless something `differs`.
+// "reset GROUP" if something `differs`; true if it was pressed.
 bool resetButton(Gui& gui, const char* group, bool differs);
+// The same for settings that go back to those of the file.
+template <typename Settings>
+void resetButton(Gui& gui, const char* group, Settings& mine, const Settings& file) {
+    if (resetButton(gui, group, !(mine == file))) mine = file;
+}
 
-// A window at a corner of the image, which begins at `left`, as large as its content, at most `part` of the
-// image's height; then it scrolls. `pivot`: the corner, 0..1. `content` draws it.
-void corner(Gui& gui, int left, const char* title, const ImVec2& pivot, float width,
-            const std::function<void()>& content, ImGuiWindowFlags more = 0, float part = 1);
+// A window at a corner of the image, as large as its content, at most `part` of the image's height; then it
+// scrolls.
+struct Corner {
+    const char* title;
+    int left;      // where the image begins
+    ImVec2 pivot;  // the corner, 0..1
+    float width;
+    ImGuiWindowFlags more = 0;
+    float part = 1;
+};
+void drawCorner(const Corner& corner, const std::function<void()>& content);
 // For corners without controls: the mouse works on the image beneath.
 inline constexpr ImGuiWindowFlags kUnderMouse = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs;
 
@@ -96,13 +108,13 @@ void drawOpen(Gui& gui, Model& m);
 // At the bottom of the panel's column, so wide. Returns its height; 0 without animation.
 float drawTimeline(Gui& gui, Model& m, float width);
 // panel_overlays.cpp
-void drawHelp(Gui& gui, Model& m);
+void drawHelp(Model& m);
 void drawPickWindow(Gui& gui, Model& m);
 void drawInspector(Gui& gui, Model& m);
-void drawMessages(Gui& gui, const Model& m);
-void drawHints(Gui& gui, Model& m);
-void drawProgress(Gui& gui, const Model& m);
-void drawLegend(Gui& gui, const Model& m);
+void drawMessages(const Model& m);
+void drawHints(Model& m);
+void drawProgress(const Model& m);
+void drawLegend(const Model& m);
 void drawMarks(const Model& m);
 
 }  // namespace glint::view

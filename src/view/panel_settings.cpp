@@ -49,29 +49,6 @@ namespace {
 
 constexpr double kFirstError = 0.01, kLeastError = 1e-4, kMostError = 0.1;
 
-// How long the image at rest gathers samples: so many, or until its error is small enough.
-void drawLimit(Gui& gui, Model& m) {
-    ErrorSetting& until = m.settings.until;
-    if (until.error > 0)
-        slider(gui, "error", until.error, kLeastError, kMostError, "%.2g",
-               "root mean square over the image of what it may be off, with 95 % confidence or what "
-               "--confidence says; as glint render --error",
-               true);
-    else
-        slider(gui, "samples", m.settings.sampleLimit, 1, 1024, "of the image in the window, at rest", true);
-}
-
-void drawUntil(Gui& gui, Model& m) {
-    ErrorSetting& until = m.settings.until;
-    bool byError = until.error > 0;
-    if (checkbox(gui, "until error", byError,
-                 "samples are taken until the image's error is small enough, not so many"))
-        until.error = byError ? kFirstError : 0;
-    if (byError)
-        checkbox(gui, "within depth", until.withinDepth,
-                 "reflections beyond the depth are not missed; else what they may bring counts");
-}
-
 }  // namespace
 
 void drawTracing(Gui& gui, Model& m) {
@@ -83,12 +60,25 @@ void drawTracing(Gui& gui, Model& m) {
     checkbox(gui, "shadows", s.shadows, "off: lights shine through everything");
     ImGui::SameLine();
     checkbox(gui, "reflections", s.reflections, "off: as with depth 0");
-    drawLimit(gui, m);
+    bool byError = s.until.error > 0;
+    if (byError)
+        slider(gui, "error", s.until.error, kLeastError, kMostError, "%.2g",
+               "root mean square over the image of what it may be off, with 95 % confidence or what "
+               "--confidence says; as glint render --error",
+               true);
+    else
+        slider(gui, "samples", s.sampleLimit, 1, 1024, "of the image in the window, at rest", true);
     glm::dvec3 background(s.background);
     if (colorEdit(gui, "background", background,
                   "what rays see that hit nothing; the factor of an environment map", true))
         s.background = background;
-    drawUntil(gui, m);
+    if (checkbox(gui, "until error", byError,
+                 "samples are taken until the image's error is small enough, not so many"))
+        s.until.error = byError ? kFirstError : 0;
+    bool within = !s.until.depthCounts;
+    if (byError && checkbox(gui, "within depth", within,
+                            "reflections beyond the depth are not missed; else what they may bring counts"))
+        s.until.depthCounts = !within;
     choice(gui, "triangles", s.methods.triangles,
            "how rays are tried against triangles; watertight is right, the others show why");
     choice(gui, "spheres", s.methods.spheres,
@@ -96,15 +86,7 @@ void drawTracing(Gui& gui, Model& m) {
     double target = 1e3 * m.targetSeconds;
     if (slider(gui, "aim", target, 8, 200, "%.0f ms a frame", "while the camera moves: less is coarser"))
         m.targetSeconds = 1e-3 * target;
-    const bool differs = s.maxDepth != file.maxDepth || s.shadows != file.shadows ||
-                         s.reflections != file.reflections || s.background != file.background ||
-                         s.methods != file.methods;
-    if (!resetButton(gui, "tracing", differs)) return;
-    s.maxDepth = file.maxDepth;
-    s.shadows = file.shadows;
-    s.reflections = file.reflections;
-    s.background = file.background;
-    s.methods = file.methods;
+    resetButton<PathSettings>(gui, "tracing", s, file);
 }
 
 void drawSampling(Gui& gui, Model& m) {
@@ -127,7 +109,7 @@ void drawSampling(Gui& gui, Model& m) {
     }
     const std::string conflict = samplingConflict(s);
     if (!conflict.empty()) wrapped(conflict, kRed);
-    if (resetButton(gui, "sampling", !(s == m.fileSettings.sampling))) s = m.fileSettings.sampling;
+    resetButton(gui, "sampling", s, m.fileSettings.sampling);
 }
 
 namespace {
@@ -192,7 +174,7 @@ void drawLights(Gui& gui, Model& m) {
         }
         ImGui::PopID();
     }
-    if (resetButton(gui, "lights", lights != m.fileSettings.lights)) lights = m.fileSettings.lights;
+    resetButton(gui, "lights", lights, m.fileSettings.lights);
 }
 
 void drawMaterials(Gui& gui, Model& m) {
@@ -224,7 +206,7 @@ void drawMaterials(Gui& gui, Model& m) {
     if (material.transmission != Color(0))
         slider(gui, "ior", material.ior, 0.5, 4, "%.3f", "index of refraction: water 1.333, glass 1.5");
     choice(gui, "glass shadows", edits.transmissiveShadows, "colored by what the light passes, or full");
-    if (resetButton(gui, "materials", edits != m.fileSettings.edits)) edits = m.fileSettings.edits;
+    resetButton(gui, "materials", edits, m.fileSettings.edits);
 }
 
 }  // namespace glint::view

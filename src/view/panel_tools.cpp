@@ -1,21 +1,26 @@
 // The panel's groups that do something: files, cameras, comparison; and what the device does.
+#include <imgui.h>
+// imgui.h first
+#include <imgui_stdlib.h>
+
 #include <algorithm>
 #include <cstdio>
 
+#include "view/commands.h"
 #include "view/panel.h"
 
 namespace glint::view {
 
 namespace {
 
-void wish(Model& m, bool pressed, Action what) {
+void wish(Model& m, bool pressed, Command what) {
     if (pressed) m.wish = what;
 }
 
 void openFile(Model& m, const std::filesystem::path& file) {
-    std::snprintf(m.openName.data(), m.openName.size(), "%s", file.c_str());
+    m.openName = file.string();
     m.openVisible = false;
-    m.wish = Action::OpenNamed;
+    m.wish = [](Model& model, Commands& c) { c.open(model.openName); };
 }
 
 // Lists names; the folder is in the tooltip.
@@ -31,23 +36,20 @@ void drawRecent(Gui& gui, Model& m) {
     }
 }
 
-double milliseconds(double seconds) {
-    return seconds * 1e3;
-}
-
 }  // namespace
 
 void drawFiles(Gui& gui, Model& m) {
     if (!group(gui, "save and open", false, "images to files, other scenes into the window")) return;
-    wish(m, button(gui, "PNG", "save what is seen (S)"), Action::SavePng);
+    wish(m, button(gui, "PNG", "save what is seen (S)"), call<&Commands::savePng>);
     ImGui::SameLine();
-    wish(m, button(gui, "EXR", "save what is seen, with every layer (Shift+S)"), Action::SaveExr);
+    wish(m, button(gui, "EXR", "save what is seen, with every layer (Shift+S)"), call<&Commands::saveExr>);
     ImGui::SameLine();
     if (button(gui, "save as", "under a name of your choice (Ctrl+Shift+S)")) m.saveAsVisible = true;
     wish(m, button(gui, "render PNG", "with the scene's own sampling, as `glint render` does (Alt+S)"),
-         Action::RenderPng);
+         call<&Commands::renderPng>);
     ImGui::SameLine();
-    wish(m, button(gui, "render EXR", "the same, with every layer (Alt+Shift+S)"), Action::RenderExr);
+    wish(m, button(gui, "render EXR", "the same, with every layer (Alt+Shift+S)"),
+         call<&Commands::renderExr>);
     if (button(gui, "open", "another scene, or an image to compare with (Ctrl+O); or drop it here"))
         m.openVisible = true;
     drawRecent(gui, m);
@@ -63,46 +65,41 @@ void drawOpen(Gui& gui, Model& m) {
         if (ImGui::IsWindowAppearing()) m.openFiles = listFiles(m.openFolder);
         wrapped(m.openFolder.string(), kDim);
         ImGui::SetNextItemWidth(-4 * line);
-        const bool entered = ImGui::InputTextWithHint("##open", "path", m.openName.data(), m.openName.size(),
-                                                      ImGuiInputTextFlags_EnterReturnsTrue);
+        const bool entered =
+            ImGui::InputTextWithHint("##open", "path", &m.openName, ImGuiInputTextFlags_EnterReturnsTrue);
         tip(gui, "open path", "a scene to show, or an image to compare with");
         ImGui::SameLine();
-        if ((ImGui::Button("open##path") || entered) && m.openName[0] != 0) openFile(m, m.openName.data());
-        std::filesystem::path next;
-        const size_t earlier = m.recent.list().size() - std::min<size_t>(m.recent.list().size(), 1);
-        if (earlier > 0) {
+        if ((ImGui::Button("open##path") || entered) && !m.openName.empty()) openFile(m, m.openName);
+        std::string chosen;
+        if (const size_t known = m.recent.list().size(); known > 1) {  // the first one is shown
             text("looked at before");
-            const float lines = static_cast<float>(std::min<size_t>(earlier, 4));
+            const float lines = static_cast<float>(std::min<size_t>(known - 1, 4));
             if (ImGui::BeginChild("recent", ImVec2(0, lines * ImGui::GetTextLineHeightWithSpacing())))
                 drawRecent(gui, m);
             ImGui::EndChild();
             ImGui::Separator();
         }
         if (ImGui::BeginChild("files")) {
-            if (ImGui::Selectable("..")) next = m.openFolder.parent_path();
-            tip(gui, "..", "");
-            for (const FileEntry& entry : m.openFiles) {
-                const std::string name = entry.path.filename().string() + (entry.folder ? "/" : "");
-                const bool pressed = ImGui::Selectable(name.c_str());
-                tip(gui, name.c_str(), "");
-                if (pressed && entry.folder) next = entry.path;
-                if (pressed && !entry.folder) openFile(m, entry.path);
+            for (const std::string& name : m.openFiles) {
+                if (ImGui::Selectable(name.c_str())) chosen = name;
+                gui.noteControl(name.c_str());
             }
         }
         ImGui::EndChild();
-        if (!next.empty()) {
-            m.openFolder = next;
-            m.openFiles = listFiles(next);
+        if (chosen.ends_with('/')) {
+            m.openFolder = (m.openFolder / chosen).lexically_normal();
+            m.openFiles = listFiles(m.openFolder);
+        } else if (!chosen.empty()) {
+            openFile(m, m.openFolder / chosen);
         }
     }
-    gui.noteWindow();
     ImGui::End();
 }
 
 namespace {
 
 // In the middle of the window. `content` begins with a text field.
-void dialog(Gui& gui, const char* title, bool& visible, const std::function<void()>& content) {
+void dialog(const char* title, bool& visible, const std::function<void()>& content) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetFontSize();
     ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.4f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
@@ -112,17 +109,15 @@ void dialog(Gui& gui, const char* title, bool& visible, const std::function<void
         content();
         ImGui::PopItemWidth();
     }
-    gui.noteWindow();
     ImGui::End();
 }
 
 }  // namespace
 
 void drawSaveAs(Gui& gui, Model& m) {
-    dialog(gui, "save as", m.saveAsVisible, [&] {
-        const bool entered =
-            ImGui::InputTextWithHint("##file", "name.png, .exr, .pfm or .hdr", m.saveName.data(),
-                                     m.saveName.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+    dialog("save as", m.saveAsVisible, [&] {
+        const bool entered = ImGui::InputTextWithHint("##file", "name.png, .exr, .pfm or .hdr", &m.saveName,
+                                                      ImGuiInputTextFlags_EnterReturnsTrue);
         tip(gui, "file", "the ending selects the format");
         int which = m.savesSeen ? 0 : 1;
         ImGui::RadioButton("what is seen", &which, 0);
@@ -130,21 +125,18 @@ void drawSaveAs(Gui& gui, Model& m) {
         ImGui::RadioButton("the scene's own sampling", &which, 1);
         tip(gui, "the scene's own sampling", "as `glint render` would draw this view");
         m.savesSeen = which == 0;
-        wish(m, button(gui, "save", "") || entered, Action::SaveNamed);
+        wish(m, button(gui, "save", "") || entered, call<&Commands::saveNamed>);
     });
 }
 
 void drawSaveScene(Gui& gui, Model& m) {
-    dialog(gui, "save scene", m.saveSceneVisible, [&] {
-        if (ImGui::IsWindowAppearing())
-            std::snprintf(m.sceneName.data(), m.sceneName.size(), "%s-edited.json",
-                          m.scene->path.stem().c_str());
-        const bool entered = ImGui::InputText("##scene", m.sceneName.data(), m.sceneName.size(),
-                                              ImGuiInputTextFlags_EnterReturnsTrue);
+    dialog("save scene", m.saveSceneVisible, [&] {
+        if (ImGui::IsWindowAppearing()) m.sceneName = m.scene->path.stem().string() + "-edited.json";
+        const bool entered = ImGui::InputText("##scene", &m.sceneName, ImGuiInputTextFlags_EnterReturnsTrue);
         tip(gui, "scene file", "beside the scene's file, so that meshes and images are found");
         checkbox(gui, "replace the file", m.replacesFile, "if it exists; comments in it are lost");
         wish(m, button(gui, "write", "the scene with the changed lights and materials") || entered,
-             Action::WriteScene);
+             call<&Commands::writeScene>);
     });
 }
 
@@ -154,7 +146,7 @@ void drawCameraName(Gui& gui, const std::string& name, size_t index, Model& m) {
     ImGui::PushID(static_cast<int>(index));
     if (ImGui::Selectable(name.empty() ? "(no name)" : name.c_str(), index == m.camera)) {
         m.camera = index;
-        m.wish = Action::GoToCamera;
+        m.wish = [](Model& model, Commands& c) { c.goToCamera(model.camera); };
     }
     gui.noteControl(name.c_str());
     ImGui::PopID();
@@ -168,10 +160,7 @@ void drawCameraList(Gui& gui, Model& m) {
     ImGui::Separator();
     for (size_t i = 0; i < m.bookmarks.size(); ++i) drawCameraName(gui, m.bookmarks[i].name, inFile + i, m);
     if (m.camera >= inFile && m.camera - inFile < m.bookmarks.size()) {
-        std::string& name = m.bookmarks[m.camera - inFile].name;
-        std::array<char, 128> typed{};
-        std::snprintf(typed.data(), typed.size(), "%s", name.c_str());
-        if (ImGui::InputText("name", typed.data(), typed.size())) name = typed.data();
+        ImGui::InputText("name", &m.bookmarks[m.camera - inFile].name);
         tip(gui, "name", "of this bookmark");
     }
     if (!m.hasJsonFile()) return;
@@ -180,21 +169,22 @@ void drawCameraList(Gui& gui, Model& m) {
              gui, "write to file",
              "adds the bookmarks to the \"cameras\" of the scene's file, where `glint render --camera NAME` "
              "finds them; all else in the file stays as it is"),
-         Action::WriteCameras);
+         call<&Commands::writeCameras>);
 }
 
 }  // namespace
 
 void drawCameras(Gui& gui, Model& m) {
     if (!group(gui, "camera", false, "cameras of the file, bookmarks, undo, lens")) return;
-    wish(m, button(gui, "undo", "the camera before the last movement (Ctrl+Z)"), Action::Undo);
+    wish(m, button(gui, "undo", "the camera before the last movement (Ctrl+Z)"), call<&Commands::undo>);
     ImGui::SameLine();
-    wish(m, button(gui, "redo", "(Ctrl+Y)"), Action::Redo);
+    wish(m, button(gui, "redo", "(Ctrl+Y)"), call<&Commands::redo>);
     ImGui::SameLine();
-    wish(m, button(gui, "scene's", "the camera of the scene's file (R)"), Action::Reset);
-    wish(m, button(gui, "bookmark", "keep this camera (M)"), Action::Bookmark);
+    if (button(gui, "scene's", "the camera of the scene's file (R)")) m.control.reset();
+    if (button(gui, "bookmark", "keep this camera (M)")) m.keepCamera();
     ImGui::SameLine();
-    wish(m, button(gui, "copy JSON", "print and copy the camera as scene JSON (C)"), Action::PrintCamera);
+    wish(m, button(gui, "copy JSON", "print and copy the camera as scene JSON (C)"),
+         call<&Commands::copyJson>);
     drawCameraList(gui, m);
     drawLens(gui, m);
 }
@@ -202,12 +192,12 @@ void drawCameras(Gui& gui, Model& m) {
 void drawCompare(Gui& gui, Model& m) {
     if (!group(gui, "compare", false, "compare this image with another")) return;
     Comparison& c = m.comparison;
-    wish(m, button(gui, "keep", "this image, to compare others with (K)"), Action::Keep);
+    wish(m, button(gui, "keep", "this image, to compare others with (K)"), call<&Commands::keepPicture>);
     ImGui::SameLine();
     wish(m, button(gui, "reference", "the same samples by the tracer in double precision, on the processor"),
-         Action::TraceReference);
+         call<&Commands::traceReference>);
     ImGui::SameLine();
-    wish(m, button(gui, "verify", "compare every pixel with the reference (V)"), Action::Verify);
+    wish(m, button(gui, "verify", "compare every pixel with the reference (V)"), call<&Commands::verify>);
     if (!c.any()) {
         wrapped("Keep an image, trace the reference, or drop an image file here.", kDim);
         return;
@@ -229,9 +219,9 @@ void drawCompare(Gui& gui, Model& m) {
 
 void drawSpeed(Gui& gui, Model& m) {
     if (!group(gui, "speed", false, "the device, and the time of each part of a frame")) return;
-    wrapped(m.device->name, kDim);
-    ImGui::Text("frame %.1f ms, %.3g Mrays/s", milliseconds(m.frameSeconds),
-                m.session->facts().raysPerSecond * 1e-6);
+    const FrameFacts& facts = m.session->facts();
+    wrapped(m.session->device().info().name, kDim);
+    ImGui::Text("frame %.1f ms, %.3g Mrays/s", 1e3 * m.frameSeconds, 1e-6 * facts.raysPerSecond);
     if (m.frameTimes.size() > 1) {
         const float most = *std::max_element(m.frameTimes.begin(), m.frameTimes.end());
         char label[48];
@@ -239,10 +229,8 @@ void drawSpeed(Gui& gui, Model& m) {
         ImGui::PlotLines("##times", m.frameTimes.data(), static_cast<int>(m.frameTimes.size()), 0, label, 0,
                          most, ImVec2(17 * ImGui::GetFontSize(), 3.2f * ImGui::GetFontSize()));
     }
-    const FrameFacts& facts = m.session->facts();
-    ImGui::Text("trace %.1f, read back %.1f ms", milliseconds(facts.traceSeconds),
-                milliseconds(facts.readbackSeconds));
-    ImGui::Text("draw %.1f, present %.1f ms", milliseconds(m.drawSeconds), milliseconds(m.presentSeconds));
+    ImGui::Text("trace %.1f, read back %.1f ms", 1e3 * facts.traceSeconds, 1e3 * facts.readbackSeconds);
+    ImGui::Text("draw %.1f, present %.1f ms", 1e3 * m.drawSeconds, 1e3 * m.presentSeconds);
 }
 
 namespace {
@@ -251,18 +239,17 @@ void drawButtons(Gui& gui, Model& m) {
     Timeline& t = m.timeline;
     const float line = ImGui::GetFontSize();
     const char* label = t.playing() ? "pause" : "play";
-    if (ImGui::Button(label, ImVec2(4 * line, 0))) m.wish = Action::PlayPause;
+    if (ImGui::Button(label, ImVec2(4 * line, 0))) t.toggle(m.clock.seconds());
     tip(gui, label, "the animation (Space)");
     ImGui::SameLine();
-    if (ImGui::ArrowButton("##back", ImGuiDir_Left)) m.wish = Action::FrameBack;
+    if (ImGui::ArrowButton("##back", ImGuiDir_Left)) t.step(-1);
     tip(gui, "frame back", "a frame back (,)");
     ImGui::SameLine();
-    if (ImGui::ArrowButton("##on", ImGuiDir_Right)) m.wish = Action::FrameOn;
+    if (ImGui::ArrowButton("##on", ImGuiDir_Right)) t.step(1);
     tip(gui, "frame on", "a frame on (.)");
     ImGui::SameLine();
     bool loops = t.loops();
-    if (checkbox(gui, "loop", loops, "from the end on to the beginning"))
-        t.setLoops(loops, m.clock.seconds());
+    if (checkbox(gui, "loop", loops, "from the end on to the beginning")) t.setLoops(loops);
 }
 
 }  // namespace
@@ -286,14 +273,13 @@ float drawTimeline(Gui& gui, Model& m, float width) {
         double rate = t.rate();
         if (slider(gui, "fps", rate, 1, 120, "%.4g", "frames a second: how finely it is played and stepped",
                    true))
-            t.setRate(rate, m.clock.seconds());
+            t.setRate(rate);
         char moment[48] = "as the file says it";
         if (m.time) std::snprintf(moment, sizeof(moment), "%.5g s", *m.time);
         wrapped(moment, kDim);
         height = ImGui::GetWindowHeight();
         ImGui::PopItemWidth();
     }
-    gui.noteWindow();
     ImGui::End();
     return height;
 }

@@ -43,10 +43,9 @@ std::vector<PickRay> raysOf(const ViewScene& scene, const reference::PixelRecord
         PickRay ray;
         ray.kind = bounce.kind;
         ray.depth = bounce.depth;
-        ray.hit = bounce.hit.has_value();
         ray.from = scene.packed.origin + bounce.ray.origin;
-        ray.to = ray.hit ? scene.packed.origin + bounce.surface->position
-                         : ray.from + far * glm::normalize(bounce.ray.direction);
+        ray.to = bounce.hit ? scene.packed.origin + bounce.surface->position
+                            : ray.from + far * glm::normalize(bounce.ray.direction);
         ray.share = whole > 0 ? luminance(bounce.light) / whole : 0;
         ray.text = rayText(scene.scene, bounce);
         rays.push_back(ray);
@@ -57,21 +56,10 @@ std::vector<PickRay> raysOf(const ViewScene& scene, const reference::PixelRecord
 }  // namespace
 
 Pick pickPixel(Session& session, int x, int y) {
-    const Scene& scene = session.scene().scene;
-    Pick pick;
-    pick.x = x;
-    pick.y = y;
-    pick.width = session.width();
-    pick.height = session.height();
-    pick.data = session.pixel(x, y);
-    if (pick.hit()) {
-        pick.object = objectName(scene, pick.data.object);
-        pick.material = materialName(scene, pick.data.material);
-    }
+    Pick pick{x, y, session.pixel(x, y), {}};
     const reference::Tracer tracer(session.scene().packed, session.tracing());
     const reference::Ray ray = tracer.cameraRay(session.packedCamera(), x + 0.5, y + 0.5);
-    const reference::PixelRecord record = tracer.trace(ray, {}, true);
-    pick.rays = raysOf(session.scene(), record);
+    pick.rays = raysOf(session.scene(), tracer.trace(ray, {}, true));
     return pick;
 }
 

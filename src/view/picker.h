@@ -18,17 +18,13 @@ struct PickRay {
     reference::RayClass kind = reference::RayClass::Primary;
     uint32_t depth = 0;         // rays before it
     glm::dvec3 from{0}, to{0};  // world; of a ray that hits nothing, `to` is a little way off
-    bool hit = false;
-    double share = 0;  // of the pixel's colour that it brings itself, 0..1 (luminance, Rec. 709)
-    std::string text;  // "reflected: /objects/3 (sphere) face 0, t = 2.5, chrome"
+    double share = 0;           // of the pixel's colour that it brings itself, 0..1 (luminance, Rec. 709)
+    std::string text;           // "reflected: /objects/3 (sphere) face 0, t = 2.5, chrome"
 };
 
 struct Pick {
     int x = 0, y = 0;           // of the picture
-    int width = 0, height = 0;  // its size
     PixelData data;             // from the device
-    std::string object;         // its name and kind: "/objects/3 (sphere)"
-    std::string material;
     std::vector<PickRay> rays;  // in the order they are followed: each after the one that it comes from
 
     bool hit() const { return data.object != PixelData::kNoIndex; }

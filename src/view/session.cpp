@@ -128,11 +128,6 @@ void Session::restart() {
     ++version_;
 }
 
-Session::Content Session::contentOf(ViewLayer layer) {
-    if (layer == ViewLayer::Color) return Content::Color;
-    return layer == ViewLayer::Cost ? Content::Cost : Content::Data;
-}
-
 // A lens needs samples that differ from pixel to pixel, and so does a filter that is wider than the pixel.
 bool Session::scattered() const {
     const ImageSettings& s = settings_.sampling;
@@ -149,8 +144,7 @@ Request Session::requestFor(Content content, int width, int height) const {
     static_cast<Tracing&>(request) = tracing();
     request.width = width;
     request.height = height;
-    request.data = content >= Content::Data;
-    request.cost = content == Content::Cost;
+    request.data = request.cost = content == Content::Data;
     request.ledger = content == Content::Color && goal_.has_value();
     return request;
 }
@@ -209,17 +203,17 @@ bool Session::rested() const {
 // The data of the other layers come from one sample, in the middle of the pixel.
 Session::Content Session::nextPass() const {
     if (needsData(settings_.layer)) {
-        if (!hasData_) return Content::Cost;
+        if (!hasData_) return Content::Data;
         return samples_ == 0 ? Content::Color : Content::Nothing;
     }
-    if (samples_ > 0 && wantsData_ && !hasData_) return Content::Cost;
+    if (samples_ > 0 && wantsData_ && !hasData_) return Content::Data;
     if (!enough()) return Content::Color;
-    return hasData_ ? Content::Nothing : Content::Cost;
+    return hasData_ ? Content::Nothing : Content::Data;
 }
 
 double Session::progress() const {
     if (height_ == 0) return 0;
-    return static_cast<double>(nextPass() == Content::Cost ? dataRow_ : nextRow_) / height_;
+    return static_cast<double>(nextPass() == Content::Data ? dataRow_ : nextRow_) / height_;
 }
 
 void Session::beginPass(Content pass) {
@@ -234,19 +228,25 @@ void Session::beginPass(Content pass) {
     if (samples_ == 0) {
         sum_.assign(full_.color.pixels.size(), 0);
         sequence_ = sequence();
+        // At depth 0 the losses of mirrors are not counted.
+        const bool knowsDepth = settings_.depth() > 0 || !(scene_->also.mirrors || scene_->hasGlass);
         if (settings_.until.error > 0)
-            goal_.emplace(settings_.until, settings_.sampling, full_.region, countsMirrors());
+            goal_.emplace(settings_.until, progressiveSampling(), full_.region, knowsDepth);
     }
     colorPass_ = goal_       ? goal_->begin()
                  : sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
                              : PackedSamples::fixed({progressiveOffset(samples_)});
 }
 
-std::optional<SampleSequence> Session::sequence() const {
-    if (!scattered()) return std::nullopt;
+// A grid needs to know its number of samples.
+ImageSettings Session::progressiveSampling() const {
     ImageSettings image = settings_.sampling;
     if (image.sampler == Sampler::Grid) image.sampler = Sampler::LowDiscrepancy;
-    return SampleSequence(image);
+    return image;
+}
+
+std::optional<SampleSequence> Session::sequence() const {
+    return scattered() ? std::optional(SampleSequence(progressiveSampling())) : std::nullopt;
 }
 
 PackedSamples Session::taken() const {
@@ -290,15 +290,6 @@ void Session::askForRounding() {
     });
 }
 
-// At depth 0 the losses of mirrors are not counted.
-bool Session::countsMirrors() const {
-    const auto reflects = [](const Material& m) {
-        return m.mirror != Color(0) || m.transmission != Color(0);
-    };
-    const auto& materials = scene_->scene.materials;
-    return settings_.depth() > 0 || std::none_of(materials.begin(), materials.end(), reflects);
-}
-
 bool Session::lookAtError(double seconds) {
     if (!goal_ || goal_->over()) return false;
     askForRounding();
@@ -324,7 +315,11 @@ bool Session::refine(double seconds, const std::function<bool()>& cancelled) {
     const Region& band = request.region;
     secondsPerPixel_ = facts_.renderSeconds / (static_cast<double>(band.width()) * band.height());
     if (!picture.complete) return true;
-    pass == Content::Color ? addBand(picture) : keepData(picture);
+    if (pass == Content::Color)
+        addBand(picture);
+    else
+        std::copy(picture.data.begin(), picture.data.end(),
+                  full_.data.begin() + static_cast<long>(band.y0) * width_);
     row = band.y1;
     if (row == height_) {
         row = 0;
@@ -350,11 +345,6 @@ void Session::addBand(const Picture& band) {
         sum_[first + i] += count * band.color.pixels[i];
         full_.color.pixels[first + i] = sum_[first + i] * scale;
     }
-}
-
-void Session::keepData(const Picture& band) {
-    const auto first = static_cast<long>(band.region.y0) * width_;
-    std::copy(band.data.begin(), band.data.end(), full_.data.begin() + first);
 }
 
 // All rows by one range, also where the lower ones are still coarse.

@@ -20,7 +20,6 @@ class Pace {
   public:
     explicit Pace(double targetSeconds) : target_(targetSeconds) {}
 
-    double target() const { return target_; }
     void setTarget(double seconds) { target_ = seconds; }
 
     // A frame of `pixels` took `renderSeconds` to trace, and everything else `otherSeconds`.
@@ -59,6 +58,7 @@ class Session {
     // Keeps a reference to `device`.
     Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene);
 
+    const gpu::Device& device() const { return device_; }
     const ViewScene& scene() const { return *scene_; }
     std::shared_ptr<const ViewScene> sharedScene() const { return scene_; }
     const PictureSettings& settings() const { return settings_; }
@@ -92,8 +92,8 @@ class Session {
     bool hasData() const { return hasData_; }  // of every pixel, for all layers but Color
     int samples() const { return samples_; }   // complete ones, of the full picture
     double progress() const;                   // of the sample at hand, 0..1
-    // Progress towards the error of the settings; null before the image at rest, or without such a goal.
-    const GoalFacts* goal() const { return goal_ ? &goal_->facts() : nullptr; }
+    // Progress towards the error of the settings.
+    GoalFacts goal() const { return goal_ ? goal_->facts() : GoalFacts(); }
 
     // The image to show, of the view's size. `version` grows whenever that changes.
     Canvas canvas(const Display& display) const;
@@ -111,14 +111,15 @@ class Session {
     PixelData pixel(int x, int y);
 
   private:
-    enum class Content { Nothing, Color, Data, Cost };  // each with what stands before it
-    static Content contentOf(ViewLayer layer);
+    enum class Content { Nothing, Color, Data };  // Data: all layers
+    static Content contentOf(ViewLayer layer) { return needsData(layer) ? Content::Data : Content::Color; }
     void restart();
     bool scattered() const;
     Content nextPass() const;
     // Request for a whole image of this size, with one sample in the centre of each pixel.
     Request requestFor(Content content, int width, int height) const;
     Picture render(const Request& request);
+    ImageSettings progressiveSampling() const;
     std::optional<SampleSequence> sequence() const;  // empty: progressiveOffset does
     void beginPass(Content pass);
     Request nextPiece(Content pass, double seconds) const;
@@ -127,8 +128,6 @@ class Session {
     // False if there is nothing to look at; takes `seconds` at most.
     bool lookAtError(double seconds);
     void askForRounding();
-    bool countsMirrors() const;
-    void keepData(const Picture& band);
 
     const gpu::Device& device_;
     std::shared_ptr<const ViewScene> scene_;

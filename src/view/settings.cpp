@@ -16,18 +16,6 @@ void followOne(T& mine, const T& before, const T& now) {
     if (mine == before) mine = now;
 }
 
-void followSampling(ImageSettings& mine, const ImageSettings& before, const ImageSettings& now) {
-    followOne(mine.samplesPerPixel, before.samplesPerPixel, now.samplesPerPixel);
-    followOne(mine.sampler, before.sampler, now.sampler);
-    // A radius belongs to its filter.
-    if (mine.filter == before.filter && mine.filterRadius == before.filterRadius) {
-        mine.filter = now.filter;
-        mine.filterRadius = now.filterRadius;
-    }
-    followOne(mine.seed, before.seed, now.seed);
-    followOne(mine.adaptive, before.adaptive, now.adaptive);
-}
-
 using Json = nlohmann::ordered_json;
 
 Json vectorJson(const glm::dvec3& v) {
@@ -36,34 +24,25 @@ Json vectorJson(const glm::dvec3& v) {
 
 // Calls visit(name, field) for each field of a light or material that a scene file may hold and the panel can
 // change.
-template <typename Visit>
-void forFields(const PointLight&, const Visit& visit) {
-    visit("position", &PointLight::position);
-    visit("intensity", &PointLight::intensity);
-}
-template <typename Visit>
-void forFields(const DirectionalLight&, const Visit& visit) {
-    visit("direction", &DirectionalLight::direction);
-    visit("intensity", &DirectionalLight::intensity);
-}
-template <typename Visit>
-void forFields(const SpotLight&, const Visit& visit) {
-    visit("position", &SpotLight::position);
-    visit("direction", &SpotLight::direction);
-    visit("angle", &SpotLight::angle);
-    visit("penumbra", &SpotLight::penumbra);
-    visit("intensity", &SpotLight::intensity);
-}
-template <typename Visit>
-void forFields(const Material&, const Visit& visit) {
-    visit("ambient", &Material::ambient);
-    visit("diffuse", &Material::diffuse);
-    visit("specular", &Material::specular);
-    visit("shininess", &Material::shininess);
-    visit("mirror", &Material::mirror);
-    visit("transmission", &Material::transmission);
-    visit("ior", &Material::ior);
-    visit("attenuation", &Material::attenuation);
+template <typename Kind, typename Visit>
+void forFields(const Kind& kind, const Visit& visit) {
+    if constexpr (requires { kind.position; }) visit("position", &Kind::position);
+    if constexpr (requires { kind.direction; }) visit("direction", &Kind::direction);
+    if constexpr (requires { kind.angle; }) {
+        visit("angle", &Kind::angle);
+        visit("penumbra", &Kind::penumbra);
+    }
+    if constexpr (requires { kind.intensity; }) visit("intensity", &Kind::intensity);
+    if constexpr (std::is_same_v<Kind, Material>) {
+        visit("ambient", &Material::ambient);
+        visit("diffuse", &Material::diffuse);
+        visit("specular", &Material::specular);
+        visit("shininess", &Material::shininess);
+        visit("mirror", &Material::mirror);
+        visit("transmission", &Material::transmission);
+        visit("ior", &Material::ior);
+        visit("attenuation", &Material::attenuation);
+    }
 }
 
 Json numberJson(double value) {
@@ -116,7 +95,7 @@ PictureSettings PictureSettings::of(const Scene& scene) {
 void PictureSettings::follow(const PictureSettings& before, const PictureSettings& now) {
     followOne(maxDepth, before.maxDepth, now.maxDepth);
     followOne(background, before.background, now.background);
-    followSampling(sampling, before.sampling, now.sampling);
+    followOne(sampling, before.sampling, now.sampling);
     edits.follow(before.edits, now.edits);
     const std::vector<LightSetting> mine = std::move(lights);
     lights = now.lights;
@@ -124,10 +103,6 @@ void PictureSettings::follow(const PictureSettings& before, const PictureSetting
         lights[i] = mine[i];
         followLight(lights[i].light, before.lights[i].light, now.lights[i].light);
     }
-}
-
-double steppedExposure(double exposure, double step) {
-    return std::clamp(exposure + step, -kMostExposure, kMostExposure);
 }
 
 bool SceneEdits::operator==(const SceneEdits& other) const {
@@ -193,57 +168,49 @@ Json materialsOf(const std::vector<Material>& materials, const std::vector<Mater
     return json;
 }
 
-}  // namespace
-
-std::string lightsJson(const std::vector<LightSetting>& lights) {
-    return lightsOf(lights).dump();
+// Members of a scene file for what differs from it.
+Json changes(const PictureSettings& settings, const PictureSettings& file) {
+    Json json = Json::object();
+    if (settings.lights != file.lights) json["lights"] = lightsOf(settings.lights);
+    Json materials = materialsOf(settings.edits.materials, file.edits.materials);
+    if (!materials.is_null()) json["materials"] = std::move(materials);
+    if (settings.edits.transmissiveShadows != file.edits.transmissiveShadows)
+        json["transmissiveShadows"] = nameOf(settings.edits.transmissiveShadows);
+    return json;
 }
 
-std::string materialsJson(const std::vector<Material>& materials, const std::vector<Material>& before) {
-    const Json json = materialsOf(materials, before);
-    return json.is_null() ? "" : json.dump();
+}  // namespace
+
+std::map<std::string, std::string> changedMembers(const PictureSettings& settings,
+                                                  const PictureSettings& file) {
+    const Json changed = changes(settings, file);
+    std::map<std::string, std::string> members;
+    for (const auto& [name, value] : changed.items()) members[name] = value.dump();
+    return members;
 }
 
 std::string editedSceneText(const std::string& text, const PictureSettings& settings,
                             const PictureSettings& file) {
     Json json = Json::parse(text, nullptr, true, true);
-    if (settings.lights != file.lights) json["lights"] = lightsOf(settings.lights);
-    const Json materials = materialsOf(settings.edits.materials, file.edits.materials);
-    for (const auto& [name, fields] : materials.items()) {
+    const Json changed = changes(settings, file);
+    const Json materials = changed.value("materials", Json::object());
+    for (const auto& [name, fields] : materials.items())
         if (!json["materials"].contains(name))
             throw Error(ErrorKind::Argument,
                         "the material \"" + name + "\" comes from another file: edit that file");
-        json["materials"][name].update(fields);
-    }
-    if (settings.edits.transmissiveShadows != file.edits.transmissiveShadows)
-        json["transmissiveShadows"] = nameOf(settings.edits.transmissiveShadows);
+    json.merge_patch(changed);
     return json.dump(2) + '\n';
 }
 
 void History::note(Undoable now, double seconds) {
     if (std::exchange(stepEnded_, false) || seconds - changedAt_ > kStepSeconds) {
-        before_.push_back(std::move(seen_));
-        if (before_.size() > kMost) before_.pop_front();
-        after_.clear();
+        states_.resize(++at_);
+        states_.emplace_back();
+        if (at_ > kMost) states_.erase(states_.begin());
+        at_ = states_.size() - 1;
     }
     changedAt_ = seconds;
-    seen_ = std::move(now);
-}
-
-std::optional<Undoable> History::undo() {
-    if (before_.empty()) return std::nullopt;
-    after_.push_back(std::exchange(seen_, std::move(before_.back())));
-    before_.pop_back();
-    stepEnded_ = true;
-    return seen_;
-}
-
-std::optional<Undoable> History::redo() {
-    if (after_.empty()) return std::nullopt;
-    before_.push_back(std::exchange(seen_, std::move(after_.back())));
-    after_.pop_back();
-    stepEnded_ = true;
-    return seen_;
+    states_[at_] = std::move(now);
 }
 
 }  // namespace glint::view

@@ -2,12 +2,13 @@
 // undo.
 #pragma once
 
-#include <deque>
 #include <glm/glm.hpp>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "converge/converge.h"
 #include "scene/scene.h"
 #include "trace/methods.h"
 #include "view/display.h"
@@ -21,14 +22,6 @@ struct LightSetting {
     bool operator==(const LightSetting&) const = default;
 };
 
-// Stops sampling at an error instead of a number of samples (docs/design/error-targets.md).
-struct ErrorSetting {
-    double error = 0;  // linear radiance, root mean square over the picture; 0: a number of samples
-    double confidence = 0.95;
-    bool withinDepth = false;  // what lies beyond the depth is not counted
-    bool operator==(const ErrorSetting&) const = default;
-};
-
 // Values that need the scene packed again.
 struct SceneEdits {
     std::vector<Material> materials;  // as in Scene::materials
@@ -40,17 +33,21 @@ struct SceneEdits {
     void follow(const SceneEdits& before, const SceneEdits& now);
 };
 
-struct PictureSettings {
-    ViewLayer layer = ViewLayer::Color;
+struct PathSettings {
     int maxDepth = 5;
     bool shadows = true;
     bool reflections = true;
-    std::vector<LightSetting> lights;
     glm::vec3 background{0};
     Methods methods;
-    ImageSettings sampling;  // its size is not used
-    int sampleLimit = 64;    // of the picture in the window, unless `until` says it
-    ErrorSetting until;
+    bool operator==(const PathSettings&) const = default;
+};
+
+struct PictureSettings : PathSettings {
+    ViewLayer layer = ViewLayer::Color;
+    std::vector<LightSetting> lights;
+    ImageSettings sampling;              // its size is not used
+    int sampleLimit = 64;                // of the picture in the window, unless `until` says it
+    converge::Target until{.error = 0};  // 0: a number of samples
     SceneEdits edits;
     bool operator==(const PictureSettings&) const = default;
 
@@ -61,19 +58,16 @@ struct PictureSettings {
     void follow(const PictureSettings& before, const PictureSettings& now);
 };
 
-// A multiple of 0.5 stops further, within kMostExposure.
-double steppedExposure(double exposure, double step);
-
 Scene edited(Scene scene, const SceneEdits& edits);
 
 // Changes the diffuse color, and the ambient color with it while both are equal: in a scene file "ambient" is
 // "diffuse" unless it is given.
 void setDiffuse(Material& material, const Color& diffuse);
 
-// Values of "lights" and "materials" in a scene file: all lights that are on, and the changed fields of
-// materials (empty if nothing differs from `before`).
-std::string lightsJson(const std::vector<LightSetting>& lights);
-std::string materialsJson(const std::vector<Material>& materials, const std::vector<Material>& before);
+// Members of a scene file for what differs from `file`, as JSON: "lights" (all that are on), "materials" (the
+// changed fields), "transmissiveShadows".
+std::map<std::string, std::string> changedMembers(const PictureSettings& settings,
+                                                  const PictureSettings& file);
 
 // The text of a JSON scene with the lights and edits that differ from `file`; comments are lost. Throws
 // Error(Argument) if a changed material is not in the text.
@@ -91,23 +85,28 @@ struct Undoable {
 class History {
   public:
     // `now` becomes the state that changes are measured from, without a step to undo.
-    void reset(Undoable now) { seen_ = std::move(now); }
-    const Undoable& seen() const { return seen_; }
+    void reset(Undoable now) { states_[at_] = std::move(now); }
+    const Undoable& seen() const { return states_[at_]; }
     // Takes a change, at `seconds` of any clock. It is a step of its own if endStep() was called since the
     // last change, or if that one is older than kStepSeconds.
     void note(Undoable now, double seconds);
     void endStep() { stepEnded_ = true; }
 
-    // The state before or after; empty if there is none.
-    std::optional<Undoable> undo();
-    std::optional<Undoable> redo();
+    // The state before or after; null if there is none.
+    const Undoable* undo() { return at_ > 0 ? go(at_ - 1) : nullptr; }
+    const Undoable* redo() { return at_ + 1 < states_.size() ? go(at_ + 1) : nullptr; }
 
     static constexpr size_t kMost = 100;
     static constexpr double kStepSeconds = 0.5;
 
   private:
-    Undoable seen_;
-    std::deque<Undoable> before_, after_;
+    const Undoable* go(size_t at) {
+        stepEnded_ = true;
+        return &states_[at_ = at];
+    }
+
+    std::vector<Undoable> states_ = std::vector<Undoable>(1);
+    size_t at_ = 0;
     bool stepEnded_ = true;
     double changedAt_ = 0;
 };

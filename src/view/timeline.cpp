@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace glint::view {
 
@@ -36,42 +37,29 @@ int Timeline::frame() const {
     return time_ ? whole(std::round(*time_ * rate())) : first();
 }
 
-void Timeline::restart(double now) {
-    from_ = frame();
-    since_ = now;
-}
-
-void Timeline::setRate(double rate, double now) {
+void Timeline::setRate(double rate) {
     rate_ = std::clamp(rate, 1.0, 1000.0);
-    restart(now);
-}
-
-void Timeline::setLoops(bool loops, double now) {
-    loops_ = loops;
-    restart(now);
 }
 
 void Timeline::play(double now) {
     if (!span_ || first() == last()) return;
     if (!time_ || frame() >= last() || frame() < first()) goTo(first());
     playing_ = true;
-    restart(now);
+    position_ = *time_;
+    since_ = now;
 }
 
 // A loop ends where it begins, so its last frame is left out: it is the first one, or is over at once.
 bool Timeline::advance(double now) {
     if (!playing_) return false;
-    const double passed = std::floor((now - since_) * rate() + kNear);
-    const int ends = last(), begins = first();
-    double next = from_ + passed;
+    position_ += now - std::exchange(since_, now);
+    const double begin = first() / rate(), end = last() / rate();
     if (loops_)
-        next = begins + std::fmod(next - begins, std::max(ends - begins, 1));
-    else if (next >= ends)
+        position_ = begin + std::fmod(position_ - begin, std::max(end - begin, 1 / rate()));
+    else if (position_ >= end)
         playing_ = false;
-    const int frame = whole(std::min(next, static_cast<double>(ends)));
-    const double before = time_.value_or(-1);
-    time_ = frame / rate();
-    return *time_ != before;
+    const int frame = std::min(whole(std::floor(position_ * rate() + kNear)), last());
+    return std::exchange(time_, frame / rate()) != frame / rate();
 }
 
 void Timeline::goTo(int frame) {

@@ -24,14 +24,14 @@ class Timeline {
     int last() const;
 
     double rate() const { return rate_ ? *rate_ : span_ ? span_->framesPerSecond : 24; }  // frames a second
-    void setRate(double rate, double now);
+    void setRate(double rate);
     bool loops() const { return loops_; }
-    void setLoops(bool loops, double now);
+    void setLoops(bool loops) { loops_ = loops; }
 
     // `now`: of any clock, in seconds. Playing begins at the moment that is shown, or anew at the end.
     bool playing() const { return playing_; }
     void play(double now);
-    void pause() { playing_ = false; }
+    void toggle(double now) { playing_ ? void(playing_ = false) : play(now); }
     // True if there is another moment to show. Frames that come too late are left out.
     bool advance(double now);
 
@@ -40,13 +40,10 @@ class Timeline {
     void step(int frames);
 
   private:
-    void restart(double now);
-
     std::optional<AnimationSpan> span_;
     std::optional<double> time_, rate_;
     bool playing_ = false, loops_ = true;
-    double since_ = 0;  // when `from_` was shown
-    int from_ = 0;
+    double position_ = 0, since_ = 0;  // while playing: the moment between frames, and when it was reached
 };
 
 }  // namespace glint::view

@@ -30,11 +30,11 @@ struct Loading {
 struct Options {
     std::filesystem::path scene;
     Loading loading;
-    ErrorSetting until;
-    std::optional<double> time;  // of the animation, seconds; empty: as the file says it
-    int width = 0, height = 0;   // of the window's picture; 0: the scene's
-    double scale = 0;            // of text and controls; 0: the screen's
-    std::string device;          // selector, see gpu::chooseDevice
+    converge::Target until{.error = 0};  // see PictureSettings
+    std::optional<double> time;          // of the animation, seconds; empty: as the file says it
+    int width = 0, height = 0;           // of the window's picture; 0: the scene's
+    double scale = 0;                    // of text and controls; 0: the screen's
+    std::string device;                  // selector, see gpu::chooseDevice
     bool validation = false;
     uint64_t frames = 0;  // close after so many; 0: when the user does
     gpu::PresentMode presentMode = gpu::PresentMode::Fifo;

@@ -13,8 +13,11 @@ namespace glint::view {
 
 namespace {
 
-bool reflects(const shared::Material& m) {
-    return m.mirror.x > 0 || m.mirror.y > 0 || m.mirror.z > 0;
+// Applies the values that the command line gives.
+Scene withOverrides(Scene scene, const Loading& loading) {
+    if (loading.depth) scene.maxDepth = static_cast<int>(*loading.depth);
+    if (loading.samplesPerPixel) scene.image.samplesPerPixel = *loading.samplesPerPixel;
+    return scene;
 }
 
 // Calls ball(centre, radius) for what `object` is made of. Of an instance there is nothing here.
@@ -33,15 +36,7 @@ void visitBalls(const PackedScene& p, uint32_t object, const KindPacker::VisitBa
     });
 }
 
-namespace fs = std::filesystem;
-
 }  // namespace
-
-Scene withOverrides(Scene scene, const Loading& loading) {
-    if (loading.depth) scene.maxDepth = static_cast<int>(*loading.depth);
-    if (loading.samplesPerPixel) scene.image.samplesPerPixel = *loading.samplesPerPixel;
-    return scene;
-}
 
 std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path, Scene scene,
                                                BuildQuality quality, TreeMemory* memory) {
@@ -49,10 +44,10 @@ std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path
     loaded->path = path;
     loaded->scene = std::move(scene);
     loaded->packed = packScene(loaded->scene, {quality, true, memory});
-    const auto& materials = loaded->packed.materials;
-    loaded->hasGlass = std::any_of(loaded->scene.materials.begin(), loaded->scene.materials.end(),
-                                   [](const Material& m) { return m.transmission != Color(0); });
-    loaded->also.mirrors = std::any_of(materials.begin(), materials.end(), reflects);
+    for (const Material& m : loaded->scene.materials) {
+        loaded->hasGlass |= m.transmission != Color(0);
+        loaded->also.mirrors |= m.mirror != Color(0);
+    }
     loaded->also.parallelCamera = loaded->also.thinLens = true;  // the panel may ask for them
     return loaded;
 }
@@ -91,27 +86,6 @@ Moments::Moments(const std::filesystem::path& path, const Loading& loading, std:
       time_(time),
       remembers_(reader_.scene().animation.has_value()) {}
 
-Moment Moments::packed(Moment moment) {
-    const bool kept = last_ && !moved_ && moment.edits == lastEdits_ &&
-                      (moment.file->camera == last_->scene.camera ||
-                       keepsArrays(last_->packed, last_->scene, moment.file->camera));
-    if (kept) return moment;
-    // Trees are kept for whoever asks for the scene again, not for one that is shown once.
-    remembers_ = remembers_ || last_ != nullptr;
-    moment.scene = packViewScene(path_, edited(*moment.file, moment.edits), loading_.quality,
-                                 remembers_ ? &memory_ : nullptr);
-    moved_ = false;
-    last_ = moment.scene;
-    lastEdits_ = moment.edits;
-    return moment;
-}
-
-Moment Moments::show() {
-    auto file = std::make_shared<const Scene>(withOverrides(reader_.scene(), loading_));
-    Moment moment = {time_, file, SceneEdits::of(*file), nullptr};
-    return packed(std::move(moment));
-}
-
 Moment Moments::show(std::optional<double> time, const SceneEdits& edits, const SceneEdits& before) {
     if (time && time != time_) {
         moved_ = reader_.moveTo(*time) == SceneReader::Change::Scene || moved_;
@@ -120,39 +94,18 @@ Moment Moments::show(std::optional<double> time, const SceneEdits& edits, const 
     auto file = std::make_shared<const Scene>(withOverrides(reader_.scene(), loading_));
     Moment moment = {time_, file, edits, nullptr};
     moment.edits.follow(before, SceneEdits::of(*file));
-    return packed(std::move(moment));
-}
-
-std::vector<fs::path> sceneFiles(const fs::path& scene, const Scene& read) {
-    std::vector<fs::path> files = {scene.lexically_normal()};
-    for (const SourceFile& source : read.sources)
-        files.push_back((scene.parent_path() / source.name).lexically_normal());
-    return files;
-}
-
-FileWatch::Stamp FileWatch::stampOf(const fs::path& file) {
-    std::error_code error;
-    Stamp stamp;
-    stamp.time = fs::last_write_time(file, error);
-    if (error) return {};
-    stamp.size = fs::file_size(file, error);
-    return error ? Stamp{} : stamp;
-}
-
-void FileWatch::watch(const std::vector<fs::path>& files) {
-    known_.clear();
-    for (const fs::path& file : files) known_[file] = stampOf(file);
-    seen_ = known_;
-}
-
-bool FileWatch::changed() {
-    std::map<fs::path, Stamp> now;
-    for (const auto& [file, stamp] : known_) now[file] = stampOf(file);
-    const bool settled = now == seen_;
-    seen_ = now;
-    if (!settled || now == known_) return false;
-    known_ = now;
-    return true;
+    const bool kept =
+        last_ && !moved_ && moment.edits == lastEdits_ &&
+        (file->camera == last_->scene.camera || keepsArrays(last_->packed, last_->scene, file->camera));
+    if (kept) return moment;
+    // Trees are kept if the scene is shown again, not for one that is shown once.
+    remembers_ = remembers_ || last_ != nullptr;
+    moment.scene =
+        packViewScene(path_, edited(*file, moment.edits), loading_.quality, remembers_ ? &memory_ : nullptr);
+    moved_ = false;
+    last_ = moment.scene;
+    lastEdits_ = moment.edits;
+    return moment;
 }
 
 std::string objectName(const Scene& scene, uint32_t object) {

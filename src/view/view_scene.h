@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -26,9 +25,6 @@ struct ViewScene {
     SceneFeatures also;
     bool hasGlass = false;  // a material transmits light
 };
-
-// Applies the values that the command line gives.
-Scene withOverrides(Scene scene, const Loading& loading);
 
 // `memory`: of trees, may be null; see pack/build_tree.h.
 std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path, Scene scene,
@@ -55,14 +51,11 @@ class Moments {
     // The scene as it is now, or at a time, with those of `edits` that differ from the file as it was,
     // `before`. Geometry that has not moved keeps its tree; if only the camera moves, nothing is packed.
     // Throws Error(Scene) where the animation comes to what is no scene; then the moment before stays.
-    Moment show();
-    Moment show(std::optional<double> time, const SceneEdits& edits, const SceneEdits& before);
+    Moment show(std::optional<double> time = {}, const SceneEdits& edits = {}, const SceneEdits& before = {});
 
     uint64_t treesBuilt() const { return memory_.built(); }
 
   private:
-    Moment packed(Moment moment);
-
     std::filesystem::path path_;
     Loading loading_;
     SceneReader reader_;
@@ -71,27 +64,6 @@ class Moments {
     bool remembers_ = false, moved_ = true;  // moved: since the last time that it was packed
     std::shared_ptr<const ViewScene> last_;  // that was packed
     SceneEdits lastEdits_;
-};
-
-// The scene's file and the files that it was read from.
-std::vector<std::filesystem::path> sceneFiles(const std::filesystem::path& scene, const Scene& read);
-
-class FileWatch {
-  public:
-    // Remembers how the files are now.
-    void watch(const std::vector<std::filesystem::path>& files);
-    // True once for each change: a file has another time or size than at the last call, and both have been
-    // the same for two calls, so that a file which is still being written is left in peace.
-    bool changed();
-
-  private:
-    struct Stamp {
-        std::filesystem::file_time_type time{};
-        std::uintmax_t size = 0;
-        bool operator==(const Stamp&) const = default;
-    };
-    static Stamp stampOf(const std::filesystem::path& file);
-    std::map<std::filesystem::path, Stamp> known_, seen_;
 };
 
 // "?" for an unknown index.

@@ -17,7 +17,8 @@ constexpr double kSoftwareTarget = 0.066;   // 15 frames/s on the processor
 constexpr double kWorkSeconds = 0.03;       // of a piece of refining, between two looks at the events
 constexpr double kRestFrameSeconds = 0.04;  // between frames at rest, which differ little
 constexpr double kBreathSeconds = 0.005;    // while a frame is not due yet
-constexpr double kPollSeconds = 0.25;       // between looks at files and jobs
+constexpr double kPollSeconds = 0.25;       // between looks at files and messages at rest
+constexpr double kJobSeconds = 0.1;         // and at jobs
 constexpr size_t kFrameTimes = 120;
 constexpr PixelSize kLeastSize{1280, 800};
 constexpr double kPanelWidth = 245;  // docked, at scale 1
@@ -40,9 +41,7 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
       model_(options),
       window_(sizeOf(options, *model_.file), "glint: " + options.scene.filename().string()),
       gui_(options.scale > 0 ? static_cast<float>(options.scale) : window_.scale(), window_),
-      commands_(model_, {out, err, [this](const std::string& text) { window_.setClipboard(text); },
-                         [this](const std::string& title) { window_.setTitle(title); },
-                         [this] { window_.setFullscreen(!window_.fullscreen()); }, Window::wake}),
+      commands_(model_, window_, out, err),
       input_(model_, commands_, gui_),
       pace_(kGpuTarget),
       restless_(options.frames > 0) {
@@ -67,18 +66,13 @@ void Viewer::openDevice() {
     options.window = window_.system();
     checkRoom(window_.size());
     device_ = std::make_unique<gpu::Device>(options);
-    openSwapchain();
+    const PixelSize size = window_.size();
+    swapchain_ = std::make_unique<gpu::Swapchain>(*device_, size.width, size.height, options_.presentMode);
     model_.targetSeconds = options_.targetSeconds > 0 ? options_.targetSeconds
                            : device_->info().software ? kSoftwareTarget
                                                       : kGpuTarget;
     commands_.setDevice(*device_);
     showView();
-}
-
-void Viewer::openSwapchain() {
-    const PixelSize size = window_.size();
-    swapchain_.reset();
-    swapchain_ = std::make_unique<gpu::Swapchain>(*device_, size.width, size.height, options_.presentMode);
 }
 
 // Throws Error(Failed) if there is no memory for a window of this size, beside what the present size holds.
@@ -108,13 +102,6 @@ bool Viewer::hasWork() const {
            model_.timeline.playing() || !model_.session->rested();
 }
 
-// For how long nothing will happen by itself.
-double Viewer::restSeconds() const {
-    const double seconds = commands_.hasJobs() ? 0.1 : kPollSeconds;
-    const double toast = model_.toasts.next(model_.clock.seconds());
-    return toast >= 0 ? std::min(seconds, toast) : seconds;
-}
-
 // The camera, and the part of the window that the panel leaves.
 void Viewer::showView() {
     PixelSize size = window_.size();
@@ -133,7 +120,6 @@ void Viewer::showView() {
 bool Viewer::work() {
     showView();
     if (model_.moving()) return renderMoving();
-    follows_ = std::exchange(traced_, false);
     const auto cancelled = [&] {
         gatherEvents();
         return input_.waits();
@@ -149,11 +135,9 @@ bool Viewer::work() {
 bool Viewer::renderMoving() {
     Session& session = *model_.session;
     const double pixels = static_cast<double>(session.width()) * session.height();
-    follows_ = std::exchange(traced_, false);
     if (!session.renderMoving(pace_.scale(pixels), pace_.depth(static_cast<int>(model_.settings.depth()),
                                                                pixels, model_.scene->hasGlass)))
         return false;
-    traced_ = true;
     const FrameFacts& facts = session.facts();
     // Waiting for the screen is no work, but on a software device presenting is copying.
     const double other = model_.drawSeconds + (device_->info().software ? model_.presentSeconds : 0);
@@ -179,7 +163,8 @@ void Viewer::drawFrame() {
     model_.presentSeconds = presenting.seconds();
     model_.frameSeconds = frameWatch_.seconds();
     frameWatch_.restart();
-    if (traced_ && follows_) {  // the first one after a rest has waited for the user
+    if (std::exchange(moves_, model_.moving()) &&
+        moves_) {  // the first frame after a rest waited for the user
         model_.frameTimes.push_back(static_cast<float>(model_.frameSeconds * 1e3));
         if (model_.frameTimes.size() > kFrameTimes) model_.frameTimes.erase(model_.frameTimes.begin());
     }
@@ -191,17 +176,16 @@ void Viewer::drawFrame() {
 // Applies changes made in the panel.
 void Viewer::takePanel() {
     commands_.takeSettings();
-    if (model_.display != std::exchange(shown_, model_.display)) model_.dirty = std::max(model_.dirty, 1);
     model_.session->wantData(model_.inspects);
     pace_.setTarget(model_.targetSeconds);
-    if (const std::optional<Action> wish = std::exchange(model_.wish, std::nullopt)) {
+    if (const Command wish = std::exchange(model_.wish, nullptr)) {
         model_.history.endStep();
-        commands_.perform(*wish);
+        commands_.perform(wish);
     }
 }
 
 void Viewer::round() {
-    if (!hasWork()) window_.wait(restSeconds());
+    if (!hasWork()) window_.wait(commands_.hasJobs() ? kJobSeconds : kPollSeconds);
     gatherEvents();
     input_.handle();
     input_.flyOn(roundWatch_.seconds());

@@ -37,12 +37,10 @@ class Viewer {
 
   private:
     void openDevice();
-    void openSwapchain();
     void checkRoom(PixelSize size) const;
     void round();
     void gatherEvents();
     bool hasWork() const;
-    double restSeconds() const;
     void showView();
     bool work();
     bool renderMoving();
@@ -65,8 +63,7 @@ class Viewer {
     std::vector<std::string> validation_;
     Stopwatch frameWatch_, roundWatch_;
     bool restless_, wasLost_ = false;
-    bool traced_ = false, follows_ = false;  // a coarse image in this round; and in the round before
-    Display shown_;                          // of the last frame
+    bool moves_ = false;  // the last frame
     uint64_t frames_ = 0;
 };
 

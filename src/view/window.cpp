@@ -1,9 +1,7 @@
-#include "view/window.h"
-
 // volk.h before GLFW, which declares its Vulkan part if it finds Vulkan's types.
 #include <volk.h>
 // (keep the order)
-#include <GLFW/glfw3.h>
+#include "view/window.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,20 +12,6 @@
 namespace glint::view {
 
 namespace {
-
-static_assert(key::kEscape == GLFW_KEY_ESCAPE && key::kEnter == GLFW_KEY_ENTER && key::kTab == GLFW_KEY_TAB &&
-              key::kBackspace == GLFW_KEY_BACKSPACE && key::kDelete == GLFW_KEY_DELETE);
-static_assert(key::kRight == GLFW_KEY_RIGHT && key::kLeft == GLFW_KEY_LEFT && key::kDown == GLFW_KEY_DOWN &&
-              key::kUp == GLFW_KEY_UP && key::kPageUp == GLFW_KEY_PAGE_UP &&
-              key::kPageDown == GLFW_KEY_PAGE_DOWN);
-static_assert(key::kHome == GLFW_KEY_HOME && key::kEnd == GLFW_KEY_END && key::kF1 == GLFW_KEY_F1 &&
-              key::kF5 == GLFW_KEY_F5 && key::kF11 == GLFW_KEY_F11 &&
-              key::kLeftShift == GLFW_KEY_LEFT_SHIFT && key::kLeftControl == GLFW_KEY_LEFT_CONTROL &&
-              key::kLeftAlt == GLFW_KEY_LEFT_ALT && key::kCount > GLFW_KEY_LAST);
-static_assert(key::kRightShift == GLFW_KEY_RIGHT_SHIFT && key::kRightControl == GLFW_KEY_RIGHT_CONTROL &&
-              key::kRightAlt == GLFW_KEY_RIGHT_ALT && key::kKeypadAdd == GLFW_KEY_KP_ADD &&
-              key::kKeypadSubtract == GLFW_KEY_KP_SUBTRACT && key::kKeypadEnter == GLFW_KEY_KP_ENTER);
-static_assert(kShift == GLFW_MOD_SHIFT && kControl == GLFW_MOD_CONTROL && kAlt == GLFW_MOD_ALT);
 
 std::string lastError;
 
@@ -85,7 +69,7 @@ void installCallbacks(GLFWwindow* window) {
     // Keys held while the focus goes are never released for this window.
     glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int focused) {
         if (focused == GLFW_FALSE) {
-            for (int code = 0; code < key::kCount; ++code)
+            for (int code = 0; code <= GLFW_KEY_LAST; ++code)
                 eventsOf(w).push_back({.type = Event::Type::Key, .code = code});
             for (int button = 0; button < 3; ++button)
                 eventsOf(w).push_back({.type = Event::Type::Button, .code = button});
@@ -195,13 +179,8 @@ std::string Window::clipboard() const {
     return text == nullptr ? "" : text;
 }
 
-bool Window::fullscreen() const {
-    return glfwGetWindowMonitor(window_) != nullptr;
-}
-
-void Window::setFullscreen(bool wanted) {
-    if (wanted == fullscreen()) return;
-    if (!wanted) {
+void Window::toggleFullscreen() {
+    if (glfwGetWindowMonitor(window_) != nullptr) {
         glfwSetWindowMonitor(window_, nullptr, windowedX_, windowedY_, windowedWidth_, windowedHeight_, 0);
         return;
     }

@@ -1,15 +1,26 @@
-// The window itself: the only user of GLFW.
+// The window itself and its events.
 #pragma once
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 
 #include <string>
 #include <vector>
 
 #include "gpu/device.h"
-#include "view/keys.h"
-
-struct GLFWwindow;
 
 namespace glint::view {
+
+struct Event {
+    enum class Type { Cursor, Button, Wheel, Key, Text, Drop, Resize, Redraw, Close };
+    Type type = Type::Redraw;
+    double x = 0, y = 0;                  // Cursor: pixels of the window's picture; Wheel: steps
+    int code = 0;                         // Button, Key: GLFW's number; Text: a Unicode code point
+    int mods = 0;                         // of Button and Key: bits GLFW_MOD_*
+    bool down = false;                    // of Button and Key
+    bool repeat = false;                  // of Key: held down
+    std::vector<std::string> files = {};  // of Drop
+};
 
 struct PixelSize {
     int width = 0, height = 0;
@@ -43,8 +54,7 @@ class Window {
     void setClipboard(const std::string& text);
     std::string clipboard() const;  // empty if it holds no text
     // The whole screen, or a window again as large as before.
-    void setFullscreen(bool fullscreen);
-    bool fullscreen() const;
+    void toggleFullscreen();
     // Place of a pixel of the window on the screen, in the window system's units.
     PixelSize onScreen(double x, double y) const;
 

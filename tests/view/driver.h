@@ -1,15 +1,64 @@
-// Drives a window by a script (script.h), one command after the other.
+// Drives a window by a script: one command a line, `#` starts a comment. A script makes the same events as a
+// user; coordinates are pixels of the image.
+//
+//   wait N                 let N frames pass
+//   settle                 until the image is finished, and saving, verifying and loading are done
+//   orbit DX DY, pan DX DY drag from the middle of the window, pan with Shift
+//   dolly STEPS            turn the wheel; positive is nearer
+//   key K, hold K N        press a key, named as in the list of keys; hold it for N frames
+//   click X Y              pick a pixel
+//   press CONTROL          click on a control of the panel, by its label, with _ for blanks
+//   hand ARGUMENTS...      real mouse and keys: runs `xdotool ARGUMENTS`, where `@X,Y` is a pixel of the
+//   image and
+//                          `@LABEL` a control, and waits for it
+//   drop FILE              drop a file onto the window
+//   resize W H             the window
+//   minimise N             minimise the window for N rounds, then restore it
+//   aov NAME               show a layer
+//   set WHAT VALUE...      depth N, shadows on|off, reflections on|off, samples N, error E, exposure STOPS,
+//   tonemap
+//                          NAME, lens RADIUS, background R G B, light I FACTOR, diffuse MATERIAL R G B,
+//                          glass colored|full
+//   screenshot FILE        render at the scene's own sampling, as Alt+S does, and wait
+//   save FILE              save what is seen, as S does, and wait
+//   window FILE            save what the window shows, panel and all, as PNG
+//   copy FROM TO           copy a file, to change a scene on disk
+//   reload                 until a changed file has been noticed and loaded, or found to be invalid
+//   verify                 check the view as V does, and wait; fails if it does not pass
+//   idle SECONDS           do nothing, and print how many frames and how much processor time that took
+//   lose-device            behave as if the device had been lost
+//   stay                   leave the window open at the end of the script
+//   print WHAT             print a state: driver_state.cpp lists them
+//   expect WHAT VALUE      it prints as VALUE; of toast, pick and fault, it holds VALUE
+//   await WHAT VALUE       until it prints as VALUE; fails after a minute
 #pragma once
 
 #include <functional>
+#include <future>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "hand.h"
-#include "script.h"
 #include "view/viewer.h"
 
 namespace glint::view::test {
+
+struct ScriptCommand {
+    std::string name;
+    std::vector<std::string> arguments;
+    std::string rest;   // of the line after the name
+    std::string place;  // "demo.txt:3"
+};
+
+std::vector<ScriptCommand> parseScript(const std::string& text, const std::string& name);
+
+struct KeyPress {
+    int key = 0;
+    int mods = 0;
+};
+
+// A key by its name in keyBindings(), in any case, and those of flying ("W"). Empty for an unknown name.
+std::optional<KeyPress> keyNamed(const std::string& name);
 
 class Driver {
   public:
@@ -25,14 +74,13 @@ class Driver {
     void start(const ScriptCommand& command);
     bool startInput(const ScriptCommand& command);
     bool startExpectation(const ScriptCommand& command);
-    void startFile(const ScriptCommand& command);
+    bool startFile(const ScriptCommand& command);
     void startHand(const ScriptCommand& command);
     void set(const ScriptCommand& command);
     void startIdling(double seconds);
     void waitFrames(int frames);
     std::string stateOf(const ScriptCommand& command) const;
     std::string stateOfImage(const ScriptCommand& command) const;
-    std::string cameraNames() const;
     Gui::Place placeOf(const ScriptCommand& command, const std::string& word) const;
     [[noreturn]] static void fail(const ScriptCommand& command, const std::string& what);
 
@@ -44,7 +92,7 @@ class Driver {
     size_t next_ = 0;
     std::function<bool()> wait_;  // of the command at hand: true once it is over
     bool stays_ = false, idles_ = false;
-    Hand hand_;
+    std::future<int> hand_;
 };
 
 }  // namespace glint::view::test

@@ -27,10 +27,11 @@ std::string onOffText(bool on) {
 // The part of the image that the panel and other boxes hide, 0..1.
 double covered(Viewer& viewer) {
     const int left = viewer.model().left, width = viewer.frame().width, height = viewer.frame().height;
+    const std::vector<Gui::Rectangle> windows = viewer.gui().windows(true);
     size_t hidden = 0;
     for (int y = 0; y < height; ++y)
         for (int x = left; x < width; ++x)
-            hidden += std::any_of(viewer.gui().windows().begin(), viewer.gui().windows().end(),
+            hidden += std::any_of(windows.begin(), windows.end(),
                                   [&](const Gui::Rectangle& r) {
                                       return x >= static_cast<int>(r.x0) && x < static_cast<int>(r.x1) &&
                                              y >= static_cast<int>(r.y0) && y < static_cast<int>(r.y1);
@@ -48,37 +49,43 @@ std::string pickTree(const Pick& pick) {
     return lines;
 }
 
-std::string pixelText(const std::optional<PixelFacts>& pixel) {
-    if (!pixel) return "none";
+std::string pixelText(const Model& m) {
+    if (!m.pixel) return "none";
+    const Picture& picture = m.session->picture();
+    const glm::ivec2 at = *m.pixel;
     char line[160];
-    std::snprintf(line, sizeof(line), "%d %d  %.6g %.6g %.6g  ", pixel->x, pixel->y,
-                  static_cast<double>(pixel->linear.x), static_cast<double>(pixel->linear.y),
-                  static_cast<double>(pixel->linear.z));
-    return line + (pixel->hasData ? pixel->object + " " + text("%.6g", pixel->data.depth) : "");
+    std::snprintf(line, sizeof(line), "%d %d  %.6g %.6g %.6g  ", at.x, at.y,
+                  static_cast<double>(picture.color.at(at.x, at.y, 0)),
+                  static_cast<double>(picture.color.at(at.x, at.y, 1)),
+                  static_cast<double>(picture.color.at(at.x, at.y, 2)));
+    if (!m.session->hasData()) return line;
+    const PixelData& data = picture.at(at.x, at.y);
+    return line + objectName(m.scene->scene, data.object) + " " + text("%.6g", data.depth);
 }
 
-}  // namespace
-
-std::string Driver::cameraNames() const {
+std::string cameraNames(const Model& m) {
     std::string names;
-    for (const auto* list : {&m_.file->cameras, &std::as_const(m_.bookmarks)})
+    for (const auto* list : {&m.file->cameras, &m.bookmarks})
         for (const NamedCamera& camera : *list) names += (names.empty() ? "" : ", ") + camera.name;
     return names.empty() ? "none" : names;
 }
+
+}  // namespace
 
 std::string Driver::stateOf(const ScriptCommand& command) const {
     const std::string& what = command.arguments[0];
     const Camera& camera = m_.control.camera();
     if (what == "aim") return text("%g", 1e3 * m_.targetSeconds);
     if (what == "camera") return cameraJson(camera);
-    if (what == "cameras") return cameraNames();
+    if (what == "cameras") return cameraNames(m_);
     if (what == "control" && command.arguments.size() > 1) {
         const Gui::Place place = placeOf(command, "@" + command.arguments[1]);
         return text("%.0f", place.x - m_.left) + " " + text("%.0f", place.y);
     }
     if (what == "covered") return text("%.3f", covered(viewer_));
     if (what == "difference") return onOffText(m_.difference.has_value());
-    if (what == "error") return m_.session->goal() ? inWords(*m_.session->goal(), m_.settings.until) : "none";
+    if (what == "error")
+        return m_.settings.until.error > 0 ? inWords(m_.session->goal(), m_.settings.until.error) : "none";
     if (what == "exposure") return text("%g", m_.display.exposure);
     if (what == "fault") return m_.sceneError.empty() ? "none" : m_.sceneError;
     if (what == "figures") return m_.comparison.figures ? text("%.6g", m_.comparison.figures->rmse) : "none";
@@ -103,7 +110,7 @@ std::string Driver::stateOfImage(const ScriptCommand& command) const {
     if (what == "pick") return m_.pick ? pickTree(*m_.pick) : "none";
     if (what == "picture")
         return std::to_string(m_.session->width()) + " " + std::to_string(m_.session->height());
-    if (what == "pixel") return pixelText(m_.pixel);
+    if (what == "pixel") return pixelText(m_);
     if (what == "samples") return std::to_string(m_.session->samples());
     if (what == "scroll") return text("%.0f", m_.helpScroll);
     if (what == "size") {
@@ -131,8 +138,7 @@ std::string Driver::stateOfImage(const ScriptCommand& command) const {
         for (const Toast& toast : m_.toasts.shown()) all += (all.empty() ? "" : " | ") + toast.text;
         return all.empty() ? "none" : all;
     }
-    throw Error(ErrorKind::Argument,
-                command.place + ": nothing is called '" + what + "' (tests/view/script.cpp)");
+    fail(command, "nothing has this name");
 }
 
 bool Driver::startExpectation(const ScriptCommand& command) {

@@ -42,8 +42,8 @@ TEST(ErrorGoal, EndsWhereRenderDoes) {
         EXPECT_EQ(facts.stop, converge::Stop::Reached);
         EXPECT_EQ(facts.state.samplesPerPixel, result.samplesPerPixel);
         EXPECT_EQ(facts.state.rounds, result.rounds);
-        EXPECT_LE(facts.looks.back().bound, 0.02);
-        EXPECT_LT(facts.looks.back().bound, facts.looks.front().bound / 3);
+        EXPECT_LE(facts.bounds.back(), 0.02);
+        EXPECT_LT(facts.bounds.back(), facts.bounds.front() / 3);
         // All of its samples at once draw the same picture.
         Request request;
         request.width = request.height = kSide;
@@ -58,7 +58,7 @@ TEST(ErrorGoal, EndsWhereRenderDoes) {
 TEST(ErrorGoal, SaysWhatNoSampleMends) {
     const converge::Film film = converge::edgeFilm();
     ErrorGoal rounded = goalOf(0.02);
-    EXPECT_EQ(inWords(rounded.facts(), {.error = 0.02}), "error not known yet; until 0.02");
+    EXPECT_EQ(inWords(rounded.facts(), 0.02), "error not known yet; until 0.02");
     const auto twice = [&](ErrorGoal& goal, double depth) {
         for (int i = 0; i < 2; ++i) passOver(goal, film, depth);
         ASSERT_TRUE(goal.looks());
@@ -66,19 +66,19 @@ TEST(ErrorGoal, SaysWhatNoSampleMends) {
     twice(rounded, 0);
     rounded.look(0.03);
     EXPECT_EQ(rounded.facts().stop, converge::Stop::Fixed);
-    EXPECT_EQ(inWords(rounded.facts(), {.error = 0.02}), "out of reach: rounding and cuts may take 0.03");
+    EXPECT_EQ(inWords(rounded.facts(), 0.02), "out of reach: rounding and cuts may take 0.03");
 
     // One branch of 8 in each of the four bands: sqrt(8 x 32 / 1600).
     ErrorGoal cut = goalOf(0.02);
     twice(cut, 8);
     cut.look(0);
-    EXPECT_EQ(inWords(cut.facts(), {.error = 0.02}), "out of reach: beyond the depth there may be 0.4");
+    EXPECT_EQ(inWords(cut.facts(), 0.02), "out of reach: beyond the depth there may be 0.4");
 
     ErrorGoal flat = goalOf(0.02, 0, false);
     twice(flat, 0);
     flat.look(0);
     EXPECT_EQ(flat.facts().stop, converge::Stop::Fixed);
-    EXPECT_NE(inWords(flat.facts(), {.error = 0.02}).find("with depth 0"), std::string::npos);
+    EXPECT_NE(inWords(flat.facts(), 0.02).find("with depth 0"), std::string::npos);
 }
 
 }  // namespace glint::view::test::goal_test

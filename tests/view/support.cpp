@@ -9,7 +9,6 @@
 #include "app/cli.h"
 #include "core/error.h"
 #include "core/quantize.h"
-#include "driver.h"
 #include "view/files.h"
 
 namespace glint::view::test {
@@ -34,7 +33,7 @@ Options optionsOf(const std::vector<std::string>& args) {
         if (name == "--validation")
             options.validation = true;
         else if (name == "--within-depth")
-            options.until.withinDepth = true;
+            options.until.depthCounts = false;
         else if (name == "--size" &&
                  std::sscanf(value().c_str(), "%dx%d", &options.width, &options.height) == 2)
             continue;
@@ -160,11 +159,12 @@ void FolderTest::SetUp() {
     ASSERT_EQ(std::system("xdotool mousemove 1279 1023"), 0);
 }
 
-Ran FolderTest::view(const std::string& script, const std::vector<std::string>& more) {
+Ran FolderTest::view(const std::string& script, const std::vector<std::string>& more, int code) {
     if (!newcomer_) writeState(stateFile("hints"), "turn pick save compare");
     std::vector<std::string> args = {"scene.json", "--size", size_, "--validation"};
     args.insert(args.end(), more.begin(), more.end());
     const Ran ran = runView(args, parseScript(byHand_ ? byHand(script) : script, "script.txt"));
+    EXPECT_EQ(ran.code, code) << ran.err;
     EXPECT_EQ(ran.err.find("validation"), std::string::npos) << ran.err;
     return ran;
 }

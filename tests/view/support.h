@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/image.h"
-#include "script.h"
+#include "driver.h"
 #include "support/environment.h"
 #include "support/support.h"
 
@@ -44,8 +44,9 @@ class FolderTest : public glint::test::WorkingFolderTest {
   protected:
     void SetUp() override;
 
-    // runView("scene.json --size SIZE --validation ...") with `script`; fails on a validation message.
-    Ran view(const std::string& script, const std::vector<std::string>& more = {});
+    // runView("scene.json --size SIZE --validation ...") with `script`; fails on a validation message or
+    // another exit code.
+    Ran view(const std::string& script, const std::vector<std::string>& more = {}, int code = 0);
     // What the script's `print WHAT` printed, one for each time.
     static std::vector<std::string> printed(const Ran& ran, const std::string& what);
     // `glint render NAME --size SIZE`, to `output`.

@@ -77,7 +77,7 @@ TEST(TimelineTest, LoopsUnlessAsked) {
     EXPECT_EQ(t.frame(), 24) << "the last one is the first one";
     t.advance(2 + 2 + 0.5);
     EXPECT_EQ(t.frame(), 36);
-    t.setLoops(false, 5);
+    t.setLoops(false);
     t.advance(9);
     EXPECT_EQ(t.frame(), 72);
     EXPECT_FALSE(t.playing());
@@ -89,7 +89,7 @@ TEST(TimelineTest, LoopsUnlessAsked) {
 TEST(TimelineTest, TheRateIsHowFinely) {
     Timeline t = twoSeconds();
     t.goTo(12);
-    t.setRate(48, 0);
+    t.setRate(48);
     EXPECT_EQ(t.time(), 0.5);
     EXPECT_EQ(t.frame(), 24);
     EXPECT_EQ(t.last(), 96);

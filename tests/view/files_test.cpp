@@ -1,16 +1,16 @@
-// What is remembered of scenes between windows.
+// Files beside the image: those of the scene, and what is remembered of scenes between windows.
 #include "view/files.h"
 
 #include <sys/stat.h>
 
-#include "support/environment.h"
-#include "support/support.h"
-#include "view/messages.h"
+#include <set>
 
-namespace glint::view::test::recent_test {
+#include "import/load.h"
+#include "support.h"
+
+namespace glint::view::test::files_test {
 namespace fs = std::filesystem;
 using glint::test::ScopedEnvironment;
-using glint::test::writeText;
 
 class Recent : public glint::test::FolderTest {
   protected:
@@ -119,4 +119,32 @@ TEST_F(Recent, HintsGoOnceFollowed) {
     EXPECT_FALSE(nowhere.wanted(Hint::Pick));
 }
 
-}  // namespace glint::view::test::recent_test
+// ---- of the scene ----
+
+class SceneFiles : public FolderTest {};
+
+TEST_F(SceneFiles, AreThoseThatTheSceneWasReadFrom) {
+    std::filesystem::create_directories("parts");
+    writeText("parts/a.obj", "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    writeText("parts/a.mtl", "newmtl m\nKd 1 0 0\n");
+    writeText("scene.json", R"({ // a comment
+      "meshes": {"a": {"file": "parts/a.obj"}}, "objects": [{"type": "mesh", "mesh": "a"}]})");
+    std::set<std::string> names;
+    for (const auto& file : sceneFiles("scene.json", loadScene("scene.json"))) names.insert(file.string());
+    EXPECT_EQ(names, (std::set<std::string>{"scene.json", "parts/a.obj", "parts/a.mtl"}));
+}
+
+TEST_F(SceneFiles, ReportsAChangeOnceItIsOver) {
+    FileWatch watch;
+    watch.watch({"scene.json"});
+    EXPECT_FALSE(watch.changed());
+    writeText("scene.json", "{}");
+    EXPECT_FALSE(watch.changed());  // may still be being written
+    EXPECT_TRUE(watch.changed());
+    EXPECT_FALSE(watch.changed());
+    std::filesystem::remove("scene.json");
+    EXPECT_FALSE(watch.changed());
+    EXPECT_TRUE(watch.changed());
+}
+
+}  // namespace glint::view::test::files_test
