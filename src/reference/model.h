@@ -24,43 +24,38 @@ namespace rows {
     glm::dvec3 a{0};           \
     uint32_t b = 0;
 #define GLINT_ROW_U4(A, a, b, c, d) uint32_t a = 0, b = 0, c = 0, d = 0;
-#define GLINT_WIDEN_V3F(A, a, b) \
-    a = glm::dvec3(from.a);      \
-    b = static_cast<double>(from.b);
-#define GLINT_WIDEN_V3U(A, a, b) \
-    a = glm::dvec3(from.a);      \
-    b = from.b;
+#define GLINT_WIDEN_V3(A, a, b) \
+    a = glm::dvec3(from.a);     \
+    b = decltype(b)(from.b);
 #define GLINT_WIDEN_U4(A, a, b, c, d) \
     a = from.a;                       \
     b = from.b;                       \
     c = from.c;                       \
     d = from.d;
-#define GLINT_NUMBERS_V3F(A, a, b)            \
-    for (int i = 0; i < 3; ++i) change(a[i]); \
+#define GLINT_NUMBERS_V3F(A, a, b) \
+    change(a);                     \
     change(b);
-#define GLINT_NUMBERS_V3U(A, a, b) \
-    for (int i = 0; i < 3; ++i) change(a[i]);
+#define GLINT_NUMBERS_V3U(A, a, b) change(a);
 #define GLINT_NUMBERS_U4(A, a, b, c, d)
-#define GLINT_ROW_STRUCT(binding, array, Name, ROWS)                                                 \
-    struct Name {                                                                                    \
-        ROWS(GLINT_ROW_V3F, GLINT_ROW_V3U, GLINT_ROW_U4, 0)                                          \
-        Name() = default;                                                                            \
-        /* Exact: each float is a double. */                                                         \
-        Name(const shared::Name& from) { ROWS(GLINT_WIDEN_V3F, GLINT_WIDEN_V3U, GLINT_WIDEN_U4, 0) } \
-        /* change(double&) for each of its numbers that packing rounds. */                           \
-        template <class Change>                                                                      \
-        void changeNumbers([[maybe_unused]] const Change& change) {                                  \
-            ROWS(GLINT_NUMBERS_V3F, GLINT_NUMBERS_V3U, GLINT_NUMBERS_U4, 0)                          \
-        }                                                                                            \
-        bool operator==(const Name&) const = default;                                                \
+#define GLINT_ROW_STRUCT(binding, array, Name, ROWS)                                               \
+    struct Name {                                                                                  \
+        ROWS(GLINT_ROW_V3F, GLINT_ROW_V3U, GLINT_ROW_U4, 0)                                        \
+        Name() = default;                                                                          \
+        /* Exact: each float is a double. */                                                       \
+        Name(const shared::Name& from) { ROWS(GLINT_WIDEN_V3, GLINT_WIDEN_V3, GLINT_WIDEN_U4, 0) } \
+        /* change(double&) or change(dvec3&) for each of its numbers that packing rounds. */       \
+        template <class Change>                                                                    \
+        void changeNumbers([[maybe_unused]] const Change& change) {                                \
+            ROWS(GLINT_NUMBERS_V3F, GLINT_NUMBERS_V3U, GLINT_NUMBERS_U4, 0)                        \
+        }                                                                                          \
+        bool operator==(const Name&) const = default;                                              \
     };
 GLINT_SCENE_ARRAYS(GLINT_ROW_STRUCT)
 #undef GLINT_ROW_STRUCT
 #undef GLINT_ROW_V3F
 #undef GLINT_ROW_V3U
 #undef GLINT_ROW_U4
-#undef GLINT_WIDEN_V3F
-#undef GLINT_WIDEN_V3U
+#undef GLINT_WIDEN_V3
 #undef GLINT_WIDEN_U4
 #undef GLINT_NUMBERS_V3F
 #undef GLINT_NUMBERS_V3U

@@ -1,6 +1,7 @@
 // Shadows with closed forms, and rays that start on surfaces: neither acne nor leaks.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <numbers>
 
 #include "support/packed_scene_maker.h"
@@ -58,14 +59,14 @@ struct Lighting {
     double size;
     bool solid = false;
 
-    void addLights() {
+    Lighting(double radius, double offset) : center(vec3(offset * dvec3(1, -1, 1))), size(radius) {}
+
+    // Of eight lights none is shadowed at the hits of rays towards the points that `target` makes.
+    void expectNone(const std::function<dvec3()>& target) {
         for (int i = 0; i < 4; ++i) {
             maker.light(kLightDirectional, vec3(random.direction()));
             maker.light(kLightPoint, vec3(center + 5 * size * random.direction()));
         }
-    }
-    // Shadowed lights at the hits of rays towards the points that `target` makes.
-    void expectNone(const std::function<dvec3()>& target) {
         const SceneTracer tracer(maker);
         int lit = 0, shadowed = 0;
         for (int i = 0; i < 4000; ++i) {
@@ -84,32 +85,27 @@ struct Lighting {
     }
 };
 
-const double kOffsets[] = {0, 1, 1e3, 1e6};
-
-TEST(ReferenceAcne, SpheresDoNotShadowThemselves) {
+void everywhere(const std::function<void(Lighting&)>& check) {
     for (const double size : {1e-3, 1.0, 1e3}) {
-        for (const double offset : kOffsets) {
-            Lighting l;
-            l.size = size;
-            l.center = dvec3(vec3(offset * dvec3(1, -1, 1)));
-            l.maker.sphere(vec3(l.center), static_cast<float>(size));
-            l.addLights();
-            l.expectNone([&] { return l.center + .9999 * size * l.random.direction(); });
+        for (const double offset : {0.0, 1.0, 1e3, 1e6}) {
+            Lighting l(size, offset);
+            check(l);
         }
     }
 }
 
+TEST(ReferenceAcne, SpheresDoNotShadowThemselves) {
+    everywhere([](Lighting& l) {
+        l.maker.sphere(vec3(l.center), static_cast<float>(l.size));
+        l.expectNone([&] { return l.center + .9999 * l.size * l.random.direction(); });
+    });
+}
+
 TEST(ReferenceAcne, PlanesDoNotShadowThemselves) {
-    for (const double size : {1e-3, 1.0, 1e3}) {
-        for (const double offset : kOffsets) {
-            Lighting l;
-            l.size = size;
-            l.center = dvec3(vec3(offset * dvec3(1, -1, 1)));
-            l.maker.plane(vec3(l.center), vec3(l.random.direction()));
-            l.addLights();
-            l.expectNone([&] { return l.center + l.random.box(size); });
-        }
-    }
+    everywhere([](Lighting& l) {
+        l.maker.plane(vec3(l.center), vec3(l.random.direction()));
+        l.expectNone([&] { return l.center + l.random.box(l.size); });
+    });
 }
 
 // Aimed at faces and, at every second ray, next to the edges, where the neighbouring face would catch a ray
@@ -118,12 +114,9 @@ TEST(ReferenceAcne, CubesDoNotShadowThemselves) {
     for (const double size : {0x1p-10, 1.0, 1024.0}) {
         for (const double offset : {0.0, 1.0, 1024.0, 0x1p20}) {
             if (size < offset * 0x1p-22) continue;
-            Lighting l;
-            l.size = size;
-            l.center = offset * dvec3(1, -1, 1);
+            Lighting l(size, offset);
             l.solid = true;
             l.maker.cube(vec3(l.center), static_cast<float>(size));
-            l.addLights();
             l.expectNone([&] {
                 const int axis = static_cast<int>(l.random.below(3));
                 dvec3 at = l.random.box(1);
@@ -137,25 +130,21 @@ TEST(ReferenceAcne, CubesDoNotShadowThemselves) {
 
 // A reflected ray on a convex mirror never meets the mirror again.
 TEST(ReferenceAcne, ConvexMirrorsReflectOnce) {
-    for (const double size : {1e-3, 1.0, 1e3}) {
-        for (const double offset : kOffsets) {
-            SceneMaker maker;
-            const uint32_t mirror = maker.material(vec3(0), vec3(0), 1, vec3(1));
-            const dvec3 center(vec3(offset * dvec3(1, -1, 1)));
-            maker.sphere(vec3(center), static_cast<float>(size), mirror);
-            maker.environment.background = vec3(1);
-            const SceneTracer tracer(maker);
-            Random random(82);
-            for (int i = 0; i < 2000; ++i) {
-                const dvec3 eye = center + 4 * size * random.direction();
-                const PixelRecord record = tracer.trace(rayTowards(eye, center + size * random.direction()));
-                if (record.alpha > 0) {
-                    EXPECT_EQ(record.bounces, 1u);
-                }
-                EXPECT_EQ(record.color, dvec3(1));
+    everywhere([](Lighting& l) {
+        const uint32_t mirror = l.maker.material(vec3(0), vec3(0), 1, vec3(1));
+        l.maker.sphere(vec3(l.center), static_cast<float>(l.size), mirror);
+        l.maker.environment.background = vec3(1);
+        const SceneTracer tracer(l.maker);
+        for (int i = 0; i < 2000; ++i) {
+            const dvec3 eye = l.center + 4 * l.size * l.random.direction();
+            const PixelRecord record =
+                tracer.trace(rayTowards(eye, l.center + l.size * l.random.direction()));
+            if (record.alpha > 0) {
+                EXPECT_EQ(record.bounces, 1u);
             }
+            EXPECT_EQ(record.color, dvec3(1));
         }
-    }
+    });
 }
 
 // Inside a mirror sphere a ray through the centre comes back along itself for ever: t = 2 r each time.

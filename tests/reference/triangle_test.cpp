@@ -1,4 +1,4 @@
-// Triangles and closed meshes of them.
+// Triangles, and a closed mesh of them.
 #include <gtest/gtest.h>
 
 #include "support/packed_scene_maker.h"
@@ -100,52 +100,6 @@ TEST(ReferenceTriangle, SourceNeverHitsItself) {
     EXPECT_FALSE(tracer.closestBruteForce(ray, 0));
     EXPECT_TRUE(tracer.occluded(ray));
     EXPECT_FALSE(tracer.occluded(ray, 0));
-}
-
-// Closed meshes: a ray that meets the mesh hits it. Random rays find nothing here, so the rays aim at edges
-// and vertices.
-
-// pbrt-v4, Triangle.Watertight: origins within 0.5 of the centre, all radii are at least 1.
-class BumpySphere : public testing::Test {
-  protected:
-    BumpySphere() : mesh_(makeBumpyMesh(15)) {
-        SceneMaker maker;
-        for (const glm::uvec3& t : mesh_.triangles) {
-            maker.triangle(mesh_.vertices[t.x], mesh_.vertices[t.y], mesh_.vertices[t.z]);
-        }
-        scene_ = maker.finish();
-    }
-    int missesOf(const std::function<dvec3()>& target) {
-        const Tracer tracer(scene_);
-        int misses = 0;
-        for (int i = 0; i < 100000; ++i) {
-            const dvec3 from = random_.box(.28);  // 0.28 sqrt(3) < 0.5
-            Ray ray = rayTowards(from, target());
-            if (i % 2) ray.direction = glm::normalize(ray.direction);
-            misses += !tracer.closest(ray);
-        }
-        return misses;
-    }
-    BumpyMesh mesh_;
-    PackedScene scene_;
-    Random random_{16};
-};
-
-TEST_F(BumpySphere, RaysAtVerticesHit) {
-    EXPECT_EQ(missesOf([&] {
-                  return dvec3(mesh_.vertices[random_.below(static_cast<uint32_t>(mesh_.vertices.size()))]);
-              }),
-              0);
-}
-
-TEST_F(BumpySphere, RaysAtEdgesHit) {
-    EXPECT_EQ(missesOf([&] {
-                  const glm::uvec3& t =
-                      mesh_.triangles[random_.below(static_cast<uint32_t>(mesh_.triangles.size()))];
-                  const double w = random_.uniform(0, 1);
-                  return (1 - w) * dvec3(mesh_.vertices[t.x]) + w * dvec3(mesh_.vertices[t.y]);
-              }),
-              0);
 }
 
 // Straight through a corner of a cube, t = 9; and through points of its edges from many sides.
