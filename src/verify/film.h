@@ -1,9 +1,11 @@
-// Compares the image of all samples with the samples, rendered one by one.
+// Compares what a device reports of an image as a whole: the sum of its samples, and the branches that no ray
+// followed.
 #pragma once
 
 #include <vector>
 
 #include "render/renderer.h"
+#include "trace/picture.h"
 
 namespace glint::verify {
 
@@ -41,6 +43,32 @@ class Film {
     double lights_;
     std::vector<Pixel> first_, all_;               // after one round, and after all
     std::vector<std::vector<glm::dvec3>> colors_;  // of the first round, of adaptive pictures
+};
+
+// Account of the losses of an image's rays: branches that were not followed, and media that a ray had no room
+// for. The device reports the sum over all pixels.
+class Account {
+  public:
+    // radianceBound: by which branches are judged (Environment::radianceBound).
+    explicit Account(double radianceBound) : radianceBound_(radianceBound) {}
+
+    // Adds a pixel whose rays hit the same primitives on device and reference: it loses the same branches.
+    void addAlike(const TreeLosses& lost, double weight);
+    // Adds a pixel whose rays hit others. Each hit loses at most two branches, and one medium.
+    void addOther(uint32_t bounces, double weight);
+    void add(const Account& rows);
+
+    // otherwise: how many pixels of those alike may decide about a hit's branches as the reference does not:
+    // where light is just reflected totally, at the edge of a mirroring square of a checker.
+    bool agrees(const TreeLosses& device, uint64_t otherwise) const;
+
+  private:
+    bool agrees(const LostBranches& alike, const LostBranches& device, uint64_t otherwise) const;
+
+    double radianceBound_;
+    TreeLosses alike_;
+    LostBranches other_;  // at most, of any kind
+    double greatestWeight_ = 0;
 };
 
 }  // namespace glint::verify

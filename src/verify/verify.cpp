@@ -13,7 +13,6 @@
 #include "core/parallel.h"
 #include "core/vectors.h"
 #include "reference/sampling.h"
-#include "verify/account.h"
 #include "verify/certificate.h"
 #include "verify/film.h"
 

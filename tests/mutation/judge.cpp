@@ -129,7 +129,7 @@ class Judge {
         if (report.filmDiffers > 0) return "wrong sum";
         if (report.lossesDiffer > 0) return "wrong account";
         if (report.explained() > report.allowedExplained()) return "too many";
-        return "percentile";
+        return "undecided";
     }
 
     gpu::Device device_;

@@ -5,7 +5,6 @@
 #include <functional>
 #include <limits>
 
-#include "verify/account.h"
 #include "verify/film.h"
 
 namespace glint::verify {
