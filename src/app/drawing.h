@@ -10,6 +10,7 @@
 #include "app/options.h"
 #include "converge/converge.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "reference/model.h"
@@ -44,6 +45,11 @@ struct DrawingFacts {
     std::optional<FailedDevice> failed;
     bool sharesBits() const { return arithmetic && arithmetic->sharesBits(); }
 };
+
+// The job for the scene's image; `request` becomes like those of its batches. `backend`: for the rounding
+// error. `progress` must outlive the job.
+converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request,
+                    Progress& progress);
 
 class Drawing {
   public:

@@ -22,6 +22,7 @@ namespace glint::app {
 
 namespace {
 
+constexpr int kMostErrorSamples = 1 << 20;
 constexpr const char* kAllowOutside = "allow files outside the scene's folder";
 
 // Numbers too large for 64 bits become the largest one, so that range checks see them.
@@ -191,6 +192,13 @@ double parsePositive(const std::string& text) {
     return *value;
 }
 
+double parseConfidence(const std::string& text) {
+    const double value = parseNotNegative(text);
+    if (!(value > 0.5 && value < 1))
+        throw Error(ErrorKind::Argument, "a confidence lies between 0.5 and 1, such as 0.95");
+    return value;
+}
+
 const std::string& parseName(const std::string& text) {
     if (text.empty()) throw Error(ErrorKind::Argument, "the name is empty");
     return text;
@@ -329,6 +337,28 @@ void addSampling(OptionTable& table, SceneOptions& options) {
 void addExposure(OptionTable& table, std::optional<double>& stops) {
     table.real("--exposure", "STOPS", "multiply the colours of a .png by 2^STOPS (default 0)", -100, 100,
                stops);
+}
+
+void addError(OptionTable& table, ErrorTarget& target) {
+    table.value(
+        "--error", "E",
+        "take samples until the image's root mean square error is at most E (linear radiance, full scale 1)",
+        target.error, parsePositive);
+    table.value("--confidence", "P", "probability that --error holds, above 0.5 and below 1 (default 0.95)",
+                target.limits.confidence, parseConfidence);
+    table.flag("--within-depth", "do not count reflections beyond the scene's depth as error",
+               target.withinDepth);
+    table.require("--error", {"--confidence", "--within-depth"});
+}
+
+void addErrorTarget(OptionTable& table, ErrorTarget& target) {
+    addError(table, target);
+    table.value("--max-seconds", "S", "stop after S seconds with the best image so far",
+                target.limits.maxSeconds, parsePositive);
+    table.whole("--max-spp", "N", "stop at N samples per pixel (default 65536)", 2, kMostErrorSamples,
+                target.limits.maxSamples);
+    table.flag("--strict", "exit with code 5 if --error is not reached", target.strict);
+    table.require("--error", {"--max-seconds", "--max-spp", "--strict"});
 }
 
 void addBackend(OptionTable& table, Backend& backend) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bvh/bvh.h"
+#include "converge/converge.h"
 #include "core/enum_names.h"
 #include "core/file_source.h"
 #include "core/progress.h"
@@ -54,6 +55,7 @@ int parseWhole(const std::string& text, int least, int greatest);
 double parseReal(const std::string& text, double least, double greatest);
 double parsePositive(const std::string& text);            // finite
 double parseNotNegative(const std::string& text);         // finite
+double parseConfidence(const std::string& text);          // above 0.5 and below 1
 Size parseSize(const std::string& text);                  // "640x480"
 PartChoice parsePart(const std::string& text);            // "3/8"
 FrameRange parseFrames(const std::string& text);          // "0:240" or "17"
@@ -169,6 +171,14 @@ struct DeviceChoice {
     Fallback fallback = Fallback::None;
 };
 
+// Wishes of --error.
+struct ErrorTarget {
+    std::optional<double> error;
+    converge::Target limits;  // all but the error and `depthCounts`
+    bool strict = false;
+    bool withinDepth = false;
+};
+
 // Options that several commands share, with the same names, texts and values in each.
 void addScene(OptionTable& table, SceneOptions& options);                       // one SCENE
 void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes,  // one or more
@@ -188,6 +198,11 @@ void addFallback(OptionTable& table, DeviceChoice& device);
 void addProgress(OptionTable& table, ProgressMode& mode);
 // --stats json; `help` tells what it prints.
 void addStats(OptionTable& table, const std::string& help, bool& json);
+
+// --error, --confidence, --within-depth; the last two require the first.
+void addError(OptionTable& table, ErrorTarget& target);
+// The same, and the limits.
+void addErrorTarget(OptionTable& table, ErrorTarget& target);
 
 // Throws Error(Argument) for options of a device that --backend cpu would ignore.
 void checkDeviceOptions(Backend backend, const DeviceChoice& device);

@@ -168,11 +168,6 @@ uint64_t roundedUp(uint64_t rows) {
     return (rows + kStep - 1) / kStep * kStep;
 }
 
-// A row of the picture, its layers, and what becomes of these for the file.
-uint64_t bytesOfRow(const RenderCommand& command, const Region& region) {
-    return static_cast<uint64_t>(region.width()) * 2 * bytesPerPixel(command);
-}
-
 // Adds what is known of a band, and makes its colours finite.
 void add(Picture& all, Picture& band) {
     // Bands come from the top, so the first place is that of the first band that has one.
@@ -183,23 +178,19 @@ void add(Picture& all, Picture& band) {
     blackenNotFinite(band);
 }
 
-// Rows of a band; 0: the image is rendered at once, because it fits into `available` bytes and no bands were
-// asked for. Throws Error(Failed) if not even a band fits, or the image cannot be written in bands, and
-// Error(Argument) if bands were asked for where there can be none.
-int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output, const Region& region,
-               uint64_t available) {
-    const bool able = !command.target.error && canWriteRows(output, command.aovs);
-    if (command.bandRows && !able)
-        throw Error(ErrorKind::Argument,
-                    "--band-rows: bands go into .png (layers color and alpha alone), .exr and .pfm");
-    const uint64_t row = bytesOfRow(command, region);
-    const auto height = static_cast<uint64_t>(region.height());
-    const uint64_t whole = bytesPerPixel(command);
+// Rows of a band; 0: the image is rendered at once. Throws Error(Failed) if not even a band fits into memory,
+// and what goesByRows() throws.
+int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output, const Region& region) {
+    const uint64_t available = availableMemory();
     // While it is written the file's own rows lie beside it: an EXR took 41 bytes for a pixel, of 29 and 58.
-    if (!command.bandRows && (!able || height * row <= available)) {
-        checkMemory(region.width(), region.height(), whole, available);
+    const uint64_t perPixel = 2 * bytesPerPixel(command);
+    if (command.target.error) {  // its rounds need the whole image
+        checkMemory(region.width(), region.height(), perPixel, available);
         return 0;
     }
+    if (!goesByRows(output, command.aovs, region, perPixel, 0, command.bandRows.has_value())) return 0;
+    const uint64_t row = static_cast<uint64_t>(region.width()) * perPixel;
+    const auto height = static_cast<uint64_t>(region.height());
     const uint64_t fitting = std::min(available / 4, kBandBytes) / row / kStep * kStep;
     const uint64_t rows = command.bandRows ? roundedUp(static_cast<uint64_t>(*command.bandRows))
                                            : std::max<uint64_t>(fitting, kStep);
@@ -256,7 +247,7 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
     Outcome outcome;
     outcome.request = request;
     outcome.output = outputOf(command, loaded.scene);
-    const int bandRows = bandRowsOf(command, outcome.output, request.region, availableMemory());
+    const int bandRows = bandRowsOf(command, outcome.output, request.region);
     installInterruptHandler();
     {
         Progress progress = progressOf("render", command.shownProgress(), err);

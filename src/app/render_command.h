@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "app/cli.h"
-#include "app/error_target.h"
 #include "app/options.h"
 #include "core/progress.h"
 #include "pack/loaded_scene.h"

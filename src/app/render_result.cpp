@@ -8,6 +8,7 @@
 #include "app/common.h"
 #include "app/loading.h"
 #include "app/picture_advice.h"
+#include "core/available_memory.h"
 #include "core/codecs.h"
 #include "core/error.h"
 #include "core/image_io.h"
@@ -39,10 +40,9 @@ const char* limitOf(converge::Stop stop) {
 
 // Numbers that are not finite become null.
 nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& result) {
-    const converge::Target defaults;
     const converge::ErrorBudget& budget = result.budget;
     return {{"asked", *target.error},
-            {"confidence", target.confidence.value_or(defaults.confidence)},
+            {"confidence", target.limits.confidence},
             {"reached", result.reached()},
             {"stopped", nameOf(result.stop)},
             {"bound", budget.total()},
@@ -76,7 +76,7 @@ PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& resul
 std::string errorSummary(const ErrorTarget& target, const converge::Result& result) {
     const converge::ErrorBudget& budget = result.budget;
     std::string text = format("error (rmse): at most %.3g with confidence ", budget.total()) +
-                       describe(target.confidence.value_or(converge::Target().confidence)) +
+                       describe(target.limits.confidence) +
                        format("; sampling %.2g (about %.2g), rounding %.1g, cut %.1g, maxDepth %.1g%s; ",
                               budget.sampling, result.estimate, budget.rounding, budget.cut, budget.depth,
                               budget.depthCounts ? "" : " (not counted)") +
@@ -320,8 +320,17 @@ std::vector<std::string> namesOf(const std::vector<Aov>& aovs) {
     return names;
 }
 
-bool canWriteRows(const std::filesystem::path& output, const std::vector<Aov>& aovs) {
-    return output != "-" && glint::canWriteRows(output, namesOf(aovs));
+bool goesByRows(const std::filesystem::path& output, const std::vector<Aov>& aovs, const Region& region,
+                uint64_t bytesPerPixel, uint64_t further, bool wanted) {
+    const bool able = output != "-" && canWriteRows(output, namesOf(aovs));
+    if (wanted && !able)
+        throw Error(ErrorKind::Argument,
+                    output.string() + ": bands go into .png (layers color and alpha alone), .exr and .pfm");
+    const uint64_t available = availableMemory();
+    const uint64_t pixels = static_cast<uint64_t>(region.width()) * static_cast<uint64_t>(region.height());
+    if (!wanted && pixels * bytesPerPixel + further <= available) return false;
+    if (!able) checkMemory(region.width(), region.height(), bytesPerPixel, available);
+    return able;
 }
 
 RowFile::RowFile(const std::filesystem::path& output, const Region& region, const std::vector<Aov>& aovs,

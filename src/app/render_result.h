@@ -48,8 +48,11 @@ float scaleOf(const std::filesystem::path& output, std::optional<double> exposur
 
 std::vector<std::string> namesOf(const std::vector<Aov>& aovs);
 
-// True if a file can be written row by row: .png with colour and alpha alone, .exr and .pfm.
-bool canWriteRows(const std::filesystem::path& output, const std::vector<Aov>& aovs);
+// True if the image goes into its file row by row: if `wanted`, or if its `bytesPerPixel` and `further` bytes
+// exceed the available memory. Throws Error(Argument) if it is wanted for a file that cannot be written so
+// (all but .png with colour and alpha alone, .exr and .pfm), and Error(Failed) if such an image does not fit.
+bool goesByRows(const std::filesystem::path& output, const std::vector<Aov>& aovs, const Region& region,
+                uint64_t bytesPerPixel, uint64_t further, bool wanted);
 
 // An image that goes into its file row by row, from the top.
 class RowFile {

@@ -16,21 +16,11 @@ namespace {
 
 bool needsRows(const farm::UnitHeader& header, const std::filesystem::path& output, uint64_t heldBytes,
                bool wanted) {
-    const uint64_t available = availableMemory();
     const Region& region = header.region;
-    const auto bytesOf = [&](int rows) {
-        return unitBytes(header.aovs, static_cast<uint64_t>(region.width()) * static_cast<uint64_t>(rows));
-    };
-    const bool able = canWriteRows(output, header.aovs);
-    if (wanted && !able)
-        throw Error(ErrorKind::Argument,
-                    output.string() + ": bands go into .png (layers color and alpha alone), .exr and .pfm");
-    if (!wanted && bytesOf(region.height()) + heldBytes <= available) return false;
-    if (!able) {
-        checkMemory(region.width(), region.height(), unitBytes(header.aovs, 1), available);
-        return false;
-    }
-    const uint64_t needed = heldBytes + bytesOf(4 * shared::kTileSize);
+    if (!goesByRows(output, header.aovs, region, unitBytes(header.aovs, 1), heldBytes, wanted)) return false;
+    const uint64_t needed = heldBytes + unitBytes(header.aovs, static_cast<uint64_t>(4 * shared::kTileSize) *
+                                                                   static_cast<uint64_t>(region.width()));
+    const uint64_t available = availableMemory();
     if (needed > available)
         throw Error(ErrorKind::Failed,
                     format("a picture of %dx%d pixels takes ", region.width(), region.height()) +

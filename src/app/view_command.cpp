@@ -1,6 +1,5 @@
 
 #include "app/commands.h"
-#include "app/error_target.h"
 #include "app/options.h"
 #include "core/error.h"
 #include "core/interrupt.h"
@@ -43,8 +42,8 @@ ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     if (command.scene.scene == "-")
         throw Error(ErrorKind::Argument, "SCENE: the window needs a file, which it watches for changes");
     view::Options options;
+    options.until = command.target.limits;
     options.until.error = command.target.error.value_or(0);
-    options.until.confidence = command.target.confidence.value_or(options.until.confidence);
     options.until.depthCounts = !command.target.withinDepth;
     options.scene = command.scene.scene;
     options.loading.allowOutside = command.scene.allowOutside;

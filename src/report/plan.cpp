@@ -84,16 +84,10 @@ class Plan {
 }  // namespace
 
 std::string keyOf(const Setting& s) {
-    std::string key = s.family + ' ' + std::string(nameOf(s.sampler)) + ' ' + std::to_string(s.spp);
-    key += ' ' + std::string(nameOf(s.methods.triangles)) + ' ' + std::string(nameOf(s.methods.spheres));
-    key += ' ' + std::string(nameOf(s.methods.slabs)) + ' ' + std::string(nameOf(s.methods.offsets));
-    key += " depth=" + (s.limits.depth ? std::to_string(*s.limits.depth) : std::string("scene"));
-    key += " cut=" + format("%g", s.limits.minContribution) + (s.leaveOut ? " pruned" : " full");
-    if (s.error) key += " error=" + format("%g", *s.error);
-    if (s.contrast) key += " contrast=" + format("%g", *s.contrast);
-    if (s.onReference) key += " reference";
-    if (!s.on.empty()) key += " on " + s.on;
-    return key;
+    std::string key = s.on.empty() ? s.family : kOnDevice + s.on;
+    if (s.limits.depth) key += format(" %u", *s.limits.depth);
+    if (s.limits.minContribution > 0) key += format(" %g", s.limits.minContribution);
+    return key + ", " + std::to_string(s.spp) + " spp";
 }
 
 bool hasArithmetic(const Setting& s) {
@@ -176,12 +170,6 @@ ArithmeticError measureArithmetic(const Image& picture, std::span<const uint32_t
     }
     return {measureError(picture, truth), measureError(picture, truth, same),
             measureError(picture, truth, other)};
-}
-
-const Measured* SceneReport::find(const std::string& key) const {
-    const auto found =
-        std::find_if(measured.begin(), measured.end(), [&](const Measured& m) { return m.key == key; });
-    return found == measured.end() ? nullptr : &*found;
 }
 
 }  // namespace glint::report

@@ -43,7 +43,7 @@ struct DeviceBeside {
 inline constexpr const char* kOnDevice = "device: ";  // the family of its settings is this and its name
 inline constexpr const char* kDefaultMethods = "default methods";
 
-// Everything that decides image and time, as text.
+// A name that no other setting of the plan has: "grid, 4 spp", "depth 2, 4 spp".
 std::string keyOf(const Setting& setting);
 
 // True if its rounding error is measured, against the reference's image of the same samples. The rounding
@@ -112,8 +112,6 @@ struct SceneReport {
     std::string thumbnail;  // of the converged image: a PNG in base64
     std::vector<Measured> measured;
     std::vector<std::string> leftOut;  // keys
-
-    const Measured* find(const std::string& key) const;
 };
 
 struct Report {

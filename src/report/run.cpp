@@ -71,22 +71,17 @@ void writeReport(const fs::path& folder, const Report& report) {
 }
 
 bool isDone(const SceneReport& report, const Setting& setting, int runs) {
-    const Measured* known = report.find(keyOf(setting));
-    return known && static_cast<int>(known->seconds.size()) >= runs;
-}
-
-std::string labelOf(const Setting& s) {
-    std::string name = s.family;
-    if (s.limits.depth) name += " " + std::to_string(*s.limits.depth);
-    if (s.limits.minContribution > 0) name += " " + shortNumber(s.limits.minContribution);
-    return name + ", " + std::to_string(s.spp) + " spp";
+    return std::any_of(report.measured.begin(), report.measured.end(),
+                       [&, key = keyOf(setting)](const Measured& m) {
+                           return m.key == key && static_cast<int>(m.seconds.size()) >= runs;
+                       });
 }
 
 void listLeftOut(const Sweeps& sweeps, Report& report) {
     for (size_t i = 0; i < sweeps.size(); ++i) {
         report.scenes[i].leftOut.clear();
         for (const Setting& setting : sweeps[i]->settings())
-            if (!isDone(report.scenes[i], setting, 1)) report.scenes[i].leftOut.push_back(labelOf(setting));
+            if (!isDone(report.scenes[i], setting, 1)) report.scenes[i].leftOut.push_back(keyOf(setting));
     }
 }
 

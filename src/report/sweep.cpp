@@ -316,34 +316,29 @@ SceneSweep::Outcome SceneSweep::run(const Setting& s, SceneReport& report) {
     if (options_.cancelled()) return Outcome::Cancelled;
     if (options_.secondsLeft() <= 0 || !drawTruth(report)) return unfinished();
     if (!isPossible(s, report)) return Outcome::Skipped;
-    const std::string key = keyOf(s);
-    const Measured* known = report.find(key);
-    if (options_.secondsLeft() != infinite && predictedSeconds(s, known) > options_.secondsLeft())
+    const auto known = std::find_if(report.measured.begin(), report.measured.end(),
+                                    [key = keyOf(s)](const Measured& m) { return m.key == key; });
+    const bool isKnown = known != report.measured.end();
+    if (options_.secondsLeft() != infinite &&
+        predictedSeconds(s, isKnown ? &*known : nullptr) > options_.secondsLeft())
         return unfinished();
-    Measured m = known ? *known : Measured();
-    if (!known) {
-        m.key = key;
-        m.family = s.family;
-        m.sampler = nameOf(s.sampler);
-        m.spp = s.spp;
-        m.depth = static_cast<int>(depthOf(loaded_.packed, requestFor(s, 0)));
-        m.minContribution = s.limits.minContribution;
-        m.asked = s.error.value_or(0);
-        Picture warm;
-        if (!judgeArithmetic(s, m)) return unfinished();
-        const auto compiling = bench::timeImage(
-            rendererOf(s), [&] { return draw(s, image_.seed); }, warm);
-        if (!warm.complete) return unfinished();
-        m.compile = compiling.stages.compile;
-        compileSeconds_ = std::max(compileSeconds_, m.compile);
-    }
-    if (!drawTimed(s, m, report)) return unfinished();
-    const auto at = std::find_if(report.measured.begin(), report.measured.end(),
-                                 [&](const Measured& other) { return other.key == key; });
-    if (at == report.measured.end())
-        report.measured.push_back(std::move(m));
-    else
-        *at = std::move(m);
+    if (isKnown) return drawTimed(s, *known, report) ? Outcome::Done : unfinished();
+    Measured m;
+    m.key = keyOf(s);
+    m.family = s.family;
+    m.sampler = nameOf(s.sampler);
+    m.spp = s.spp;
+    m.depth = static_cast<int>(depthOf(loaded_.packed, requestFor(s, 0)));
+    m.minContribution = s.limits.minContribution;
+    m.asked = s.error.value_or(0);
+    Picture warm;
+    if (!judgeArithmetic(s, m)) return unfinished();
+    const auto compiling = bench::timeImage(
+        rendererOf(s), [&] { return draw(s, image_.seed); }, warm);
+    m.compile = compiling.stages.compile;
+    compileSeconds_ = std::max(compileSeconds_, m.compile);
+    if (!warm.complete || !drawTimed(s, m, report)) return unfinished();
+    report.measured.push_back(std::move(m));
     return Outcome::Done;
 }
 

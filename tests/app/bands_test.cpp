@@ -87,10 +87,9 @@ TEST_F(Bands, WhereThereCanBeNone) {
         EXPECT_EQ(ran.code, 2);
         return ran.err;
     };
-    const std::string where =
-        "glint: --band-rows: bands go into .png (layers color and alpha alone), .exr and .pfm\n";
-    EXPECT_EQ(message("-o a.hdr"), where);
-    EXPECT_EQ(message("-o a.png --aov color,depth"), where);
+    const std::string where = ": bands go into .png (layers color and alpha alone), .exr and .pfm\n";
+    EXPECT_EQ(message("-o a.hdr"), "glint: a.hdr" + where);
+    EXPECT_EQ(message("-o a.png --aov color,depth"), "glint: a.png" + where);
     const std::string see = "; see glint render --help\n";
     EXPECT_EQ(message("-o a.png --error 0.1"), "glint: render: --band-rows excludes --error" + see);
     EXPECT_EQ(message("--part 1/2"), "glint: render: --band-rows excludes --part" + see);
