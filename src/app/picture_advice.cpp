@@ -78,7 +78,7 @@ std::optional<std::string> darkObjectAround(const Scouts& scouts, const Scene& s
         const reference::Surface& surface = *path.surface;
         const bool inside = glm::dot(surface.geometricNormal, path.path.front().ray.direction) > 0;
         const Material& material = scene.materials[surface.material];
-        if (!inside || surface.object != object || material.mirror != Color(0)) return std::nullopt;
+        if (!inside || surface.object != object || material.transmission != Color(0)) return std::nullopt;
         // Lights add to the ambient part.
         if (glm::any(glm::greaterThan(path.color, 1.0001 * material.ambient * scene.ambient)))
             return std::nullopt;
@@ -131,6 +131,18 @@ Contents contentsOf(const Picture& picture) {
     return found;
 }
 
+// A plane through the eye, which is seen edge-on: a floor at y = 0 by the default camera.
+std::optional<std::string> planeThroughEye(const Scene& scene) {
+    for (const Object& object : scene.objects) {
+        const auto* plane = std::get_if<PlaneShape>(&object.shape);
+        if (plane != nullptr && !object.transform &&
+            glm::dot(plane->normal, scene.camera.eye - plane->point) == 0)
+            return "the camera lies in the plane of " + object.name +
+                   ", which is invisible from there; move the camera's eye";
+    }
+    return std::nullopt;
+}
+
 // The exposure that makes the brightest value about 1.
 std::string exposureAdvice(const char* how, float brightest) {
     return format(
@@ -152,7 +164,7 @@ std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& sc
     if (scale > 0 && srgbByte(found.brightest * scale) == 0) return exposureAdvice("dark", found.brightest);
     if (scale > 0 && found.darkest * scale >= 1 && found.brightest * scale > 1)
         return exposureAdvice("bright", found.brightest);
-    if (found.misses) return std::nullopt;
+    if (found.misses) return planeThroughEye(scene);
     return darkObjectAround(scoutsOf(picture, scene, packed, request), scene);
 }
 
