@@ -1,6 +1,6 @@
 // The "animation" of a scene file.
-#include "import/scene_files.h"
 #include "import/load.h"
+#include "import/scene_files.h"
 #include "scene/transform.h"
 #include "support.h"
 
@@ -135,6 +135,14 @@ TEST_F(AnimationFile, ErrorsSayWhere) {
     EXPECT_EQ(
         errorIn(R"({"target": "/camera/eye", "times": [0], "values": [[0,0,1]], "ease": 1})").substr(0, 24),
         at + "/ease");
+}
+
+TEST_F(AnimationFile, ErrorsHaveLineAndColumn) {
+    const std::string track = R"({"target": "/lights/1/position", "times": [0], "values": [[0, 0, 1]]})";
+    for (const std::optional<double> time : {std::optional<double>(), std::optional(0.5)}) {
+        const std::string error = placedErrorOf([&] { reader(track, time); });
+        EXPECT_NE(error.find("s.json:8:68: /animation/tracks/0/target: "), std::string::npos) << error;
+    }
 }
 
 // What the tracks come to must be a scene; the message says when it is none.
