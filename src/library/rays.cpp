@@ -1,7 +1,7 @@
-// Closest and any hits.
+// Closest, certified and any hits.
 #include <atomic>
+#include <cmath>
 
-#include "library/certify.h"
 #include "library/ray_reader.h"
 #include "library/status.h"
 
@@ -50,6 +50,44 @@ void askReference(const RayReader& rays, bool any, const Context& context, const
         for (uint64_t i = first; i < end; ++i) {
             const LocalRay ray = rays.local(i);
             write(i, ray, answer(tracer, ray, any, rays.leave()));
+        }
+    });
+}
+
+// Writes `sure`, `t_lower` and `t_upper`.
+class CertaintyWriter {
+  public:
+    CertaintyWriter(const glint_hits& hits, uint64_t count)
+        : sure_(hits.sure, Output::Kind::Flag, 1, count, "hits.sure"),
+          lower_(hits.t_lower, Output::Kind::Real, 1, count, "hits.t_lower"),
+          upper_(hits.t_upper, Output::Kind::Real, 1, count, "hits.t_upper") {}
+
+    bool wantsAny() const { return sure_.wanted() || lower_.wanted() || upper_.wanted(); }
+    void write(uint64_t i, const reference::certain::Answer& answer) const {
+        sure_.putFlag(i, answer.sure ? 1 : 0);
+        lower_.putBelow(i, answer.lower);
+        upper_.putAbove(i, answer.upper);
+    }
+
+  private:
+    Output sure_, lower_, upper_;
+};
+
+// Answers all rays; if a hit cannot be certified, the ordinary query does. Throws Cancelled.
+void certify(const Snapshot& snapshot, const RayReader& rays, const HitWriter& hits,
+             const CertaintyWriter& certainty, const Context& context) {
+    const reference::certain::Tracer& tracer = snapshot.certain();
+    forBlocks(context, rays.count(), [&](uint64_t first, uint64_t end) {
+        for (uint64_t i = first; i < end; ++i) {
+            reference::certain::Answer answer = tracer.closest(rays.world(i));
+            certainty.write(i, answer);
+            const LocalRay local = rays.local(i);
+            if (answer.sure) {
+                answer.hit.t = std::scalbn(answer.hit.t, local.exponent);
+            } else {
+                answer.hit = snapshot.part().tracer().closest(referenceRay(local)).value_or(reference::Hit{});
+            }
+            hits.write(i, local, answer.hit);
         }
     });
 }
