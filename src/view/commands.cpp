@@ -265,7 +265,7 @@ void Commands::framePicked() {
 }
 
 void Commands::pick(int x, int y) {
-    if (x < 0 || y < 0 || x >= m_.session->width() || y >= m_.session->height()) return;
+    if (!m_.session->contains(x, y)) return;
     m_.pick = pickPixel(*m_.session, x, y);
     m_.pickIsOld = false;
     if (m_.pick->hit()) m_.material = m_.pick->data.material;
@@ -274,7 +274,7 @@ void Commands::pick(int x, int y) {
 }
 
 void Commands::focusAt(int x, int y) {
-    if (x < 0 || y < 0 || x >= m_.session->width() || y >= m_.session->height()) return;
+    if (!m_.session->contains(x, y)) return;
     const PixelData data = m_.session->pixel(x, y);
     const Camera& camera = m_.control.camera();
     const bool hit = data.object != PixelData::kNoIndex;

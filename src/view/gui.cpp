@@ -203,10 +203,7 @@ Gui::Gui(float scale, Window& window) : window_(window) {
         io.Fonts->AddFontDefault(&font);
     }
     fontPixels_ = font.SizePixels;
-    unsigned char* texels = nullptr;
-    io.Fonts->GetTexDataAsAlpha8(&texels, &fontWidth_, &fontHeight_);
-    font_.assign(texels, texels + static_cast<size_t>(fontWidth_) * static_cast<size_t>(fontHeight_));
-    io.Fonts->ClearTexData();
+    io.Fonts->Build();
     ImGuiStyle& style = ImGui::GetStyle();
     ImGui::StyleColorsDark();
     style.Colors[ImGuiCol_PlotHistogram] = ImVec4(0.16f, 0.38f, 0.62f, 1);  // white letters stand on it
@@ -313,7 +310,8 @@ void Gui::end(Canvas& target) {
     // Open lists and menus reach beyond their windows.
     anyPopup_ = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
     const ImDrawData* data = ImGui::GetDrawData();
-    const Font font = {font_.data(), fontWidth_, fontHeight_};
+    const ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+    const Font font = {atlas.TexPixelsAlpha8, atlas.TexWidth, atlas.TexHeight};
     for (int i = 0; i < data->CmdListsCount; ++i) {
         const ImDrawList& list = *data->CmdLists[i];
         for (const ImDrawCmd& command : list.CmdBuffer) {

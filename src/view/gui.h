@@ -54,8 +54,6 @@ class Gui {
     std::map<std::string, Place> controls_, nextControls_;
     std::string tip_, nextTip_;
     bool anyPopup_ = false, closesPopups_ = false;
-    std::vector<unsigned char> font_;  // coverage, a byte for each texel
-    int fontWidth_ = 0, fontHeight_ = 0;
 };
 
 }  // namespace glint::view

@@ -1,12 +1,97 @@
 #include "view/model.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <ostream>
 #include <utility>
 
 #include "core/text_file.h"
+#include "trace/ray_batch.h"
 
 namespace glint::view {
+
+namespace {
+
+std::string shadowText(const std::vector<uint8_t>& occluded) {
+    std::string text;
+    for (size_t i = 0; i < occluded.size(); ++i) {
+        if (occluded[i] != 0) text += (text.empty() ? "" : " ") + std::to_string(i);
+    }
+    return text.empty() ? "" : ", in shadow of light " + text;
+}
+
+const char* nameOfRay(reference::RayClass kind) {
+    if (kind == reference::RayClass::Mirrored) return "reflected";
+    return kind == reference::RayClass::Refracted ? "transmitted" : "eye";
+}
+
+std::string rayText(const Scene& scene, const reference::Bounce& bounce) {
+    const std::string ray = nameOfRay(bounce.kind);
+    if (!bounce.hit || !bounce.surface) return ray + ": nothing (background)";
+    char numbers[96];
+    std::snprintf(numbers, sizeof(numbers), " face %u, t = %.6g", bounce.surface->primitive, bounce.hit->t);
+    return ray + ": " + objectName(scene, bounce.surface->object) + numbers + ", " +
+           materialName(scene, bounce.surface->material) + shadowText(bounce.occluded);
+}
+
+std::vector<PickRay> raysOf(const ViewScene& scene, const reference::PixelRecord& record) {
+    const double whole = luminance(record.color);
+    const double far = 2 * boundsOf(scene).radius;  // how long a ray is drawn that hits nothing
+    std::vector<PickRay> rays;
+    for (const reference::Bounce& bounce : record.path) {
+        PickRay ray;
+        ray.kind = bounce.kind;
+        ray.depth = bounce.depth;
+        ray.from = scene.packed.origin + bounce.ray.origin;
+        ray.to = bounce.hit ? scene.packed.origin + bounce.surface->position
+                            : ray.from + far * glm::normalize(bounce.ray.direction);
+        ray.share = whole > 0 ? luminance(bounce.light) / whole : 0;
+        ray.text = rayText(scene.scene, bounce);
+        rays.push_back(ray);
+    }
+    return rays;
+}
+
+}  // namespace
+
+Pick pickPixel(Session& session, int x, int y) {
+    Pick pick{x, y, session.pixel(x, y), {}};
+    const reference::Tracer tracer(session.scene().packed, session.tracing());
+    const reference::Ray ray = tracer.cameraRay(session.packedCamera(), x + 0.5, y + 0.5);
+    pick.rays = raysOf(session.scene(), tracer.trace(ray, {}, true));
+    return pick;
+}
+
+std::string pickCsv(const Pick& pick) {
+    return kHitCsvHeading + hitCsv(hitOf(pick.data), kDeviceDigits);
+}
+
+// A camera ray of film point (x, y) starts at eye + x ox + y oy and goes along center + x sx + y sy
+// (shaders/generate.comp), so a point is at the (x, y) that solve a linear equation: with parallel rays
+// p - eye = x ox + y oy + t center, else p - eye = t (x sx + y sy + center).
+std::optional<Segment> projected(const shared::Camera& camera, const glm::dvec3& from, const glm::dvec3& to) {
+    const bool parallel = camera.originStepX != glm::vec3(0);
+    const glm::dmat3 film(parallel ? glm::dvec3(camera.originStepX) : glm::dvec3(camera.stepX),
+                          parallel ? glm::dvec3(camera.originStepY) : glm::dvec3(camera.stepY),
+                          glm::dvec3(camera.center));
+    const glm::dmat3 inverse = glm::inverse(film);
+    const glm::dvec3 eye(camera.eye);
+    glm::dvec3 a = inverse * (from - eye), b = inverse * (to - eye);
+    const double least = 1e-6 * std::max({std::abs(a.z), std::abs(b.z), 1e-12});
+    if (!parallel) {
+        if (a.z < least && b.z < least) return std::nullopt;
+        if (a.z < least) a = glm::mix(a, b, (least - a.z) / (b.z - a.z));
+        if (b.z < least) b = glm::mix(b, a, (least - b.z) / (a.z - b.z));
+        a = {a.x / a.z, a.y / a.z, 1};
+        b = {b.x / b.z, b.y / b.z, 1};
+    }
+    const glm::dvec2 middle(camera.halfWidth, camera.halfHeight);
+    const Segment segment = {middle + glm::dvec2(a), middle + glm::dvec2(b)};
+    const bool finite = std::isfinite(segment.from.x) && std::isfinite(segment.from.y) &&
+                        std::isfinite(segment.to.x) && std::isfinite(segment.to.y);
+    return finite ? std::optional(segment) : std::nullopt;
+}
 
 void Toasts::add(const std::string& text, ToastKind kind, double now) {
     std::erase_if(toasts_, [&](const Toast& t) { return t.text == text; });

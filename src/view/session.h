@@ -1,16 +1,18 @@
-
+// The image of the window: a coarse one while the camera moves, samples that accumulate at rest, all layers.
 #pragma once
 
 #include <functional>
 #include <future>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "converge/replicates.h"
 #include "gpu/device.h"
 #include "pack/pack_samples.h"
 #include "render/renderer.h"
 #include "view/display.h"
-#include "view/error_goal.h"
 #include "view/settings.h"
 #include "view/view_scene.h"
 
@@ -40,6 +42,53 @@ class Pace {
     double secondsPerPixel_ = 0;  // 0: nothing measured yet
     double other_ = 0;
 };
+
+// ---- until the error is small enough: `glint render --error`, a sample at a time ----
+
+// Progress of the goal, for the panel.
+struct GoalFacts {
+    std::vector<double> bounds;          // of the error, by each look so far
+    converge::State state;               // of the last look
+    std::optional<converge::Stop> stop;  // Reached, Fixed or Samples; empty: it goes on
+};
+
+class ErrorGoal {
+  public:
+    // `image`: sampler (no grid), filter and seed; `region`: the whole picture.
+    // `knowsDepth`: the pictures tell what lies beyond the depth.
+    ErrorGoal(const converge::Target& target, const ImageSettings& image, const Region& region,
+              bool knowsDepth);
+
+    // Samples of the next pass over the picture, which goes to the two replicates in turns; its bands, each
+    // once; its end.
+    PackedSamples begin();
+    void add(const Picture& band);
+    void end();
+
+    // The replicates have as many samples as the next look is worth, which needs ErrorBudget::rounding.
+    bool looks() const;
+    void look(double rounding);
+
+    // All samples of both replicates.
+    PackedSamples taken() const;
+    const GoalFacts& facts() const { return facts_; }
+    bool over() const { return facts_.stop.has_value(); }
+
+  private:
+    converge::Target target_;
+    ImageSettings image_;
+    Region region_;
+    bool knowsDepth_;
+    converge::Replicates both_;
+    converge::Replicate* turn_ = nullptr;  // that takes the pass at hand
+    TreeLosses losses_;                    // of the pass at hand
+    GoalFacts facts_;
+};
+
+// One line for the panel: "error <= 0.012, 24 samples; until 0.003".
+std::string inWords(const GoalFacts& facts, double error);
+
+// ---- the image ----
 
 struct FrameFacts {
     int width = 0, height = 0;  // traced
@@ -79,6 +128,7 @@ class Session {
     }
     int width() const { return width_; }
     int height() const { return height_; }
+    bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
 
     // A coarse picture of the whole view at `scale` of its size. False if it was there already, or the full
     // one is.

@@ -35,6 +35,11 @@ double pixelsPerUnit(GLFWwindow* window) {
     return units > 0 && width > 0 ? static_cast<double>(width) / units : 1;
 }
 
+template <Event::Type kType, typename... Arguments>
+void push(GLFWwindow* window, Arguments...) {
+    eventsOf(window).push_back({.type = kType});
+}
+
 void installCallbacks(GLFWwindow* window) {
     glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
         const double ratio = pixelsPerUnit(w);
@@ -62,10 +67,10 @@ void installCallbacks(GLFWwindow* window) {
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
         eventsOf(w).push_back({.type = Event::Type::Drop, .files = {paths, paths + count}});
     });
-    glfwSetFramebufferSizeCallback(
-        window, [](GLFWwindow* w, int, int) { eventsOf(w).push_back({.type = Event::Type::Resize}); });
-    glfwSetWindowRefreshCallback(window,
-                                 [](GLFWwindow* w) { eventsOf(w).push_back({.type = Event::Type::Redraw}); });
+    glfwSetFramebufferSizeCallback(window, push<Event::Type::Resize, int, int>);
+    glfwSetWindowRefreshCallback(window, push<Event::Type::Redraw>);
+    glfwSetWindowIconifyCallback(window, push<Event::Type::Redraw, int>);
+    glfwSetWindowCloseCallback(window, push<Event::Type::Close>);
     // Keys held while the focus goes are never released for this window.
     glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int focused) {
         if (focused == GLFW_FALSE) {
@@ -76,10 +81,6 @@ void installCallbacks(GLFWwindow* window) {
         }
         eventsOf(w).push_back({.type = Event::Type::Redraw});
     });
-    glfwSetWindowIconifyCallback(
-        window, [](GLFWwindow* w, int) { eventsOf(w).push_back({.type = Event::Type::Redraw}); });
-    glfwSetWindowCloseCallback(window,
-                               [](GLFWwindow* w) { eventsOf(w).push_back({.type = Event::Type::Close}); });
 }
 
 }  // namespace
@@ -158,15 +159,6 @@ bool Window::minimised() const {
     return now.width == 0 || now.height == 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
 }
 
-void Window::resize(PixelSize size) {
-    const double ratio = pixelsPerUnit(window_);
-    glfwSetWindowSize(window_, static_cast<int>(std::lround(size.width / ratio)),
-                      static_cast<int>(std::lround(size.height / ratio)));
-}
-
-void Window::setMinimised(bool minimised) {
-    minimised ? glfwIconifyWindow(window_) : glfwRestoreWindow(window_);
-}
 void Window::setTitle(const std::string& title) {
     glfwSetWindowTitle(window_, title.c_str());
 }
@@ -190,13 +182,6 @@ void Window::toggleFullscreen() {
     glfwGetWindowPos(window_, &windowedX_, &windowedY_);
     glfwGetWindowSize(window_, &windowedWidth_, &windowedHeight_);
     glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
-}
-
-PixelSize Window::onScreen(double x, double y) const {
-    int left = 0, top = 0;
-    glfwGetWindowPos(window_, &left, &top);
-    const double ratio = pixelsPerUnit(window_);
-    return {left + static_cast<int>(std::lround(x / ratio)), top + static_cast<int>(std::lround(y / ratio))};
 }
 
 }  // namespace glint::view

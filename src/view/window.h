@@ -48,15 +48,12 @@ class Window {
     PixelSize size() const;  // of the picture; on a HiDPI screen more than the window system's units
     float scale() const;     // of text and controls: 1, 2 on HiDPI
     bool minimised() const;
-    void resize(PixelSize size);
-    void setMinimised(bool minimised);
     void setTitle(const std::string& title);
     void setClipboard(const std::string& text);
     std::string clipboard() const;  // empty if it holds no text
     // The whole screen, or a window again as large as before.
     void toggleFullscreen();
-    // Place of a pixel of the window on the screen, in the window system's units.
-    PixelSize onScreen(double x, double y) const;
+    GLFWwindow* handle() const { return window_; }
 
     std::vector<Event> events;  // filled by GLFW's callbacks
 

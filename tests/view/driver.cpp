@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -129,15 +130,15 @@ void Driver::start(const ScriptCommand& command) {
         wait_ = [this] { return viewer_.commands().settled(); };
     } else if (name == "resize") {
         const PixelSize wanted = {wholeOf(command, 0), wholeOf(command, 1)};
-        viewer_.window().resize(wanted);
+        glfwSetWindowSize(viewer_.window().handle(), wanted.width, wanted.height);  // X11: units are pixels
         wait_ = [this, wanted] {
             return viewer_.window().size() == wanted && m_.session->width() == wanted.width - m_.left;
         };
     } else if (name == "minimise") {
-        viewer_.window().setMinimised(true);
+        glfwIconifyWindow(viewer_.window().handle());
         wait_ = [this, left = wholeOf(command, 0)]() mutable {
             if (left-- > 0) return false;
-            viewer_.window().setMinimised(false);
+            glfwRestoreWindow(viewer_.window().handle());
             return true;
         };
     } else if (name == "aov") {
@@ -231,8 +232,10 @@ void Driver::startHand(const ScriptCommand& command) {
             continue;
         }
         const Gui::Place place = placeOf(command, word);
-        const PixelSize screen = viewer_.window().onScreen(place.x, place.y);
-        words += std::to_string(screen.width) + " " + std::to_string(screen.height);
+        int left = 0, top = 0;
+        glfwGetWindowPos(viewer_.window().handle(), &left, &top);
+        words +=
+            std::to_string(left + std::lround(place.x)) + " " + std::to_string(top + std::lround(place.y));
     }
     hand_ = std::async(std::launch::async, runHand, std::move(words));
     wait_ = [this, &command, until = uint64_t{0}]() mutable {

@@ -11,7 +11,6 @@
 #include "view/display.h"
 #include "view/files.h"
 #include "view/model.h"
-#include "view/picker.h"
 #include "view/settings.h"
 
 namespace glint::view::test::parts_test {
