@@ -1,8 +1,7 @@
 #include "reference/instance.h"
 
-#include <algorithm>
-#include <cmath>
-
+#include "core/vectors.h"
+#include "reference/numbers.h"
 #include "reference/rounding.h"
 
 namespace glint::reference {
@@ -10,9 +9,8 @@ namespace glint::reference {
 using glm::dvec3;
 
 InstanceFrame::InstanceFrame(const rows::Instance& instance) : place_(instance.place) {
-    const dvec3 rows[3] = {dvec3(instance.toObjectX), dvec3(instance.toObjectY), dvec3(instance.toObjectZ)};
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) toObject_[column][row] = rows[row][column];
+    const dvec3 rows[3] = {instance.toObjectX, instance.toObjectY, instance.toObjectZ};
+    toObject_ = glm::transpose(glm::dmat3(rows[0], rows[1], rows[2]));
     // Cramer's rule: column j of the inverse is the cross product of the other two rows over their volume.
     const double volume = glm::dot(rows[0], glm::cross(rows[1], rows[2]));
     for (int j = 0; j < 3; ++j) toWorld_[j] = glm::cross(rows[(j + 1) % 3], rows[(j + 2) % 3]) / volume;
@@ -28,14 +26,7 @@ Ray InstanceFrame::enterInstance(const Ray& ray) const {
 // The difference, the products and their sums round: gamma_5 of the magnitudes for each coordinate, of which
 // there are three.
 double InstanceFrame::slipOfWayIn(const dvec3& origin) const {
-    const dvec3 away = glm::abs(origin - place_);
-    double greatest = 0;
-    for (int row = 0; row < 3; ++row) {
-        double sum = 0;
-        for (int column = 0; column < 3; ++column) sum += std::abs(toObject_[column][row]) * away[column];
-        greatest = std::max(greatest, sum);
-    }
-    return 9 * 0x1p-24 * greatest;
+    return 9 * 0x1p-24 * greatestMagnitude(magnitudes(toObject_) * glm::abs(origin - place_));
 }
 
 dvec3 InstanceFrame::pointInObject(const dvec3& point) const {
@@ -54,21 +45,13 @@ dvec3 InstanceFrame::normalInWorld(const dvec3& normal) const {
 // by as much of |W| |x - place| on its way in again, which it must come to the same side after. The place is
 // added to the point, and taken from it.
 dvec3 InstanceFrame::errorInWorld(const dvec3& point, const dvec3& error) const {
-    const auto times = [](const glm::dmat3& m, const dvec3& v) {
-        return glm::abs(m[0]) * v.x + glm::abs(m[1]) * v.y + glm::abs(m[2]) * v.z;
-    };
-    const dvec3 inAgain = times(toObject_, glm::abs(toWorld_ * point));
+    const dvec3 inAgain = magnitudes(toObject_) * glm::abs(toWorld_ * point);
     const dvec3 inside = error + gammaOf(5) * (glm::abs(point) + inAgain);
-    return (1 + gammaOf(5)) * times(toWorld_, inside) + gammaOf(2) * glm::abs(place_);
+    return (1 + gammaOf(5)) * (magnitudes(toWorld_) * inside) + gammaOf(2) * glm::abs(place_);
 }
 
 double InstanceFrame::scaleInWorld(double size) const {
-    double greatest = 0;
-    for (int row = 0; row < 3; ++row)
-        greatest = std::max(greatest, size * (std::abs(toWorld_[0][row]) + std::abs(toWorld_[1][row]) +
-                                              std::abs(toWorld_[2][row])) +
-                                          std::abs(place_[row]));
-    return greatest;
+    return greatestMagnitude(size * (magnitudes(toWorld_) * dvec3(1)) + glm::abs(place_));
 }
 
 double InstanceFrame::stretch() const {

@@ -67,5 +67,8 @@ template <class T>
 Vec<T> magnitudes(const Vec<T>& a) {
     return {magnitude(a.x), magnitude(a.y), magnitude(a.z)};
 }
+inline glm::dmat3 magnitudes(const glm::dmat3& m) {
+    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
+}
 
 }  // namespace glint::reference

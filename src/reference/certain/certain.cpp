@@ -9,6 +9,7 @@
 #include "pack/primitives.h"
 #include "pack/scene_arrays.h"
 #include "reference/certain/decide.h"
+#include "reference/numbers.h"
 #include "reference/rounding.h"
 #include "reference/traverse.h"
 #include "scene/transform.h"
@@ -37,41 +38,26 @@ Answer miss() {
 
 // A ray in the coordinates of a tree, as boxes see it.
 struct BoxRay {
-    BoxRay(const dvec3& from, const dvec3& along, double originPad, double directionSpread)
-        : origin(from),
-          direction(along),
-          pad(originPad),
-          spread(directionSpread),
-          inverse(1.0 / along),
-          reach(greatestMagnitude(from)) {}
-
     dvec3 origin, direction;
     double pad;     // what its origin is off, on each axis
     double spread;  // and its direction, as a part of the distance from the origin
-    dvec3 inverse;  // of the direction
-    double reach;   // the greatest coordinate of the origin
+    dvec3 inverse = 1.0 / direction;
+    double reach = greatestMagnitude(origin);
 };
 
-double greatestSum(const dvec3& x, const dvec3& y, const dvec3& z) {
-    const auto sum = [](const dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-    return std::max({sum(x), sum(y), sum(z)});
+double greatestRowSum(const dmat3& m) {
+    return greatestMagnitude(magnitudes(m) * dvec3(1));
 }
 
 // Into an instance, whose matrix and place are rounded to fp32: W (x - place) errs by that.
 BoxRay entered(const BoxRay& ray, const shared::Instance& instance) {
-    const dvec3 x(instance.toObjectX), y(instance.toObjectY), z(instance.toObjectZ), place(instance.place);
-    const dvec3 away = ray.origin - place;
-    const auto times = [&](const dvec3& v) { return dvec3(glm::dot(x, v), glm::dot(y, v), glm::dot(z, v)); };
-    const double rows = greatestSum(x, y, z);
-    const dvec3 direction = times(ray.direction);
-    const double size = greatestMagnitude(direction);
-    return {times(away), direction,
+    const dmat3 w = glm::transpose(
+        dmat3(dvec3(instance.toObjectX), dvec3(instance.toObjectY), dvec3(instance.toObjectZ)));
+    const dvec3 place(instance.place), away = ray.origin - place, direction = w * ray.direction;
+    const double rows = greatestRowSum(w), size = greatestMagnitude(direction);
+    return {w * away, direction,
             rows * (ray.pad + kFloatUnit * (4 * greatestMagnitude(place) + 16 * greatestMagnitude(away))),
             size > 0 ? 16 * kFloatUnit * rows * greatestMagnitude(ray.direction) / size : 1};
-}
-
-dmat3 magnitudes(const dmat3& m) {
-    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
 }
 
 // Bound on how far rounding to fp32 moves a surface, times two. Centres, corners, radii and factors of unit
@@ -85,8 +71,8 @@ double greatestMove(const Scene& scene, const PackedScene& packed) {
     double gain = 1;
     for (const Object& object : scene.objects) {
         if (!object.transform || std::holds_alternative<MeshShape>(object.shape)) continue;
-        const dmat3 m = magnitudes(object.transform->linear) * magnitudes(inverse(*object.transform).linear);
-        gain = std::max(gain, greatestMagnitude(m * dvec3(1)));
+        gain = std::max(gain, greatestRowSum(magnitudes(object.transform->linear) *
+                                             magnitudes(inverse(*object.transform).linear)));
     }
     const double size =
         std::max(greatestMagnitude(dvec3(packed.boundsLo)), greatestMagnitude(dvec3(packed.boundsHi)));
@@ -295,10 +281,8 @@ Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), p
         double reach = 0;
         for (const dvec3& p : mesh->mesh->positions)
             reach = std::max(reach, isFinite(p) ? greatestMagnitude(p) : 0);
-        const glm::dmat3& m = object.transform->linear;
-        const double rows =
-            greatestSum({m[0].x, m[1].x, m[2].x}, {m[0].y, m[1].y, m[2].y}, {m[0].z, m[1].z, m[2].z});
-        size = std::max(size, rows * reach + greatestMagnitude(object.transform->offset));
+        size = std::max(size, greatestRowSum(object.transform->linear) * reach +
+                                  greatestMagnitude(object.transform->offset));
     }
     boxSlack_ = greatestMove(scene, packed);
     slack_ =

@@ -4,6 +4,7 @@
 
 #include "core/vectors.h"
 #include "reference/certain/decide.h"
+#include "reference/numbers.h"
 
 namespace glint::reference::certain {
 
@@ -12,7 +13,7 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double kUnit = 0x1p-53;
+constexpr double kUnit = kUnitRoundoff;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Products below this are rounded by more than a unit of themselves.
 constexpr double kLeastDoubt = 1e-290;
@@ -61,10 +62,8 @@ std::optional<Span> SpanRay::triangleSpan(const ExactSurface& triangle) const {
     for (int i = 0; i < 3; ++i) {
         dvec3 corner = triangle.corners[static_cast<size_t>(i)];
         if (place != nullptr) {
-            const glm::dmat3 sizes{glm::abs(place->linear[0]), glm::abs(place->linear[1]),
-                                   glm::abs(place->linear[2])};
-            offset = std::max(
-                offset, 8 * kUnit * greatestMagnitude(sizes * glm::abs(corner) + glm::abs(place->offset)));
+            const dvec3 sizes = magnitudes(place->linear) * glm::abs(corner) + glm::abs(place->offset);
+            offset = std::max(offset, 8 * kUnit * greatestMagnitude(sizes));
             corner = place->linear * corner + place->offset;
         }
         const dvec3 seen = turned(corner - ray_.origin, axis_);

@@ -5,20 +5,13 @@
 
 #include "core/room.h"
 #include "core/vectors.h"
+#include "reference/numbers.h"
 #include "reference/truth/part.h"
 #include "scene/polygon_plane.h"
 
 namespace glint::reference::truth {
-namespace {
 
-using glm::dmat3;
 using glm::dvec3;
-
-dmat3 magnitudesOf(const dmat3& m) {
-    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
-}
-
-}  // namespace
 
 dvec3 unit(const dvec3& v) {
     const dvec3 scaled = v / greatestMagnitude(v);
@@ -32,7 +25,7 @@ Place::Place(const Affine& transform) : linear(transform.linear), offset(transfo
         const dvec3 row = glm::cross(linear[(i + 1) % 3], linear[(i + 2) % 3]) / volume;
         for (int j = 0; j < 3; ++j) inverse[j][i] = row[j];
     }
-    gain = greatestMagnitude(magnitudesOf(linear) * (magnitudesOf(inverse) * dvec3(1)));
+    gain = greatestMagnitude(magnitudes(linear) * (magnitudes(inverse) * dvec3(1)));
 }
 
 // Every number of a disturbed model is off by kDisturbanceRoom units of itself; twice that, as box and
