@@ -6,11 +6,10 @@
 #define GLINT_ARITHMETIC_GLSL
 
 // ---- Quotients and square roots, correctly rounded ----
-//
-// A device whose own quotients and roots are correctly rounded (src/gpu/probe.h) computes them itself. Others
-// use integers: a quotient of 25 bits, good to a few units by Newton's method, corrected by its remainder,
-// which is exact modulo 2^32. Without branches: a kernel has hundreds of quotients, and SwiftShader's
-// compiler would take minutes.
+
+// Devices that do not round correctly by themselves (src/gpu/probe.h) use integers: a quotient of 25 bits,
+// good to a few units by Newton's method, corrected by its remainder, which is exact modulo 2^32. Without
+// branches, as SwiftShader's compiler would take minutes.
 
 // A positive float is significand * 2^(exponent - 150), with 24 bits.
 uint significandOf(uint bits, out int exponent) {
@@ -87,7 +86,6 @@ float quotient(float a, float b) {
     if (OWN_QUOTIENTS) return roundedQuotient(a, b);
     return a / b;
 }
-vec2 quotient(vec2 a, float b) { return vec2(quotient(a.x, b), quotient(a.y, b)); }
 vec3 quotient(vec3 a, float b) { return vec3(quotient(a.x, b), quotient(a.y, b), quotient(a.z, b)); }
 vec3 quotient(float a, vec3 b) { return vec3(quotient(a, b.x), quotient(a, b.y), quotient(a, b.z)); }
 vec3 quotient(vec3 a, vec3 b) { return vec3(quotient(a.x, b.x), quotient(a.y, b.y), quotient(a.z, b.z)); }

@@ -7,7 +7,6 @@
 // stack (traversal/stackless.glsl), past boxes farther than the bound. Each trip of the one loop tests a box
 // or a primitive. A point that runs out of trips is resumed from its slot.
 #include "path_rows.glsl"
-#include "traversal/instance.glsl"
 
 // The tree at hand: the world's, or that of an instance.
 struct Space {

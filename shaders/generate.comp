@@ -3,7 +3,7 @@
 // Starts a sample: the camera ray of each pixel of the slice.
 #include "shading/camera.glsl"
 #include "path_rows.glsl"
-#include "shading/tree.glsl"
+#include "shading/scatter.glsl"
 
 void startTree(uint path, Environment environment) {
     if (dispatch.sampleIndex == 0u) storeLedger(path, emptyLedger());

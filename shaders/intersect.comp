@@ -54,18 +54,14 @@ void main() {
     // Stores are expensive (traversal/lanes.glsl): a camera ray's rows stay as they are where nothing
     // changes.
     bool changes = MODE_RESUME || hit.primitive != before || (kBounces && later);
-    if (live && changes) {
-        storeRow(
-            kRowHit, path,
-            uvec4(floatBitsToUint(hit.t), floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
-    }
+    if (live && changes) storeRow(kRowHit, path, hitRowOf(hit));
     if (FEATURE_INSTANCES && live && (changes || slot != kNone))
         storeInstanceRow(path, uvec4(hit.instance, instanceRow.y, traversal.instance, traversal.worldSlot));
-    if (live && (MODE_RESUME || MODE_AOVS || MODE_COST || slot != kNone)) {
+    if (live && (MODE_RESUME || MODE_AOVS || MODE_COST || slot != kNone))
         storeRow(kRowWalk, path, uvec4(slot, hit.id, walkRow.z + traversal.cost, walkRow.w));
-    }
-    if (live && slot != kNone)
+    if (live && slot != kNone) {
         storeRow(kRowLight, path,
                  uvec4(hit.id, floatBitsToUint(traversal.nearest), floatBitsToUint(traversal.ray.tMax), 0u));
-    if (live && slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
+        atomicAdd(counters[kCounterUnfinished], 1u);
+    }
 }

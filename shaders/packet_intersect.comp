@@ -39,9 +39,8 @@ void onePacket(uint turn) {
         Hit hit = packet[r].hit;
         bool goesOn = live[r] && !complete && !settled(packet[r]);
         if (live[r] && (goesOn || hit.primitive != before[r].primitive)) {
-            uint t = floatBitsToUint(hit.t) | (goesOn ? kStartAgain : 0u);
-            storeRow(kRowHit, paths[r],
-                     uvec4(t, floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
+            uvec4 row = hitRowOf(hit);
+            storeRow(kRowHit, paths[r], uvec4(row.x | (goesOn ? kStartAgain : 0u), row.yzw));
         }
         if (goesOn)
             storeRow(

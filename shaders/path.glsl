@@ -2,7 +2,6 @@
 #ifndef GLINT_PATH_GLSL
 #define GLINT_PATH_GLSL
 
-#include "traversal/ray.glsl"
 #include "storage.glsl"
 
 layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;

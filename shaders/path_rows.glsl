@@ -4,6 +4,7 @@
 #define GLINT_PATH_ROWS_GLSL
 
 #include "path.glsl"
+#include "traversal/ray.glsl"
 
 // Row kRowWalk of a path. Only resume dispatches and renders with AOVs read its contents.
 uvec4 loadWalkRow(uint path) {
@@ -73,6 +74,8 @@ Hit loadHit(uint path, uint id) {
     return Hit(uintBitsToFloat(row.x), uintBitsToFloat(row.y), uintBitsToFloat(row.z), row.w,
                loadInstanceRow(path).x, id);
 }
+
+uvec4 hitRowOf(Hit hit) { return packRow(vec3(hit.t, hit.u, hit.v), hit.primitive); }
 
 // The same of a ray that is about to be traced.
 Hit hitBefore(Ray ray, uint path, uint id) {

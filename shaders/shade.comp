@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Ends a bounce: background or ambient light, the picture's other layers, and the next ray of the path.
 #include "path_rows.glsl"
-#include "shading/tree.glsl"
+#include "shading/scatter.glsl"
 
 uint hashStep(uint hash, uint word) { return (hash ^ word) * kHashPrime; }
 
@@ -63,10 +63,11 @@ void main() {
     storeLedger(path, ledger);
     if (kBounces) {
         if (alive)
-            storeRow(kRowDirection, path, packRow(next.direction, floatBitsToUint(goesOn ? 0.0 : kInfinity)));
+            storeRow(kRowDirection, path,
+                     packRow(next.ray.direction, floatBitsToUint(goesOn ? 0.0 : kInfinity)));
         if (goesOn) {
-            storeRow(kRowOrigin, path, packRow(next.origin, next.source));
-            storeInstanceRow(path, uvec4(kNone, next.sourceInstance, kNone, kNone));
+            storeRow(kRowOrigin, path, packRow(next.ray.origin, next.ray.source));
+            storeInstanceRow(path, uvec4(kNone, next.ray.sourceInstance, kNone, kNone));
             storeRow(kRowThroughput, path, packRow(next.throughput, hash));
             if (MODE_AOVS || MODE_COST) storeRow(kRowWalk, path, uvec4(kNone, 0u, walkRow.z, walkRow.w));
             listPath(path);

@@ -55,7 +55,7 @@ bool goesOn(uint path, Interaction at, Environment environment, inout Ledger led
     // The host has counted the trips of so many rays (src/render/path_limits.cpp).
     complete = complete && !(follows && followed == dispatch.bounce);
     follows = follows && complete;
-    ray = Ray(next.origin, next.direction, 0.0, kInfinity, next.source, next.sourceInstance);
+    ray = next.ray;
     throughput = next.throughput;
     followed += follows ? 1u : 0u;
     return follows;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/device_layout.h"
 #include "reference/sampling.h"
-#include "shared/shading.h"
 
 namespace glint::bench::peer {
 namespace {

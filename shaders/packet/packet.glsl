@@ -33,38 +33,22 @@ struct PacketStack {
 
 float leastFloat(float a, float b) { return a < b ? a : b; }
 
-float largestOfLanes(float x) {
-    x = larger(x, subgroupShuffleXor(x, 1u));
-    x = larger(x, subgroupShuffleXor(x, 2u));
-    return larger(x, subgroupShuffleXor(x, 4u));
-}
-
-uint largestOfLanes(uint x) {
-    x = max(x, subgroupShuffleXor(x, 1u));
-    x = max(x, subgroupShuffleXor(x, 2u));
-    return max(x, subgroupShuffleXor(x, 4u));
-}
-
-uint leastOfLanes(uint x) {
-    x = min(x, subgroupShuffleXor(x, 1u));
-    x = min(x, subgroupShuffleXor(x, 2u));
-    return min(x, subgroupShuffleXor(x, 4u));
-}
-
-uint sumOfLanes(uint x) {
-    x += subgroupShuffleXor(x, 1u);
-    x += subgroupShuffleXor(x, 2u);
-    return x + subgroupShuffleXor(x, 4u);
-}
+// Type name(Type): the result of `combine` over the 8 lanes, in all of them.
+#define GLINT_OVER_LANES(Type, name, combine)         \
+    Type name(Type x) {                               \
+        x = combine(x, subgroupShuffleXor(x, 1u));    \
+        x = combine(x, subgroupShuffleXor(x, 2u));    \
+        return combine(x, subgroupShuffleXor(x, 4u)); \
+    }
+uint sum(uint a, uint b) { return a + b; }
+GLINT_OVER_LANES(float, largestOfLanes, larger)
+GLINT_OVER_LANES(float, leastOfLanes, leastFloat)
+GLINT_OVER_LANES(uint, largestOfLanes, max)
+GLINT_OVER_LANES(uint, leastOfLanes, min)
+GLINT_OVER_LANES(uint, sumOfLanes, sum)
 
 vec3 fromLane(vec3 v, uint lane) {
     return vec3(subgroupShuffle(v.x, lane), subgroupShuffle(v.y, lane), subgroupShuffle(v.z, lane));
-}
-
-float leastOfLanes(float x) {
-    x = leastFloat(x, subgroupShuffleXor(x, 1u));
-    x = leastFloat(x, subgroupShuffleXor(x, 2u));
-    return leastFloat(x, subgroupShuffleXor(x, 4u));
 }
 
 vec3 least3(vec3 a, vec3 b) { return vec3(leastFloat(a.x, b.x), leastFloat(a.y, b.y), leastFloat(a.z, b.z)); }

@@ -19,10 +19,9 @@ struct Slabs {
 Slabs slabsOf(vec3 lo, vec3 hi, vec3 o, vec3 d, float least, float nowhere) {
     Slabs s;
     s.parallel = lessThan(abs(d), vec3(least));
-    precise vec3 inverse = quotient(1.0, mix(d, vec3(1.0), s.parallel));
-    precise vec3 toLo = (lo - o) * inverse;
-    precise vec3 toHi = (hi - o) * inverse;
-    s.inverse = inverse;
+    s.inverse = quotient(1.0, mix(d, vec3(1.0), s.parallel));
+    precise vec3 toLo = (lo - o) * s.inverse;
+    precise vec3 toHi = (hi - o) * s.inverse;
     s.backwards = lessThan(d, vec3(0.0));
     bvec3 outside = greaterThan(max(lo - o, o - hi), vec3(0.0));
     s.near = mix(mix(toLo, toHi, s.backwards), mix(vec3(-nowhere), vec3(nowhere), outside), s.parallel);
@@ -31,16 +30,14 @@ Slabs slabsOf(vec3 lo, vec3 hi, vec3 o, vec3 d, float least, float nowhere) {
 }
 
 vec3 cuboidLocal(Cuboid cuboid, vec3 v) {
-    precise vec3 local = vec3(dot(cuboid.toLocal0, v), dot(cuboid.toLocal1, v), dot(cuboid.toLocal2, v));
-    return local;
+    return timesRows(cuboid.toLocal0, cuboid.toLocal1, cuboid.toLocal2, v);
 }
 
 // tSlip of a face. reach: what the origin's coordinates here are off by, in units.
 float slipOfFace(Cuboid cuboid, RayFrame frame, vec3 reach, vec3 inverse, uint axis, float t) {
     float plane = larger(abs(cuboid.lo[axis]), abs(cuboid.hi[axis]));
     precise float height = kUnit * (2.0 * plane + reach[axis]) + frame.slip;
-    precise float slip = height * abs(inverse[axis]) + 8.0 * kUnit * abs(t);
-    return kSlips ? slip : 0.0;
+    return kSlips ? height * abs(inverse[axis]) + slipOfRound(t) : 0.0;
 }
 
 // The line is inside from the last plane that it enters through to the first that it leaves through. Both
@@ -63,8 +60,7 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
     if (enter > 0.0 && leave == enter) leave = uintBitsToFloat(floatBitsToUint(enter) + 1u);
     // Same bound as slipOfFlat; the rows are the faces' normals.
     precise vec3 terms = 2.0 * abs(cuboid.point) + 6.0 * abs(offset);
-    vec3 reach = vec3(dot(abs(cuboid.toLocal0), terms), dot(abs(cuboid.toLocal1), terms),
-                      dot(abs(cuboid.toLocal2), terms));
+    vec3 reach = timesRows(abs(cuboid.toLocal0), abs(cuboid.toLocal1), abs(cuboid.toLocal2), terms);
     float enterSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, nearAxis, enter);
     float leaveSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, farAxis, leave);
     bool leaves = ray.source != kNone;
@@ -90,11 +86,7 @@ void surfaceOfCuboid(Ray ray, Hit hit, Cuboid cuboid, inout Surface surface) {
     float plane = upper ? cuboid.hi[axis] : cuboid.lo[axis];
     precise vec3 offset = (ray.origin - cuboid.point) + hit.t * ray.direction;
     precise vec3 projected = offset - (dot(row, offset) - plane) * row;
-    precise vec3 position = cuboid.point + projected;
-    surface.position = position;
-    surface.error = gammaBound(7.0) * (abs(projected) + abs(cuboid.point));
-    surface.geometricNormal = upper ? row : -row;
-    surface.shadingNormal = surface.geometricNormal;
+    setPoint(cuboid.point, projected, upper ? row : -row, surface);
     precise vec3 share = quotient(cuboidLocal(cuboid, projected) - cuboid.lo, cuboid.hi - cuboid.lo);
     precise vec3 rest = 1.0 - share;
     surface.uv = axis == 0u ? vec2(upper ? rest.z : share.z, share.y)

@@ -5,16 +5,10 @@
 #include "primitives/surface.glsl"
 
 // Surface of a flat primitive with this point and unit normal. The hit point is moved back to the plane as an
-// offset from `anchor`. The product with the normal errs by gamma_4 of the offset; the subtraction and the
-// addition of the anchor err by a unit each.
+// offset from `anchor`. The product with the normal errs by gamma_4 of the offset, the subtraction by a unit.
 void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surface) {
     precise vec3 offset = (ray.origin - anchor) + hit.t * ray.direction;
-    precise vec3 projected = offset - dot(normal, offset) * normal;
-    precise vec3 position = anchor + projected;
-    surface.position = position;
-    surface.error = gammaBound(7.0) * (abs(projected) + abs(anchor));
-    surface.geometricNormal = normal;
-    surface.shadingNormal = normal;
+    setPoint(anchor, offset - dot(normal, offset) * normal, normal, surface);
 }
 
 // The point at which a ray crosses the plane of a flat primitive. t from an anchor point, not from a stored
@@ -24,19 +18,19 @@ struct PlaneCrossing {
     float speed;  // along the normal
     float t;
 };
-PlaneCrossing crossPlane(Ray ray, vec3 anchor, vec3 normal) {
+PlaneCrossing crossPlane(Ray ray, RayFrame frame, vec3 anchor, vec3 normal) {
     precise vec3 toAnchor = anchor - ray.origin;
     precise float speed = dot(normal, ray.direction);
     precise float height = dot(normal, toAnchor);
     precise float t = quotient(height, speed);
+    tSlip = slipOfFlat(frame, normal, anchor, toAnchor, ray.direction, t, speed);
     return PlaneCrossing(toAnchor, speed, t);
 }
 
 // ---- Planes ----
 
 bool hitPlane(Ray ray, RayFrame frame, Plane plane, uint primitive, inout uint trips, out Hit hit) {
-    PlaneCrossing at = crossPlane(ray, plane.point, plane.normal);
-    tSlip = slipOfFlat(frame, plane.normal, plane.point, at.toAnchor, ray.direction, at.t, at.speed);
+    PlaneCrossing at = crossPlane(ray, frame, plane.point, plane.normal);
     hit = Hit(at.t, 0.0, 0.0, primitive, kNone, plane.id);
     return at.speed != 0.0 && countsAt(ray, at.t);
 }
@@ -56,11 +50,10 @@ void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {
 // The plane's t, then the distance from the centre of the point there. Both parts of it are of the size of
 // the ray's way to the disc, not of the coordinates.
 bool hitDisc(Ray ray, RayFrame frame, Disc disc, uint primitive, inout uint trips, out Hit hit) {
-    PlaneCrossing at = crossPlane(ray, disc.center, disc.normal);
+    PlaneCrossing at = crossPlane(ray, frame, disc.center, disc.normal);
     precise vec3 offset = at.t * ray.direction - at.toAnchor;
     precise float square = dot(offset, offset);
     precise float limit = disc.radius * disc.radius;
-    tSlip = slipOfFlat(frame, disc.normal, disc.center, at.toAnchor, ray.direction, at.t, at.speed);
     hit = Hit(at.t, 0.0, 0.0, primitive, kNone, disc.id);
     return at.speed != 0.0 && square <= limit && countsAt(ray, at.t);
 }
@@ -82,20 +75,18 @@ vec3 shearedVertex(Ray ray, RayFrame frame, uint index) {
 
 // True if the edge crosses the half line x > 0, y = 0. Half open: of two edges that meet on the line, one
 // above and one below it, a single one counts, and both or neither if they are on the same side. Exchanging a
-// and b exchanges nothing: the two products are the same, so polygons that share an edge never disagree on
-// which side of it a ray passes.
+// and b changes nothing, so polygons that share an edge never disagree on which side of it a ray passes.
 bool crosses(vec3 a, vec3 b) {
     precise float edge = a.x * b.y - a.y * b.x;
     bool up = b.y > 0.0;
     return up != (a.y > 0.0) && (up ? edge > 0.0 : edge < 0.0);
 }
 
-// Even-odd rule on the outline as seen along the ray, projected along the direction's largest component, not
-// the normal's: every edge contributes a bit of its own and the ray's alone, so the parities of polygons that
-// meet add up to that of their common outline, without gaps, whatever rounding does. t is the plane's, kept
-// among those of the vertices, which it leaves by rounding only.
+// Even-odd rule on the outline as seen along the ray: every edge contributes a bit of its own and the ray's
+// alone, so polygons that meet leave no gap (docs/design/numerics.md 2.6). t is the plane's, kept among those
+// of the vertices, which it leaves by rounding only.
 bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout uint trips, out Hit hit) {
-    PlaneCrossing at = crossPlane(ray, polygon.point, polygon.normal);
+    PlaneCrossing at = crossPlane(ray, frame, polygon.point, polygon.normal);
     bool inside = false;
     uint vertex = polygon.firstVertex;
     uint end = vertex + polygon.trips * kPolygonEdgesPerTrip;

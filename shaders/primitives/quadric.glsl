@@ -8,18 +8,19 @@
 // Farther along a ray than any box: no crossing.
 const float kNowhere = 1e37;
 
-vec3 toLocal(Quadric q, vec3 v) {
-    precise vec3 local = vec3(dot(q.toLocal0, v), dot(q.toLocal1, v), dot(q.toLocal2, v));
-    return local;
+vec3 toLocal(Quadric q, vec3 v) { return timesRows(q.toLocal0, q.toLocal1, q.toLocal2, v); }
+
+// The same of magnitudes, for error bounds.
+vec3 magnitudesToLocal(Quadric q, vec3 v) {
+    return timesRows(abs(q.toLocal0), abs(q.toLocal1), abs(q.toLocal2), v);
 }
 
 // Q y
 vec3 bilinear(vec3 squares, vec3 products, vec3 y) {
-    precise vec3 image =
-        squares * y + vec3(products.z * y.y + products.y * y.z, products.z * y.x + products.x * y.z,
-                           products.y * y.x + products.x * y.y);
-    return image;
+    return squares * y + vec3(products.z * y.y + products.y * y.z, products.z * y.x + products.x * y.z,
+                              products.y * y.x + products.x * y.y);
 }
+vec3 magnitudesBilinear(Quadric q, vec3 y) { return bilinear(abs(q.squares), abs(q.products), y); }
 
 // A point and the equation that loses least there: y.Qy + 2 linear.y + constant = 0.
 struct QuadricPlace {
@@ -33,13 +34,29 @@ QuadricPlace placeOf(Quadric q, vec3 y) {
     QuadricPlace place = QuadricPlace(y, q.linear, q.constant);
     if ((q.caps & kFromApex) != 0u) {
         precise vec3 fromApex = y + q.linear;
-        precise float near = dot(abs(y), bilinear(abs(q.squares), abs(q.products), abs(y)));
-        precise float far = dot(abs(fromApex), bilinear(abs(q.squares), abs(q.products), abs(fromApex)));
+        precise float near = dot(abs(y), magnitudesBilinear(q, abs(y)));
+        precise float far = dot(abs(fromApex), magnitudesBilinear(q, abs(fromApex)));
         bool isNear = 16.0 * near < far;
         vec3 slope = bilinear(q.squares, q.products, q.linear);
         place = QuadricPlace(isNear ? y : fromApex, isNear ? slope : vec3(0.0), isNear ? q.constant : 0.0);
     }
     return place;
+}
+
+// The coefficients B and C of a line's equation A t^2 + 2 B t + C = 0, t counted from y. image: Q d.
+struct QuadricEquation {
+    QuadricPlace at;
+    vec3 form;
+    float B, C;
+};
+
+QuadricEquation equationAt(Quadric q, vec3 y, vec3 d, vec3 image) {
+    precise QuadricEquation e;
+    e.at = placeOf(q, y);
+    e.B = dot(e.at.y, image) + dot(e.at.linear, d);
+    e.form = bilinear(q.squares, q.products, e.at.y) + 2.0 * e.at.linear;
+    e.C = dot(e.at.y, e.form) + e.at.constant;
+    return e;
 }
 
 // Interval in which a line crosses a box, and which of the two planes that may be capped bound it.
@@ -53,18 +70,16 @@ QuadricSpan passThrough(Quadric q, vec3 o, vec3 d) {
     // Below 2^-100 of its length a component of d moves the ray by nothing that counts, and 1/d would
     // overflow.
     Slabs slabs = slabsOf(q.lo, q.hi, o, d, 7.9e-31, kNowhere);
-    vec3 near = slabs.near;
-    vec3 far = slabs.far;
     bool upwards = !slabs.backwards.z;
     QuadricSpan p;
     p.firstCap = upwards ? kPartLowerCap : kPartUpperCap;
     p.secondCap = upwards ? kPartUpperCap : kPartLowerCap;
-    float nearSides = larger(near.x, near.y);
-    float farSides = far.x < far.y ? far.x : far.y;
-    bool capFirst = near.z >= nearSides;
-    bool capLast = far.z <= farSides;
-    p.enter = capFirst ? near.z : nearSides;
-    p.leave = capLast ? far.z : farSides;
+    float nearSides = larger(slabs.near.x, slabs.near.y);
+    float farSides = slabs.far.x < slabs.far.y ? slabs.far.x : slabs.far.y;
+    bool capFirst = slabs.near.z >= nearSides;
+    bool capLast = slabs.far.z <= farSides;
+    p.enter = capFirst ? slabs.near.z : nearSides;
+    p.leave = capLast ? slabs.far.z : farSides;
     p.byCap = capFirst && !slabs.parallel.z && (q.caps & (upwards ? kCapLower : kCapUpper)) != 0u;
     p.toCap = capLast && !slabs.parallel.z && (q.caps & (upwards ? kCapUpper : kCapLower)) != 0u;
     return p;
@@ -125,8 +140,8 @@ void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint 
     if (kCountsSurfaces && valid) best.before = counted;
 }
 
-// The two roots and the two ends of the box cut the solid out of the line, and every surface is an end of
-// what remains: at a rim the cap begins exactly where the side ends.
+// The roots and the ends of the box cut the solid out of the line. Surfaces are the ends of what remains: at
+// a rim the cap begins exactly where the side ends.
 Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c, float capSlip) {
     Candidate best = Candidate(0.0, kPartSide, false, 0.0, 0.0, 0.0, capSlip);
     // The first stretch inside runs from a to b, the second from e to p.leave.
@@ -151,113 +166,101 @@ Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c, float ca
 float slipOfCaps(RayFrame frame, Quadric q, vec3 offset, vec3 along) {
     if (!kSlips) return 0.0;
     vec3 terms = 2.0 * abs(q.point) + 6.0 * abs(offset);
-    float stretch = squareRoot(dot(q.toLocal2, q.toLocal2));
     precise float height = kUnit * (dot(abs(q.toLocal2), terms) + 2.0 * larger(abs(q.lo.z), abs(q.hi.z)));
-    precise float slip = abs(quotient(height + stretch * frame.slip, along.z == 0.0 ? 1.0 : along.z));
-    return slip;
+    return abs(quotient(height + length(q.toLocal2) * frame.slip, along.z == 0.0 ? 1.0 : along.z));
 }
 
 // t is the same in local coordinates. The equation is set up where the ray enters the box. If A C exceeds
 // half of B^2 there, it is set up again half way between the roots (-B / A), so that B^2 - A C does not
-// cancel, like Hearn and Baker's discriminant for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems,
-// 2019, ch. 7). If not, nothing cancels, and the middle may be a million times farther than the nearer root.
+// cancel. If not, nothing cancels, and the middle may be a million times farther than the nearer root.
 bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint trips, out Hit hit) {
     precise vec3 offset = ray.origin - q.point;
     vec3 o = toLocal(q, offset);
     vec3 along = toLocal(q, ray.direction);
-    float size = larger(larger(abs(along.x), abs(along.y)), abs(along.z));
     // 2^-exponent, exactly: d gets components up to 2.
-    float unit = uintBitsToFloat(0x7f000000u - (floatBitsToUint(size) & 0x7f800000u));
+    float unit = uintBitsToFloat(0x7f000000u - (floatBitsToUint(greatestComponent(along)) & 0x7f800000u));
     precise vec3 d = along * unit;
     QuadricSpan p = passThrough(q, o, d);
 
     vec3 image = bilinear(q.squares, q.products, d);
     precise float A = dot(d, image);
     float begin = larger(p.enter, 0.0);
-    precise vec3 y = o + begin * d;
-    QuadricPlace at = placeOf(q, y);
-    precise float B = dot(at.y, image) + dot(at.linear, d);
-    precise vec3 form = bilinear(q.squares, q.products, at.y) + 2.0 * at.linear;
-    precise float C = dot(at.y, form) + at.constant;
-    precise float productAC = A * C;
-    precise float halfSquare = 0.5 * B * B;
-    precise float middle = productAC <= halfSquare ? 0.0 : quotient(-B, A);
+    QuadricEquation e = equationAt(q, o + begin * d, d, image);
+    precise float middle = A * e.C <= 0.5 * e.B * e.B ? 0.0 : quotient(-e.B, A);
     float reach = larger(p.leave - begin, 0.0);
     middle = middle < reach ? larger(middle, 0.0) : reach;
     bool fromSide = ray.source == (primitive | (kPartSide << kPartShift));
     precise float start = fromSide ? 0.0 : begin + middle;
-    y = o + start * d;
-    at = placeOf(q, y);
-    B = dot(at.y, image) + dot(at.linear, d);
-    form = bilinear(q.squares, q.products, at.y) + 2.0 * at.linear;
-    C = dot(at.y, form) + at.constant;
+    e = equationAt(q, o + start * d, d, image);
     // Sums of magnitudes: B errs by gamma_8 of its own, C by gamma_9.
-    precise float magnitudeB = dot(abs(at.y), abs(image)) + dot(abs(at.linear), abs(d));
-    precise float magnitudeC = dot(abs(at.y), abs(form)) + abs(at.constant);
+    precise float magnitudeB = dot(abs(e.at.y), abs(image)) + dot(abs(e.at.linear), abs(d));
+    precise float magnitudeC = dot(abs(e.at.y), abs(e.form)) + abs(e.at.constant);
     precise float errorB = gammaBound(8.0) * magnitudeB;
     precise float slack = errorB * errorB + abs(A) * (gammaBound(9.0) * magnitudeC);
     if (fromSide) {
         // The ray starts on the side: C is 0, and so is B if rounding decides its sign. The direction errs by
         // gamma_3 of the sums of its components here, and was rounded itself; so does the origin, which also
         // stands off the surface by C over the gradient.
-        precise vec3 size3 = abs(ray.direction) * unit;
-        precise vec3 terms =
-            vec3(dot(abs(q.toLocal0), size3), dot(abs(q.toLocal1), size3), dot(abs(q.toLocal2), size3));
-        precise vec3 far = abs(ray.origin) + abs(q.point);
-        precise vec3 reach =
-            vec3(dot(abs(q.toLocal0), far), dot(abs(q.toLocal1), far), dot(abs(q.toLocal2), far));
+        vec3 terms = magnitudesToLocal(q, abs(ray.direction) * unit);
+        vec3 reach = magnitudesToLocal(q, abs(ray.origin) + abs(q.point));
         precise float errorSide =
-            gammaBound(8.0) *
-            (dot(reach, bilinear(abs(q.squares), abs(q.products), terms)) + dot(abs(at.linear), terms));
-        precise float steepness = length(form - at.linear);
-        if (steepness > 0.0) errorSide += quotient(0.5 * abs(C), steepness) * length(image);
-        C = 0.0;
-        if (abs(B) <= errorSide) B = 0.0;
+            gammaBound(8.0) * (dot(reach, magnitudesBilinear(q, terms)) + dot(abs(e.at.linear), terms));
+        precise float steepness = length(e.form - e.at.linear);
+        if (steepness > 0.0) errorSide += quotient(0.5 * abs(e.C), steepness) * length(image);
+        e.C = 0.0;
+        if (abs(e.B) <= errorSide) e.B = 0.0;
     }
-    Crossings c = crossingsOf(A, B, C, slack, start);
+    Crossings c = crossingsOf(A, e.B, e.C, slack, start);
     Candidate best = firstSurface(ray, unit, p, c, slipOfCaps(frame, q, offset, along));
     tSlip = best.slip;
     hit = Hit(best.t, kTellsSides ? best.side : 0.0, 0.0, primitive | (best.part << kPartShift), kNone, q.id);
     return best.found && p.enter <= p.leave;
 }
 
-// Normal at a point where a line touches the side, like towardsRayAtLimb for spheres: rounding alone would
-// decide whether the bright limb of an open pipe is shaded as its inside. If A of the equation is positive,
-// the line is outside and arrives at the surface; if negative, it is inside and leaves. A ray that starts on
-// the side may leave through it.
-// Error bound of slope.d: y errs by gamma_8 of the magnitudes that it sums; the sums of slope and product add
-// as much again. A line that passes by within rounding is moved onto the surface (`offset`), and arrives or
-// leaves with respect to the normal there.
+// The normal, T^T slope, in steps that do not overflow.
+struct QuadricNormal {
+    vec3 unit;
+    float steepest;  // the greatest component of T^T slope; 1e-30 or less: the surface has no normal there
+    float size;      // the length of T^T slope over that
+};
+
+QuadricNormal normalOf(Quadric q, vec3 slope) {
+    vec3 gradient = slope.x * q.toLocal0 + slope.y * q.toLocal1 + slope.z * q.toLocal2;
+    float steepest = greatestComponent(gradient);
+    vec3 scaled = quotient(gradient, steepest);
+    float size = length(scaled);
+    return QuadricNormal(quotient(scaled, size), steepest, size);
+}
+
+// Normal at a point where a line touches the side, like towardsRayAtLimb for spheres. If A of the equation is
+// positive, the line is outside and arrives at the surface; if negative, it is inside and leaves, with
+// respect to the normal at `offset`, where a line that passes by within rounding is moved to. A ray that
+// starts on the side may leave through it.
 vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 normal) {
     uint kindAndIndex = ~(kPartMask << kPartShift);
     if ((ray.source & kindAndIndex) == (hit.primitive & kindAndIndex)) return normal;
     vec3 along = toLocal(q, ray.direction);
     vec3 terms = abs(ray.origin - q.point) + abs(hit.t * ray.direction);
-    vec3 reach = vec3(dot(abs(q.toLocal0), terms), dot(abs(q.toLocal1), terms), dot(abs(q.toLocal2), terms));
     QuadricPlace at = placeOf(q, y);
-    vec3 image = bilinear(abs(q.squares), abs(q.products), reach + abs(at.y - y)) + abs(at.linear);
+    vec3 image = magnitudesBilinear(q, magnitudesToLocal(q, terms) + abs(at.y - y)) + abs(at.linear);
     float slip = gammaBound(16.0) * dot(image, abs(along));
     if (abs(dot(bilinear(q.squares, q.products, at.y) + at.linear, along)) > slip) return normal;
     QuadricPlace moved = placeOf(q, toLocal(q, offset));
-    vec3 slope = bilinear(q.squares, q.products, moved.y) + moved.linear;
-    vec3 gradient = slope.x * q.toLocal0 + slope.y * q.toLocal1 + slope.z * q.toLocal2;
-    float steepest = larger(larger(abs(gradient.x), abs(gradient.y)), abs(gradient.z));
-    if (steepest <= 1e-30) return normal;
-    vec3 scaled = quotient(gradient, steepest);
-    vec3 unit = quotient(scaled, length(scaled));
-    float away = dot(unit, ray.direction);
+    QuadricNormal there = normalOf(q, bilinear(q.squares, q.products, moved.y) + moved.linear);
+    if (there.steepest <= 1e-30) return normal;
+    float away = dot(there.unit, ray.direction);
     float A = dot(along, bilinear(q.squares, q.products, along));
     // A dot product errs by gamma_3: the result exceeds that, so that its sign is certain.
     float square = dot(ray.direction, ray.direction);
     float clear = larger(abs(away), gammaBound(8.0) * squareRoot(square));
     float wanted = A < 0.0 ? clear : (A > 0.0 ? -clear : away);
-    return unit + quotient(wanted - away, square) * ray.direction;
+    return there.unit + quotient(wanted - away, square) * ray.direction;
 }
 
-// One Newton step along the gradient from o + t d. The error left along the normal: rounding of the left side
-// of the equation, gamma_12 of the magnitudes it sums, and of y, gamma_5 of those, over the gradient's
-// length; then gamma_7 of what is added to the point. At a cone's apex and on a double plane the gradient
-// vanishes: there the surface faces the ray, and an error e of the left side moves it by at most sqrt(e).
+// One Newton step along the gradient from o + t d. The error left along the normal: gamma_12 of the
+// magnitudes that the equation sums, and gamma_5 of those of y, over the gradient's length. At a cone's apex
+// and on a double plane the gradient vanishes: there the surface faces the ray, and an error e of the
+// equation moves it by at most sqrt(e).
 void surfaceOfQuadric(Ray ray, Hit hit, Quadric q, inout Surface surface) {
     uint part = (hit.primitive >> kPartShift) & kPartMask;
     precise vec3 offset = (ray.origin - q.point) + hit.t * ray.direction;
@@ -273,32 +276,23 @@ void surfaceOfQuadric(Ray ray, Hit hit, Quadric q, inout Surface surface) {
         value = upper ? y.z - q.hi.z : q.lo.z - y.z;
         magnitude = abs(y.z);
     }
-    precise vec3 gradient = slope.x * q.toLocal0 + slope.y * q.toLocal1 + slope.z * q.toLocal2;
-    float steepest = larger(larger(abs(gradient.x), abs(gradient.y)), abs(gradient.z));
+    QuadricNormal there = normalOf(q, slope);
     vec3 normal = quotient(-ray.direction, length(ray.direction));
     float left = 0.0;
-    if (steepest > 1e-30) {
-        precise vec3 scaled = quotient(gradient, steepest);
-        float size = length(scaled);
-        precise vec3 unit = quotient(scaled, size);
-        float unitLength = quotient(length(slope), steepest * size);
-        float limit = squareRoot(gammaBound(12.0) * magnitude) * unitLength;
-        precise float newton = quotient(quotient(value, steepest), size);
+    if (there.steepest > 1e-30) {
+        float gradient = there.steepest * there.size;
+        float limit = squareRoot(gammaBound(12.0) * magnitude) * quotient(length(slope), gradient);
+        precise float newton = quotient(quotient(value, there.steepest), there.size);
         precise float step = part == kPartSide ? clamp(newton, -limit, limit) : newton;
-        precise vec3 moved = offset - step * unit;
-        offset = moved;
-        normal = unit;
+        normal = there.unit;
+        offset -= step * normal;
         vec3 spread = abs(slope.x * q.toLocal0) + abs(slope.y * q.toLocal1) + abs(slope.z * q.toLocal2);
-        left = quotient(gammaBound(12.0) * magnitude + gammaBound(5.0) * dot(spread, abs(offset)),
-                        steepest * size);
+        left = quotient(gammaBound(12.0) * magnitude + gammaBound(5.0) * dot(spread, abs(offset)), gradient);
         if (part == kPartSide) left = min(left, limit);
     }
-    precise vec3 position = q.point + offset;
-    surface.position = position;
-    surface.error = gammaBound(7.0) * (abs(offset) + abs(q.point)) + left * abs(normal);
-    if (part == kPartSide) normal = asTheLineTouches(ray, hit, q, y, offset, normal);
-    surface.geometricNormal = normal;
-    surface.shadingNormal = normal;
+    vec3 facing = part == kPartSide ? asTheLineTouches(ray, hit, q, y, offset, normal) : normal;
+    setPoint(q.point, offset, facing, surface);
+    surface.error += left * abs(normal);
     setOwner(q.object, q.primitive, q.material, surface);
 }
 

@@ -5,9 +5,7 @@
 #include "primitives/surface.glsl"
 
 vec3 sphereCenter(Sphere sphere) {
-    if (!FEATURE_ANCHORED_SPHERES) return sphere.point;
-    precise vec3 center = sphere.point - sphere.radius * sphere.anchorNormal;
-    return center;
+    return FEATURE_ANCHORED_SPHERES ? sphere.point - sphere.radius * sphere.anchorNormal : sphere.point;
 }
 
 // Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al.,
@@ -27,10 +25,9 @@ bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t, ou
     return disc >= 0.0 && q != 0.0 && (lowerIn || upperIn);
 }
 
-// Discriminant from the distance of the centre to the ray (Haines, Gunther, Akenine-Moller, "Precision
-// Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019, ch. 7): b^2 - a c cancels if the sphere
-// is far away. An anchored sphere measures from a point of its surface, as its radius may exceed all
-// distances.
+// Discriminant from the distance of the centre to the ray, as b^2 - a c cancels if the sphere is far away. An
+// anchored sphere measures from a point of its surface, as its radius may exceed all distances
+// (docs/design/numerics.md 2.4).
 bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
     precise vec3 o = ray.origin - sphere.point;
     precise float a = dot(ray.direction, ray.direction);
@@ -39,12 +36,9 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
     precise float disc = a * (sphere.radius * sphere.radius - dot(perpendicular, perpendicular));
     precise float c = dot(o, o) - sphere.radius * sphere.radius;
     if (FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0)) {
-        precise float anchoredB = b + sphere.radius * dot(sphere.anchorNormal, ray.direction);
-        precise float anchoredC = dot(o, o) + 2.0 * sphere.radius * dot(o, sphere.anchorNormal);
-        precise float anchoredDisc = anchoredB * anchoredB - a * anchoredC;
-        b = anchoredB;
-        c = anchoredC;
-        disc = anchoredDisc;
+        b += sphere.radius * dot(sphere.anchorNormal, ray.direction);
+        c = dot(o, o) + 2.0 * sphere.radius * dot(o, sphere.anchorNormal);
+        disc = b * b - a * c;
     }
     if (primitive == ray.source) {
         // The ray starts on the surface: c is 0, and so is b if rounding, also of origin and direction,
@@ -52,9 +46,8 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
         precise vec3 reach = abs(ray.origin) + abs(sphere.point) + sphere.radius * abs(sphere.anchorNormal);
         precise float errorB = gammaBound(8.0) * dot(reach, abs(ray.direction));
         if (abs(b) <= errorB) b = 0.0;
-        precise float square = b * b;
         c = 0.0;
-        disc = square;
+        disc = b * b;
     }
     float t, side;
     bool isHit = nearestRoot(ray, a, b, c, disc, t, side);
@@ -65,11 +58,9 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
 // The test that the traversals call: primitives/robust.glsl or primitives/textbook.glsl.
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit);
 
-// Outward normal of a hit, turned towards the ray at the limb. If rounding makes the discriminant 0, the
-// rounding of t alone decides whether the normal faces the ray, as from outside it must: 1 of 2.8 million
-// camera rays of scenes/lens.json at 320x240 would shade the bright limb as the sphere's back. t errs by
-// gamma_8 |w| / |d| in any form, so n.d errs by gamma_8 |w| / r. A ray that starts on the sphere may leave
-// through it.
+// Outward normal of a hit, turned towards the ray at the limb, where the rounding of t alone decides whether
+// the normal faces the ray, as from outside it must. t errs by gamma_8 |w| / |d| in any form, so n.d errs by
+// gamma_8 |w| / r. A ray that starts on the sphere may leave through it.
 vec3 towardsRayAtLimb(Ray ray, Hit hit, Sphere sphere, vec3 outward) {
     vec3 w = ray.origin - sphereCenter(sphere);
     precise float away = dot(outward, ray.direction);
@@ -84,8 +75,7 @@ vec3 towardsRayAtLimb(Ray ray, Hit hit, Sphere sphere, vec3 outward) {
     return isLimb && square > radiusSquare ? outward - quotient(2.0 * away, size) * ray.direction : outward;
 }
 
-// The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5),
-// plus the rounding of adding the centre.
+// The point o + t d is moved back to the sphere.
 void surfaceOfSphere(Ray ray, Hit hit, Sphere sphere, inout Surface surface) {
     precise vec3 offset = (ray.origin - sphere.point) + hit.t * ray.direction;
     precise vec3 outward = quotient(offset, length(offset));
@@ -93,19 +83,12 @@ void surfaceOfSphere(Ray ray, Hit hit, Sphere sphere, inout Surface surface) {
     if (FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0)) {
         // One Newton step along the normal on |x|^2 + 2 r n.x = 0, x measured from the anchor.
         precise vec3 away = quotient(offset, sphere.radius) + sphere.anchorNormal;
-        precise vec3 unit = quotient(away, length(away));
         precise float height =
             quotient(dot(offset, offset), 2.0 * sphere.radius) + dot(offset, sphere.anchorNormal);
-        precise vec3 corrected = offset - height * unit;
-        outward = unit;
-        scaled = corrected;
+        outward = quotient(away, length(away));
+        scaled = offset - height * outward;
     }
-    precise vec3 position = sphere.point + scaled;
-    surface.position = position;
-    surface.error = gammaBound(7.0) * (abs(scaled) + abs(sphere.point));
-    outward = towardsRayAtLimb(ray, hit, sphere, outward);
-    surface.geometricNormal = outward;
-    surface.shadingNormal = outward;
+    setPoint(sphere.point, scaled, towardsRayAtLimb(ray, hit, sphere, outward), surface);
     setOwner(sphere.object, sphere.primitive, sphere.material, surface);
 }
 

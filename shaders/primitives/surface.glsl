@@ -3,7 +3,6 @@
 #define GLINT_PRIMITIVES_SURFACE_GLSL
 
 #include "traversal/ray.glsl"
-#include "storage.glsl"
 
 struct Surface {
     vec3 position;
@@ -18,6 +17,15 @@ struct Surface {
     vec2 uv;
     vec3 color;  // of the vertices, interpolated; white without
 };
+
+// The point anchor + offset with the outward unit normal. `offset` errs by gamma_5, and the sum rounds once
+// more (PBRT 4th ed., sec. 6.8.5).
+void setPoint(vec3 anchor, vec3 offset, vec3 normal, inout Surface surface) {
+    surface.position = anchor + offset;
+    surface.error = gammaBound(7.0) * (abs(offset) + abs(anchor));
+    surface.geometricNormal = normal;
+    surface.shadingNormal = normal;
+}
 
 void setOwner(uint object, uint primitive, uint material, inout Surface surface) {
     surface.object = object;

@@ -2,17 +2,17 @@
 #ifndef GLINT_PRIMITIVES_TRIANGLE_GLSL
 #define GLINT_PRIMITIVES_TRIANGLE_GLSL
 
-#include "traversal/instance.glsl"
 #include "primitives/surface.glsl"
 
 // Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Triangles that share an edge
 // compute the same products with the same roundings, so no ray slips between them. t is that of the plane, as
 // for every flat surface: the paper's weighted sum errs by the ratio of a sliver's sides.
 
-// The corners across the ray, and on which side of each edge the ray passes.
+// The corners across the ray, on which side of each edge the ray passes, and the t of the corners.
 struct SeenTriangle {
     vec2 a, b, c;
     float ea, eb, ec;
+    vec3 ts;
 };
 // a, b, c: the corners as seen from the origin, turned.
 SeenTriangle seenAlong(RayFrame frame, vec3 a, vec3 b, vec3 c) {
@@ -22,7 +22,17 @@ SeenTriangle seenAlong(RayFrame frame, vec3 a, vec3 b, vec3 c) {
     precise float ea = c2.x * b2.y - c2.y * b2.x;
     precise float eb = a2.x * c2.y - a2.y * c2.x;
     precise float ec = b2.x * a2.y - b2.y * a2.x;
-    return SeenTriangle(a2, b2, c2, ea, eb, ec);
+    return SeenTriangle(a2, b2, c2, ea, eb, ec, frame.shear.z * vec3(a.z, b.z, c.z));
+}
+SeenTriangle seenFrom(Ray ray, RayFrame frame, Triangle triangle) {
+    return seenAlong(frame, turnToZ(triangle.v0 - ray.origin, frame.axis),
+                     turnToZ(triangle.v1 - ray.origin, frame.axis),
+                     turnToZ(triangle.v2 - ray.origin, frame.axis));
+}
+
+bool hasOneSign(SeenTriangle seen) {
+    return (seen.ea >= 0.0 && seen.eb >= 0.0 && seen.ec >= 0.0) ||
+           (seen.ea <= 0.0 && seen.eb <= 0.0 && seen.ec <= 0.0);
 }
 
 // True if the projected triangle's bounds contain the ray. Rejects false hits in line with a sliver, where
@@ -37,33 +47,26 @@ bool isAround(SeenTriangle seen) {
 bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, vec3 anchor, vec3 normal, out float t,
                      out float u, out float v) {
     SeenTriangle seen = seenAlong(frame, a, b, c);
-    float ea = seen.ea;
-    float eb = seen.eb;
-    float ec = seen.ec;
-    precise float det = ea + eb + ec;
+    precise float det = seen.ea + seen.eb + seen.ec;
     precise float inverse = quotient(1.0, det);
-    precise float uHit = eb * inverse;
-    precise float vHit = ec * inverse;
-    u = uHit;
-    v = vHit;
+    u = seen.eb * inverse;
+    v = seen.ec * inverse;
 
     // Clamp t to the range of the corners; for a ray nearly in the plane, tPlane may lie outside.
-    precise vec3 ts = frame.shear.z * vec3(a.z, b.z, c.z);
     vec3 along = vec3(frame.shear.xy, 1.0);
     precise float speed = dot(normal, along);
     precise float inverseSpeed = quotient(1.0, speed);
     precise float depth = dot(normal, a) * inverseSpeed;
     precise float tPlane = frame.shear.z * depth;
-    float least = ts.x < ts.y ? ts.x : ts.y;
-    least = ts.z < least ? ts.z : least;
-    float greatest = larger(larger(ts.x, ts.y), ts.z);
+    float least = seen.ts.x < seen.ts.y ? seen.ts.x : seen.ts.y;
+    least = seen.ts.z < least ? seen.ts.z : least;
+    float greatest = larger(larger(seen.ts.x, seen.ts.y), seen.ts.z);
     t = tPlane < least ? least : (tPlane > greatest ? greatest : tPlane);
     precise float slip =
         slipOfHeight(frame, normal, anchor, a, depth * along) * abs(frame.shear.z * inverseSpeed);
     tSlip = kSlips ? slip : 0.0;
 
-    bool inside = (ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0);
-    if (FEATURE_SLIVERS) inside = inside && isAround(seen);
+    bool inside = hasOneSign(seen) && (!FEATURE_SLIVERS || isAround(seen));
     return inside && det != 0.0 && speed != 0.0 && t > 0.0 && countsAt(ray, t);
 }
 
@@ -77,9 +80,9 @@ bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, 
 }
 
 // Side of the edge from p to q on which the ray passes. If the ray is exactly on the edge (product 0), the
-// side is that of a ray moved by (e, e^2), e > 0 arbitrarily small: (p - m) x (q - m) = p x q + e (p.y - q.y)
-// + e^2 (q.x - p.x). The other triangle of the edge, from q to p, gets the other sign (Edelsbrunner, Mucke,
-// "Simulation of Simplicity", ACM Trans. Graph. 9(1), 1990).
+// side is that of a ray moved by (e, e^2), e > 0 arbitrarily small: p x q + e (p.y - q.y) + e^2 (q.x - p.x).
+// The edge from q to p gets the other sign (Edelsbrunner, Mucke, "Simulation of Simplicity", ACM Trans.
+// Graph. 9(1), 1990).
 float sideOfEdge(float product, vec2 p, vec2 q) {
     float moved = p.y != q.y ? p.y - q.y : q.x - p.x;
     return product != 0.0 ? product : moved;
@@ -88,21 +91,15 @@ float sideOfEdge(float product, vec2 p, vec2 q) {
 // True if the ray crosses this triangle, of those that share the edge or corner that it hits: a ray that
 // continues must cross one of them. intersectTriangle must have reported a hit.
 bool crossesTriangle(Ray ray, RayFrame frame, Triangle triangle) {
-    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
-    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
-    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
-    SeenTriangle seen = seenAlong(frame, a, b, c);
+    SeenTriangle seen = seenFrom(ray, frame, triangle);
     bool left = sideOfEdge(seen.ea, seen.c, seen.b) > 0.0;
     return left == (sideOfEdge(seen.eb, seen.a, seen.c) > 0.0) &&
            left == (sideOfEdge(seen.ec, seen.b, seen.a) > 0.0);
 }
 
-// The hit of a sliver, moved along its longest edge to where the ray passes. Its weights err by the rounding
-// of the edge functions over its area, and the point that they make by some units of the length's square over
-// the height: they are right across a sliver and wrong along it. The distance between that point and the ray
-// has nearly all its digits, as the weights add up to 1, and so has the share of the edge that removes it.
-// Triangles with sides up to 32 times their height, twice haveSlivers' bound, keep their hits. exchanged: u
-// and v are exchanged, as in a mirrored instance.
+// The hit of a sliver, moved along its longest edge to where the ray passes: its weights are right across the
+// sliver and wrong along it (docs/design/numerics.md 2.3). Triangles with sides up to 32 times their height,
+// twice haveSlivers' bound, keep their hits. exchanged: u and v are exchanged, as in a mirrored instance.
 void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
     Triangle triangle = loadTriangle(hit.primitive & kPrimitiveIndexMask);
     precise vec3 a = triangle.v0 - ray.origin;
@@ -114,7 +111,6 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
     precise float ab2 = dot(ab, ab);
     precise float ac2 = dot(ac, ac);
     precise float bc2 = dot(bc, bc);
-    precise vec3 n = vec3(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x);
     float longest = larger(ab2, larger(ac2, bc2));
     bool byAb = ab2 == longest;
     bool byAc = !byAb && ac2 == longest;
@@ -127,7 +123,7 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
     precise vec3 aside = at - quotient(dot(at, ray.direction), square) * ray.direction;
     precise vec3 across = edge - quotient(dot(edge, ray.direction), square) * ray.direction;
     precise float width = dot(across, across);
-    if (longest > 32.0 * length(n) && width > 0.0) {
+    if (longest > 32.0 * length(cross(ab, ac)) && width > 0.0) {
         precise float share = quotient(-dot(aside, across), width);
         precise vec3 moved = at + share * edge;
         precise float t = quotient(dot(moved, ray.direction), square);
@@ -141,24 +137,21 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
     }
 }
 
-// The test of a leaf's triangles, and whether a hit counts as a crossing: primitives/robust.glsl or
+// The test of a leaf's triangles: traversal/leaf.glsl or traversal/count.glsl.
+bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, inout uint trips, out Hit hit);
+
+// The test of closest and any hits, and whether a hit counts as a crossing: primitives/robust.glsl or
 // primitives/textbook.glsl.
 bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
                   out float v);
 bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle);
 
-// The weighted sum of three rows' components of a triangle's vertices.
-float weigh(vec3 weights, vec3 values) {
-    precise float sum = weights.x * values.x + weights.y * values.y + weights.z * values.z;
-    return sum;
-}
-
 void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
     uint first = attributes & kAttributeFirstMask;
     bool hasUvs = (attributes & kAttributeUvs) != 0u;
     if (FEATURE_UVS) {
-        vec2 uv = vec2(weigh(weights, loadVertexAttribute(first).value),
-                       weigh(weights, loadVertexAttribute(first + 1u).value));
+        vec2 uv = vec2(dot(weights, loadVertexAttribute(first).value),
+                       dot(weights, loadVertexAttribute(first + 1u).value));
         if (hasUvs) surface.uv = uv;
     }
     if (FEATURE_VERTEX_COLORS) {
@@ -178,16 +171,13 @@ void surfaceOfTriangle(Hit hit, Instance instance, inout Surface surface) {
     Triangle triangle = loadTriangle(index);
     TriangleSurface details = loadTriangleSurface(index);
     if (FEATURE_INSTANCES && hit.instance != kNone && instance.mirrored != 0u) {
-        float u = hit.u;
-        hit.u = hit.v;
-        hit.v = u;
+        hit = Hit(hit.t, hit.v, hit.u, hit.primitive, hit.instance, hit.id);
     }
     precise float w = 1.0 - hit.u - hit.v;
     precise vec3 p0 = w * triangle.v0;
     precise vec3 p1 = hit.u * triangle.v1;
     precise vec3 p2 = hit.v * triangle.v2;
-    precise vec3 position = p0 + p1 + p2;
-    surface.position = position;
+    surface.position = p0 + p1 + p2;
     surface.error = gammaBound(7.0) * (abs(p0) + abs(p1) + abs(p2));
     surface.geometricNormal = details.normal;
     surface.shadingNormal = details.normal;

@@ -3,8 +3,6 @@
 #ifndef GLINT_CAMERA_GLSL
 #define GLINT_CAMERA_GLSL
 
-#include "shared/shading.h"
-#include "storage.glsl"
 #include "traversal/ray.glsl"
 
 // ---- Samples ----
@@ -44,31 +42,9 @@ uvec4 scrambleSeeds(uvec4 v) {
     return v ^ (v >> 16u);
 }
 
-// Point `index` of the first two dimensions of Sobol's sequence: van der Corput's, and the one whose matrix
-// is Pascal's triangle modulo 2 (I. M. Sobol 1967).
-uvec2 sobolPair(uint index) {
-    uint y = 0u;
-    uint column = 0x80000000u;
-    for (uint left = index; left != 0u; left >>= 1u) {
-        if ((left & 1u) != 0u) y ^= column;
-        column ^= column >> 1u;
-    }
-    return uvec2(bitfieldReverse(index), y);
-}
-
-// Any number of dimensions: each pair has the same points, shuffled and scrambled by a hash of pixel and pair
-// (padding; Burley 2020, sec. 3). An Owen shuffle maps aligned blocks of 2^k samples to blocks of 2^k points,
-// so each pair is as even as the first two dimensions, and pairs are independent.
-uvec2 paddedPair(uint index, uvec2 pixel, uint pair, uint seed) {
-    uvec4 random = scrambleSeeds(uvec4(pixel, kPaddingKey + pair, seed));
-    uint shuffled = owenScrambled(uvec2(index), random.xx).x;
-    return owenScrambled(sobolPair(shuffled), random.yz);
-}
-
-// Dimensions 2 pair and 2 pair + 1 of sample `index` of the pixel, in units of 2^-32. `s`: that sample, with
-// the points of film and lens before they are scattered.
-uvec2 samplePair(Sample s, uint index, uvec2 pixel, uint pair) {
-    if (pair >= kFirstPaddedPair) return paddedPair(index, pixel, pair, s.seed);
+// The sample's point on the film (kPairFilm) or the lens (kPairLens) for this pixel, in units of 2^-32. `s`
+// has both before they are scattered.
+uvec2 samplePair(Sample s, uvec2 pixel, uint pair) {
     bool lens = pair == kPairLens;
     uvec2 place = lens ? uvec2(s.lensX, s.lensY) : uvec2(s.x, s.y);
     if (s.scatter == kScatterJitter) {
@@ -109,8 +85,7 @@ vec2 concentricDisc(uvec2 place) {
     precise float sine =
         angle * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q * (1.0 / 362880.0)))));
     precise float cosine = 1.0 + q * (-0.5 + q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q * (1.0 / 40320.0))));
-    precise vec2 point = radius * (wide ? vec2(cosine, sine) : vec2(sine, cosine));
-    return point;
+    return radius * (wide ? vec2(cosine, sine) : vec2(sine, cosine));
 }
 
 // ---- Rays ----
@@ -123,29 +98,23 @@ Ray cameraRay(uvec2 pixel, out vec3 weight) {
     vec2 lens = vec2(0.0);
     if (MODE_SCATTERED) {
         Sample s = loadSample(kFirstSample + dispatch.sampleIndex);
-        uvec2 film = samplePair(s, dispatch.sampleIndex, pixel, kPairFilm);
+        uvec2 film = samplePair(s, pixel, kPairFilm);
         offset = vec2(filmOffset(film.x, s.tableX), filmOffset(film.y, s.tableY));
         weight = s.weight;
-        if (FEATURE_THIN_LENS) lens = concentricDisc(samplePair(s, dispatch.sampleIndex, pixel, kPairLens));
+        if (FEATURE_THIN_LENS) lens = concentricDisc(samplePair(s, pixel, kPairLens));
     }
     // Measured from the picture's centre: the offsets are small where a telephoto lens needs them exact.
     precise float x = (float(pixel.x) - camera.halfWidth) + offset.x;
     precise float y = (float(pixel.y) - camera.halfHeight) + offset.y;
     precise vec3 direction = camera.center + (x * camera.stepX + y * camera.stepY);
-    vec3 origin = camera.eye;
-    if (FEATURE_PARALLEL_CAMERA) {
-        precise vec3 moved = camera.eye + (x * camera.originStepX + y * camera.originStepY);
-        origin = moved;
-    }
+    precise vec3 origin = camera.eye;
+    if (FEATURE_PARALLEL_CAMERA) origin += x * camera.originStepX + y * camera.originStepY;
     if (FEATURE_THIN_LENS) {
         precise vec3 aside = lens.x * camera.lensX + lens.y * camera.lensY;
-        precise vec3 moved = origin + aside;
-        precise vec3 turned = direction - camera.inverseFocus * aside;
-        origin = moved;
-        direction = turned;
+        origin += aside;
+        direction -= camera.inverseFocus * aside;
     }
-    precise vec3 unit = quotient(direction, length(direction));
-    return Ray(origin, unit, camera.nearT, camera.farT, kNone, kNone);
+    return Ray(origin, quotient(direction, length(direction)), camera.nearT, camera.farT, kNone, kNone);
 }
 
 #endif

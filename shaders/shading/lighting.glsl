@@ -3,10 +3,7 @@
 #ifndef GLINT_LIGHTING_GLSL
 #define GLINT_LIGHTING_GLSL
 
-#include "path.glsl"
 #include "shading/scatter.glsl"
-#include "shared/shading.h"
-#include "shading/tree.glsl"
 
 struct LightSample {
     vec3 toLight;    // shadow ray direction: from the surface to the light, unnormalised for a point light

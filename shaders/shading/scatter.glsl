@@ -1,9 +1,10 @@
-// Scattering of light at a surface: the materials of light.comp, shade.comp and shading/tree.glsl. The
-// reference's version is src/reference/scatter.cpp; the formulas are those of docs/reference/shading.md.
+// Scattering of light at a surface, and the tree of rays that follows (docs/reference/shading.md). The
+// reference's version is in src/reference/scatter.cpp.
 #ifndef GLINT_SCATTER_GLSL
 #define GLINT_SCATTER_GLSL
 
-#include "shading/optics.glsl"
+#include "path.glsl"
+#include "shading/material.glsl"
 
 float greatestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
@@ -43,13 +44,10 @@ vec3 transmittanceOfWay(Interaction at) {
 
 // ---- Light that the surface sends back along the ray ----
 
-vec3 ambientAt(Interaction at, Environment environment) {
-    return counts(at) ? at.material.ambient * environment.ambient : vec3(0.0);
-}
-
 // Light that needs no ray to a light: ambient light, or that of the surroundings.
 vec3 ownLight(Interaction at, Environment environment) {
-    return at.isHit ? ambientAt(at, environment) : surroundings(environment, at.ray.direction);
+    vec3 ambient = counts(at) ? at.material.ambient * environment.ambient : vec3(0.0);
+    return at.isHit ? ambient : surroundings(environment, at.ray.direction);
 }
 
 // Samples that hit anything. The throughput of a camera ray is its sample's weight.
@@ -93,20 +91,10 @@ struct Scattering {
     vec3 refractedWeight;
 };
 
-// Scattering at a surface that is no dielectric.
-Scattering mirrorAt(Interaction at) {
-    Scattering s;
-    s.reflects = at.isHit && greatestOf(at.material.mirror) > 0.0;
-    s.refracts = false;
-    s.reflected = mirrored(at.surface, at.ray.direction);
-    s.refracted = at.ray.direction;
-    s.reflectedWeight = at.material.mirror;
-    s.refractedWeight = vec3(0.0);
-    return s;
-}
-
 Scattering scatteringAt(Interaction at) {
-    Scattering s = mirrorAt(at);
+    Scattering s =
+        Scattering(at.isHit && greatestOf(at.material.mirror) > 0.0, false,
+                   mirrored(at.surface, at.ray.direction), at.ray.direction, at.material.mirror, vec3(0.0));
     if (FEATURE_TRANSMISSION) {
         bool dielectric = at.material.medium != 0u;
         float eta = quotient(iorOf(at.crossing.mediumBefore), iorOf(at.crossing.mediumAfter));
@@ -114,15 +102,174 @@ Scattering scatteringAt(Interaction at) {
         Split split = splitAt(at.surface, at.ray.direction, splits ? eta : 1.0);
         s.reflects = at.isHit && at.crossing.counts && (splits || s.reflects);
         s.refracts = at.isHit && dielectric && !split.total;
-        s.reflected = splits ? split.reflected : s.reflected;
+        if (splits) {
+            s.reflected = split.reflected;
+            s.reflectedWeight = min(at.material.mirror + split.reflectance, vec3(1.0));
+        }
         s.refracted = split.refracted;
-        s.reflectedWeight =
-            splits ? min(at.material.mirror + split.reflectance, vec3(1.0)) : at.material.mirror;
         s.refractedWeight = at.crossing.counts
                                 ? (1.0 - split.reflectance) * transmissionAt(at.material.medium, at.surface)
                                 : vec3(1.0);
     }
     return s;
+}
+
+// ---- The tree of rays below a camera ray ----
+
+// In depth-first order: of two branches the outer one is followed first, and the inner one waits in rows of
+// the path. Outer branches soon end, while an inner one may be reflected inside up to maxDepth, each time
+// with a branch that leaves; so few branches wait.
+
+uvec4 eyeMedia(Environment environment) {
+    if (!FEATURE_TRANSMISSION) return uvec4(0u);
+    return uvec4(environment.eyeMedium0, environment.eyeMedium1, environment.eyeMedium2,
+                 environment.eyeMedium3);
+}
+
+// The rows kTreeRowLost and kTreeRowLostCounts of a path.
+struct Ledger {
+    vec4 sums;
+    uvec4 counts;
+    bool changed;  // since it was loaded
+};
+
+Ledger emptyLedger() { return Ledger(vec4(0.0), uvec4(0u), true); }
+
+Ledger loadLedger(uint path) {
+    Ledger ledger = Ledger(vec4(0.0), uvec4(0u), false);
+    if (MODE_LEDGER) {
+        ledger.sums = uintBitsToFloat(loadRow(treeRow(kTreeRowLost), path));
+        ledger.counts = loadRow(treeRow(kTreeRowLostCounts), path);
+    }
+    return ledger;
+}
+
+void storeLedger(uint path, Ledger ledger) {
+    if (MODE_LEDGER && ledger.changed) {
+        storeRow(treeRow(kTreeRowLost), path, floatBitsToUint(ledger.sums));
+        storeRow(treeRow(kTreeRowLostCounts), path, ledger.counts);
+    }
+}
+
+const uint kLostCut = 0u;
+const uint kLostDepth = 1u;
+const uint kLostRoom = 2u;
+const uint kLostMedia = 3u;
+
+void book(inout Ledger ledger, bool lost, uint reason, float bound) {
+    bvec4 here = equal(uvec4(reason), uvec4(0u, 1u, 2u, 3u));
+    vec4 sums = ledger.sums + mix(vec4(0.0), vec4(bound), here);
+    uvec4 counts = ledger.counts + mix(uvec4(0u), uvec4(1u), here);
+    if (lost) {
+        ledger.sums = sums;
+        ledger.counts = counts;
+        ledger.changed = true;
+    }
+}
+
+// True if a branch that the surface needs is followed; otherwise the ledger records the reason. depth: rays
+// before the one that hit the surface.
+bool isFollowed(inout Ledger ledger, bool wanted, uint depth, vec3 throughput, Environment environment) {
+    bool inDepth = depth < environment.maxDepth;
+    if (!MODE_LEDGER) return wanted && inDepth;
+    float most = greatestOf(abs(throughput));
+    float bound = most < kLeastThroughput ? 0.0 : most * environment.radianceBound;
+    bool enough = !(bound < environment.minContribution);
+    book(ledger, wanted && !(inDepth && enough), inDepth ? kLostCut : kLostDepth, bound);
+    return wanted && inDepth && enough;
+}
+
+struct Branch {
+    Ray ray;
+    vec3 throughput;
+    uvec4 media;
+    uint depth;  // rays before this one
+    uint kind;   // kRay..., with MODE_TALLY alone
+};
+
+uint waitingRow(uint slot, uint row) { return treeRow(kTreeRowWaiting + slot * kWaitingRows + row); }
+
+void storeWaiting(uint path, uint slot, Branch branch) {
+    storeRow(waitingRow(slot, kWaitingOrigin), path, packRow(branch.ray.origin, branch.ray.source));
+    uint depth = MODE_TALLY ? branch.depth | branch.kind << kWaitingKindShift : branch.depth;
+    storeRow(waitingRow(slot, kWaitingDirection), path, packRow(branch.ray.direction, depth));
+    storeRow(waitingRow(slot, kWaitingThroughput), path,
+             packRow(branch.throughput, branch.ray.sourceInstance));
+    storeRow(waitingRow(slot, kWaitingMedia), path, branch.media);
+}
+
+Branch loadWaiting(uint path, uint slot) {
+    uvec4 origin = loadRow(waitingRow(slot, kWaitingOrigin), path);
+    uvec4 direction = loadRow(waitingRow(slot, kWaitingDirection), path);
+    uvec4 throughput = loadRow(waitingRow(slot, kWaitingThroughput), path);
+    Ray ray = Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), 0.0, kInfinity, origin.w,
+                  throughput.w);
+    return Branch(ray, uintBitsToFloat(throughput.xyz), loadRow(waitingRow(slot, kWaitingMedia), path),
+                  MODE_TALLY ? direction.w & ((1u << kWaitingKindShift) - 1u) : direction.w,
+                  MODE_TALLY ? direction.w >> kWaitingKindShift : 0u);
+}
+
+// The ray that leaves an interaction on the side that `outwards` points to. depth: rays before it.
+Branch branchFrom(Interaction at, vec3 outwards, vec3 direction, vec3 throughput, uvec4 media, uint depth,
+                  uint kind) {
+    vec3 origin = offsetOrigin(at.surface.position, at.surface.error, outwards);
+    Ray ray = Ray(origin, direction, 0.0, kInfinity, at.hit.primitive, at.hit.instance);
+    return Branch(ray, throughput, media, depth, kind);
+}
+
+// The path's next ray in scenes without transmission; false at the path's end. depth: rays before the one
+// that hit the surface.
+bool nextReflection(inout Ledger ledger, bool alive, Interaction at, uint depth, vec3 throughput,
+                    Environment environment, out Branch next) {
+    Scattering s = scatteringAt(at);
+    next = branchFrom(at, at.surface.geometricNormal, s.reflected, throughput * s.reflectedWeight, uvec4(0u),
+                      depth + 1u, kRayMirrored);
+    return isFollowed(ledger, alive && s.reflects, depth, next.throughput, environment);
+}
+
+// The path's next ray: one that leaves the interaction, or one that has waited; false at the path's end.
+// state: rays before the current one on the way from the eye; branches waiting.
+bool nextBranch(uint path, inout Ledger ledger, bool alive, Interaction at, inout uvec2 state,
+                vec3 throughput, Environment environment, out Branch next) {
+    Scattering s = scatteringAt(at);
+    if (MODE_LEDGER) book(ledger, alive && at.isHit && at.crossing.crowded, kLostMedia, 0.0);
+    Branch mirrorBranch =
+        branchFrom(at, at.surface.geometricNormal, s.reflected, throughput * s.reflectedWeight,
+                   at.crossing.before, state.x + 1u, kRayMirrored);
+    Branch innerBranch =
+        branchFrom(at, -at.surface.geometricNormal, s.refracted, throughput * s.refractedWeight,
+                   at.crossing.after, state.x + 1u, kRayRefracted);
+    bool reflects = isFollowed(ledger, alive && s.reflects, state.x, mirrorBranch.throughput, environment);
+    bool refracts = isFollowed(ledger, alive && s.refracts, state.x, innerBranch.throughput, environment);
+
+    bool both = reflects && refracts;
+    bool mirrorFirst = both ? at.entering : reflects;
+    next = innerBranch;
+    Branch second = mirrorBranch;
+    if (mirrorFirst) {
+        next = mirrorBranch;
+        second = innerBranch;
+    }
+    // If a second branch exceeds the room for waiting branches, drop the weaker of the two.
+    bool crowded = both && state.y >= kMaxWaiting;
+    float weakest = min(greatestOf(abs(next.throughput)), greatestOf(abs(second.throughput)));
+    if (MODE_LEDGER) book(ledger, crowded, kLostRoom, weakest * environment.radianceBound);
+    if (crowded && greatestOf(abs(second.throughput)) > greatestOf(abs(next.throughput))) next = second;
+    uint waiting = state.y;
+    if (both && !crowded) {
+        storeWaiting(path, waiting, second);
+        ++waiting;
+    }
+    bool fetch = alive && !reflects && !refracts && waiting > 0u;
+    Branch fetched = loadWaiting(path, waiting == 0u ? 0u : waiting - 1u);
+    if (fetch) {
+        next = fetched;
+        --waiting;
+    }
+    bool goesOn = reflects || refracts || fetch;
+    state = uvec2(next.depth, waiting);
+    if (MODE_TALLY && goesOn && next.kind == kRayRefracted) atomicAdd(counters[kCounterRefracted], 1u);
+    return goesOn;
 }
 
 #endif

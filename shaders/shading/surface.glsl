@@ -1,12 +1,8 @@
-// From a hit to the surface there: position with a bound on its error, normals, material.
-//
-// Each kind of primitive has a file with
+// The hit of a ray with a primitive, and the surface there. Each kind has a file with
 //   bool hitKind(Ray, RayFrame, Kind, uint primitive, inout uint trips, out Hit)
 //     the first hit in the ray's interval; trips: loop trips that it takes
 //   void surfaceOfKind(Ray, Hit, Kind, inout Surface)
-//     position, error, normals and owner there, and uv if hasOwnUv
-// which the traversals (traversal/state.glsl, traversal/leaf.glsl, packet/packet.glsl) and this file call.
-// Triangles have functions of their own.
+//     position, error, normals and owner there, and uv of kOwnUvKinds
 #ifndef GLINT_SURFACE_GLSL
 #define GLINT_SURFACE_GLSL
 
@@ -16,26 +12,37 @@
 #include "primitives/sphere.glsl"
 #include "primitives/triangle.glsl"
 #include "shading/texture.glsl"
-#include "traversal/instance.glsl"
 
-void surfaceInWorld(Instance instance, inout Surface surface) {
-    leaveInstance(instance, surface.position, surface.error);
-    surface.geometricNormal = normalInWorld(instance, surface.geometricNormal);
-    vec3 shading = normalInWorld(instance, surface.shadingNormal);
-    surface.shadingNormal = dot(shading, surface.geometricNormal) < 0.0 ? -shading : shading;
-    surface.object = instance.object;
-    if (instance.material != kNone) surface.material = instance.material;
+// The first hit of a primitive of any kind in the ray's interval.
+bool hitPrimitive(Ray ray, RayFrame frame, uint kind, uint index, inout uint trips, out Hit hit) {
+    uint primitive = (kind << kPrimitiveKindShift) | index;
+    bool isHit = false;
+    hit = Hit(0.0, 0.0, 0.0, kNone, kNone, 0u);
+    if (FEATURE_TRIANGLES && kind == kKindTriangle)
+        isHit = hitTriangle(ray, frame, loadTriangle(index), primitive, trips, hit);
+    if (FEATURE_SPHERES && kind == kKindSphere)
+        isHit = hitSphere(ray, frame, loadSphere(index), primitive, trips, hit);
+    if (FEATURE_PLANES && kind == kKindPlane)
+        isHit = hitPlane(ray, frame, loadPlane(index), primitive, trips, hit);
+    if (FEATURE_DISCS && kind == kKindDisc)
+        isHit = hitDisc(ray, frame, loadDisc(index), primitive, trips, hit);
+    if (FEATURE_POLYGONS && kind == kKindPolygon)
+        isHit = hitPolygon(ray, frame, loadPolygon(index), primitive, trips, hit);
+    if (FEATURE_QUADRICS && kind == kKindQuadric)
+        isHit = hitQuadric(ray, frame, loadQuadric(index), primitive, trips, hit);
+    if (FEATURE_CUBOIDS && kind == kKindCuboid)
+        isHit = hitCuboid(ray, frame, loadCuboid(index), primitive, trips, hit);
+    return isHit;
 }
 
-Surface noSurface() {
-    return Surface(vec3(0.0), vec3(0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 1.0, 0.0), 0u, 0u, 0u, vec2(0.0),
-                   vec3(1.0));
-}
+// True if a ray may hit a primitive of this kind more than once.
+bool hasFurtherHits(uint kind) { return kind == kKindSphere || kind == kKindQuadric || kind == kKindCuboid; }
 
 // The ray and the surface are in the coordinates of the primitive; `instance` is the one that holds it, if
 // any.
 Surface surfaceOfPrimitive(Ray ray, Hit hit, Instance instance) {
-    Surface surface = noSurface();
+    Surface surface = Surface(vec3(0.0), vec3(0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 1.0, 0.0), 0u, 0u, 0u,
+                              vec2(0.0), vec3(1.0));
     uint kind = kindOf(hit);
     uint index = hit.primitive & kLeafFirstMask;
     if (FEATURE_TRIANGLES && kind == kKindTriangle) surfaceOfTriangle(hit, instance, surface);
@@ -47,9 +54,6 @@ Surface surfaceOfPrimitive(Ray ray, Hit hit, Instance instance) {
     if (FEATURE_CUBOIDS && kind == kKindCuboid) surfaceOfCuboid(ray, hit, loadCuboid(index), surface);
     return surface;
 }
-
-// True if the hit brings texture coordinates; others come from the object's frame.
-bool hasOwnUv(uint kind) { return kind == kKindTriangle || kind == kKindCuboid; }
 
 const bool kSettlesSlivers = FEATURE_SLIVERS && INTERSECTOR == kTriangleWatertight;
 
@@ -63,8 +67,15 @@ Surface surfaceAt(Ray ray, inout Hit hit, bool settles) {
     if (kSettlesSlivers && settles && kindOf(hit) == kKindTriangle)
         settleSliver(ray, inInstance && instance.mirrored != 0u, hit);
     Surface surface = surfaceOfPrimitive(ray, hit, instance);
-    if (inInstance) surfaceInWorld(instance, surface);
-    if ((FEATURE_TEXTURES || FEATURE_CHECKERS) && !hasOwnUv(kindOf(hit)))
+    if (inInstance) {
+        leaveInstance(instance, surface.position, surface.error);
+        surface.geometricNormal = normalInWorld(instance, surface.geometricNormal);
+        vec3 shading = normalInWorld(instance, surface.shadingNormal);
+        surface.shadingNormal = dot(shading, surface.geometricNormal) < 0.0 ? -shading : shading;
+        surface.object = instance.object;
+        if (instance.material != kNone) surface.material = instance.material;
+    }
+    if ((FEATURE_TEXTURES || FEATURE_CHECKERS) && (kOwnUvKinds >> kindOf(hit) & 1u) == 0u)
         surface.uv = objectUv(surface.object, surface.position, surface.geometricNormal);
     return surface;
 }

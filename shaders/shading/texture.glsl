@@ -4,21 +4,17 @@
 #define GLINT_TEXTURE_GLSL
 
 #include "primitives/surface.glsl"
-#include "shared/shading.h"
-#include "storage.glsl"
 
 // ---- Coordinates ----
 
-// The angle of (x, y) from the x axis in turns, in [-0.5, 0.5]; 0 for (0, 0). Vulkan's atan() may err by 4096
-// ulp. Hastings' polynomial (Abramowitz & Stegun, Handbook of Mathematical Functions, 1964, 4.4.49) errs by
-// 2e-8 radians. The division and the nine steps of the sum add at most 12 units of 2^-24 of 1/8 turn, and the
-// subtractions from 1/4 and 1/2 round to 2^-26: together below 2^-23 turns.
+// The angle of (x, y) from the x axis in turns, in [-0.5, 0.5]; 0 for (0, 0). Hastings' polynomial
+// (Abramowitz & Stegun, Handbook of Mathematical Functions, 1964, 4.4.49) errs by 2e-8 radians; with the
+// roundings the error is below 2^-23 turns. Vulkan's atan() may err by 4096 ulp.
 float turnsOf(float y, float x) {
     float ax = abs(x);
     float ay = abs(y);
-    float longer = ax > ay ? ax : ay;
-    float shorter = ax > ay ? ay : ax;
-    precise float r = longer > 0.0 ? quotient(shorter, longer) : 0.0;
+    float longer = larger(ax, ay);
+    precise float r = longer > 0.0 ? quotient(ax > ay ? ay : ax, longer) : 0.0;
     precise float s = r * r;
     precise float sum = 0.0028662257 * s - 0.0161657367;
     sum = sum * s + 0.0429096138;
@@ -38,9 +34,7 @@ float turnsOf(float y, float x) {
 // straight down, 1 straight up.
 vec2 latitudeLongitude(vec3 d) {
     precise float ring = squareRoot(d.x * d.x + d.z * d.z);
-    precise float u = 0.5 + turnsOf(d.x, d.z);
-    precise float v = 0.5 + 2.0 * turnsOf(d.y, ring);
-    return vec2(u, v);
+    return vec2(0.5 + turnsOf(d.x, d.z), 0.5 + 2.0 * turnsOf(d.y, ring));
 }
 
 // Texture coordinates of primitives other than triangles, by the object's frame (kUv...); (0, 0) in a scene
@@ -50,17 +44,15 @@ vec2 objectUv(uint object, vec3 position, vec3 outward) {
     uint index = object < loadEnvironment(0u).frameCount ? object : kNone;
     if (index != kNone) {
         ObjectFrame frame = loadObjectFrame(index);
-        precise vec3 direction =
-            vec3(dot(frame.toObjectX, outward), dot(frame.toObjectY, outward), dot(frame.toObjectZ, outward));
-        precise float u = dot(frame.toU, position) + frame.offsetU;
-        precise float v = dot(frame.toV, position) + frame.offsetV;
-        precise float w = dot(frame.toW, position) + frame.offsetW;
+        vec3 direction = timesRows(frame.toObjectX, frame.toObjectY, frame.toObjectZ, outward);
+        vec3 uvw = timesRows(frame.toU, frame.toV, frame.toW, position) +
+                   vec3(frame.offsetU, frame.offsetV, frame.offsetW);
         bool axial = FEATURE_QUADRICS && frame.uvKind == kUvAxial;
         bool round_ = FEATURE_QUADRICS && frame.uvKind == kUvRound;
-        vec2 around = latitudeLongitude(axial || round_ ? vec3(u, v, w) : direction);
+        vec2 around = latitudeLongitude(axial || round_ ? uvw : direction);
         // A cap lies at 0 or 1 up to rounding: a repeated image would show both of its ends.
-        float height = clamp(v, 0.0, kBelowOne);
-        uv = frame.uvKind == kUvFlat ? vec2(u, v) : vec2(around.x, axial ? height : around.y);
+        float height = clamp(uvw.y, 0.0, kBelowOne);
+        uv = frame.uvKind == kUvFlat ? uvw.xy : vec2(around.x, axial ? height : around.y);
     }
     return uv;
 }
@@ -97,10 +89,7 @@ Taps tapsAt(float s, uint size, bool nearest, uint wrap) {
     return Taps(uint(low), uint(high), weight);
 }
 
-vec4 texelAt(uint index) {
-    Texel texel = loadTexel(index);
-    return vec4(texel.color, texel.alpha);
-}
+vec4 texelAt(uint index) { return uintBitsToFloat(LOAD4(texelsArray, index)); }
 
 vec4 imageAt(Texture image, vec2 uv) {
     bool nearest = (image.flags & kTextureNearest) != 0u;
@@ -115,8 +104,7 @@ vec4 imageAt(Texture image, vec2 uv) {
                          column.weight * texelAt(lower + column.second);
     precise vec4 above = (1.0 - column.weight) * texelAt(upper + column.first) +
                          column.weight * texelAt(upper + column.second);
-    precise vec4 mixed = (1.0 - row.weight) * below + row.weight * above;
-    return mixed;
+    return (1.0 - row.weight) * below + row.weight * above;
 }
 
 vec3 checkerAt(Texture checker, vec3 cell) {
@@ -124,15 +112,6 @@ vec3 checkerAt(Texture checker, vec3 cell) {
     float sum = whole.x + whole.y + whole.z;
     bool odd = sum - 2.0 * floor(0.5 * sum) > 0.5;
     return odd ? checker.colorB : checker.colorA;
-}
-
-// A point in the object's coordinates, from `corner` on. The two large numbers are subtracted first, so that
-// nothing cancels near the corner.
-vec3 objectPoint(ObjectFrame frame, vec3 position, vec3 corner) {
-    precise float x = dot(frame.toObjectX, position) + (frame.offsetX - corner.x);
-    precise float y = dot(frame.toObjectY, position) + (frame.offsetY - corner.y);
-    precise float z = dot(frame.toObjectZ, position) + (frame.offsetZ - corner.z);
-    return vec3(x, y, z);
 }
 
 // Colour and alpha of a material's texture on a surface; white without one.
@@ -145,9 +124,12 @@ vec4 textureAt(uint number, Surface surface) {
         precise vec2 uv = surface.uv * vec2(source.scaleU, source.scaleV) + source.place.xy;
         if (FEATURE_TEXTURES && !checker) color = imageAt(source, uv);
         if (FEATURE_CHECKERS && checker) {
-            precise vec3 inCubes =
-                objectPoint(loadObjectFrame(surface.object), surface.position, source.place) * source.scaleU;
-            color.xyz = checkerAt(source, solid ? inCubes : vec3(uv, 0.0));
+            ObjectFrame frame = loadObjectFrame(surface.object);
+            // The two large numbers are subtracted first, so that nothing cancels near the corner.
+            vec3 corner = vec3(frame.offsetX, frame.offsetY, frame.offsetZ) - source.place;
+            vec3 point =
+                timesRows(frame.toObjectX, frame.toObjectY, frame.toObjectZ, surface.position) + corner;
+            color.xyz = checkerAt(source, solid ? point * source.scaleU : vec3(uv, 0.0));
         }
     }
     return color;

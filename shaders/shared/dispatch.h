@@ -7,14 +7,7 @@
 
 // X(constant id, GLSL name FEATURE_..., C++ field of SceneFeatures)
 #define GLINT_FEATURES(X)                       \
-    X(0, TRIANGLES, triangles)                  \
-    X(1, SPHERES, spheres)                      \
-    X(3, PLANES, planes)                        \
-    X(11, DISCS, discs)                         \
-    X(12, POLYGONS, polygons)                   \
-    X(13, QUADRICS, quadrics)                   \
-    X(14, INSTANCES, instances)                 \
-    X(33, CUBOIDS, cuboids)                     \
+    GLINT_PRIMITIVE_FEATURES(X)                 \
     X(2, ANCHORED_SPHERES, anchoredSpheres)     \
     X(4, VERTEX_NORMALS, vertexNormals)         \
     X(5, POINT_LIGHTS, pointLights)             \
@@ -89,14 +82,6 @@
     V3U(A, threshold, lastOfRound)                     \
     U4(A, listed, listRead, bounce, rayClass)
 
-#ifdef __cplusplus
-namespace glint::shared {
-struct alignas(16) Dispatch {
-    GLINT_DISPATCH_ROWS(GLINT_CPP_V3F, GLINT_CPP_V3U, GLINT_CPP_U4, 0)
-};
-static_assert(sizeof(Dispatch) <= 128, "Vulkan guarantees 128 bytes of push constants");
-#endif
-
 // ---- Rows of the path state ----
 
 // The path state is an array of rows of 16 bytes, row r of path p at r * capacity + p.
@@ -158,16 +143,13 @@ GLINT_CONST_UINT(kTrianglePlanar3d, 3u);
 GLINT_CONST_UINT(kSphereRobust, 0u);
 GLINT_CONST_UINT(kSphereAlgebraic, 1u);
 GLINT_CONST_UINT(kSphereGeometric, 2u);
-GLINT_CONST_UINT(kSlabGamma7, 0u);
 GLINT_CONST_UINT(kSlabGamma3, 1u);
 GLINT_CONST_UINT(kSlabPlain, 2u);
-GLINT_CONST_UINT(kOffsetErrorBox, 0u);
 GLINT_CONST_UINT(kOffsetFixed, 1u);
 GLINT_CONST_UINT(kOffsetNone, 2u);
 
 // ---- Classes of rays and counters ----
 
-GLINT_CONST_UINT(kRayCamera, 0u);
 GLINT_CONST_UINT(kRayMirrored, 1u);
 GLINT_CONST_UINT(kRayRefracted, 2u);
 
@@ -177,9 +159,5 @@ GLINT_CONST_UINT(kCounterFlagged, 2u);     // pixels that take a further round o
 GLINT_CONST_UINT(kCounterShadow, 3u);      // with MODE_TALLY: shadow rays
 GLINT_CONST_UINT(kCounterRefracted, 4u);   // with MODE_TALLY: refracted rays that come next
 GLINT_CONST_UINT(kCounterCount, 8u);
-
-#ifdef __cplusplus
-}  // namespace glint::shared
-#endif
 
 #endif

@@ -132,14 +132,7 @@
 // one. Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)                                             \
     X(2, nodes, Node, GLINT_NODE_ROWS)                                    \
-    X(3, triangles, Triangle, GLINT_TRIANGLE_ROWS)                        \
-    X(6, spheres, Sphere, GLINT_SPHERE_ROWS)                              \
-    X(7, planes, Plane, GLINT_PLANE_ROWS)                                 \
-    X(12, discs, Disc, GLINT_DISC_ROWS)                                   \
-    X(13, polygons, Polygon, GLINT_POLYGON_ROWS)                          \
-    X(15, quadrics, Quadric, GLINT_QUADRIC_ROWS)                          \
-    X(16, instances, Instance, GLINT_INSTANCE_ROWS)                       \
-    X(24, cuboids, Cuboid, GLINT_CUBOID_ROWS)                             \
+    GLINT_PRIMITIVE_ARRAYS(X)                                             \
     X(4, triangleSurfaces, TriangleSurface, GLINT_TRIANGLE_SURFACE_ROWS)  \
     X(5, vertexNormals, VertexNormals, GLINT_VERTEX_NORMALS_ROWS)         \
     X(8, materials, Material, GLINT_MATERIAL_ROWS)                        \
@@ -163,33 +156,6 @@
 #define GLINT_ONE_ARRAY(binding, array, Struct, ROWS) +1
 #define GLINT_BINDING_COUNT (2 GLINT_SCENE_ARRAYS(GLINT_ONE_ARRAY))
 
-// ---- The C++ side ----
-
-#ifdef __cplusplus
-#include <cstdint>
-#include <glm/glm.hpp>
-namespace glint::shared {
-#define GLINT_CPP_V3F(A, a, b) \
-    glm::vec3 a{0};            \
-    float b = 0;
-#define GLINT_CPP_V3U(A, a, b) \
-    glm::vec3 a{0};            \
-    uint32_t b = 0;
-#define GLINT_CPP_U4(A, a, b, c, d) uint32_t a = 0, b = 0, c = 0, d = 0;
-#define GLINT_CPP_STRUCT(binding, array, Name, ROWS)        \
-    struct alignas(16) Name {                               \
-        ROWS(GLINT_CPP_V3F, GLINT_CPP_V3U, GLINT_CPP_U4, 0) \
-    };                                                      \
-    static_assert(sizeof(Name) % 16 == 0 && alignof(Name) == 16);
-GLINT_SCENE_ARRAYS(GLINT_CPP_STRUCT)
-#undef GLINT_CPP_STRUCT
-#define GLINT_CONST_UINT(name, value) inline constexpr uint32_t name = value
-#define GLINT_CONST_FLOAT(name, value) inline constexpr float name = value
-#else
-#define GLINT_CONST_UINT(name, value) const uint name = value
-#define GLINT_CONST_FLOAT(name, value) const float name = value
-#endif
-
 // ---- Constants ----
 
 GLINT_CONST_UINT(kSamplesBinding, 22u);  // in GLINT_SCENE_ARRAYS
@@ -205,7 +171,6 @@ GLINT_CONST_UINT(kLeafKindMask, 7u);
 GLINT_CONST_UINT(kLeafCountShift, 25u);
 GLINT_CONST_UINT(kLeafCountMask, 7u);
 GLINT_CONST_UINT(kLeafFirstMask, 0x01ffffffu);  // 2^25 = 33.5 million primitives of a kind
-GLINT_CONST_UINT(kMaxLeafSize, 8u);             // what kLeafCountMask can say
 
 // In the id of a dielectric primitive: of surfaces in one place the lowest id is hit, so an opaque one.
 GLINT_CONST_UINT(kDielectricRank, 0x80000000u);
@@ -213,17 +178,6 @@ GLINT_CONST_UINT(kDielectricRank, 0x80000000u);
 // A primitive is kind << kPrimitiveKindShift | index into the kind's array (leaf order); kNone for none.
 GLINT_CONST_UINT(kPrimitiveKindShift, 28u);
 GLINT_CONST_UINT(kPrimitiveIndexMask, 0x0fffffffu);
-#define GLINT_KIND_CONSTANT(number, Kind, kinds, one, many) GLINT_CONST_UINT(kKind##Kind, number);
-GLINT_PRIMITIVES(GLINT_KIND_CONSTANT, GLINT_KIND_CONSTANT)
-#define GLINT_KIND_ONE(number, Kind, kinds, one, many) +1u
-GLINT_CONST_UINT(kKindCount, 0u GLINT_PRIMITIVES(GLINT_KIND_ONE, GLINT_KIND_ONE));
-#ifdef __cplusplus
-// The same numbers for `switch`, which -Wswitch checks: no `default` over kinds.
-#define GLINT_KIND_NAME(number, Kind, kinds, one, many) Kind = number,
-enum class PrimitiveKind : uint8_t { GLINT_PRIMITIVES(GLINT_KIND_NAME, GLINT_KIND_NAME) };
-#undef GLINT_KIND_NAME
-static_assert(kKindCount <= kLeafKindMask + 1, "a leaf has three bits for its kind");
-#endif
 
 // Above the 25 bits of a leaf's index, a solid with several surfaces has the part that is hit. A ray that
 // starts on this part must not hit it again, but may hit the others.
@@ -236,8 +190,6 @@ GLINT_CONST_UINT(kPartUpperCap, 2u);
 GLINT_CONST_UINT(kCapLower, 1u);
 GLINT_CONST_UINT(kCapUpper, 2u);
 GLINT_CONST_UINT(kFromApex, 4u);
-// A line meets a side twice at the most, each cap once.
-GLINT_CONST_UINT(kQuadricHits, 4u);
 
 GLINT_CONST_UINT(kLightPoint, 0u);
 GLINT_CONST_UINT(kLightPointInverseSquare, 1u);
@@ -245,11 +197,8 @@ GLINT_CONST_UINT(kLightDirectional, 2u);
 GLINT_CONST_UINT(kLightSpot, 3u);
 GLINT_CONST_UINT(kLightSpotInverseSquare, 4u);
 
-GLINT_CONST_UINT(kRankOfZero, 0x80000000u);
-// Media that a ray can be inside of; it ignores the surface of one more.
-GLINT_CONST_UINT(kMaxMedia, 4u);
-// Branches of a path's tree that can wait to be followed; beyond, the weaker of two is dropped.
-GLINT_CONST_UINT(kMaxWaiting, 16u);
+GLINT_CONST_UINT(kMaxMedia, 4u);     // that a ray can be inside of; it ignores the surface of one more
+GLINT_CONST_UINT(kMaxWaiting, 16u);  // branches of a path; beyond, the weaker of two is dropped
 
 GLINT_CONST_UINT(kTextureWrapRepeat, 0u);
 GLINT_CONST_UINT(kTextureWrapClamp, 1u);
@@ -273,11 +222,10 @@ GLINT_CONST_UINT(kAttributeUvs, 0x80000000u);
 GLINT_CONST_UINT(kAttributeColors, 0x40000000u);
 GLINT_CONST_UINT(kAttributeFirstMask, 0x3fffffffu);
 
-GLINT_CONST_UINT(kScatterNone, 0u);    // the same place in all pixels
-GLINT_CONST_UINT(kScatterJitter, 1u);  // at random in its cell
-GLINT_CONST_UINT(kScatterOwen, 2u);    // scrambled, by other random numbers in each pixel
-// The key that shifts a pixel's jittered lens points; no sample has it.
-GLINT_CONST_UINT(kLensKey, 0xffffffffu);
+GLINT_CONST_UINT(kScatterNone, 0u);       // the same place in all pixels
+GLINT_CONST_UINT(kScatterJitter, 1u);     // at random in its cell
+GLINT_CONST_UINT(kScatterOwen, 2u);       // scrambled, by other random numbers in each pixel
+GLINT_CONST_UINT(kLensKey, 0xffffffffu);  // shifts a pixel's jittered lens points; no sample has it
 // The samples' array begins with two filter tables, inverse cumulative distributions: for each of
 // kFilterCells equal parts of [0, 1), the first and last distance from the pixel's centre in units of
 // 2^-kFilterBits pixels, linear between. A row holds two cells, a Sample four rows.
@@ -289,22 +237,31 @@ GLINT_CONST_UINT(kFirstSample, 256u);  // two tables
 
 // Levels of the BVH below the root, of the world's and a prototype's together: the stack's entries.
 GLINT_CONST_UINT(kMaxBvhDepth, 48u);
-// Each ray tests all planes: far fewer than the 65,535 trips after which lavapipe ends every loop.
-GLINT_CONST_UINT(kMaxPlanes, 1024u);
-// Edges of a polygon's outline per loop trip, and trips at most: with a leaf of 2^11 trips and 16 lanes,
-// lavapipe's 65,535 leave a ray some 700 trips before it must be resumed (path_limits.cpp).
 GLINT_CONST_UINT(kPolygonEdgesPerTrip, 4u);
-GLINT_CONST_UINT(kMaxPolygonTrips, 2048u);
-// One workgroup traces one 8x8 tile. Vulkan guarantees 128 invocations.
-GLINT_CONST_UINT(kWorkgroupSize, 64u);
+GLINT_CONST_UINT(kWorkgroupSize, 64u);  // one tile
 GLINT_CONST_UINT(kTileSize, 8u);
 
-GLINT_CONST_UINT(kPacketWidth, 8u);  // children of a node of the packets' BVH; lanes of a subgroup
 GLINT_CONST_UINT(kPacketRays, 4u);   // rays of a lane
 GLINT_CONST_UINT(kPacketTurns, 8u);  // any-hit packets that a subgroup traces one after the other
 
-#ifdef __cplusplus
-}  // namespace glint::shared
-#endif
+// ---- The model of light and of samples (docs/reference/shading.md, docs/guide/sampling.md) ----
+
+// A shadow ray ends this far before a point light, 1 - 2^-16 of the distance to it, so that the surface a
+// light lies on does not shade it.
+GLINT_CONST_FLOAT(kShadowEnd, 0.9999847412109375f);
+GLINT_CONST_FLOAT(kNearestLight, 1e-15f);  // closer ones give nothing: 1/d^2 would overflow
+// The least normal float: a branch of less throughput counts as bringing nothing, as devices may flush it.
+GLINT_CONST_FLOAT(kLeastThroughput, 1.17549435e-38f);
+GLINT_CONST_UINT(kShadowBits, 32u);  // lights whose occlusion at the first hit a pixel records
+
+// A path's hash: FNV-1a over words (G. Fowler, L. C. Noll, K.-P. Vo, 32 bits).
+GLINT_CONST_UINT(kHashStart, 2166136261u);
+GLINT_CONST_UINT(kHashPrime, 16777619u);
+
+// The float below 1: the height of an upper cap, where 1 would begin a repeated image anew.
+GLINT_CONST_FLOAT(kBelowOne, 0.999999940395355224609375f);
+GLINT_CONST_FLOAT(kDarkestMean, 0.125f);  // adaptive sampling judges darker means as if they were as bright
+GLINT_CONST_UINT(kPairFilm, 0u);          // a sample's point in the pixel
+GLINT_CONST_UINT(kPairLens, 1u);          // and on the lens
 
 #endif

@@ -3,6 +3,12 @@
 #ifndef GLINT_SHARED_PRIMITIVES_H
 #define GLINT_SHARED_PRIMITIVES_H
 
+// C++ has its own (src/core/device_layout.h).
+#ifndef GLINT_CONST_UINT
+#define GLINT_CONST_UINT(name, value) const uint name = value
+#define GLINT_CONST_FLOAT(name, value) const float name = value
+#endif
+
 // ---- Rows (see layout.h) ----
 
 // id: the global primitive number (objects in file order, faces in file order), the tie-break for equal t.
@@ -84,34 +90,50 @@
 
 // ---- The list ----
 
-// V(number, Kind, kinds, one, many) for each kind that a ray can hit, I(...) for instances, which lead into a
-// further tree:
+// V(number, Kind, KINDS, kinds, one, many) for each kind that a ray can hit, I(...) for instances, which lead
+// into a further tree:
 //   number     in leaves and primitive numbers (layout.h)
 //   Kind       the struct, and kKind<Kind>
+//   KINDS      the feature, FEATURE_<KINDS>
 //   kinds      the array of PackedScene, and the field of SceneFeatures
 //   one, many  what the user calls it
-// Each kind also has its array in GLINT_SCENE_ARRAYS (layout.h) and its feature in GLINT_FEATURES
-// (dispatch.h).
-#define GLINT_PRIMITIVES(V, I)                     \
-    V(0, Triangle, triangles, triangle, triangles) \
-    V(1, Sphere, spheres, sphere, spheres)         \
-    V(2, Plane, planes, plane, planes)             \
-    V(3, Disc, discs, disc, discs)                 \
-    V(4, Polygon, polygons, polygon, polygons)     \
-    V(5, Quadric, quadrics, quadric, quadrics)     \
-    I(6, Instance, instances, instance, instances) \
-    V(7, Cuboid, cuboids, box, boxes)
+#define GLINT_PRIMITIVES(V, I)                                \
+    V(0, Triangle, TRIANGLES, triangles, triangle, triangles) \
+    V(1, Sphere, SPHERES, spheres, sphere, spheres)           \
+    V(2, Plane, PLANES, planes, plane, planes)                \
+    V(3, Disc, DISCS, discs, disc, discs)                     \
+    V(4, Polygon, POLYGONS, polygons, polygon, polygons)      \
+    V(5, Quadric, QUADRICS, quadrics, quadric, quadrics)      \
+    I(6, Instance, INSTANCES, instances, instance, instances) \
+    V(7, Cuboid, CUBOIDS, cuboids, box, boxes)
 // For lists without instances.
-#define GLINT_NO_KIND(number, Kind, kinds, one, many)
+#define GLINT_NO_KIND(number, Kind, KINDS, kinds, one, many)
+#define GLINT_KIND_CONSTANT(number, Kind, KINDS, kinds, one, many) GLINT_CONST_UINT(kKind##Kind, number);
+GLINT_PRIMITIVES(GLINT_KIND_CONSTANT, GLINT_KIND_CONSTANT)
+// Bits of the kinds whose hits bring texture coordinates of their own; others have those of the object's
+// frame.
+GLINT_CONST_UINT(kOwnUvKinds, 1u << kKindTriangle | 1u << kKindCuboid);
 
-// X(FEATURE, kinds, loops): nested loops that a leaf of each kind takes in the shaders.
-#define GLINT_LEAF_LOOPS(X)     \
-    X(TRIANGLES, triangles, 1u) \
-    X(SPHERES, spheres, 1u)     \
-    X(DISCS, discs, 1u)         \
-    X(POLYGONS, polygons, 2u)   \
-    X(QUADRICS, quadrics, 2u)   \
-    X(INSTANCES, instances, 1u) \
-    X(CUBOIDS, cuboids, 1u)
+// Their part of GLINT_SCENE_ARRAYS (layout.h): X(binding, array, Struct, ROWS).
+#define GLINT_PRIMITIVE_ARRAYS(X)                   \
+    X(3, triangles, Triangle, GLINT_TRIANGLE_ROWS)  \
+    X(6, spheres, Sphere, GLINT_SPHERE_ROWS)        \
+    X(7, planes, Plane, GLINT_PLANE_ROWS)           \
+    X(12, discs, Disc, GLINT_DISC_ROWS)             \
+    X(13, polygons, Polygon, GLINT_POLYGON_ROWS)    \
+    X(15, quadrics, Quadric, GLINT_QUADRIC_ROWS)    \
+    X(16, instances, Instance, GLINT_INSTANCE_ROWS) \
+    X(24, cuboids, Cuboid, GLINT_CUBOID_ROWS)
+
+// Their part of GLINT_FEATURES (dispatch.h): X(constant id, FEATURE, kinds).
+#define GLINT_PRIMITIVE_FEATURES(X) \
+    X(0, TRIANGLES, triangles)      \
+    X(1, SPHERES, spheres)          \
+    X(3, PLANES, planes)            \
+    X(11, DISCS, discs)             \
+    X(12, POLYGONS, polygons)       \
+    X(13, QUADRICS, quadrics)       \
+    X(14, INSTANCES, instances)     \
+    X(33, CUBOIDS, cuboids)
 
 #endif

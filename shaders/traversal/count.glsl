@@ -24,18 +24,16 @@ void count(Traversal traversal, Hit hit) {
         hit = inWorld(traversal, hit);
         uint place = (kPathRows + (FEATURE_INSTANCES ? 1u : 0u)) * dispatch.capacity +
                      2u * (crossings.list.x + crossings.count);
-        storePathRow(place, uvec4(floatBitsToUint(hit.t), floatBitsToUint(hit.u), floatBitsToUint(hit.v),
-                                  hit.primitive));
+        storePathRow(place, hitRowOf(hit));
         storePathRow(place + 1u, uvec4(hit.instance, 0u, 0u, 0u));
     }
     ++crossings.count;
 }
 
-bool hitTriangle(inout Traversal traversal, Ray ray, uint index, uint primitive, out Hit hit) {
-    Triangle triangle = loadTriangle(index);
+bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, inout uint trips, out Hit hit) {
     float t, u, v;
     bool doubtful;
-    bool isHit = crossTriangle(ray, traversal.frame, triangle, traversal.trips, t, u, v, doubtful);
+    bool isHit = crossTriangle(ray, frame, triangle, trips, t, u, v, doubtful);
     crossings.doubtful |= doubtful ? 1u : 0u;
     hit = Hit(t, u, v, primitive, kNone, triangle.id);
     return isHit;

@@ -73,30 +73,23 @@ float boundOfSum(SeenTriangle seen, vec3 z) {
     precise vec3 terms = vec3(abs(seen.c.x * seen.b.y) + abs(seen.c.y * seen.b.x),
                               abs(seen.a.x * seen.c.y) + abs(seen.a.y * seen.c.x),
                               abs(seen.b.x * seen.a.y) + abs(seen.b.y * seen.a.x));
-    precise float bound = 16.0 * kUnit * dot(terms, abs(z));
-    return bound;
+    return 16.0 * kUnit * dot(terms, abs(z));
 }
 
 // True if the ray crosses the triangle at a t of its interval, 0 excluded. doubtful: rounding decides whether
 // the crossing is behind the origin or before it. t, u and v are valid only if they are needed.
 bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips, out float t, out float u,
                    out float v, out bool doubtful) {
-    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
-    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
-    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
-    SeenTriangle seen = seenAlong(frame, a, b, c);
+    SeenTriangle seen = seenFrom(ray, frame, triangle);
     float ea = seen.ea;
     float eb = seen.eb;
     float ec = seen.ec;
-    precise float az = frame.shear.z * a.z;
-    precise float bz = frame.shear.z * b.z;
-    precise float cz = frame.shear.z * c.z;
-    float nearest = min(az, min(bz, cz));
-    float farthest = max(az, max(bz, cz));
+    vec3 ts = seen.ts;
+    float nearest = min(ts.x, min(ts.y, ts.z));
+    float farthest = max(ts.x, max(ts.y, ts.z));
     // The decision in rounded arithmetic. Three nonzero signs are right (a rounded difference of rounded
     // products has the sign of the exact difference), and t lies between those of the corners.
-    bool crosses = ((ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0)) &&
-                   farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
+    bool crosses = hasOneSign(seen) && farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
     bool certain =
         ea != 0.0 && eb != 0.0 && ec != 0.0 && nearest > 0.0 && nearest > ray.tMin && farthest <= ray.tMax;
     bool closer = crosses && (kPlacesMatter || !certain);
@@ -115,14 +108,14 @@ bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips,
             precise float wHit = ea * inverse;
             precise float uHit = eb * inverse;
             precise float vHit = ec * inverse;
-            precise float tHit = wHit * az + uHit * bz + vHit * cz;
+            precise float tHit = wHit * ts.x + uHit * ts.y + vHit * ts.z;
             // All three rounded to zero: any point of the triangle will do.
             bool collapsed = det == 0.0;
             t = collapsed ? farthest : tHit;
             u = collapsed ? 0.0 : uHit;
             v = collapsed ? 0.0 : vHit;
-            float bound = boundOfSum(seen, vec3(az, bz, cz));
-            precise float sum = ea * az + eb * bz + ec * cz;
+            float bound = boundOfSum(seen, ts);
+            precise float sum = ea * ts.x + eb * ts.y + ec * ts.z;
             doubtful = crosses && nearest <= 0.0 && !(abs(sum) > bound);
             // A certain crossing lies between its corners, and so between the ray's ends, whatever t rounds
             // to.

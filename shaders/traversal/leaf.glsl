@@ -9,12 +9,10 @@ bool mayPass(Traversal traversal) {
     return FEATURE_ALPHA_MASK || (FEATURE_COLORED_SHADOWS && isShadowRay(traversal));
 }
 
-bool hitTriangle(inout Traversal traversal, Ray ray, uint index, uint primitive, out Hit hit) {
-    Triangle triangle = loadTriangle(index);
+bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, inout uint trips, out Hit hit) {
     float t, u, v;
-    bool isHit = meetTriangle(ray, traversal.frame, triangle, loadTriangleSurface(index).normal, t, u, v);
-    if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal))
-        traversal.passage.counts = crossesOnce(ray, traversal.frame, triangle);
+    vec3 normal = loadTriangleSurface(primitive & kPrimitiveIndexMask).normal;
+    bool isHit = meetTriangle(ray, frame, triangle, normal, t, u, v);
     hit = Hit(t, u, v, primitive, kNone, triangle.id);
     return isHit;
 }
@@ -33,8 +31,12 @@ bool leavesThrough(Traversal traversal, Surface surface, Hit hit) {
 bool passesThrough(inout Traversal traversal, Hit hit) {
     Surface surface = surfaceOfHit(traversal, hit);
     bool through = FEATURE_ALPHA_MASK && holeAt(surface);
-    if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal) && !through)
-        through = passes(traversal.passage, surface, leavesThrough(traversal, surface, hit), hit);
+    if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal) && !through) {
+        uint index = hit.primitive & kPrimitiveIndexMask;
+        bool counts =
+            kindOf(hit) != kKindTriangle || crossesOnce(traversal.ray, traversal.frame, loadTriangle(index));
+        through = passes(traversal.passage, surface, leavesThrough(traversal, surface, hit), counts, hit.t);
+    }
     return through;
 }
 
@@ -48,7 +50,8 @@ void testEach(inout Traversal traversal, uint kind, uint first, uint end) {
     do {
         if (index < end) {
             Hit hit;
-            if (hitPrimitive(traversal, traversal.ray, kind, index, hit)) accept(traversal, hit);
+            if (hitPrimitive(traversal.ray, traversal.frame, kind, index, traversal.trips, hit))
+                accept(traversal, hit);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
@@ -59,9 +62,10 @@ void testEach(inout Traversal traversal, uint kind, uint first, uint end) {
 // Trips that one pass through the loops around a leaf counts, in scenes with instances: those loops, and each
 // loop in them, of which a subgroup makes one trip even if no lane has work there.
 uint tripsOfPass() {
-    uint trips = 3u;
-#define GLINT_ADD(FEATURE, kinds, loops) trips += FEATURE_##FEATURE ? loops : 0u;
-    GLINT_LEAF_LOOPS(GLINT_ADD)
+    uint trips = 4u + (FEATURE_POLYGONS ? 1u : 0u) + (FEATURE_QUADRICS ? 1u : 0u);
+#define GLINT_ADD(number, Kind, KINDS, kinds, one, many) \
+    trips += FEATURE_##KINDS && kKind##Kind != kKindPlane ? 1u : 0u;
+    GLINT_PRIMITIVES(GLINT_ADD, GLINT_NO_KIND)
     return trips;
 }
 
@@ -75,12 +79,10 @@ void testLeaf(inout Traversal traversal, uint leaf) {
         testEachHit(traversal, kind, first, end);
         return;
     }
-    if (FEATURE_TRIANGLES) testEach(traversal, kKindTriangle, kind == kKindTriangle ? first : end, end);
-    if (FEATURE_SPHERES) testEach(traversal, kKindSphere, kind == kKindSphere ? first : end, end);
-    if (FEATURE_DISCS) testEach(traversal, kKindDisc, kind == kKindDisc ? first : end, end);
-    if (FEATURE_POLYGONS) testEach(traversal, kKindPolygon, kind == kKindPolygon ? first : end, end);
-    if (FEATURE_QUADRICS) testEach(traversal, kKindQuadric, kind == kKindQuadric ? first : end, end);
-    if (FEATURE_CUBOIDS) testEach(traversal, kKindCuboid, kind == kKindCuboid ? first : end, end);
+#define GLINT_TEST(number, Kind, KINDS, kinds, one, many) \
+    if (FEATURE_##KINDS && kKind##Kind != kKindPlane)     \
+        testEach(traversal, kKind##Kind, kind == kKind##Kind ? first : end, end);
+    GLINT_PRIMITIVES(GLINT_TEST, GLINT_NO_KIND)
 }
 
 // Planes are infinite and in no leaf: every ray tests all of them. Their trips are in the budget already.

@@ -12,6 +12,14 @@ float gammaBound(float n) { return quotient(n * kUnit, 1.0 - n * kUnit); }
 // max() without its promise about NaN, which costs two more instructions on processors.
 float larger(float a, float b) { return a > b ? a : b; }
 
+float greatestComponent(vec3 v) {
+    vec3 a = abs(v);
+    return larger(a.x, larger(a.y, a.z));
+}
+
+// The rows of a matrix times a vector.
+vec3 timesRows(vec3 x, vec3 y, vec3 z, vec3 v) { return vec3(dot(x, v), dot(y, v), dot(z, v)); }
+
 // Points origin + t direction, tMin < t <= tMax.
 struct Ray {
     vec3 origin;
@@ -55,31 +63,26 @@ vec3 turnToZ(vec3 v, uint axis) { return axis == 0u ? v.yzx : (axis == 1u ? v.zx
 
 // Boxes are taken for wider by `pad` on all sides.
 RayFrame makeFrame(vec3 o, vec3 d, float pad) {
-    RayFrame frame;
+    precise RayFrame frame;
     // |1/d| stays below 2^125, so that (plane - origin) * inverse is never 0 * inf = NaN.
     const float kTiny = 2.3509887e-38;  // 2^-125
     bvec3 isNegative = notEqual(floatBitsToUint(d) >> 31, uvec3(0u));
     vec3 tiny = mix(vec3(kTiny), vec3(-kTiny), isNegative);
     vec3 guarded = mix(d, tiny, lessThan(abs(d), vec3(kTiny)));
-    precise vec3 inverse = quotient(1.0, guarded);
-    frame.inverse = inverse;
-    frame.negative = lessThan(inverse, vec3(0.0));
+    frame.inverse = quotient(1.0, guarded);
+    frame.negative = lessThan(frame.inverse, vec3(0.0));
     frame.nearOrigin = o;
     frame.farOrigin = o;
     if (FEATURE_INSTANCES) {
         vec3 outwards = mix(vec3(pad), vec3(-pad), frame.negative);
-        precise vec3 nearOrigin = o + outwards;
-        precise vec3 farOrigin = o - outwards;
-        frame.nearOrigin = nearOrigin;
-        frame.farOrigin = farOrigin;
+        frame.nearOrigin = o + outwards;
+        frame.farOrigin = o - outwards;
     }
     vec3 a = abs(d);
     frame.axis = a.x > a.y ? (a.x > a.z ? 0u : 2u) : (a.y > a.z ? 1u : 2u);
     vec3 turned = turnToZ(d, frame.axis);
-    precise float sz = quotient(1.0, turned.z);
-    precise float sx = turned.x * sz;
-    precise float sy = turned.y * sz;
-    frame.shear = vec3(sx, sy, sz);
+    float inverseZ = quotient(1.0, turned.z);
+    frame.shear = vec3(turned.xy * inverseZ, inverseZ);
     frame.slip = 0.0;
     return frame;
 }
@@ -94,10 +97,9 @@ float nextTowards(float x, float sense) {
 
 // ---- Boxes of the BVH ----
 
-// Factor of far planes and of the interval's end, 1 + 38 u: a box whose primitive is hit is never missed. A
-// division good to 2.5 ulp (Vulkan's promise), a subtraction and a product leave each plane within gamma_7 of
-// its true distance (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, has gamma_3), and what the triangle
-// test accepts may lie beside the ray by 11 u t |d| (edgeMargin, src/pack/primitives.h): both twice, and 2 u.
+// Factor of far planes and of the interval's end: a box whose primitive is hit is never missed. 1 + 38 u:
+// twice gamma_7 for the distance of a plane (docs/design/numerics.md 2.2), and twice 11 u for what the
+// triangle test accepts beside the ray (edgeMargin, src/pack/primitives.h), and 2 u.
 const float kFarPad = 1.00000226497650;
 // For `glint report` also Ize's own, and none.
 float farPad() {
@@ -126,21 +128,16 @@ bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out flo
 }
 
 // ---- The rule for rays that meet and leave surfaces (docs/design/numerics.md) ----
-//
-// The computed t of a surface stands for the interval t +- slip, which holds the t of every surface that lies
-// in the same place but for the rounding of coordinates. Each intersection test sets tSlip with its t.
-//
-// 1. A ray that leaves a surface starts outside the error box of its point (offsetOrigin), and counts a hit
-//    if the interval lies in front of its origin: t - slip > 0.
-// 2. Surfaces whose intervals overlap that of the closest hit are at one place. The lowest id is hit; ids of
-//    opaque surfaces are lower than those of dielectrics (kDielectricRank).
 
+// Each intersection test sets it with its t, which stands for the interval t +- tSlip: that holds the t of
+// every surface in the same place, despite the rounding of coordinates.
 float tSlip;
 
 // Rays of callers, unless they leave surfaces, and those that count crossings take each t as it is.
 const bool kSlips = !MODE_GIVEN || MODE_LEAVES;
 
-// True if a surface at t +- tSlip is within the ray's interval.
+// True if a surface at t +- tSlip is within the ray's interval, and wholly in front of a ray that leaves a
+// surface.
 bool countsAt(Ray ray, float t) {
     precise float near = t - tSlip;
     bool ahead = ray.source == kNone || near > 0.0;
@@ -148,8 +145,7 @@ bool countsAt(Ray ray, float t) {
 }
 
 // Error bound of the origin's height above a flat surface, with the difference of surfaces in the same place.
-// n.w, w = anchor - o, errs by gamma_4 of the magnitudes that it sums and n by a unit; so does n.d, and with
-// it the way t d; the corners of another surface in this place are rounded by half a unit.
+// w: anchor - origin; way: t d.
 float slipOfHeight(RayFrame frame, vec3 n, vec3 anchor, vec3 w, vec3 way) {
     precise vec3 terms = 2.0 * abs(anchor) + 6.0 * (abs(w) + abs(way));
     precise float height = kUnit * dot(abs(n), terms) + frame.slip;
@@ -158,35 +154,80 @@ float slipOfHeight(RayFrame frame, vec3 n, vec3 anchor, vec3 w, vec3 way) {
 
 // tSlip of a flat surface through `anchor` with the unit normal n; speed = n.d.
 float slipOfFlat(RayFrame frame, vec3 n, vec3 anchor, vec3 w, vec3 d, float t, float speed) {
-    precise float slip = abs(quotient(slipOfHeight(frame, n, anchor, w, t * d), speed));
-    return kSlips ? slip : 0.0;
+    return kSlips ? abs(quotient(slipOfHeight(frame, n, anchor, w, t * d), speed)) : 0.0;
 }
 
 // tSlip of a round surface: the last roundings of t. Two that coincide have the same numbers and the same t.
-float slipOfRound(float t) {
-    precise float slip = 8.0 * kUnit * abs(t);
-    return kSlips ? slip : 0.0;
-}
+float slipOfRound(float t) { return kSlips ? 8.0 * kUnit * abs(t) : 0.0; }
 
 // How far a point moves along the unit normal of its surface to come out of the box of its error.
-float clearance(vec3 error, vec3 n) {
-    precise float d = dot(abs(n), error);
-    return d;
-}
+float clearance(vec3 error, vec3 n) { return dot(abs(n), error); }
 
 // A point on the side of the surface that `n` points to: `p` is off the true surface by at most `error` on
 // each axis (Pharr, Jakob, Humphreys, PBRT 4th ed., sec. 6.8.6). For `glint report` also a fixed distance,
 // and none.
 vec3 offsetOrigin(vec3 p, vec3 error, vec3 n) {
     if (ORIGIN_OFFSET == kOffsetNone) return p;
-    if (ORIGIN_OFFSET == kOffsetFixed) {
-        precise vec3 shifted = p + 1e-4 * n;
-        return shifted;
-    }
+    if (ORIGIN_OFFSET == kOffsetFixed) return p + 1e-4 * n;
     precise vec3 offset = clearance(error, n) * n;
     precise vec3 moved = p + offset;
     return vec3(nextTowards(moved.x, offset.x), nextTowards(moved.y, offset.y),
                 nextTowards(moved.z, offset.z));
+}
+
+// ---- Into the coordinates of an instance and back (docs/design/numerics.md 2.8) ----
+
+// From the ray in the world. The direction keeps its length, so that t is the world's. The difference comes
+// first, so that errors grow with the distance to the instance, not with coordinates.
+void enterInstance(Instance instance, inout vec3 origin, inout vec3 direction) {
+    precise vec3 away = origin - instance.place;
+    origin = timesRows(instance.toObjectX, instance.toObjectY, instance.toObjectZ, away);
+    direction = timesRows(instance.toObjectX, instance.toObjectY, instance.toObjectZ, direction);
+}
+
+// RayFrame::slip: each coordinate of the origin errs by gamma_5 of the magnitudes that it sums, in any
+// direction by at most sqrt(3) of the greatest.
+float slipOfWayIn(Instance instance, vec3 origin) {
+    precise vec3 away = abs(origin - instance.place);
+    precise vec3 sums =
+        timesRows(abs(instance.toObjectX), abs(instance.toObjectY), abs(instance.toObjectZ), away);
+    return 9.0 * kUnit * greatestComponent(sums);
+}
+
+// Normals go by the inverse transpose: by W^T.
+vec3 turnNormal(Instance instance, vec3 normal) {
+    precise vec3 n =
+        normal.x * instance.toObjectX + normal.y * instance.toObjectY + normal.z * instance.toObjectZ;
+    return n;
+}
+
+// Unit, or zero for zero; scaled first, as squares of a scale could overflow.
+vec3 normalInWorld(Instance instance, vec3 normal) {
+    vec3 n = turnNormal(instance, normal);
+    float size = greatestComponent(n);
+    vec3 scaled = size > 0.0 ? quotient(n, size) : n;
+    return quotient(scaled, size > 0.0 ? length(scaled) : 1.0);
+}
+
+// The length that a unit normal comes to have, up to a factor that is the same for all.
+float stretchOfNormal(Instance instance, vec3 normal) {
+    float unit = larger(greatestComponent(instance.toObjectX),
+                        larger(greatestComponent(instance.toObjectY), greatestComponent(instance.toObjectZ)));
+    return max(length(quotient(turnNormal(instance, normal), unit)), 1e-30);
+}
+
+// A point with its error box. Rounding of the matrix, of products, sums and of adding the place: gamma_5 of
+// the sum of magnitudes (PBRT 4th ed., sec. 6.8). A ray that starts there must be on the same side of the
+// surface in the instance's coordinates, too, and is rounded into them by gamma_4 of |W| |x - place|.
+void leaveInstance(Instance instance, inout vec3 position, inout vec3 error) {
+    vec3 away = timesRows(instance.toWorldX, instance.toWorldY, instance.toWorldZ, position);
+    vec3 entered =
+        timesRows(abs(instance.toObjectX), abs(instance.toObjectY), abs(instance.toObjectZ), abs(away));
+    vec3 inObject = error + gammaBound(5.0) * abs(position) + gammaBound(5.0) * entered;
+    vec3 inWorld =
+        timesRows(abs(instance.toWorldX), abs(instance.toWorldY), abs(instance.toWorldZ), inObject);
+    position = away + instance.place;
+    error = (1.0 + gammaBound(5.0)) * inWorld + gammaBound(2.0) * abs(instance.place);
 }
 
 #endif

@@ -1,9 +1,7 @@
 // The closest hit, or any hit, of a ray through the BVH: each lane traverses the binary tree with a stack of
 // its own, the nearer child first. Aila, Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG
-// 2009: an inner loop over nodes up to the next leaf, an outer loop over leaves.
-//
-// A ray that runs out of trips is finished by further dispatches without a stack (traversal/stackless.glsl).
-// The closest hit is the same in any order, with exceptions (docs/design/numerics.md).
+// 2009: an inner loop over nodes up to the next leaf, an outer loop over leaves. A ray that runs out of trips
+// is finished by further dispatches without a stack (traversal/stackless.glsl).
 #ifndef GLINT_TRAVERSAL_GLSL
 #define GLINT_TRAVERSAL_GLSL
 
@@ -116,7 +114,7 @@ uint traverse(inout Traversal traversal, uint root) {
 uint trace(inout Traversal traversal, Environment environment) {
     bool sound = prepare(traversal, environment);
     if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
-    bool inTree = kHasTree && sound && !settled(traversal);
+    bool inTree = sound && !settled(traversal);
     // The stackless traversal begins at slot 0 and tests all leaves again, but not the planes.
     Passage afterPlanes = traversal.passage;
     uint left = traverse(traversal, inTree ? environment.root : kNone);

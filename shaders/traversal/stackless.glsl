@@ -70,7 +70,7 @@ uint resume(inout Traversal traversal, Environment environment, uint slot, uvec2
     bool sound = prepare(traversal, environment);
     bool begins = slot == kSlotFresh;
     if (FEATURE_PLANES) testPlanes(traversal, sound && begins ? environment.planeCount : 0u);
-    bool inTree = kHasTree && sound && !settled(traversal);
+    bool inTree = sound && !settled(traversal);
     if (begins) slot = environment.root != kNone ? 0u : kNone;
     if (begins) place = uvec2(kNone);
     enterAgain(traversal, place, inTree && slot != kNone);

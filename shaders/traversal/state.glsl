@@ -3,8 +3,7 @@
 #ifndef GLINT_STATE_GLSL
 #define GLINT_STATE_GLSL
 
-#include "shading/optics.glsl"
-#include "traversal/instance.glsl"
+#include "shading/material.glsl"
 #include "traversal/lanes.glsl"
 
 // In place of a slot: the ray has not begun.
@@ -125,39 +124,7 @@ bool prepare(inout Traversal traversal, Environment environment) {
     return traversal.ray.tMax > traversal.ray.tMin;
 }
 
-const bool kHasTree = FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS ||
-                      FEATURE_QUADRICS || FEATURE_INSTANCES || FEATURE_CUBOIDS;
-
 // ---- Tests against primitives ----
-
-// The closest hit of triangle `index` in the interval of `ray`, which is the traversal's or the rest of it.
-// Crossings have a test of their own: traversal/leaf.glsl or traversal/count.glsl.
-bool hitTriangle(inout Traversal traversal, Ray ray, uint index, uint primitive, out Hit hit);
-
-// The same for a primitive of any kind. Each kind's file has the formulas.
-bool hitPrimitive(inout Traversal traversal, Ray ray, uint kind, uint index, out Hit hit) {
-    uint primitive = (kind << kPrimitiveKindShift) | index;
-    bool isHit = false;
-    hit = Hit(0.0, 0.0, 0.0, kNone, kNone, 0u);
-    if (FEATURE_TRIANGLES && kind == kKindTriangle)
-        isHit = hitTriangle(traversal, ray, index, primitive, hit);
-    if (FEATURE_SPHERES && kind == kKindSphere)
-        isHit = hitSphere(ray, traversal.frame, loadSphere(index), primitive, traversal.trips, hit);
-    if (FEATURE_PLANES && kind == kKindPlane)
-        isHit = hitPlane(ray, traversal.frame, loadPlane(index), primitive, traversal.trips, hit);
-    if (FEATURE_DISCS && kind == kKindDisc)
-        isHit = hitDisc(ray, traversal.frame, loadDisc(index), primitive, traversal.trips, hit);
-    if (FEATURE_POLYGONS && kind == kKindPolygon)
-        isHit = hitPolygon(ray, traversal.frame, loadPolygon(index), primitive, traversal.trips, hit);
-    if (FEATURE_QUADRICS && kind == kKindQuadric)
-        isHit = hitQuadric(ray, traversal.frame, loadQuadric(index), primitive, traversal.trips, hit);
-    if (FEATURE_CUBOIDS && kind == kKindCuboid)
-        isHit = hitCuboid(ray, traversal.frame, loadCuboid(index), primitive, traversal.trips, hit);
-    return isHit;
-}
-
-// True if a ray may hit a primitive of this kind more than once.
-bool hasFurtherHits(uint kind) { return kind == kKindSphere || kind == kKindQuadric || kind == kKindCuboid; }
 
 // The surface at a hit of the traversal, in the world.
 Surface surfaceOfHit(Traversal traversal, Hit hit) {
@@ -181,7 +148,7 @@ void testEachHit(inout Traversal traversal, uint kind, uint first, uint end) {
             Ray rest = traversal.ray;
             rest.tMin = after;
             Hit hit;
-            bool isHit = hitPrimitive(traversal, rest, kind, index, hit);
+            bool isHit = hitPrimitive(rest, traversal.frame, kind, index, traversal.trips, hit);
             if (isHit) handleHit(traversal, hit);
             bool further = isHit && hit.t > after && hasFurtherHits(kind);
             after = further ? hit.t : traversal.ray.tMin;

@@ -7,6 +7,7 @@
 #include "app/common.h"
 #include "app/drawing.h"
 #include "app/loading.h"
+#include "core/device_layout.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "gpu/device.h"
@@ -15,7 +16,6 @@
 #include "render/kernel_choice.h"
 #include "scene/cameras.h"
 #include "scene/sampling.h"
-#include "shared/dispatch.h"
 
 namespace glint::app {
 

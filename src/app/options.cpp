@@ -16,7 +16,7 @@
 #include "report/plan.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"
-#include "shared/dispatch.h"
+#include "core/device_layout.h"
 
 namespace glint::app {
 

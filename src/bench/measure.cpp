@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/content_hash.h"
+#include "core/device_layout.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
@@ -17,7 +18,6 @@
 #include "pack/scene_arrays.h"
 #include "reference/render.h"
 #include "reference/sampling.h"
-#include "shared/dispatch.h"
 
 namespace glint::bench {
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "bvh/sah.h"
+#include "core/device_layout.h"
 #include "core/parallel.h"
-#include "shared/layout.h"
 
 namespace glint {
 

@@ -9,7 +9,7 @@
 
 #include "bvh/bvh.h"
 #include "core/context.h"
-#include "shared/layout.h"
+#include "core/device_layout.h"
 
 namespace glint {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/context.h"
-#include "shared/layout.h"
+#include "core/device_layout.h"
 
 namespace glint {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/device_layout.h"
 #include "pack/packed_scene.h"
-#include "shared/layout.h"
 #include "trace/picture.h"
 #include "trace/request.h"
 

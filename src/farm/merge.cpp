@@ -4,8 +4,8 @@
 #include <span>
 #include <utility>
 
+#include "core/device_layout.h"
 #include "core/error.h"
-#include "shared/layout.h"
 
 namespace glint::farm {
 

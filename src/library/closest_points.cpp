@@ -11,7 +11,7 @@ namespace {
 constexpr double kFarthestPoint = 1e18;
 
 void requireKinds(const PackedScene& packed) {
-#define GLINT_REQUIRE(number, Kind, kinds, one, many)                                      \
+#define GLINT_REQUIRE(number, Kind, KINDS, kinds, one, many)                               \
     if (!packed.kinds.empty() && !reference::hasClosestPoint(shared::PrimitiveKind::Kind)) \
         refuse("closest points are of triangles and spheres alone: the scene has a " #one);
     GLINT_PRIMITIVES(GLINT_REQUIRE, GLINT_NO_KIND)

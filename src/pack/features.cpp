@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <atomic>
 
+#include "core/device_layout.h"
 #include "core/parallel.h"
-#include "shared/dispatch.h"
 
 namespace glint {
 namespace {
@@ -50,7 +50,7 @@ bool haveSlivers(const std::vector<shared::Triangle>& triangles, const Context& 
 SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used,
                          const Context& context) {
     SceneFeatures f = packed.features;  // those of packTextures
-#define GLINT_USES(number, Kind, kinds, one, many) f.kinds = !packed.kinds.empty();
+#define GLINT_USES(number, Kind, KINDS, kinds, one, many) f.kinds = !packed.kinds.empty();
     GLINT_PRIMITIVES(GLINT_USES, GLINT_USES)
 #undef GLINT_USES
     for (const shared::Sphere& s : packed.spheres) f.anchoredSpheres |= s.anchorNormal != glm::vec3(0);

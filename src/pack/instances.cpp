@@ -135,7 +135,7 @@ void appendGeometry(PackedScene& to, PackedScene& part) {
     appendArray(to.vertexNormals, part.vertexNormals);
     appendArray(to.vertexAttributes, part.vertexAttributes);
     appendArray(to.polygonVertices, part.polygonVertices);
-#define GLINT_APPEND(number, Kind, kinds, one, many) appendArray(to.kinds, part.kinds);
+#define GLINT_APPEND(number, Kind, KINDS, kinds, one, many) appendArray(to.kinds, part.kinds);
     GLINT_PRIMITIVES(GLINT_APPEND, GLINT_APPEND)
 #undef GLINT_APPEND
     to.polygonTripsPerLeaf = std::max(to.polygonTripsPerLeaf, part.polygonTripsPerLeaf);

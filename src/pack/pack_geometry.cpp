@@ -31,7 +31,7 @@ struct ChunkCount {
     std::vector<Dropped> dropped;
 };
 
-#define GLINT_KIND_NAMES(number, Kind, kinds, one, many) #many,
+#define GLINT_KIND_NAMES(number, Kind, KINDS, kinds, one, many) #many,
 constexpr const char* kKindNames[shared::kKindCount] = {GLINT_PRIMITIVES(GLINT_KIND_NAMES, GLINT_KIND_NAMES)};
 #undef GLINT_KIND_NAMES
 

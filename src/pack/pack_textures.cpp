@@ -6,13 +6,13 @@
 #include <map>
 #include <optional>
 
+#include "core/device_layout.h"
 #include "core/room.h"
 #include "core/vectors.h"
 #include "pack/primitives.h"
 #include "scene/limits.h"
 #include "scene/polygon_plane.h"
 #include "scene/transform.h"
-#include "shared/dispatch.h"
 
 namespace glint {
 

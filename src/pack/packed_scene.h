@@ -8,14 +8,14 @@
 
 #include "bvh/bvh.h"
 #include "core/context.h"
+#include "core/device_layout.h"
 #include "scene/scene.h"
-#include "shared/layout.h"
 
 namespace glint {
 
 // Features of a scene. The device pipeline leaves out those that are false.
 struct SceneFeatures {
-#define GLINT_KIND_FEATURE(number, Kind, kinds, one, many) bool kinds = false;
+#define GLINT_KIND_FEATURE(number, Kind, KINDS, kinds, one, many) bool kinds = false;
     GLINT_PRIMITIVES(GLINT_KIND_FEATURE, GLINT_KIND_FEATURE)
 #undef GLINT_KIND_FEATURE
     bool anchoredSpheres = false;
@@ -66,7 +66,7 @@ struct PackedScene {
     glm::dvec3 origin{0};  // world = origin + local; every position below is local
     std::vector<shared::Node> nodes;
 // triangles, spheres, ...: of each kind those that are in leaves in leaf order
-#define GLINT_KIND_ARRAY(number, Kind, kinds, one, many) std::vector<shared::Kind> kinds;
+#define GLINT_KIND_ARRAY(number, Kind, KINDS, kinds, one, many) std::vector<shared::Kind> kinds;
     GLINT_PRIMITIVES(GLINT_KIND_ARRAY, GLINT_KIND_ARRAY)
 #undef GLINT_KIND_ARRAY
     std::vector<shared::TriangleSurface> triangleSurfaces;  // parallel to triangles

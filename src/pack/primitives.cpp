@@ -47,8 +47,8 @@ void setRounded(Box& box, int axis, double center, double extent, double margin)
 
 const KindPacker& packerOf(shared::PrimitiveKind kind) {
     switch (kind) {
-#define GLINT_CASE(number, Kind, kinds, one, many) \
-    case shared::PrimitiveKind::Kind:              \
+#define GLINT_CASE(number, Kind, KINDS, kinds, one, many) \
+    case shared::PrimitiveKind::Kind:                     \
         return packerOf##Kind();
         GLINT_PRIMITIVES(GLINT_CASE, GLINT_CASE)
 #undef GLINT_CASE

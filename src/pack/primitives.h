@@ -15,7 +15,7 @@
 #include "pack/extent.h"
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
-#include "shared/layout.h"
+#include "core/device_layout.h"
 
 namespace glint {
 
@@ -254,7 +254,7 @@ const KindPacker& packerOf(shared::PrimitiveKind kind);
 shared::PrimitiveKind kindOf(const Object& object);
 
 // Defined with the kind: const KindPacker& packerOfTriangle(), ...
-#define GLINT_PACKER(number, Kind, kinds, one, many) const KindPacker& packerOf##Kind();
+#define GLINT_PACKER(number, Kind, KINDS, kinds, one, many) const KindPacker& packerOf##Kind();
 GLINT_PRIMITIVES(GLINT_PACKER, GLINT_PACKER)
 #undef GLINT_PACKER
 

@@ -30,10 +30,10 @@ struct KindCount {
 // visit(KindCount) for each kind, in the order of their numbers.
 template <class Visit>
 void visitKinds(const PackedScene& scene, const Visit& visit) {
-#define GLINT_VISIT(number, Kind, kinds, one, many)       \
-    visit(KindCount{                                      \
-        shared::PrimitiveKind::Kind, #kinds, #one, #many, \
-        scene.kinds.size() -                              \
+#define GLINT_VISIT(number, Kind, KINDS, kinds, one, many) \
+    visit(KindCount{                                       \
+        shared::PrimitiveKind::Kind, #kinds, #one, #many,  \
+        scene.kinds.size() -                               \
             (shared::kKind##Kind == shared::kKindTriangle ? scene.statistics.splitTriangles : 0)});
     GLINT_PRIMITIVES(GLINT_VISIT, GLINT_VISIT)
 #undef GLINT_VISIT
@@ -42,7 +42,7 @@ void visitKinds(const PackedScene& scene, const Visit& visit) {
 // visit(kind, array) for each kind, with the array of its primitives.
 template <class Packed, class Visit>
 void visitPrimitiveArrays(Packed& scene, const Visit& visit) {
-#define GLINT_VISIT(number, Kind, kinds, one, many) visit(shared::PrimitiveKind::Kind, scene.kinds);
+#define GLINT_VISIT(number, Kind, KINDS, kinds, one, many) visit(shared::PrimitiveKind::Kind, scene.kinds);
     GLINT_PRIMITIVES(GLINT_VISIT, GLINT_VISIT)
 #undef GLINT_VISIT
 }
@@ -53,8 +53,8 @@ template <class Packed, class Visit>
 decltype(auto) visitPrimitive(const Packed& scene, shared::PrimitiveKind kind, uint32_t index,
                               Visit&& visit) {
     switch (kind) {
-#define GLINT_VISIT(number, Kind, kinds, one, many) \
-    case shared::PrimitiveKind::Kind:               \
+#define GLINT_VISIT(number, Kind, KINDS, kinds, one, many) \
+    case shared::PrimitiveKind::Kind:                      \
         return visit(scene.kinds[index]);
         GLINT_PRIMITIVES(GLINT_VISIT, GLINT_VISIT)
 #undef GLINT_VISIT

@@ -96,7 +96,7 @@ struct Place {
 // intersect: the nearest hit within (ray.tMin, tMax], never one with what the ray starts on again.
 // surfaceOf: position, moved onto the surface, normals, and uv where they are the primitive's own.
 // reachOf: the greatest magnitude among the coordinates that a hit point on it is computed from.
-#define GLINT_PRIMITIVE(number, Kind, kinds, one, many)                                \
+#define GLINT_PRIMITIVE(number, Kind, KINDS, kinds, one, many)                                \
     bool intersect(const rows::Kind& primitive, const RayTest& test, Root& root);      \
     void surfaceOf(const rows::Kind& primitive, const Place& place, Surface& surface); \
     double reachOf(const Model& scene, const Methods& methods, const rows::Kind& primitive);

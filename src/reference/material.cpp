@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "reference/intersect.h"
-#include "shared/shading.h"
+#include "core/device_layout.h"
 
 namespace glint::reference {
 namespace {

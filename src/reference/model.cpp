@@ -72,7 +72,7 @@ Model widened(const PackedScene& scene) {
 Model disturbed(const Model& model, uint64_t seed, double units) {
     Model moved = model;
     const Disturbance disturb{seed, units * 0x1p-24};
-#define GLINT_DISTURB(number, Kind, kinds, one, many) disturb(moved.kinds);
+#define GLINT_DISTURB(number, Kind, KINDS, kinds, one, many) disturb(moved.kinds);
     GLINT_PRIMITIVES(GLINT_DISTURB, GLINT_DISTURB)
 #undef GLINT_DISTURB
     disturb(moved.vertexNormals);

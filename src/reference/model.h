@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "shared/layout.h"
+#include "core/device_layout.h"
 
 namespace glint {
 struct PackedScene;  // truth/ includes this header and must not see pack/packed_scene.h
@@ -69,7 +69,7 @@ struct Model {
     glm::dvec3 origin{0};  // world = origin + local; every position below is local
     std::shared_ptr<const std::vector<rows::Node>> nodes = std::make_shared<const std::vector<rows::Node>>();
 // triangles, spheres, ...: of each kind those that are in leaves in leaf order
-#define GLINT_MODEL_ARRAY(number, Kind, kinds, one, many) std::vector<rows::Kind> kinds;
+#define GLINT_MODEL_ARRAY(number, Kind, KINDS, kinds, one, many) std::vector<rows::Kind> kinds;
     GLINT_PRIMITIVES(GLINT_MODEL_ARRAY, GLINT_MODEL_ARRAY)
 #undef GLINT_MODEL_ARRAY
     std::vector<rows::TriangleSurface> triangleSurfaces;  // parallel to triangles

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/vectors.h"
-#include "shared/shading.h"
+#include "core/device_layout.h"
 
 namespace glint::reference {
 
@@ -52,28 +52,6 @@ uint32_t owenScrambled(uint32_t x, uint32_t seed) {
     return bitfieldReverse(bits);
 }
 
-// Bit j of the second dimension, counted from the left, takes in bit k of the index where the binomial
-// coefficient (k over j) is odd: where j has no bit that k lacks (E. Lucas 1878).
-Pair sobolPair(uint32_t index) {
-    Pair point = {bitfieldReverse(index), 0};
-    for (uint32_t j = 0; j < 32; ++j) {
-        uint32_t odd = 0;
-        for (uint32_t k = 0; k < 32; ++k)
-            if ((j & ~k) == 0) odd ^= (index >> k) & 1u;
-        point[1] |= odd << (31 - j);
-    }
-    return point;
-}
-
-// Padding: each pixel takes the samples of each pair in another order and scrambled separately (B. Burley
-// 2020, section 3).
-Pair paddedPair(uint32_t seed, uint32_t index, uint32_t pair, uint32_t x, uint32_t y) {
-    const Words random = evenWords({x, y, shared::kPaddingKey + pair, seed});
-    Pair at = sobolPair(owenScrambled(index, random[0]));
-    for (size_t i = 0; i < 2; ++i) at[i] = owenScrambled(at[i], random[1 + i]);
-    return at;
-}
-
 // 12 bits of the place lead from a cell's first distance to its last one; what is left of them is cut off.
 double filmOffset(const PackedSamples& samples, uint32_t table, uint32_t place) {
     const auto* words = reinterpret_cast<const int32_t*>(samples.rows.data());
@@ -89,8 +67,7 @@ double lensCoordinate(uint32_t place) {
 
 }  // namespace
 
-Pair samplePair(const shared::Sample& s, uint32_t index, uint32_t pair, uint32_t x, uint32_t y) {
-    if (pair >= shared::kFirstPaddedPair) return paddedPair(s.seed, index, pair, x, y);
+Pair samplePair(const shared::Sample& s, uint32_t pair, uint32_t x, uint32_t y) {
     const size_t first = 2 * pair;
     const Words places = {s.x, s.y, s.lensX, s.lensY},
                 widths = {s.widthX, s.widthY, s.widthLensX, s.widthLensY};
@@ -112,8 +89,8 @@ Pair samplePair(const shared::Sample& s, uint32_t index, uint32_t pair, uint32_t
 FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, uint32_t y) {
     if (!samples.scattered()) return {samples.offsets[index], glm::dvec2(0), 1};
     const shared::Sample& s = samples.rows[shared::kFirstSample + index];
-    const Pair film = samplePair(s, index, shared::kPairFilm, x, y);
-    const Pair lens = samplePair(s, index, shared::kPairLens, x, y);
+    const Pair film = samplePair(s, shared::kPairFilm, x, y);
+    const Pair lens = samplePair(s, shared::kPairLens, x, y);
     FilmSample result;
     result.offset = {filmOffset(samples, s.tableX, film[0]), filmOffset(samples, s.tableY, film[1])};
     result.lens = concentricDisc(lensCoordinate(lens[0]), lensCoordinate(lens[1]));

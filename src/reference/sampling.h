@@ -17,11 +17,9 @@ struct FilmSample {
     double weight = 1;
 };
 
-// Dimensions 2 pair and 2 pair + 1 of sample `index` of pixel (x, y) of the whole picture, in units of 2^-32;
-// s: the row of that sample. Pairs shared::kPairFilm and kPairLens are the sampler's; those from
-// kFirstPaddedPair on are for whoever needs more, one pair number for each purpose.
-std::array<uint32_t, 2> samplePair(const shared::Sample& s, uint32_t index, uint32_t pair, uint32_t x,
-                                   uint32_t y);
+// A sample's point on the film (pair shared::kPairFilm) or the lens (kPairLens) for pixel (x, y) of the whole
+// picture, in units of 2^-32. s: the row of that sample.
+std::array<uint32_t, 2> samplePair(const shared::Sample& s, uint32_t pair, uint32_t x, uint32_t y);
 
 // Sample of pixel (x, y) of the whole image.
 FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, uint32_t y);

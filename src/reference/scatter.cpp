@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "reference/rounding.h"
-#include "shared/shading.h"
+#include "core/device_layout.h"
 
 namespace glint::reference {
 

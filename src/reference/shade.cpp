@@ -11,7 +11,7 @@
 #include "reference/rounding.h"
 #include "reference/scatter.h"
 #include "reference/tracer.h"
-#include "shared/shading.h"
+#include "core/device_layout.h"
 
 namespace glint::reference {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "reference/model.h"
-#include "shared/layout.h"
+#include "core/device_layout.h"
 
 namespace glint::reference {
 

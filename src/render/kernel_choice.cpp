@@ -4,10 +4,10 @@
 #include <iterator>
 #include <string_view>
 
+#include "core/device_layout.h"
 #include "core/error.h"
 #include "pack/request_environment.h"
 #include "render/path_limits.h"
-#include "shared/dispatch.h"
 
 namespace glint::render {
 

@@ -1,7 +1,7 @@
 #include "render/kernels.h"
 
+#include "core/device_layout.h"
 #include "kernel_modules.inc"
-#include "shared/layout.h"
 
 namespace glint::render {
 

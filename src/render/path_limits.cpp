@@ -18,9 +18,9 @@ constexpr uint64_t kMaxPathBytes = 256ull << 20;
 // See budgetOf: the loop of the nodes, those of the kinds that a pipeline knows, and one for the compiler's
 // own.
 uint32_t loopsOf(const SceneFeatures& features) {
-    uint32_t sum = 2;
-#define GLINT_ADD(FEATURE, kinds, loops) sum += features.kinds ? loops : 0;
-    GLINT_LEAF_LOOPS(GLINT_ADD)
+    uint32_t sum = 2 + features.polygons + features.quadrics - features.planes;
+#define GLINT_ADD(number, Kind, KINDS, kinds, one, many) sum += features.kinds;
+    GLINT_PRIMITIVES(GLINT_ADD, GLINT_ADD)
 #undef GLINT_ADD
     return sum;
 }

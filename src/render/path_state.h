@@ -5,8 +5,8 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "core/device_layout.h"
 #include "gpu/compute.h"
-#include "shared/dispatch.h"
 #include "trace/picture.h"
 
 namespace glint::render {

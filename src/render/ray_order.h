@@ -12,7 +12,7 @@
 #include <span>
 
 #include "core/context.h"
-#include "shared/layout.h"
+#include "core/device_layout.h"
 #include "trace/ray_batch.h"
 
 namespace glint::render {

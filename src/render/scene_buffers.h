@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "core/device_layout.h"
 #include "gpu/compute.h"
 #include "pack/packed_scene.h"
 #include "render/kernel_choice.h"
-#include "shared/dispatch.h"
 
 namespace glint::render {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "shared/layout.h"
+#include "core/device_layout.h"
 
 namespace glint {
 

@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/device_layout.h"
 #include "scene/scene.h"
-#include "shared/layout.h"
 #include "trace/methods.h"
 #include "trace/packed_samples.h"
 #include "trace/picture.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/device_layout.h"
 #include "reference/sampling.h"
-#include "shared/shading.h"
 #include "verify/quantities.h"
 #include "verify/stiffness.h"
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "core/device_layout.h"
 #include "core/stopwatch.h"
 #include "gpu/device.h"
 #include "reference/tracer.h"
-#include "shared/layout.h"
 #include "trace/picture.h"
 #include "view/camera_control.h"
 #include "view/display.h"

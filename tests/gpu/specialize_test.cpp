@@ -5,8 +5,8 @@
 #include <random>
 #include <set>
 
+#include "core/device_layout.h"
 #include "once.spv.h"
-#include "shared/layout.h"
 #include "specialized.h"
 
 namespace glint::gpu::specialize_test {

@@ -27,8 +27,8 @@ PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "packet_light")
 # Files about traversal, and what every traversal does in its own way. The functions of the other files are the same for all of them: single
 # rays, with a stack, judge those.
 TRAVERSAL = ("traversal/stack.glsl", "traversal/stackless.glsl", "traversal/state.glsl", "traversal/lanes.glsl", "traversal/leaf.glsl",
-             "traversal/instance.glsl", "traversal/ray.glsl", "light.comp",
-             "shading/light.glsl", "shading/lighting.glsl", "intersect.comp", "path.glsl", "path_rows.glsl", "shading/optics.glsl", "packet/packet.glsl",
+             "traversal/ray.glsl", "light.comp",
+             "shading/light.glsl", "shading/lighting.glsl", "intersect.comp", "path.glsl", "path_rows.glsl", "shading/material.glsl", "packet/packet.glsl",
              "packet/traverse.glsl", "packet_intersect.comp", "packet_light.comp", "whole.comp")
 # Cases that are rendered with glint's own quotients and roots judge this file alone.
 ARITHMETIC = "arithmetic.glsl"

@@ -17,7 +17,7 @@ bool sameArrays(const PackedScene& a, const PackedScene& b) {
     bool same = a.origin == b.origin && sameBytes(a.nodes, b.nodes) && sameBytes(a.lights, b.lights) &&
                 sameBytes(a.triangleSurfaces, b.triangleSurfaces) && a.features == b.features &&
                 std::memcmp(&a.environment, &b.environment, sizeof(a.environment)) == 0;
-#define GLINT_COMPARE(number, Kind, kinds, one, many) same = same && sameBytes(a.kinds, b.kinds);
+#define GLINT_COMPARE(number, Kind, KINDS, kinds, one, many) same = same && sameBytes(a.kinds, b.kinds);
     GLINT_PRIMITIVES(GLINT_COMPARE, GLINT_COMPARE)
 #undef GLINT_COMPARE
     return same;

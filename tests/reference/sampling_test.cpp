@@ -10,10 +10,10 @@
 #include <numbers>
 #include <set>
 
+#include "core/device_layout.h"
 #include "pack/pack_samples.h"
 #include "pack/packed_scene.h"
 #include "reference/tracer.h"
-#include "shared/shading.h"
 
 namespace glint::reference::sampling_test {
 ImageSettings settingsOf(Sampler sampler, Filter filter, double radius, int spp) {
@@ -72,20 +72,23 @@ std::array<uint32_t, 4> evenPcg4d(uint32_t x, uint32_t y, uint32_t z, uint32_t w
     return words;
 }
 
-// Shuffled scrambled Sobol points as in Burley's listing: the index is scrambled, then each coordinate.
-TEST(Sampling, PaddedPairsAreThePapers) {
-    shared::Sample row;
-    row.seed = 12345;
-    for (uint32_t pair = shared::kFirstPaddedPair; pair < 9; ++pair)
-        for (uint32_t pixel = 0; pixel < 20; ++pixel)
-            for (uint32_t index = 0; index < 300; ++index) {
-                const uint32_t x = 3 * pixel, y = 100 - pixel;
-                const auto random = evenPcg4d(x, y, shared::kPaddingKey + pair, row.seed);
-                const FixedPoint point = sobolPoint(paperScramble(index, random[0]));
-                const std::array<uint32_t, 2> expected = {paperScramble(point[0], random[1]),
-                                                          paperScramble(point[1], random[2])};
-                ASSERT_EQ(samplePair(row, index, pair, x, y), expected) << pair << ' ' << index;
-            }
+// Points of film and lens, scrambled as in Burley's listing.
+TEST(Sampling, ScrambledPairsAreThePapers) {
+    const PackedSamples samples =
+        packSamples(settingsOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 64), true);
+    for (uint32_t index = 0; index < 64; ++index) {
+        const shared::Sample& row = samples.rows[shared::kFirstSample + index];
+        for (uint32_t x = 0; x < 60; x += 3) {
+            const uint32_t y = 100 - x;
+            const auto seeds = evenPcg4d(x, y, row.key, row.seed);
+            const std::array<uint32_t, 2> film = {paperScramble(row.x, seeds[0]),
+                                                  paperScramble(row.y, seeds[1])};
+            const std::array<uint32_t, 2> lens = {paperScramble(row.lensX, seeds[2]),
+                                                  paperScramble(row.lensY, seeds[3])};
+            EXPECT_EQ(samplePair(row, shared::kPairFilm, x, y), film) << index;
+            EXPECT_EQ(samplePair(row, shared::kPairLens, x, y), lens) << index;
+        }
+    }
 }
 
 // One cell as wide as the pixel: the place is the hash, cut to the 22 bits that the filter's table uses.
@@ -163,8 +166,8 @@ std::vector<glm::dvec4> placesOf(Sampler sampler, uint32_t seed, uint32_t index)
     const shared::Sample& row = samples.rows[shared::kFirstSample + index];
     std::vector<glm::dvec4> places;
     for (uint32_t i = 0; i < kSide * kSide; ++i) {
-        const auto film = samplePair(row, index, shared::kPairFilm, i % kSide, i / kSide);
-        const auto lens = samplePair(row, index, shared::kPairLens, i % kSide, i / kSide);
+        const auto film = samplePair(row, shared::kPairFilm, i % kSide, i / kSide);
+        const auto lens = samplePair(row, shared::kPairLens, i % kSide, i / kSide);
         const glm::dvec4 place(film[0], film[1], lens[0], lens[1]);
         places.push_back((place * 0x1p-32 - 0.5) * std::sqrt(12.0));
     }

@@ -1,9 +1,9 @@
 // The loaders of shaders/storage.glsl and the push constants hold what C++ has written.
 #include <cstring>
 
+#include "core/device_layout.h"
 #include "gpu/compute.h"
 #include "loader_probe.spv.h"
-#include "shared/dispatch.h"
 #include "support.h"
 
 namespace glint::render::test::layout_test {

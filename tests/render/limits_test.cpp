@@ -1,11 +1,11 @@
 // Arrays beyond what a device can bind: rendered by the other access, or refused by name.
 #include <algorithm>
 
+#include "core/device_layout.h"
 #include "core/error.h"
 #include "pack/pack_samples.h"
 #include "render/path_limits.h"
 #include "render/scene_buffers.h"
-#include "shared/dispatch.h"
 #include "support.h"
 #include "support/support.h"
 

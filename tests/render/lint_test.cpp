@@ -3,10 +3,10 @@
 #include <map>
 #include <set>
 
+#include "core/device_layout.h"
 #include "gpu/flatten.h"
 #include "gpu/specialize.h"
 #include "render/kernels.h"
-#include "shared/dispatch.h"
 #include "spirv_lint.h"
 #include "support.h"
 

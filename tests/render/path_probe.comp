@@ -22,7 +22,7 @@ void main() {
     words[first + 4u] = pixel.y;
     Sample s = loadSample(kFirstSample + dispatch.sampleIndex);
     for (uint pair = 0u; 2u * pair + 6u < GLINT_PROBE_WORDS; ++pair) {
-        uvec2 at = samplePair(s, dispatch.sampleIndex, pixel, pair);
+        uvec2 at = samplePair(s, pixel, pair);
         words[first + 2u * pair + 5u] = at.x;
         words[first + 2u * pair + 6u] = at.y;
     }

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/device_layout.h"
 #include "pack/pack_samples.h"
 #include "reference/sampling.h"
-#include "shared/shading.h"
 #include "support.h"
 #include "verify/verify.h"
 

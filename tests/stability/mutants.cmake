@@ -72,7 +72,7 @@ mutant(naive_sphere primitives/sphere.glsl
 mutant(naive_quadric primitives/quadric.glsl "precise float start = fromSide ? 0.0 : begin + middle;" "precise float start = 0.0;" primitive_probe)
 mutant(unpadded_boxes traversal/ray.glsl "kFarPad = 1.00000226497650" "kFarPad = 1.0" primitive_probe)
 # An epsilon for the whole scene.
-mutant(fixed_offset traversal/ray.glsl "precise float d = dot(abs(n), error);" "precise float d = 1e-4;" light shade)
+mutant(fixed_offset traversal/ray.glsl "return dot(abs(n), error);" "return 1e-4;" light shade)
 # The hit point o + t d, taken for exact, and nothing known of the primitive that it lies on.
 mutant(raw_hit_point shading/lighting.glsl "Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
                         lit.at.hit.primitive, lit.at.hit.instance);"

@@ -5,10 +5,10 @@
 #include <cstring>
 #include <map>
 
+#include "core/device_layout.h"
 #include "mutant_probes.h"
 #include "pack/area_vector.h"
 #include "render/pipelines.h"
-#include "shared/dispatch.h"
 #include "support/packed_scene_maker.h"
 
 namespace glint::stability {

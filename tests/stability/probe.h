@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "core/device_layout.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "render/scene_buffers.h"
-#include "shared/layout.h"
 
 namespace glint::stability {
 
