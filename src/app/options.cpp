@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "core/device_layout.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/text_file.h"
@@ -16,7 +17,6 @@
 #include "report/plan.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"
-#include "core/device_layout.h"
 
 namespace glint::app {
 

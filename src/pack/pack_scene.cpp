@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 
 #include "core/vectors.h"
@@ -198,11 +197,6 @@ PackedScene packScene(const Scene& given, const PackOptions& wanted, const Conte
 
 namespace {
 
-template <typename Rounded>
-bool sameBits(const Rounded& a, const Rounded& b) {
-    return std::memcmp(&a, &b, sizeof(Rounded)) == 0;
-}
-
 bool looksTheSame(const Object& object, const Frame& before, const Frame& after, const Extent& extentBefore,
                   const Extent& extentAfter) {
     if (const auto* plane = std::get_if<PlaneShape>(&object.shape)) {
@@ -210,16 +204,7 @@ bool looksTheSame(const Object& object, const Frame& before, const Frame& after,
         return normal && planeAnchor(plane->point, *normal, extentBefore) ==
                              planeAnchor(plane->point, *normal, extentAfter);
     }
-    const shared::PrimitiveKind kind = kindOf(object);
-    if (kind == shared::PrimitiveKind::Sphere) {
-        const auto& sphere = std::get<SphereShape>(object.shape);
-        return sameBits(roundSphere(sphere, before), roundSphere(sphere, after));
-    }
-    if (kind == shared::PrimitiveKind::Cuboid)
-        return sameBits(roundCuboid(object, before), roundCuboid(object, after));
-    if (kind == shared::PrimitiveKind::Quadric)
-        return sameBits(roundQuadric(object, before), roundQuadric(object, after));
-    return true;
+    return packerOf(kindOf(object)).isSameFrom(object, before, after);
 }
 
 }  // namespace

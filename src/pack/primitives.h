@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <glm/glm.hpp>
 #include <optional>
@@ -12,10 +13,10 @@
 #include <vector>
 
 #include "bvh/bvh.h"
+#include "core/device_layout.h"
 #include "pack/extent.h"
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
-#include "core/device_layout.h"
 
 namespace glint {
 
@@ -101,6 +102,11 @@ inline float edgeMargin(const Box& tight) {
     return static_cast<float>(16 * 0x1p-24 * std::max({extent.x, extent.y, extent.z}));
 }
 
+template <typename Row>
+bool sameBits(const Row& a, const Row& b) {
+    return std::memcmp(&a, &b, sizeof(Row)) == 0;
+}
+
 // Rounds to fp32; nothing if a component is not finite or beyond fp32.
 std::optional<glm::vec3> roundPoint(const glm::dvec3& point);
 // Sets one axis of a box, outwards by the margin and one float.
@@ -121,7 +127,6 @@ bool vertexNormals(const Mesh* mesh, uint32_t face, shared::VertexNormals& out);
 // Point, radius and anchor normal; anchored as shared/layout.h describes it if the eye is nearer to the
 // surface than radius / 64: then centre and radius would cancel 6 and more of fp32's 24 bits.
 shared::Sphere roundSphere(const SphereShape& sphere, const Frame& frame);
-shared::Cuboid roundCuboid(const Object& object, const Frame& frame);
 // Encloses the rounded sphere, whatever its form.
 Box sphereBox(const shared::Sphere& sphere);
 
@@ -224,6 +229,10 @@ class KindPacker {
     // Box of a kept primitive: contains the rounded primitive and everything that the device's test may
     // accept.
     virtual Box box(const Object& object, uint32_t face, const Frame& frame) const = 0;
+    // True if the row is the same from both eyes, `before` and `after`.
+    virtual bool isSameFrom(const Object&, const Frame& /*before*/, const Frame& /*after*/) const {
+        return true;
+    }
     // Adds the rows that the primitive will have in further arrays.
     virtual void count(const Packing&, Primitives::Source, FurtherRows&) const {}
     // Writes the primitive to place `slot` of its array, and its further rows from `next` on, which moves

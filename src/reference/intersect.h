@@ -96,7 +96,7 @@ struct Place {
 // intersect: the nearest hit within (ray.tMin, tMax], never one with what the ray starts on again.
 // surfaceOf: position, moved onto the surface, normals, and uv where they are the primitive's own.
 // reachOf: the greatest magnitude among the coordinates that a hit point on it is computed from.
-#define GLINT_PRIMITIVE(number, Kind, KINDS, kinds, one, many)                                \
+#define GLINT_PRIMITIVE(number, Kind, KINDS, kinds, one, many)                         \
     bool intersect(const rows::Kind& primitive, const RayTest& test, Root& root);      \
     void surfaceOf(const rows::Kind& primitive, const Place& place, Surface& surface); \
     double reachOf(const Model& scene, const Methods& methods, const rows::Kind& primitive);
@@ -183,11 +183,6 @@ glm::dvec3 reachFrom(const glm::dvec3& from, const Solid& solid) {
     const glm::dmat3 back = glm::inverse(toLocal(solid));
     const glm::dvec3 size = glm::max(glm::abs(solid.lo), glm::abs(solid.hi));
     return from + glm::abs(back[0]) * size.x + glm::abs(back[1]) * size.y + glm::abs(back[2]) * size.z;
-}
-
-// True of the kinds whose hits bring texture coordinates of their own.
-constexpr bool hasOwnUv(shared::PrimitiveKind kind) {
-    return kind == shared::PrimitiveKind::Triangle || kind == shared::PrimitiveKind::Cuboid;
 }
 
 // True if both are hits of the same part of two primitives of one kind with equal numbers, in one instance,

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <numbers>
 
-#include "reference/intersect.h"
 #include "core/device_layout.h"
+#include "reference/intersect.h"
 
 namespace glint::reference {
 namespace {
@@ -128,7 +128,8 @@ void triangleAttributes(const Model& scene, const Hit& hit, Surface& surface) {
 
 void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
     const shared::PrimitiveKind kind = kindOfPrimitive(hit.primitive);
-    if (hasOwnUv(kind) || scene.objectFrames.empty()) return;
+    const bool isOwn = (shared::kOwnUvKinds >> static_cast<uint32_t>(kind) & 1u) != 0;
+    if (isOwn || scene.objectFrames.empty()) return;
     const rows::ObjectFrame& f = scene.objectFrames[surface.object];
     const auto along = [&](const dvec3& row, double offset) {
         return glm::dot(row, surface.position) + offset;

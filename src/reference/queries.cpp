@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/vectors.h"
+#include "pack/scene_arrays.h"
 #include "reference/instance.h"
 #include "reference/intersect.h"
 #include "reference/rounding.h"
@@ -193,8 +194,12 @@ bool isNear(const Model& scene, uint32_t root, const Probe& probe) {
 }
 
 bool hasOtherSurfaces(const Model& scene) {
-    return !scene.spheres.empty() || !scene.planes.empty() || !scene.discs.empty() ||
-           !scene.polygons.empty() || !scene.quadrics.empty() || !scene.cuboids.empty();
+    bool has = false;
+    visitPrimitiveArrays(scene, [&](shared::PrimitiveKind kind, const auto& array) {
+        has |= !array.empty() && kind != shared::PrimitiveKind::Triangle &&
+               kind != shared::PrimitiveKind::Instance;
+    });
+    return has;
 }
 
 }  // namespace

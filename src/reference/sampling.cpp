@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/vectors.h"
 #include "core/device_layout.h"
+#include "core/vectors.h"
 
 namespace glint::reference {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "reference/rounding.h"
 #include "core/device_layout.h"
+#include "reference/rounding.h"
 
 namespace glint::reference {
 

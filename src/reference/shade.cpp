@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/device_layout.h"
 #include "core/vectors.h"
 #include "reference/intersect.h"
 #include "reference/material.h"
@@ -11,7 +12,6 @@
 #include "reference/rounding.h"
 #include "reference/scatter.h"
 #include "reference/tracer.h"
-#include "core/device_layout.h"
 
 namespace glint::reference {
 namespace {

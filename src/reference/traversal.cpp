@@ -93,7 +93,7 @@ class Search {
     bool testLeaf(const Space& space, const Leaf& leaf) {
         switch (leaf.kind) {
 #define GLINT_TEST(number, Kind, KINDS, kinds, one, many) \
-    case shared::PrimitiveKind::Kind:              \
+    case shared::PrimitiveKind::Kind:                     \
         return testArray(space, scene_.kinds, leaf);
             GLINT_PRIMITIVES(GLINT_TEST, GLINT_NO_KIND)
 #undef GLINT_TEST

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "reference/model.h"
 #include "core/device_layout.h"
+#include "reference/model.h"
 
 namespace glint::reference {
 

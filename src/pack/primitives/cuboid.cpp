@@ -45,59 +45,6 @@ dvec3 anchorOf(const dvec3& eye, const dvec3& half) {
     return glm::distance(eye, nearest) < 0.5 * greatest ? nearest : dvec3(0);
 }
 
-class CuboidPacker final : public KindPacker {
-  public:
-    bool packs(const Shape& shape) const override { return std::holds_alternative<BoxShape>(shape); }
-    // Without volume after rounding, far from the scene's origin, it has a pair of faces that are one.
-    Fate judge(const Object& object, uint32_t, const Frame& frame) const override {
-        const shared::Cuboid c = roundCuboid(object, frame);
-        if (!isFinite(c.point) || !isFinite(c.lo) || !isFinite(c.hi)) return Fate::NotFinite;
-        return glm::all(glm::lessThan(c.lo, c.hi)) ? Fate::Kept : Fate::NoArea;
-    }
-    void extend(const Object& object, uint32_t, uint32_t, Extent& extent) const override {
-        const Edges edges = edgesOf(object);
-        extent.include(edges.middle - reachOf(edges.half));
-        extent.include(edges.middle + reachOf(edges.half));
-    }
-    // The device's slabs are those of the tree's boxes where there is no transform. With one, rounding moves
-    // y by 2^-24 of |T| |x - point|, four times for good measure, and that comes back through |T^-1|.
-    Box box(const Object& object, uint32_t, const Frame& frame) const override {
-        const shared::Cuboid c = roundCuboid(object, frame);
-        if (!object.transform) return {c.lo, c.hi};
-        const dmat3 rows = rowsOf(c), back = inverse({rows, dvec3(0)}).linear;
-        const dvec3 size = 0.5 * dvec3(c.hi) - 0.5 * dvec3(c.lo), away = back * (dvec3(c.lo) + size);
-        const dvec3 reach = reachOf({back[0] * size.x, back[1] * size.y, back[2] * size.z});
-        const dvec3 most = glm::abs(away) + reach;
-        const dvec3 moved = reachOf({rows[0] * most.x, rows[1] * most.y, rows[2] * most.z});
-        const dvec3 margin = 0x1p-20 * reachOf({back[0] * moved.x, back[1] * moved.y, back[2] * moved.z});
-        const dvec3 middle = dvec3(c.point) + away;
-        Box box;
-        for (int axis = 0; axis < 3; ++axis) setRounded(box, axis, middle[axis], reach[axis], margin[axis]);
-        return box;
-    }
-    void write(const Packing& packing, Primitives::Source source, uint32_t slot,
-               FurtherRows&) const override {
-        shared::Cuboid& cuboid = packing.packed.cuboids[slot];
-        cuboid = roundCuboid(packing.objectOf(source), packing.frame);
-        packing.identify(source, cuboid);
-    }
-    void balls(const PackedScene& scene, uint32_t index, const VisitBall& visit) const override {
-        const shared::Cuboid& c = scene.cuboids[index];
-        const dmat3 toWorld = inverse({rowsOf(c), dvec3(0)}).linear;
-        for (int i = 0; i < 8; ++i) {
-            const dvec3 corner(i & 1 ? c.hi.x : c.lo.x, i & 2 ? c.hi.y : c.lo.y, i & 4 ? c.hi.z : c.lo.z);
-            visit(dvec3(c.point) + toWorld * corner, 0);
-        }
-    }
-    double windings(const PackedScene& scene, uint32_t index, const dvec3& point) const override {
-        const shared::Cuboid& c = scene.cuboids[index];
-        const dvec3 y = rowsOf(c) * (point - dvec3(c.point));
-        return glm::all(glm::greaterThan(y, dvec3(c.lo))) && glm::all(glm::lessThan(y, dvec3(c.hi))) ? 1 : 0;
-    }
-};
-
-}  // namespace
-
 shared::Cuboid roundCuboid(const Object& object, const Frame& frame) {
     shared::Cuboid out;
     if (!object.transform) {
@@ -130,6 +77,62 @@ shared::Cuboid roundCuboid(const Object& object, const Frame& frame) {
     out.hi = glm::vec3(half - from);
     return out;
 }
+
+class CuboidPacker final : public KindPacker {
+  public:
+    bool packs(const Shape& shape) const override { return std::holds_alternative<BoxShape>(shape); }
+    // Without volume after rounding, far from the scene's origin, it has a pair of faces that are one.
+    Fate judge(const Object& object, uint32_t, const Frame& frame) const override {
+        const shared::Cuboid c = roundCuboid(object, frame);
+        if (!isFinite(c.point) || !isFinite(c.lo) || !isFinite(c.hi)) return Fate::NotFinite;
+        return glm::all(glm::lessThan(c.lo, c.hi)) ? Fate::Kept : Fate::NoArea;
+    }
+    void extend(const Object& object, uint32_t, uint32_t, Extent& extent) const override {
+        const Edges edges = edgesOf(object);
+        extent.include(edges.middle - reachOf(edges.half));
+        extent.include(edges.middle + reachOf(edges.half));
+    }
+    // The device's slabs are those of the tree's boxes where there is no transform. With one, rounding moves
+    // y by 2^-24 of |T| |x - point|, four times for good measure, and that comes back through |T^-1|.
+    Box box(const Object& object, uint32_t, const Frame& frame) const override {
+        const shared::Cuboid c = roundCuboid(object, frame);
+        if (!object.transform) return {c.lo, c.hi};
+        const dmat3 rows = rowsOf(c), back = inverse({rows, dvec3(0)}).linear;
+        const dvec3 size = 0.5 * dvec3(c.hi) - 0.5 * dvec3(c.lo), away = back * (dvec3(c.lo) + size);
+        const dvec3 reach = reachOf({back[0] * size.x, back[1] * size.y, back[2] * size.z});
+        const dvec3 most = glm::abs(away) + reach;
+        const dvec3 moved = reachOf({rows[0] * most.x, rows[1] * most.y, rows[2] * most.z});
+        const dvec3 margin = 0x1p-20 * reachOf({back[0] * moved.x, back[1] * moved.y, back[2] * moved.z});
+        const dvec3 middle = dvec3(c.point) + away;
+        Box box;
+        for (int axis = 0; axis < 3; ++axis) setRounded(box, axis, middle[axis], reach[axis], margin[axis]);
+        return box;
+    }
+    bool isSameFrom(const Object& object, const Frame& before, const Frame& after) const override {
+        return sameBits(roundCuboid(object, before), roundCuboid(object, after));
+    }
+    void write(const Packing& packing, Primitives::Source source, uint32_t slot,
+               FurtherRows&) const override {
+        shared::Cuboid& cuboid = packing.packed.cuboids[slot];
+        cuboid = roundCuboid(packing.objectOf(source), packing.frame);
+        packing.identify(source, cuboid);
+    }
+    void balls(const PackedScene& scene, uint32_t index, const VisitBall& visit) const override {
+        const shared::Cuboid& c = scene.cuboids[index];
+        const dmat3 toWorld = inverse({rowsOf(c), dvec3(0)}).linear;
+        for (int i = 0; i < 8; ++i) {
+            const dvec3 corner(i & 1 ? c.hi.x : c.lo.x, i & 2 ? c.hi.y : c.lo.y, i & 4 ? c.hi.z : c.lo.z);
+            visit(dvec3(c.point) + toWorld * corner, 0);
+        }
+    }
+    double windings(const PackedScene& scene, uint32_t index, const dvec3& point) const override {
+        const shared::Cuboid& c = scene.cuboids[index];
+        const dvec3 y = rowsOf(c) * (point - dvec3(c.point));
+        return glm::all(glm::greaterThan(y, dvec3(c.lo))) && glm::all(glm::lessThan(y, dvec3(c.hi))) ? 1 : 0;
+    }
+};
+
+}  // namespace
 
 const KindPacker& packerOfCuboid() {
     static const CuboidPacker packer;

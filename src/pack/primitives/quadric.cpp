@@ -353,6 +353,9 @@ class QuadricPacker final : public KindPacker {
     Box box(const Object& object, uint32_t, const Frame& frame) const override {
         return quadricBox(object, frame, roundQuadric(object, frame));
     }
+    bool isSameFrom(const Object& object, const Frame& before, const Frame& after) const override {
+        return sameBits(roundQuadric(object, before), roundQuadric(object, after));
+    }
     void write(const Packing& packing, Primitives::Source source, uint32_t slot,
                FurtherRows&) const override {
         shared::Quadric& quadric = packing.packed.quadrics[slot];

@@ -50,6 +50,10 @@ class SpherePacker final : public KindPacker {
     Box box(const Object& object, uint32_t, const Frame& frame) const override {
         return sphereBox(roundSphere(std::get<SphereShape>(object.shape), frame));
     }
+    bool isSameFrom(const Object& object, const Frame& before, const Frame& after) const override {
+        const auto& sphere = std::get<SphereShape>(object.shape);
+        return sameBits(roundSphere(sphere, before), roundSphere(sphere, after));
+    }
     void write(const Packing& packing, Primitives::Source source, uint32_t slot,
                FurtherRows&) const override {
         shared::Sphere& sphere = packing.packed.spheres[slot];

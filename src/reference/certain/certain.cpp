@@ -65,9 +65,12 @@ BoxRay entered(const BoxRay& ray, const shared::Instance& instance) {
 // axis, D holds its sizes, which cancel): u |A R^T| |R A^-1| of twice that size; the sums of |R^T| |R| are at
 // most 3.
 double greatestMove(const Scene& scene, const PackedScene& packed) {
-    if (packed.spheres.empty() && packed.discs.empty() && packed.polygons.empty() &&
-        packed.quadrics.empty() && packed.cuboids.empty())
-        return 0;
+    bool areExact = true;  // all surfaces: triangles and planes, of which instances are made, too
+    visitPrimitiveArrays(packed, [&](shared::PrimitiveKind kind, const auto& array) {
+        areExact &= array.empty() || kind == shared::PrimitiveKind::Triangle ||
+                    kind == shared::PrimitiveKind::Plane || kind == shared::PrimitiveKind::Instance;
+    });
+    if (areExact) return 0;
     double gain = 1;
     for (const Object& object : scene.objects) {
         if (!object.transform || std::holds_alternative<MeshShape>(object.shape)) continue;

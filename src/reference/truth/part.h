@@ -91,14 +91,8 @@ struct Part {
     Model model;  // the arrays of primitives and what belongs to them
     std::vector<Item> items;
 
-    void add(const SphereShape& sphere, const Setting& at);
-    void add(const PlaneShape& plane, const Setting& at);
-    void add(const DiscShape& disc, const Setting& at);
-    void add(const PolygonShape& polygon, const Setting& at);
-    void add(const BoxShape& box, const Setting& at);
-    void add(const TriangleShape& triangle, const Setting& at);
-    void add(const MeshShape& mesh, const Setting& at);
-    // Any shape that is a quadric.
+    void add(const Shape& shape, const Setting& at);
+    // The same of a shape that is a quadric.
     void addQuadric(const Shape& shape, const Setting& at);
 
     // Adds a primitive to its array and the BVH. gain: of rounding, in the primitive's own coordinates.
@@ -110,11 +104,6 @@ struct Part {
         addItem(kind, array.size() - 1, box, gain);
     }
     void addItem(shared::PrimitiveKind kind, size_t index, Bounds box, double gain);
-
-  private:
-    void addTriangle(const glm::dvec3 (&vertices)[3], const Setting& at);
-    // The triangle added last: what the mesh knows of it.
-    void addAttributes(const Mesh& mesh, uint32_t face);
 };
 
 // Builds the part's BVH behind the nodes that are there, and brings its primitives into the order of leaves

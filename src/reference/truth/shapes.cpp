@@ -1,11 +1,15 @@
-// The shapes of a scene as rows of the layout, in double. The formulas are those of
-// shaders/shared/primitives.h.
+// The shapes of a scene as rows of the layout, in double, by the formulas of shaders/shared/primitives.h; and
+// the media that the eye is inside of: those whose surfaces go round it by their solid angle
+// (docs/reference/shading.md).
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "core/room.h"
 #include "core/vectors.h"
+#include "reference/instance.h"
 #include "reference/numbers.h"
+#include "reference/traverse.h"
 #include "reference/truth/part.h"
 #include "scene/polygon_plane.h"
 
@@ -35,9 +39,13 @@ void Part::addItem(shared::PrimitiveKind kind, size_t index, Bounds box, double 
     items.push_back({box, kind, static_cast<uint32_t>(index)});
 }
 
+namespace {
+
 // From near its surface the nearest point of that and the normal there, as the layout says: 1/64 of the
+
 // radius.
-void Part::add(const SphereShape& sphere, const Setting& at) {
+
+void add(Part& part, const SphereShape& sphere, const Setting& at) {
     rows::Sphere row;
     row.point = sphere.center - at.origin;
     row.radius = sphere.radius;
@@ -49,18 +57,18 @@ void Part::add(const SphereShape& sphere, const Setting& at) {
     Bounds box;
     box.include(sphere.center - at.origin - sphere.radius);
     box.include(sphere.center - at.origin + sphere.radius);
-    put(shared::PrimitiveKind::Sphere, model.spheres, row, at, box, 4);
+    part.put(shared::PrimitiveKind::Sphere, part.model.spheres, row, at, box, 4);
 }
 
-void Part::add(const PlaneShape& plane, const Setting& at) {
+void add(Part& part, const PlaneShape& plane, const Setting& at) {
     rows::Plane row;
     row.point = plane.point - at.origin;
     row.normal = unit(plane.normal);
     identify(at, row);
-    model.planes.push_back(row);
+    part.model.planes.push_back(row);
 }
 
-void Part::add(const DiscShape& disc, const Setting& at) {
+void add(Part& part, const DiscShape& disc, const Setting& at) {
     rows::Disc row;
     row.center = disc.center - at.origin;
     row.normal = unit(disc.normal);
@@ -72,10 +80,60 @@ void Part::add(const DiscShape& disc, const Setting& at) {
         reach[i] = disc.radius * std::hypot(row.normal[(i + 1) % 3], row.normal[(i + 2) % 3]);
     box.include(row.center - reach);
     box.include(row.center + reach);
-    put(shared::PrimitiveKind::Disc, model.discs, row, at, box, 4);
+    part.put(shared::PrimitiveKind::Disc, part.model.discs, row, at, box, 4);
 }
 
-void Part::add(const PolygonShape& polygon, const Setting& at) {
+void addTriangle(Part& part, const dvec3 (&vertices)[3], const Setting& at) {
+    rows::Triangle row;
+    row.v0 = vertices[0] - at.origin;
+    row.v1 = vertices[1] - at.origin;
+    row.v2 = vertices[2] - at.origin;
+    row.id = at.id();
+    rows::TriangleSurface surface;
+    surface.object = at.who.object;
+    surface.primitive = at.who.face;
+    surface.material = at.who.material;
+    surface.vertexNormals = shared::kNone;
+    part.model.triangles.push_back(row);
+    part.model.triangleSurfaces.push_back(surface);
+    Bounds box;
+    for (const dvec3& v : {row.v0, row.v1, row.v2}) box.include(v);
+    part.addItem(shared::PrimitiveKind::Triangle, part.model.triangles.size() - 1, box, 1);
+}
+
+// What the mesh knows of the triangle added last.
+void addAttributes(Part& part, const Mesh& mesh, uint32_t face) {
+    rows::TriangleSurface& surface = part.model.triangleSurfaces.back();
+    if (!mesh.normalCorners.empty()) {
+        const glm::uvec3 corners = mesh.normalCorners[face];
+        rows::VertexNormals normals;
+        dvec3* const out[3] = {&normals.n0, &normals.n1, &normals.n2};
+        bool complete = true;
+        for (int i = 0; i < 3 && complete; ++i) {
+            complete = corners[i] != Mesh::kNoIndex && isFinite(mesh.normals[corners[i]]) &&
+                       mesh.normals[corners[i]] != dvec3(0);
+            if (complete) *out[i] = unit(mesh.normals[corners[i]]);
+        }
+        if (complete) {
+            surface.vertexNormals = static_cast<uint32_t>(part.model.vertexNormals.size());
+            part.model.vertexNormals.push_back(normals);
+        }
+    }
+    const auto first = static_cast<uint32_t>(part.model.vertexAttributes.size());
+    const auto put = [&](const dvec3& value) { part.model.vertexAttributes.emplace_back().value = value; };
+    if (!mesh.uvCorners.empty() && mesh.uvCorners[face].x != Mesh::kNoIndex) {
+        const glm::uvec3 c = mesh.uvCorners[face];
+        put({mesh.uvs[c.x].x, mesh.uvs[c.y].x, mesh.uvs[c.z].x});
+        put({mesh.uvs[c.x].y, mesh.uvs[c.y].y, mesh.uvs[c.z].y});
+        surface.attributes = first | shared::kAttributeUvs;
+    }
+    if (!mesh.colorCorners.empty() && mesh.colorCorners[face].x != Mesh::kNoIndex) {
+        for (int i = 0; i < 3; ++i) put(mesh.colors[mesh.colorCorners[face][i]]);
+        surface.attributes |= first | shared::kAttributeColors;
+    }
+}
+
+void add(Part& part, const PolygonShape& polygon, const Setting& at) {
     std::vector<dvec3> outline;
     Bounds box;
     for (const dvec3& vertex : polygon.vertices) {
@@ -88,20 +146,20 @@ void Part::add(const PolygonShape& polygon, const Setting& at) {
     rows::Polygon row;
     row.point = plane->point;
     row.normal = plane->normal;
-    row.firstVertex = static_cast<uint32_t>(model.polygonVertices.size());
+    row.firstVertex = static_cast<uint32_t>(part.model.polygonVertices.size());
     constexpr size_t kEdges = shared::kPolygonEdgesPerTrip;
     row.trips = static_cast<uint32_t>((outline.size() + kEdges - 1) / kEdges);
     for (size_t i = 0; i <= row.trips * kEdges; ++i) {
         rows::PolygonVertex vertex;
         vertex.position = outline[i < outline.size() ? i : 0];
-        model.polygonVertices.push_back(vertex);
+        part.model.polygonVertices.push_back(vertex);
     }
     // A vertex may lie off the plane, where the hit is.
     box.grow(plane->deviation);
-    put(shared::PrimitiveKind::Polygon, model.polygons, row, at, box, 4);
+    part.put(shared::PrimitiveKind::Polygon, part.model.polygons, row, at, box, 4);
 }
 
-void Part::add(const BoxShape& box, const Setting& at) {
+void add(Part& part, const BoxShape& box, const Setting& at) {
     const Place& place = at.place;
     rows::Cuboid row;
     Bounds bounds;
@@ -128,71 +186,24 @@ void Part::add(const BoxShape& box, const Setting& at) {
         bounds.include(row.point + reach);
     }
     if (!isFinite(row.lo) || !isFinite(row.hi) || !glm::all(glm::lessThan(row.lo, row.hi))) return;
-    put(shared::PrimitiveKind::Cuboid, model.cuboids, row, at, bounds, at.moved ? 8 * place.gain : 1);
+    part.put(shared::PrimitiveKind::Cuboid, part.model.cuboids, row, at, bounds,
+             at.moved ? 8 * place.gain : 1);
 }
 
-void Part::add(const TriangleShape& triangle, const Setting& at) {
+void add(Part& part, const TriangleShape& triangle, const Setting& at) {
     const auto& v = triangle.vertices;
     const dvec3 area = glm::cross(v[1] - v[0], v[2] - v[0]);
-    if (area != dvec3(0) && isFinite(area)) addTriangle(v, at);
-}
-
-void Part::addTriangle(const dvec3 (&vertices)[3], const Setting& at) {
-    rows::Triangle row;
-    row.v0 = vertices[0] - at.origin;
-    row.v1 = vertices[1] - at.origin;
-    row.v2 = vertices[2] - at.origin;
-    row.id = at.id();
-    rows::TriangleSurface surface;
-    surface.object = at.who.object;
-    surface.primitive = at.who.face;
-    surface.material = at.who.material;
-    surface.vertexNormals = shared::kNone;
-    model.triangles.push_back(row);
-    model.triangleSurfaces.push_back(surface);
-    Bounds box;
-    for (const dvec3& v : {row.v0, row.v1, row.v2}) box.include(v);
-    addItem(shared::PrimitiveKind::Triangle, model.triangles.size() - 1, box, 1);
-}
-
-void Part::addAttributes(const Mesh& mesh, uint32_t face) {
-    rows::TriangleSurface& surface = model.triangleSurfaces.back();
-    if (!mesh.normalCorners.empty()) {
-        const glm::uvec3 corners = mesh.normalCorners[face];
-        rows::VertexNormals normals;
-        dvec3* const out[3] = {&normals.n0, &normals.n1, &normals.n2};
-        bool complete = true;
-        for (int i = 0; i < 3 && complete; ++i) {
-            complete = corners[i] != Mesh::kNoIndex && isFinite(mesh.normals[corners[i]]) &&
-                       mesh.normals[corners[i]] != dvec3(0);
-            if (complete) *out[i] = unit(mesh.normals[corners[i]]);
-        }
-        if (complete) {
-            surface.vertexNormals = static_cast<uint32_t>(model.vertexNormals.size());
-            model.vertexNormals.push_back(normals);
-        }
-    }
-    const auto first = static_cast<uint32_t>(model.vertexAttributes.size());
-    const auto put = [&](const dvec3& value) { model.vertexAttributes.emplace_back().value = value; };
-    if (!mesh.uvCorners.empty() && mesh.uvCorners[face].x != Mesh::kNoIndex) {
-        const glm::uvec3 c = mesh.uvCorners[face];
-        put({mesh.uvs[c.x].x, mesh.uvs[c.y].x, mesh.uvs[c.z].x});
-        put({mesh.uvs[c.x].y, mesh.uvs[c.y].y, mesh.uvs[c.z].y});
-        surface.attributes = first | shared::kAttributeUvs;
-    }
-    if (!mesh.colorCorners.empty() && mesh.colorCorners[face].x != Mesh::kNoIndex) {
-        for (int i = 0; i < 3; ++i) put(mesh.colors[mesh.colorCorners[face][i]]);
-        surface.attributes |= first | shared::kAttributeColors;
-    }
+    if (area != dvec3(0) && isFinite(area)) addTriangle(part, v, at);
 }
 
 // Skip triangles with a corner that is not finite, or without area.
-void Part::add(const MeshShape& shape, const Setting& at) {
+
+void add(Part& part, const MeshShape& shape, const Setting& at) {
     const Mesh& mesh = *shape.mesh;
     const size_t count = mesh.corners.size();
-    reserveMore(items, count);
-    reserveMore(model.triangles, count);
-    reserveMore(model.triangleSurfaces, count);
+    reserveMore(part.items, count);
+    reserveMore(part.model.triangles, count);
+    reserveMore(part.model.triangleSurfaces, count);
     Setting one = at;
     for (uint32_t face = 0; face < count; ++face) {
         const glm::uvec3 c = mesh.corners[face];
@@ -202,9 +213,173 @@ void Part::add(const MeshShape& shape, const Setting& at) {
         one.who.id = at.who.id + face;
         one.who.face = mesh.faces.empty() ? face : mesh.faces[face];
         if (!mesh.materials.empty()) one.who.material = mesh.materials[face];
-        addTriangle(v, one);
-        addAttributes(mesh, face);
+        addTriangle(part, v, one);
+        addAttributes(part, mesh, face);
     }
+}
+
+}  // namespace
+
+void Part::add(const Shape& shape, const Setting& at) {
+    std::visit(
+        [&](const auto& one) {
+            if constexpr (requires { truth::add(*this, one, at); })
+                truth::add(*this, one, at);
+            else
+                addQuadric(shape, at);
+        },
+        shape);
+}
+
+// ---- Media
+
+namespace {
+
+// Solid angle of a triangle seen from 0, in whole spheres (A. van Oosterom, J. Strackee 1983).
+double solidAngle(const dvec3& a, const dvec3& b, const dvec3& c) {
+    const double x = glm::length(a), y = glm::length(b), z = glm::length(c);
+    const double over = glm::dot(glm::cross(a, b), c);
+    const double under = x * y * z + z * glm::dot(a, b) + x * glm::dot(b, c) + y * glm::dot(c, a);
+    return std::atan2(over, under) / (2 * std::numbers::pi);
+}
+
+class MediaAround {
+  public:
+    MediaAround(const dvec3& eye, const Model& model)
+        : eye_(eye), model_(model), turns_(model.optics.size() + 1), boxes_(turns_.size()) {}
+
+    std::vector<uint32_t> find() {
+        if (!model_.nodes->empty()) addTree(0, nullptr);
+        for (const rows::Plane& plane : model_.planes) add(plane);
+        std::vector<uint32_t> media;
+        for (uint32_t medium = 1; medium < turns_.size(); ++medium)
+            for (long i = 0; i < std::lround(turns_[medium]) && i < long{shared::kMaxMedia}; ++i)
+                media.push_back(medium);
+        std::stable_sort(media.begin(), media.end(),
+                         [&](uint32_t a, uint32_t b) { return sizeOf(a) > sizeOf(b); });
+        media.resize(std::min<size_t>(media.size(), shared::kMaxMedia));
+        return media;
+    }
+
+  private:
+    uint32_t mediumOf(uint32_t material) const { return model_.materials[material].medium; }
+    double sizeOf(uint32_t medium) const {
+        return glm::length(0.5 * boxes_[medium].hi - 0.5 * boxes_[medium].lo);
+    }
+
+    void addTree(uint32_t root, const rows::Instance* instance) {
+        traverse(
+            *model_.nodes, root, [](const rows::Node&, int) { return 0.0; }, [] { return 0.0; },
+            [&](const Leaf& leaf, double) {
+                for (uint32_t i = leaf.first; i < leaf.end; ++i) addPrimitive(leaf.kind, i, instance);
+                return false;
+            });
+    }
+
+    void addPrimitive(shared::PrimitiveKind kind, uint32_t i, const rows::Instance* instance) {
+        switch (kind) {
+            case shared::PrimitiveKind::Triangle:
+                return addTriangle(i, instance);
+            case shared::PrimitiveKind::Sphere:
+                return add(model_.spheres[i]);
+            case shared::PrimitiveKind::Polygon:
+                return add(model_.polygons[i]);
+            case shared::PrimitiveKind::Quadric:
+                return add(model_.quadrics[i]);
+            case shared::PrimitiveKind::Cuboid:
+                return add(model_.cuboids[i]);
+            case shared::PrimitiveKind::Instance:
+                return addTree(model_.instances[i].root, &model_.instances[i]);
+            case shared::PrimitiveKind::Disc:   // goes round nothing
+            case shared::PrimitiveKind::Plane:  // in no tree
+                return;
+        }
+    }
+
+    void addTriangle(uint32_t i, const rows::Instance* instance) {
+        const rows::Triangle& t = model_.triangles[i];
+        uint32_t material = model_.triangleSurfaces[i].material;
+        dvec3 v[3] = {t.v0, t.v1, t.v2};
+        bool mirrored = false;
+        if (instance != nullptr) {
+            if (instance->material != shared::kNone) material = instance->material;
+            const InstanceFrame frame(*instance);
+            for (dvec3& p : v) p = frame.pointInWorld(p);
+            mirrored = instance->mirrored != 0;
+        }
+        const uint32_t medium = mediumOf(material);
+        if (medium == 0) return;
+        for (const dvec3& p : v) boxes_[medium].include(p);
+        const double turns = solidAngle(v[0] - eye_, v[1] - eye_, v[2] - eye_);
+        turns_[medium] += mirrored ? -turns : turns;
+    }
+
+    template <class Solid>
+    void add(const Solid& solid) {
+        if (const uint32_t medium = mediumOf(solid.material))
+            turns_[medium] += turnsOf(solid, boxes_[medium]);
+    }
+
+    // How often the surface goes round the eye. The medium's box grows by the surface's.
+    double turnsOf(const rows::Plane& plane, Bounds& box) const {
+        box.include(dvec3(std::numeric_limits<double>::max()));
+        box.include(dvec3(-std::numeric_limits<double>::max()));
+        return glm::dot(plane.normal, eye_ - plane.point) < 0 ? 1 : 0;
+    }
+    double turnsOf(const rows::Sphere& s, Bounds& box) const {
+        const dvec3 center = s.point - s.radius * s.anchorNormal;
+        box.include(center - s.radius);
+        box.include(center + s.radius);
+        return glm::distance(eye_, center) < s.radius ? 1 : 0;
+    }
+    double turnsOf(const rows::Polygon& p, Bounds& box) const {
+        const rows::PolygonVertex* v = &model_.polygonVertices[p.firstVertex];
+        double turns = 0;
+        for (uint32_t i = 0; i < p.trips * shared::kPolygonEdgesPerTrip; ++i) {
+            box.include(v[i].position);
+            if (i > 0)
+                turns += solidAngle(v[0].position - eye_, v[i].position - eye_, v[i + 1].position - eye_);
+        }
+        return turns;
+    }
+    double turnsOf(const rows::Quadric& q, Bounds& box) const {
+        const dvec3 y = eyeIn(q, box);
+        for (int i = 0; i < 3; ++i)
+            if (y[i] < q.lo[i] || y[i] > q.hi[i]) return 0;
+        const double value = glm::dot(y, symmetric(q.squares, q.products) * y + 2.0 * q.linear) + q.constant;
+        return value < 0 ? 1 : 0;
+    }
+    double turnsOf(const rows::Cuboid& c, Bounds& box) const {
+        const dvec3 y = eyeIn(c, box);
+        return glm::all(glm::lessThan(c.lo, y)) && glm::all(glm::lessThan(y, c.hi)) ? 1 : 0;
+    }
+
+    // The eye in the solid's own coordinates.
+    template <class Solid>
+    dvec3 eyeIn(const Solid& solid, Bounds& box) const {
+        const glm::dmat3 toLocal = glm::transpose(glm::dmat3(solid.toLocal0, solid.toLocal1, solid.toLocal2));
+        const glm::dmat3 back = glm::inverse(toLocal);
+        Bounds local;
+        local.include(solid.lo);
+        local.include(solid.hi);
+        for (int i = 0; i < 8; ++i) box.include(solid.point + back * local.corner(i));
+        return toLocal * (eye_ - solid.point);
+    }
+
+    dvec3 eye_;
+    const Model& model_;
+    std::vector<double> turns_;
+    std::vector<Bounds> boxes_;
+};
+
+}  // namespace
+
+void addMediaAtEye(const dvec3& eye, Model& model) {
+    if (model.optics.empty()) return;
+    const std::vector<uint32_t> media = MediaAround(eye, model).find();
+    rows::Environment& e = model.environment;
+    uint32_t* const places[] = {&e.eyeMedium0, &e.eyeMedium1, &e.eyeMedium2, &e.eyeMedium3};
+    for (size_t i = 0; i < shared::kMaxMedia; ++i) *places[i] = i < media.size() ? media[i] : 0;
 }
 
 }  // namespace glint::reference::truth

@@ -102,7 +102,7 @@ class Builder {
         const shared::PrimitiveKind kind = items_[first].kind;
         size_t start = 0;
         switch (kind) {
-#define GLINT_WRITE(number, Kind, KINDS, kinds, one, many)                                                        \
+#define GLINT_WRITE(number, Kind, KINDS, kinds, one, many)                                                 \
     case shared::PrimitiveKind::Kind:                                                                      \
         start = model_.kinds.size();                                                                       \
         for (uint32_t i = first; i < end; ++i) model_.kinds.push_back(part_.model.kinds[items_[i].index]); \

@@ -62,14 +62,7 @@ class Maker {
             at.place = Place(*object.transform);
             at.moved = true;
         }
-        std::visit(
-            [&](const auto& shape) {
-                if constexpr (requires { world_.add(shape, at); })
-                    world_.add(shape, at);
-                else
-                    world_.addQuadric(object.shape, at);
-            },
-            object.shape);
+        world_.add(object.shape, at);
     }
 
     static bool hasOwnMaterials(const Object& object) {
@@ -95,10 +88,8 @@ class Maker {
             if (!isNew) return known->second;
         }
         Part& prototype = prototypes_.emplace_back();
-        if (mesh != nullptr)
-            prototype.add(*mesh, {.ranks = hasOwnMaterials(object) ? ranks_ : std::span<const uint32_t>()});
-        else if (const auto* disc = std::get_if<DiscShape>(&object.shape))
-            prototype.add(*disc, Setting{});
+        prototype.add(object.shape,
+                      {.ranks = hasOwnMaterials(object) ? ranks_ : std::span<const uint32_t>()});
         for (const Item& item : prototype.items) boxes_[number].include(item.box);
         return number;
     }
