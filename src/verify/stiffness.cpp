@@ -34,10 +34,12 @@ double greatestChange(const reference::PixelRecord& a, const reference::PixelRec
     return std::isfinite(change) ? change : std::numeric_limits<double>::max();
 }
 
-// True if a pixel changes: by another path, or by other decisions and another colour.
+// True if a pixel changes in what is compared: by another path, or by other decisions and another colour or
+// other hidden lights.
 bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved) {
     if (still.pathHash != moved.pathHash) return true;
     if (still.decisions == moved.decisions) return false;
+    if (still.shadowBits != moved.shadowBits) return true;
     const glm::dvec3 d = glm::abs(still.color - moved.color);
     return glm::any(glm::greaterThan(d, still.rounding));
 }

@@ -47,7 +47,7 @@ struct Sensitivity {
     uint64_t moves = 1;
     // Moves for which the reference itself changes a pixel: `changed` of all moves of one unit,
     // `changedWidely` of the moves of kWideUnits. A change is a hit of other primitives, or other decisions
-    // with a colour difference above the error of arithmetic.
+    // with a colour difference above the error of arithmetic or other hidden lights at the first hit.
     uint64_t changed = 0, changedWidely = 0;
     uint64_t open = 0;  // pixels for which isOpen
 

@@ -304,6 +304,15 @@ TEST_F(VerifyTest, RaysThatBeginClearOfMirrorsArePredicted) {
     EXPECT_GT(report.explained(), 100u);
 }
 
+// The middle column lies where a light begins to graze: rounding decides for each of its pixels whether the
+// surface hides that light, which changes the layer and hardly the colour.
+TEST_F(VerifyTest, LightsThatRoundingHidesArePredicted) {
+    const Case c = render::test::fileCase("../tests/mutation/scenes/terminators", 53, 41);
+    const Report report = verified(c);
+    EXPECT_TRUE(report.passed()) << report.explained() << ' ' << report.allowedExplained();
+    EXPECT_GT(report.explained(), 20u);
+}
+
 TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
     const Case c = render::test::fileCase("triangles", 40, 30);
     render::Renderer renderer(device(), c.packed);
