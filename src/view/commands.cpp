@@ -128,7 +128,7 @@ constexpr KeyBinding kBindings[] = {
     {GLFW_KEY_PAGE_DOWN, 0, "PageDown", "farther",
      [](Model& m, Commands&) { m.control.dolly(1 / kDollyStep); }},
     {'M', 0, "M", "keep this camera as a bookmark", [](Model& m, Commands&) { m.keepCamera(); }},
-    {'N', 0, "N", "go to the next bookmark", [](Model& m, Commands& c) { c.goToCamera(m.camera + 1); }},
+    {'N', 0, "N", "go to the next bookmark", [](Model& m, Commands&) { m.goToCamera(m.camera + 1); }},
     {'L', 0, "L", "next layer: color, depth, normal, ...", changeLayer<1>, "image"},
     {'L', kShift, "Shift+L", "previous layer", changeLayer<-1>},
     {'-', 0, "-", "darker by half a stop", expose<-1>},
@@ -245,14 +245,6 @@ void Commands::askToClose() {
 
 // ---- camera ----
 
-void Commands::undo() {
-    travel(m_.history.undo(), "nothing to undo");
-}
-
-void Commands::redo() {
-    travel(m_.history.redo(), "nothing to redo");
-}
-
 void Commands::travel(const Undoable* state, const char* otherwise) {
     state != nullptr ? m_.restore(*state) : m_.say(otherwise);
 }
@@ -290,20 +282,6 @@ void Commands::focusAt(int x, int y) {
     m_.touch();
 }
 
-void Commands::goToCamera(size_t index) {
-    const size_t inFile = m_.file->cameras.size(), all = inFile + m_.bookmarks.size();
-    if (all == 0) {
-        m_.say("M keeps a bookmark");
-        return;
-    }
-    m_.camera = index % all;
-    const NamedCamera& camera =
-        m_.camera < inFile ? m_.file->cameras[m_.camera] : m_.bookmarks[m_.camera - inFile];
-    m_.control.set(camera.camera);
-    m_.say(camera.name + " (" + std::to_string(m_.camera + 1) + " of " + std::to_string(all) + ")");
-    m_.history.endStep();
-}
-
 // ---- text of scenes ----
 
 void Commands::copyJson() {
@@ -332,7 +310,6 @@ void Commands::checkUnchanged(const std::string& text) const {
 void Commands::writeCameras() {
     const std::filesystem::path& path = m_.scene->path;
     try {
-        if (m_.bookmarks.empty()) throw Error(ErrorKind::Argument, "M keeps a bookmark");
         for (const NamedCamera& bookmark : m_.bookmarks)
             if (bookmark.name.empty()) throw Error(ErrorKind::Argument, "give each bookmark a name");
         const std::string text = readWholeFile(path);

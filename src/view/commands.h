@@ -44,13 +44,12 @@ class Commands {
     void perform(Command command);
 
     // ---- camera ----
-    void undo();
-    void redo();
+    void undo() { travel(m_.history.undo(), "nothing to undo"); }
+    void redo() { travel(m_.history.redo(), "nothing to redo"); }
     void framePicked();
     // Pixels of the image; outside of it nothing happens.
     void pick(int x, int y);
     void focusAt(int x, int y);
-    void goToCamera(size_t index);  // of the file's cameras, then the bookmarks
 
     // ---- files ----
     // Opens a scene, or compares with an image.

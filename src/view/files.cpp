@@ -23,14 +23,6 @@ fs::path folderIn(const char* variable) {
     return folder.is_absolute() ? folder : fs::path();
 }
 
-// For the owner alone, as the specification asks.
-void makeFolder(const fs::path& folder) {
-    std::error_code error;
-    if (fs::exists(folder, error)) return;
-    fs::create_directories(folder, error);
-    fs::permissions(folder, fs::perms::owner_all, error);
-}
-
 bool isThere(const fs::path& file) {
     std::error_code error;
     return file.is_absolute() && fs::is_regular_file(file, error);
@@ -120,7 +112,11 @@ fs::path stateFile(const std::string& name) {
 
 void writeState(const fs::path& file, const std::string& text) {
     if (file.empty()) return;
-    makeFolder(file.parent_path());
+    std::error_code error;
+    if (!fs::exists(file.parent_path(), error)) {  // for the owner alone, as the specification asks
+        fs::create_directories(file.parent_path(), error);
+        fs::permissions(file.parent_path(), fs::perms::owner_all, error);
+    }
     try {
         writeTextFile(file, text);
     } catch (const Error&) {

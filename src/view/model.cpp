@@ -130,15 +130,31 @@ void Model::say(const std::string& text, ToastKind kind) {
     dirty = 3;
 }
 
+std::vector<const NamedCamera*> Model::cameras() const {
+    std::vector<const NamedCamera*> all;
+    for (const auto* list : {&file->cameras, &bookmarks})
+        for (const NamedCamera& each : *list) all.push_back(&each);
+    return all;
+}
+
+void Model::goToCamera(size_t index) {
+    const std::vector<const NamedCamera*> all = cameras();
+    if (all.empty()) return say("M keeps a bookmark");
+    camera = index % all.size();
+    control.set(all[camera]->camera);
+    say(all[camera]->name + " (" + std::to_string(camera + 1) + " of " + std::to_string(all.size()) + ")");
+    history.endStep();
+}
+
 void Model::keepCamera() {
-    const auto taken = [](const std::vector<NamedCamera>& list, const std::string& name) {
-        return std::any_of(list.begin(), list.end(), [&](const NamedCamera& c) { return c.name == name; });
-    };
     std::string name;
-    for (size_t i = 1; name.empty() || taken(file->cameras, name) || taken(bookmarks, name); ++i)
-        name = "bookmark " + std::to_string(i);
+    const auto taken = [&](const NamedCamera* c) { return c->name == name; };
+    const std::vector<const NamedCamera*> all = cameras();
+    size_t number = 0;
+    do name = "bookmark " + std::to_string(++number);
+    while (std::any_of(all.begin(), all.end(), taken));
     bookmarks.push_back({name, control.camera()});
-    camera = file->cameras.size() + bookmarks.size() - 1;
+    camera = all.size();
     say(name + "; N goes to the next camera");
 }
 

@@ -179,6 +179,9 @@ struct Model {
     // While a comparison cannot be shown yet: what it waits for; else empty.
     std::string waitingComparison() const;
 
+    // The file's cameras, then the bookmarks.
+    std::vector<const NamedCamera*> cameras() const;
+    void goToCamera(size_t index);  // round and round
     // Keeps this camera as a bookmark.
     void keepCamera();
 

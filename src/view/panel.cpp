@@ -133,12 +133,13 @@ void drawCorner(const Corner& c, const std::function<void()>& content) {
     const auto x = static_cast<float>(c.left);
     const ImVec2 screen = ImGui::GetIO().DisplaySize, size(screen.x - x, screen.y);
     const float width = std::min(c.width, size.x);
-    ImGui::SetNextWindowPos(ImVec2(x + size.x * c.pivot.x, size.y * c.pivot.y), ImGuiCond_Always, c.pivot);
+    ImGui::SetNextWindowPos(ImVec2(x + size.x * c.pivot.x, size.y * c.pivot.y - c.free), ImGuiCond_Always,
+                            c.pivot);
     ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, c.part * size.y));
     ImGui::SetNextWindowBgAlpha(0.85f);
     constexpr ImGuiWindowFlags kFlags =
         kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove;
-    if (ImGui::Begin(c.title, nullptr, kFlags | c.more)) content();
+    if (ImGui::Begin(c.title, c.open, kFlags | c.more)) content();
     ImGui::End();
 }
 

@@ -85,6 +85,8 @@ struct Corner {
     float width;
     ImGuiWindowFlags more = 0;
     float part = 1;
+    float free = 0;        // pixels below the window
+    bool* open = nullptr;  // false once it was closed by its button
 };
 void drawCorner(const Corner& corner, const std::function<void()>& content);
 // For corners without controls: the mouse works on the image beneath.

@@ -203,23 +203,21 @@ void drawMessages(const Model& m) {
 
 // In the corner that neither the panel nor a pick uses.
 void drawHints(Model& m) {
-    const float line = ImGui::GetFontSize();
-    const ImVec2 screen = ImGui::GetIO().DisplaySize;
-    const auto left = static_cast<float>(m.left);
-    const float width = std::min(28 * line, screen.x - left);
-    ImGui::SetNextWindowPos(ImVec2(left, screen.y - (m.left > 0 ? 0 : m.timelineHeight)), ImGuiCond_Always,
-                            ImVec2(0, 1));
-    ImGui::SetNextWindowSize(ImVec2(width, 0), ImGuiCond_Always);
-    ImGui::SetNextWindowBgAlpha(0.85f);
     bool open = true;
-    if (ImGui::Begin("first steps", &open,
-                     kFixedWindow | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse)) {
-        for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
-            if (m.hints.wanted(entry.value)) wrapped(std::string(entry.help), kGreen);
-        wrapped("F1: every key. A control explains itself under the mouse.", kDim);
-    }
+    drawCorner({"first steps",
+                m.left,
+                {0, 1},
+                28 * ImGui::GetFontSize(),
+                ImGuiWindowFlags_NoCollapse,
+                1,
+                m.left > 0 ? 0 : m.timelineHeight,
+                &open},
+               [&] {
+                   for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
+                       if (m.hints.wanted(entry.value)) wrapped(std::string(entry.help), kGreen);
+                   wrapped("F1: every key. A control explains itself under the mouse.", kDim);
+               });
     if (!open) m.hints.close();
-    ImGui::End();
 }
 
 // Also while the panel is hidden.

@@ -142,24 +142,20 @@ void drawSaveScene(Gui& gui, Model& m) {
 
 namespace {
 
-void drawCameraName(Gui& gui, const std::string& name, size_t index, Model& m) {
-    ImGui::PushID(static_cast<int>(index));
-    if (ImGui::Selectable(name.empty() ? "(no name)" : name.c_str(), index == m.camera)) {
-        m.camera = index;
-        m.wish = [](Model& model, Commands& c) { c.goToCamera(model.camera); };
-    }
-    gui.noteControl(name.c_str());
-    ImGui::PopID();
-}
-
 // The file's cameras, then those that are kept here, whose names can be changed.
 void drawCameraList(Gui& gui, Model& m) {
     const size_t inFile = m.file->cameras.size();
-    for (size_t i = 0; i < inFile; ++i) drawCameraName(gui, m.file->cameras[i].name, i, m);
+    const std::vector<const NamedCamera*> all = m.cameras();
+    for (size_t i = 0; i < all.size(); ++i) {
+        const std::string& name = all[i]->name;
+        if (i == inFile) ImGui::Separator();
+        ImGui::PushID(static_cast<int>(i));
+        if (ImGui::Selectable(name.empty() ? "(no name)" : name.c_str(), i == m.camera)) m.goToCamera(i);
+        gui.noteControl(name.c_str());
+        ImGui::PopID();
+    }
     if (m.bookmarks.empty()) return;
-    ImGui::Separator();
-    for (size_t i = 0; i < m.bookmarks.size(); ++i) drawCameraName(gui, m.bookmarks[i].name, inFile + i, m);
-    if (m.camera >= inFile && m.camera - inFile < m.bookmarks.size()) {
+    if (m.camera >= inFile && m.camera < all.size()) {
         ImGui::InputText("name", &m.bookmarks[m.camera - inFile].name);
         tip(gui, "name", "of this bookmark");
     }

@@ -18,10 +18,6 @@ void followOne(T& mine, const T& before, const T& now) {
 
 using Json = nlohmann::ordered_json;
 
-Json vectorJson(const glm::dvec3& v) {
-    return {v.x, v.y, v.z};
-}
-
 // Calls visit(name, field) for each field of a light or material that a scene file may hold and the panel can
 // change.
 template <typename Kind, typename Visit>
@@ -48,8 +44,8 @@ void forFields(const Kind& kind, const Visit& visit) {
 Json numberJson(double value) {
     return value;
 }
-Json numberJson(const glm::dvec3& value) {
-    return vectorJson(value);
+Json numberJson(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
 }
 
 Json lightJson(const Light& light) {
@@ -163,7 +159,7 @@ Json materialsOf(const std::vector<Material>& materials, const std::vector<Mater
         forFields(now, [&](const char* name, auto field) {
             if (now.*field != then.*field) json[now.name][name] = numberJson(now.*field);
         });
-        if (now.diffuse != then.diffuse) json[now.name]["ambient"] = vectorJson(now.ambient);
+        if (now.diffuse != then.diffuse) json[now.name]["ambient"] = numberJson(now.ambient);
     }
     return json;
 }

@@ -65,8 +65,7 @@ std::string pixelText(const Model& m) {
 
 std::string cameraNames(const Model& m) {
     std::string names;
-    for (const auto* list : {&m.file->cameras, &m.bookmarks})
-        for (const NamedCamera& camera : *list) names += (names.empty() ? "" : ", ") + camera.name;
+    for (const NamedCamera* camera : m.cameras()) names += (names.empty() ? "" : ", ") + camera->name;
     return names.empty() ? "none" : names;
 }
 
