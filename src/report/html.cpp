@@ -3,6 +3,7 @@
 #include <map>
 #include <sstream>
 
+#include "core/text_file.h"
 #include "report/write.h"
 
 namespace glint::report {
@@ -18,16 +19,12 @@ constexpr const char* kHead =
     ".top img{max-width:320px;border:1px solid #ddd}.use{font-size:17px}</style></head><body>\n"
     "<h1>Error against run time</h1>\n";
 
-std::string cells(const std::string& line, const char* tag) {
+std::string cells(const std::string& line, const std::string& tag) {
+    const std::vector<std::string> parts =
+        split(line, '|');  // nothing before the first bar and after the last
     std::string out = "<tr>";
-    size_t at = 1;  // behind the first bar
-    while (at < line.size()) {
-        const size_t end = line.find('|', at);
-        if (end == std::string::npos) break;
-        const std::string cell = line.substr(at + 1, end - at - 2);
-        out += std::string("<") + tag + ">" + escapeMarkup(cell) + "</" + tag + ">";
-        at = end + 1;
-    }
+    for (size_t i = 1; i + 1 < parts.size(); ++i)
+        out += "<" + tag + ">" + escapeMarkup(trimmed(parts[i])) + "</" + tag + ">";
     return out + "</tr>\n";
 }
 

@@ -178,8 +178,7 @@ TEST_F(GpuReport, AnotherMeshStartsOver) {
     const nlohmann::json before = readJson();
     ASSERT_EQ(report().code, 0);
     EXPECT_NE(readJson()["scenes"][0]["hash"], before["scenes"][0]["hash"]);
-    EXPECT_NE(readJson()["scenes"][0]["measured"][0]["rmse"],
-              before["scenes"][0]["measured"][0]["rmse"]);
+    EXPECT_NE(readJson()["scenes"][0]["measured"][0]["rmse"], before["scenes"][0]["measured"][0]["rmse"]);
 }
 
 TEST_F(GpuReport, KeepsScenesThatAreNotNamed) {

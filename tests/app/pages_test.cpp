@@ -8,10 +8,7 @@
 #include "support.h"
 
 namespace glint::app::test::pages_test {
-std::string textOf(const std::string& path) {
-    const auto bytes = readBytes(path);
-    return {bytes.begin(), bytes.end()};
-}
+using glint::test::readText;
 
 class Pages : public FolderTest {
   protected:
@@ -37,10 +34,10 @@ class Pages : public FolderTest {
 };
 
 TEST_F(Pages, NameEveryCommandAndOption) {
-    const std::string shells[] = {textOf("bash-completion/completions/glint"),
-                                  textOf("zsh/vendor-completions/_glint"),
-                                  textOf("fish/vendor_completions.d/glint.fish")};
-    const std::string page = textOf("man/man1/glint.1");
+    const std::string shells[] = {readText("bash-completion/completions/glint"),
+                                  readText("zsh/vendor-completions/_glint"),
+                                  readText("fish/vendor_completions.d/glint.fish")};
+    const std::string page = readText("man/man1/glint.1");
     CLI::App program;
     bool verbose = false;
     app::Run chosen;
@@ -49,7 +46,7 @@ TEST_F(Pages, NameEveryCommandAndOption) {
     ASSERT_FALSE(commands.empty());
     for (const CLI::App* command : commands) {
         EXPECT_HAS(page, "\n\\fB" + command->get_name() + "\\fR\n");
-        const std::string man = textOf("man/man1/glint-" + command->get_name() + ".1");
+        const std::string man = readText("man/man1/glint-" + command->get_name() + ".1");
         const std::string help = runGlint({command->get_name(), "--help"}).out;
         for (const CLI::Option* option : command->get_options()) {
             std::string name = option->get_name();

@@ -269,12 +269,8 @@ TEST_F(Process, BarOnATerminalIsClearedAtTheEnd) {
 
 TEST_F(Process, FullDiskOnStandardOutputIsAnError) {
     writeText("r.csv", "0,0,5,0,0,-1\n");
-    const std::string command =
-        std::string(GLINT_PROGRAM) + " trace a.json --rays r.csv --backend cpu > /dev/full 2> err.txt";
-    const int status = std::system(command.c_str());
-    EXPECT_EQ(WEXITSTATUS(status), 1);
-    const auto text = readBytes("err.txt");
-    EXPECT_EQ(std::string(text.begin(), text.end()), "glint: cannot write to standard output\n");
+    EXPECT_EQ(shell("'" GLINT_PROGRAM "' trace a.json --rays r.csv --backend cpu > /dev/full 2> err.txt"), 1);
+    EXPECT_EQ(readText("err.txt"), "glint: cannot write to standard output\n");
 }
 
 const Child::Environment kNoDriver = {{"VK_DRIVER_FILES", "/nonexistent"},
