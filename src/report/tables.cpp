@@ -6,6 +6,7 @@
 #include "core/format.h"
 #include "core/text_file.h"
 #include "report/write.h"
+#include "verify/stiffness.h"
 
 namespace glint::report {
 
@@ -117,6 +118,21 @@ std::string devicesTable(const SceneReport& scene) {
                  rows);
 }
 
+// The arithmetic error that the condition of each scene predicts, and the measured one.
+std::string stabilityTable(const Report& report) {
+    std::string rows;
+    for (const SceneReport& scene : report.scenes)
+        for (const Measured* m : familyOf(scene, "lowDiscrepancy"))
+            if (m->spp == 1 && m->arithmetic)
+                rows +=
+                    row({scene.name, shortNumber(scene.kappa), scene.stiffness,
+                         shortNumber(scene.kappa * verify::kFloatUnit),
+                         shortNumber(m->arithmetic->samePath.rmse), shortNumber(m->arithmetic->all.rmse)});
+    const std::string all =
+        table({"scene", "kappa", "class", "expected kappa u", "RMSE, same path", "RMSE, all"}, rows);
+    return all.empty() ? "" : "\n## Stability\n" + all;
+}
+
 // The fastest sampler and count that reach an error.
 const Measured* cheapestFor(const SceneReport& scene, double wanted) {
     const Measured* best = nullptr;
@@ -206,7 +222,7 @@ std::string toMarkdown(const Report& report) {
         if (!scene.leftOut.empty())
             out += "\nNot measured in the time (repeat the command to resume):\n" + list(scene.leftOut);
     }
-    return out;
+    return out + stabilityTable(report);
 }
 
 }  // namespace glint::report
