@@ -53,7 +53,7 @@ void main() {
     if (isQuadric) hit = hitQuadric(ray, frame, loadQuadric(path), primitive, trips, found);
     t = found.t;
     if (kind == kProbeNormal) {
-        Surface surface = noSurface();
+        Surface surface;
         surfaceOfQuadric(ray, found, loadQuadric(path), surface);
         t = surface.geometricNormal.x;
         u = surface.geometricNormal.y;
