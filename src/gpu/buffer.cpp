@@ -102,14 +102,21 @@ void copy(const Context& context, std::byte* to, const std::byte* from, size_t b
     });
 }
 
-Staging& staging(const Device& device) {
+// Calls use(stage, done, bytes) for one piece after the other of a copy through the staging buffer.
+template <typename Use>
+void eachStagedPiece(const Device& device, uint64_t bytes, Use use) {
     DeviceState& state = device.state();
+    const std::lock_guard lock(state.stagingMutex);
     if (!state.staging) {
         state.staging = std::make_unique<Staging>(
             Staging{Buffer(device, "staging", state.stagingBytes, Access::StorageBuffer, MemoryKind::Host),
                     Submission(device)});
     }
-    return *state.staging;
+    for (uint64_t done = 0; done < bytes;) {
+        const uint64_t piece = std::min(bytes - done, state.staging->buffer.size());
+        use(*state.staging, done, piece);
+        done += piece;
+    }
 }
 
 }  // namespace
@@ -169,15 +176,11 @@ void upload(const Device& device, const Buffer& destination, std::span<const std
         copy(device.context(), host + offset, data.data(), data.size());
         return;
     }
-    const std::lock_guard lock(device.state().stagingMutex);
-    Staging& stage = staging(device);
-    for (uint64_t done = 0; done < data.size();) {
-        const uint64_t piece = std::min<uint64_t>(data.size() - done, stage.buffer.size());
-        std::memcpy(stage.buffer.mapped(), data.data() + done, piece);
-        stage.submission.copy(stage.buffer, 0, destination, offset + done, piece);
+    eachStagedPiece(device, data.size(), [&](Staging& stage, uint64_t done, uint64_t bytes) {
+        std::memcpy(stage.buffer.mapped(), data.data() + done, bytes);
+        stage.submission.copy(stage.buffer, 0, destination, offset + done, bytes);
         stage.submission.submit();
-        done += piece;
-    }
+    });
 }
 
 void download(const Device& device, const Buffer& source, std::span<std::byte> data, uint64_t offset) {
@@ -187,15 +190,11 @@ void download(const Device& device, const Buffer& source, std::span<std::byte> d
         copy(device.context(), data.data(), host + offset, data.size());
         return;
     }
-    const std::lock_guard lock(device.state().stagingMutex);
-    Staging& stage = staging(device);
-    for (uint64_t done = 0; done < data.size();) {
-        const uint64_t piece = std::min<uint64_t>(data.size() - done, stage.buffer.size());
-        stage.submission.copy(source, offset + done, stage.buffer, 0, piece);
+    eachStagedPiece(device, data.size(), [&](Staging& stage, uint64_t done, uint64_t bytes) {
+        stage.submission.copy(source, offset + done, stage.buffer, 0, bytes);
         stage.submission.submit();
-        std::memcpy(data.data() + done, stage.buffer.mapped(), piece);
-        done += piece;
-    }
+        std::memcpy(data.data() + done, stage.buffer.mapped(), bytes);
+    });
 }
 
 }  // namespace glint::gpu

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cstdlib>
 #include <functional>
-#include <type_traits>
 
 #include "core/error.h"
 #include "gpu/device_state.h"
@@ -138,25 +137,6 @@ std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyPropertie
         }
     }
     return best;
-}
-
-DeviceLimits leastLimits(DeviceLimits limits) {
-    const auto atMost = [](auto& limit, uint64_t promised) {
-        limit = static_cast<std::remove_reference_t<decltype(limit)>>(std::min<uint64_t>(limit, promised));
-    };
-    atMost(limits.maxStorageBufferRange, uint64_t{1} << 27);
-    atMost(limits.maxTexelBufferElements, 65536);
-    atMost(limits.maxAllocationSize, uint64_t{1} << 30);
-    atMost(limits.maxWorkgroupInvocations, 128);
-    atMost(limits.maxWorkgroupSizeX, 128);
-    atMost(limits.maxWorkgroupCountX, 65535);
-    atMost(limits.maxPushConstantBytes, 128);
-    atMost(limits.maxStorageBuffersPerStage, 4);
-    atMost(limits.maxStorageImagesPerStage, 4);
-    atMost(limits.subgroupSize, 1);
-    limits.subgroupShuffle = false;
-    limits.timestampPeriod = 0;
-    return limits;
 }
 
 std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits) {

@@ -85,17 +85,15 @@ void DeviceState::closeDevice() {
 }
 
 Device::Device(const DeviceOptions& options) : state_(std::make_unique<DeviceState>()) {
-    state_->log = std::make_shared<ValidationLog>();
+    if (options.validation) state_->log = std::make_shared<ValidationLog>();
     state_->keepsPrograms = options.keepPrograms;
     state_->context = options.context;
-    state_->instance = std::make_unique<Instance>(options.validation ? state_->log.get() : nullptr,
-                                                  options.window.instanceExtensions);
+    state_->instance = std::make_unique<Instance>(state_->log.get(), options.window.instanceExtensions);
     if (options.window.makeSurface && state_->instance->get() != VK_NULL_HANDLE) {
         // Through a pointer on 64-bit machines, a number on 32-bit ones: a C cast means either.
         state_->surface = (VkSurfaceKHR)options.window.makeSurface(state_->instance->get());
     }
-    const std::vector<PhysicalDevice> devices =
-        queryDevices(*state_->instance, state_->surface, options.onlyLeastLimits);
+    const std::vector<PhysicalDevice> devices = queryDevices(*state_->instance, state_->surface);
     state_->physical = devices[chooseDevice(infos(devices), options.selector).index];
     openDevice(*state_);
 }
@@ -113,16 +111,11 @@ const DeviceInfo& Device::info() const {
 }
 
 std::vector<std::string> Device::validationMessages() const {
+    if (!state_->log) return {};
     // Layer 1.4.309 reports from a thread of its own, which is done when the queue is idle.
-    if (validationActive()) {
-        const std::lock_guard lock(state_->queueMutex);
-        state_->vk.vkQueueWaitIdle(state_->queue);
-    }
+    const std::lock_guard lock(state_->queueMutex);
+    state_->vk.vkQueueWaitIdle(state_->queue);
     return state_->log->messages();
-}
-
-bool Device::validationActive() const {
-    return state_->instance->validationActive();
 }
 
 }  // namespace glint::gpu

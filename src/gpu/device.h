@@ -58,9 +58,7 @@ struct DeviceOptions {
     bool validation = false;   // validation layer with synchronization validation; its messages are collected
     WindowSystem window = {};  // for a device that presents, see swapchain.h
     bool keepPrograms = true;  // a kernel like one that was compiled before is not compiled again
-    // The device takes only what Vulkan 1.1 requires of every device, whatever its own limits are.
-    bool onlyLeastLimits = false;
-    Context context = {};  // threads and memory account for all that is done with the device
+    Context context = {};      // threads and memory account for all that is done with the device
 };
 
 // The device was reset, or its driver crashed: all that was made from it is void, a new Device may work.
@@ -94,9 +92,8 @@ class Device {
     // Computes 2^16 cases the first time that a device of this name and driver is asked: milliseconds.
     // Throws Error(Device) as any kernel may.
     const Arithmetic& arithmetic() const;
-    // Messages of the validation layer so far (errors and warnings), and whether the layer was there at all.
+    // Errors and warnings of the validation layer so far; none without DeviceOptions::validation.
     std::vector<std::string> validationMessages() const;
-    bool validationActive() const;
     DeviceState& state() const { return *state_; }
 
   private:

@@ -28,10 +28,6 @@ namespace glint::gpu {
 std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyProperties> families,
                                           std::span<const VkBool32> presents = {});
 
-// No more of anything than Vulkan 1.1 promises of every device (sections "Required Limits" and "Required
-// Format Support"), nor than `limits` have. Memory stays.
-DeviceLimits leastLimits(DeviceLimits limits);
-
 // Missing capability of a device, as a phrase; empty if glint runs on the device. `apiVersion` is the
 // device's.
 std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits);
@@ -55,9 +51,8 @@ struct PhysicalDevice {
     VkPhysicalDeviceMemoryProperties memory{};
 };
 
-// With a surface, a device that cannot present to it is refused. onlyLeastLimits: see DeviceOptions.
-std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface = VK_NULL_HANDLE,
-                                         bool onlyLeastLimits = false);
+// With a surface, a device that cannot present to it is refused.
+std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface = VK_NULL_HANDLE);
 
 // ---- states of the public types ----
 
@@ -98,16 +93,24 @@ struct Program {
 struct KernelState {
     const DeviceState* device = nullptr;
     std::string name;
-    bool bound = false;
     std::shared_ptr<const Program> program;
     Handle<VkDescriptorPool> pool;  // none if there are no bindings
     VkDescriptorSet set = VK_NULL_HANDLE;
 };
 
+// A command buffer, recorded again for each submission.
+struct Commands {
+    Handle<VkCommandPool> pool;
+    VkCommandBuffer buffer = VK_NULL_HANDLE;
+
+    Commands() = default;
+    explicit Commands(const DeviceState& device);
+    void begin(const DeviceState& device);
+};
+
 struct SubmissionState {
     DeviceState* device = nullptr;
-    Handle<VkCommandPool> pool;
-    VkCommandBuffer commands = VK_NULL_HANDLE;
+    Commands commands;
     Handle<VkQueryPool> timestamps;  // none without timestamps
     Handle<VkFence> fence;
     bool recording = false;
@@ -125,7 +128,7 @@ struct DeviceState : DeviceContext {
     DeviceState& operator=(const DeviceState&) = delete;
     void closeDevice();
 
-    // Shared, so that a test can read what is said while the device is destroyed.
+    // Null without validation. Shared, so that a test can read the messages of the device's destruction.
     std::shared_ptr<ValidationLog> log;
     std::unique_ptr<Instance> instance;
     Context context;

@@ -3,13 +3,26 @@
 
 #include <volk.h>
 
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 namespace glint::gpu {
 
 // Throws Error(Device, "<call> failed: <name of the result> (<meaning>)") for the negative results, which are
 // the errors; DeviceLost for that one.
 void check(VkResult result, const char* call);
+
+// All items of a Vulkan list: call(&count, items) is called twice, first with null for the items.
+template <typename Item, typename Call>
+std::vector<Item> enumerate(const char* name, Call call) {
+    uint32_t count = 0;
+    check(call(&count, nullptr), name);
+    std::vector<Item> items(count);
+    check(call(&count, items.data()), name);
+    items.resize(count);
+    return items;
+}
 
 // Data that every object of a device needs to destroy itself.
 struct DeviceContext {

@@ -5,12 +5,42 @@
 #include <utility>
 
 #include "core/error.h"
+#include "gpu/device.h"
 #include "gpu/handle.h"
 
 namespace glint::gpu {
 namespace {
 
-constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+struct ResultText {
+    VkResult result;
+    const char* name;
+    const char* meaning;
+};
+
+#define GLINT_RESULT(name, meaning) \
+    { name, #name, meaning }
+constexpr ResultText kResults[] = {
+    GLINT_RESULT(VK_ERROR_OUT_OF_HOST_MEMORY, "out of host memory"),
+    GLINT_RESULT(VK_ERROR_OUT_OF_DEVICE_MEMORY, "out of device memory"),
+    GLINT_RESULT(VK_ERROR_INITIALIZATION_FAILED, "the driver could not start"),
+    GLINT_RESULT(VK_ERROR_DEVICE_LOST, "the device was reset, or its driver crashed"),
+    GLINT_RESULT(VK_ERROR_MEMORY_MAP_FAILED, "the memory could not be mapped"),
+    GLINT_RESULT(VK_ERROR_LAYER_NOT_PRESENT, "a layer is missing"),
+    GLINT_RESULT(VK_ERROR_EXTENSION_NOT_PRESENT, "an extension is missing"),
+    GLINT_RESULT(VK_ERROR_FEATURE_NOT_PRESENT, "a feature is missing"),
+    GLINT_RESULT(VK_ERROR_INCOMPATIBLE_DRIVER, "no driver of this Vulkan version"),
+    GLINT_RESULT(VK_ERROR_TOO_MANY_OBJECTS, "too many objects"),
+    GLINT_RESULT(VK_ERROR_FORMAT_NOT_SUPPORTED, "the format is not supported"),
+    GLINT_RESULT(VK_ERROR_FRAGMENTED_POOL, "the descriptor pool is fragmented"),
+    GLINT_RESULT(VK_ERROR_UNKNOWN, "the driver gives no reason"),
+    GLINT_RESULT(VK_ERROR_OUT_OF_POOL_MEMORY, "the descriptor pool is exhausted"),
+    GLINT_RESULT(VK_ERROR_SURFACE_LOST_KHR, "the window's surface is gone"),
+    GLINT_RESULT(VK_ERROR_OUT_OF_DATE_KHR, "the window has changed"),
+    GLINT_RESULT(VK_ERROR_INVALID_SHADER_NV, "the shader does not compile"),
+};
+#undef GLINT_RESULT
+
+const char* const kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 void openLoader() {
     static const VkResult opened = volkInitialize();
@@ -28,22 +58,6 @@ void openLoader() {
     }
 }
 
-std::vector<VkExtensionProperties> instanceExtensions(const char* layer) {
-    uint32_t count = 0;
-    const char* const call = "vkEnumerateInstanceExtensionProperties";
-    check(vkEnumerateInstanceExtensionProperties(layer, &count, nullptr), call);
-    std::vector<VkExtensionProperties> extensions(count);
-    check(vkEnumerateInstanceExtensionProperties(layer, &count, extensions.data()), call);
-    extensions.resize(count);
-    return extensions;
-}
-
-std::vector<const char*> pointers(const std::vector<std::string>& names) {
-    std::vector<const char*> result;
-    for (const std::string& name : names) result.push_back(name.c_str());
-    return result;
-}
-
 void requireAll(const std::vector<std::string>& wanted, const std::vector<VkExtensionProperties>& present) {
     for (const std::string& name : wanted) {
         if (!contains(present, name.c_str()))
@@ -52,12 +66,8 @@ void requireAll(const std::vector<std::string>& wanted, const std::vector<VkExte
 }
 
 void requireValidationLayer() {
-    uint32_t count = 0;
-    const char* const call = "vkEnumerateInstanceLayerProperties";
-    check(vkEnumerateInstanceLayerProperties(&count, nullptr), call);
-    std::vector<VkLayerProperties> layers(count);
-    check(vkEnumerateInstanceLayerProperties(&count, layers.data()), call);
-    layers.resize(count);
+    const auto layers = enumerate<VkLayerProperties>("vkEnumerateInstanceLayerProperties",
+                                                     vkEnumerateInstanceLayerProperties);
     const bool present = std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
         return std::strcmp(layer.layerName, kValidationLayer) == 0;
     });
@@ -94,6 +104,17 @@ VkDebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog* log) {
 
 }  // namespace
 
+void check(VkResult result, const char* call) {
+    if (result >= 0) return;
+    std::string text = "VkResult " + std::to_string(static_cast<int>(result));
+    for (const ResultText& known : kResults) {
+        if (known.result == result) text = std::string(known.name) + " (" + known.meaning + ")";
+    }
+    text = std::string(call) + " failed: " + text;
+    if (result == VK_ERROR_DEVICE_LOST) throw DeviceLost(text);
+    throw Error(ErrorKind::Device, text);
+}
+
 bool contains(const std::vector<VkExtensionProperties>& extensions, const char* name) {
     return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& extension) {
         return std::strcmp(extension.extensionName, name) == 0;
@@ -112,11 +133,14 @@ std::vector<std::string> ValidationLog::messages() const {
 
 Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExtensions) {
     openLoader();
-    std::vector<const char*> extensions = pointers(wantedExtensions);
-    std::vector<const char*> layers;
+    std::vector<const char*> extensions;
+    for (const std::string& name : wantedExtensions) extensions.push_back(name.c_str());
     VkInstanceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
-    const std::vector<VkExtensionProperties> present = instanceExtensions(nullptr);
+    const auto present = enumerate<VkExtensionProperties>(
+        "vkEnumerateInstanceExtensionProperties", [](uint32_t* count, VkExtensionProperties* out) {
+            return vkEnumerateInstanceExtensionProperties(nullptr, count, out);
+        });
     requireAll(wantedExtensions, present);
     if (contains(present, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
         extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
@@ -133,7 +157,8 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
     features.pEnabledValidationFeatures = enabled;
     if (log != nullptr) {
         requireValidationLayer();
-        layers.push_back(kValidationLayer);
+        info.enabledLayerCount = 1;
+        info.ppEnabledLayerNames = &kValidationLayer;
         extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
         extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
         info.pNext = &features;
@@ -144,8 +169,6 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
     application.pApplicationName = "glint";
     application.apiVersion = VK_API_VERSION_1_1;
     info.pApplicationInfo = &application;
-    info.enabledLayerCount = static_cast<uint32_t>(layers.size());
-    info.ppEnabledLayerNames = layers.data();
     info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
@@ -181,16 +204,12 @@ Instance::~Instance() {
 
 std::vector<VkPhysicalDevice> Instance::physicalDevices() const {
     if (instance_ == VK_NULL_HANDLE) return {};
-    uint32_t count = 0;
-    const char* const call = "vkEnumeratePhysicalDevices";
-    VkResult result = vk_.vkEnumeratePhysicalDevices(instance_, &count, nullptr);
-    // Some drivers say so here, not at vkCreateInstance, when their hardware is absent.
-    if (result == VK_ERROR_INITIALIZATION_FAILED) return {};
-    check(result, call);
-    std::vector<VkPhysicalDevice> devices(count);
-    check(vk_.vkEnumeratePhysicalDevices(instance_, &count, devices.data()), call);
-    devices.resize(count);
-    return devices;
+    return enumerate<VkPhysicalDevice>(
+        "vkEnumeratePhysicalDevices", [&](uint32_t* count, VkPhysicalDevice* out) {
+            const VkResult result = vk_.vkEnumeratePhysicalDevices(instance_, count, out);
+            // Some drivers fail here, not at vkCreateInstance, when their hardware is absent.
+            return result == VK_ERROR_INITIALIZATION_FAILED ? VK_SUCCESS : result;
+        });
 }
 
 }  // namespace glint::gpu

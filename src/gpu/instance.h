@@ -64,7 +64,6 @@ class Instance {
 
     VkInstance get() const { return instance_; }
     const InstanceTable& vk() const { return vk_; }
-    bool validationActive() const { return messenger_ != VK_NULL_HANDLE; }
     std::vector<VkPhysicalDevice> physicalDevices() const;  // in the loader's order
 
   private:

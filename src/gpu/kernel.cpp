@@ -12,10 +12,6 @@ std::string label(const std::string& name) {
     return "kernel \"" + name + "\": ";
 }
 
-const char* accessText(Access access) {
-    return access == Access::StorageBuffer ? "a storage buffer" : "a texel buffer";
-}
-
 VkDescriptorType descriptorType(Access access) {
     return access == Access::StorageBuffer ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
                                            : VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
@@ -151,25 +147,6 @@ void createSet(KernelState& state, const DeviceState& device) {
     check(device.vk.vkAllocateDescriptorSets(device.device, &set, &state.set), "vkAllocateDescriptorSets");
 }
 
-void checkBindings(const KernelState& kernel, std::span<const Buffer* const> buffers) {
-    const std::vector<Access>& bindings = kernel.program->key.bindings;
-    if (buffers.size() != bindings.size()) {
-        throw Error(ErrorKind::Device, label(kernel.name) + "has " + std::to_string(bindings.size()) +
-                                           " bindings, but was given " + std::to_string(buffers.size()) +
-                                           " buffers");
-    }
-    for (size_t i = 0; i < buffers.size(); ++i) {
-        const std::string binding = label(kernel.name) + "binding " + std::to_string(i);
-        if (buffers[i] == nullptr || !*buffers[i])
-            throw Error(ErrorKind::Device, binding + " was given no buffer");
-        const BufferState& buffer = buffers[i]->state();
-        if (buffer.access != bindings[i]) {
-            throw Error(ErrorKind::Device, binding + " is " + accessText(bindings[i]) + ", but array \"" +
-                                               buffer.name + "\" was made as " + accessText(buffer.access));
-        }
-    }
-}
-
 }  // namespace
 
 Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std::make_unique<KernelState>()) {
@@ -177,7 +154,6 @@ Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std:
     DeviceState& owner = device.state();
     state_->device = &owner;
     state_->name = options.name;
-    state_->bound = options.bindings.empty();
     try {
         state_->program = programOf(owner, options);
         createSet(*state_, owner);
@@ -196,7 +172,6 @@ Kernel::Kernel(Kernel&&) noexcept = default;
 Kernel& Kernel::operator=(Kernel&&) noexcept = default;
 
 void Kernel::bind(std::span<const Buffer* const> buffers) {
-    checkBindings(*state_, buffers);
     std::vector<VkDescriptorBufferInfo> infos(buffers.size());
     std::vector<VkWriteDescriptorSet> writes(buffers.size());
     for (uint32_t i = 0; i < writes.size(); ++i) {
@@ -216,7 +191,6 @@ void Kernel::bind(std::span<const Buffer* const> buffers) {
     const DeviceState& device = *state_->device;
     device.vk.vkUpdateDescriptorSets(device.device, static_cast<uint32_t>(writes.size()), writes.data(), 0,
                                      nullptr);
-    state_->bound = true;
 }
 
 }  // namespace glint::gpu

@@ -29,23 +29,18 @@ std::string typeText(VkPhysicalDeviceType type) {
 }
 
 std::vector<VkQueueFamilyProperties> queueFamilies(const InstanceTable& vk, VkPhysicalDevice device) {
-    uint32_t count = 0;
-    vk.vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
-    std::vector<VkQueueFamilyProperties> families(count);
-    vk.vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
-    families.resize(count);
-    return families;
+    return enumerate<VkQueueFamilyProperties>(
+        "vkGetPhysicalDeviceQueueFamilyProperties", [&](uint32_t* count, VkQueueFamilyProperties* out) {
+            vk.vkGetPhysicalDeviceQueueFamilyProperties(device, count, out);
+            return VK_SUCCESS;
+        });
 }
 
 std::vector<VkExtensionProperties> deviceExtensions(const InstanceTable& vk, VkPhysicalDevice device) {
-    uint32_t count = 0;
-    const char* const call = "vkEnumerateDeviceExtensionProperties";
-    const auto enumerate = vk.vkEnumerateDeviceExtensionProperties;
-    check(enumerate(device, nullptr, &count, nullptr), call);
-    std::vector<VkExtensionProperties> extensions(count);
-    check(enumerate(device, nullptr, &count, extensions.data()), call);
-    extensions.resize(count);
-    return extensions;
+    return enumerate<VkExtensionProperties>(
+        "vkEnumerateDeviceExtensionProperties", [&](uint32_t* count, VkExtensionProperties* out) {
+            return vk.vkEnumerateDeviceExtensionProperties(device, nullptr, count, out);
+        });
 }
 
 void fillLimits(DeviceLimits& out, const VkPhysicalDeviceLimits& limits) {
@@ -115,7 +110,7 @@ std::vector<VkBool32> presentingFamilies(const InstanceTable& vk, VkPhysicalDevi
 }
 
 PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, uint32_t index,
-                           VkSurfaceKHR surface, bool onlyLeastLimits) {
+                           VkSurfaceKHR surface) {
     const InstanceTable& vk = instance.vk();
     PhysicalDevice device;
     device.handle = handle;
@@ -158,7 +153,6 @@ PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, ui
         device.timestampBits = families[*family].timestampValidBits;
     }
     if (device.timestampBits == 0) info.limits.timestampPeriod = 0;
-    if (onlyLeastLimits) info.limits = leastLimits(info.limits);
     info.reason = refusal(properties.apiVersion, computes, info.limits);
     if (info.reason.empty() && !family) info.reason = "cannot show pictures in this window";
     info.usable = info.reason.empty();
@@ -168,13 +162,10 @@ PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, ui
 
 }  // namespace
 
-std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface,
-                                         bool onlyLeastLimits) {
+std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface) {
     std::vector<PhysicalDevice> devices;
-    for (VkPhysicalDevice handle : instance.physicalDevices()) {
-        devices.push_back(
-            queryDevice(instance, handle, static_cast<uint32_t>(devices.size()), surface, onlyLeastLimits));
-    }
+    for (VkPhysicalDevice handle : instance.physicalDevices())
+        devices.push_back(queryDevice(instance, handle, static_cast<uint32_t>(devices.size()), surface));
     return devices;
 }
 

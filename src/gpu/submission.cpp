@@ -14,18 +14,7 @@ constexpr VkAccessFlags kDeviceReads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRA
 
 void createObjects(SubmissionState& state) {
     const DeviceState& device = *state.device;
-    VkCommandPoolCreateInfo pool{};
-    pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
-    pool.queueFamilyIndex = device.physical.queueFamily;
-    state.pool = create(device, "vkCreateCommandPool", pool, device.vk.vkCreateCommandPool,
-                        device.vk.vkDestroyCommandPool);
-    VkCommandBufferAllocateInfo commands{};
-    commands.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-    commands.commandPool = state.pool.get();
-    commands.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    commands.commandBufferCount = 1;
-    check(device.vk.vkAllocateCommandBuffers(device.device, &commands, &state.commands),
-          "vkAllocateCommandBuffers");
+    state.commands = Commands(device);
     VkFenceCreateInfo fence{};
     fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
     state.fence = create(device, "vkCreateFence", fence, device.vk.vkCreateFence, device.vk.vkDestroyFence);
@@ -44,7 +33,7 @@ void barrier(const SubmissionState& state, VkPipelineStageFlags nextStages, VkAc
     memory.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
     memory.srcAccessMask = kDeviceWrites;
     memory.dstAccessMask = nextAccess;
-    state.device->vk.vkCmdPipelineBarrier(state.commands, kDeviceStages, nextStages, 0, 1, &memory, 0,
+    state.device->vk.vkCmdPipelineBarrier(state.commands.buffer, kDeviceStages, nextStages, 0, 1, &memory, 0,
                                           nullptr, 0, nullptr);
 }
 
@@ -52,16 +41,12 @@ void barrier(const SubmissionState& state, VkPipelineStageFlags nextStages, VkAc
 void prepareCommand(SubmissionState& state) {
     const VolkDeviceTable& vk = state.device->vk;
     if (!state.recording) {
-        check(vk.vkResetCommandPool(state.device->device, state.pool.get(), 0), "vkResetCommandPool");
-        VkCommandBufferBeginInfo begin{};
-        begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
-        begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-        check(vk.vkBeginCommandBuffer(state.commands, &begin), "vkBeginCommandBuffer");
+        state.commands.begin(*state.device);
         state.recording = true;
         if (state.timestamps) {
-            vk.vkCmdResetQueryPool(state.commands, state.timestamps.get(), 0, 2);
-            vk.vkCmdWriteTimestamp(state.commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, state.timestamps.get(),
-                                   0);
+            vk.vkCmdResetQueryPool(state.commands.buffer, state.timestamps.get(), 0, 2);
+            vk.vkCmdWriteTimestamp(state.commands.buffer, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT,
+                                   state.timestamps.get(), 0);
         }
     }
     barrier(state, kDeviceStages, kDeviceReads | kDeviceWrites);
@@ -106,7 +91,7 @@ void submitAndWait(SubmissionState& state) {
     VkSubmitInfo info{};
     info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
     info.commandBufferCount = 1;
-    info.pCommandBuffers = &state.commands;
+    info.pCommandBuffers = &state.commands.buffer;
     check(device.vk.vkResetFences(device.device, 1, &fence), "vkResetFences");
     {
         const std::lock_guard lock(device.queueMutex);
@@ -124,23 +109,29 @@ void submitAndWait(SubmissionState& state) {
     check(result, "vkWaitForFences");
 }
 
-void checkDispatch(const KernelState& kernel, uint32_t groupsX, size_t pushConstantBytes,
-                   const DeviceLimits& limits) {
-    const std::string label = "kernel \"" + kernel.name + "\": ";
-    if (!kernel.bound) throw Error(ErrorKind::Device, label + "dispatched before its buffers were bound");
-    if (pushConstantBytes != kernel.program->key.pushConstantBytes) {
-        throw Error(ErrorKind::Device,
-                    label + "has " + std::to_string(kernel.program->key.pushConstantBytes) +
-                        " bytes of push constants, but was given " + std::to_string(pushConstantBytes));
-    }
-    if (groupsX > limits.maxWorkgroupCountX) {
-        throw Error(ErrorKind::Device, label + "a dispatch of " + std::to_string(groupsX) +
-                                           " workgroups, but this device runs at most " +
-                                           std::to_string(limits.maxWorkgroupCountX));
-    }
+}  // namespace
+
+Commands::Commands(const DeviceState& device) {
+    VkCommandPoolCreateInfo poolInfo{};
+    poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+    poolInfo.queueFamilyIndex = device.physical.queueFamily;
+    pool = create(device, "vkCreateCommandPool", poolInfo, device.vk.vkCreateCommandPool,
+                  device.vk.vkDestroyCommandPool);
+    VkCommandBufferAllocateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+    info.commandPool = pool.get();
+    info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    info.commandBufferCount = 1;
+    check(device.vk.vkAllocateCommandBuffers(device.device, &info, &buffer), "vkAllocateCommandBuffers");
 }
 
-}  // namespace
+void Commands::begin(const DeviceState& device) {
+    check(device.vk.vkResetCommandPool(device.device, pool.get(), 0), "vkResetCommandPool");
+    VkCommandBufferBeginInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+    info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(device.vk.vkBeginCommandBuffer(buffer, &info), "vkBeginCommandBuffer");
+}
 
 Submission::Submission(const Device& device) : state_(std::make_unique<SubmissionState>()) {
     state_->device = &device.state();
@@ -154,10 +145,15 @@ Submission& Submission::operator=(Submission&&) noexcept = default;
 void Submission::dispatch(const Kernel& kernel, uint32_t groupsX, std::span<const std::byte> pushConstants) {
     const KernelState& k = kernel.state();
     const DeviceState& device = *state_->device;
-    checkDispatch(k, groupsX, pushConstants.size(), device.physical.info.limits);
+    const uint32_t mostGroups = device.physical.info.limits.maxWorkgroupCountX;
+    if (groupsX > mostGroups) {
+        throw Error(ErrorKind::Device, "kernel \"" + k.name + "\": a dispatch of " + std::to_string(groupsX) +
+                                           " workgroups, but this device runs at most " +
+                                           std::to_string(mostGroups));
+    }
     if (groupsX == 0) return;
     prepareCommand(*state_);
-    const VkCommandBuffer commands = state_->commands;
+    const VkCommandBuffer commands = state_->commands.buffer;
     device.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, k.program->pipeline.get());
     if (k.set != VK_NULL_HANDLE) {
         device.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, k.program->layout.get(),
@@ -165,7 +161,7 @@ void Submission::dispatch(const Kernel& kernel, uint32_t groupsX, std::span<cons
     }
     if (!pushConstants.empty()) {
         device.vk.vkCmdPushConstants(commands, k.program->layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                     k.program->key.pushConstantBytes, pushConstants.data());
+                                     static_cast<uint32_t>(pushConstants.size()), pushConstants.data());
     }
     device.vk.vkCmdDispatch(commands, groupsX, 1, 1);
 }
@@ -177,7 +173,7 @@ void Submission::copy(const Buffer& source, uint64_t sourceOffset, const Buffer&
     if (bytes == 0) return;
     prepareCommand(*state_);
     const VkBufferCopy region{sourceOffset, destinationOffset, bytes};
-    state_->device->vk.vkCmdCopyBuffer(state_->commands, source.state().buffer.get(),
+    state_->device->vk.vkCmdCopyBuffer(state_->commands.buffer, source.state().buffer.get(),
                                        destination.state().buffer.get(), 1, &region);
 }
 
@@ -187,10 +183,10 @@ Submission::Times Submission::submit() {
     state_->recording = false;
     barrier(*state_, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
     if (state_->timestamps) {
-        vk.vkCmdWriteTimestamp(state_->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
+        vk.vkCmdWriteTimestamp(state_->commands.buffer, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
                                state_->timestamps.get(), 1);
     }
-    check(vk.vkEndCommandBuffer(state_->commands), "vkEndCommandBuffer");
+    check(vk.vkEndCommandBuffer(state_->commands.buffer), "vkEndCommandBuffer");
     const auto start = std::chrono::steady_clock::now();
     submitAndWait(*state_);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;

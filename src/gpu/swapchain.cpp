@@ -20,16 +20,6 @@ static_assert(std::size(kModes) == kEnumNames<PresentMode>.size());
 // An image that no other program gives back within this time will not come: the window system hangs.
 constexpr uint64_t kAcquireNanoseconds = 5'000'000'000;
 
-template <typename Item, typename Call>
-std::vector<Item> enumerate(const char* name, Call call) {
-    uint32_t count = 0;
-    check(call(&count, nullptr), name);
-    std::vector<Item> items(count);
-    check(call(&count, items.data()), name);
-    items.resize(count);
-    return items;
-}
-
 VkSurfaceCapabilitiesKHR capabilitiesOf(const DeviceState& device) {
     VkSurfaceCapabilitiesKHR capabilities{};
     check(device.instance->vk().vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device.physical.handle,
@@ -78,14 +68,12 @@ struct SwapchainState {
     std::vector<Handle<VkSemaphore>> drawn;  // for each image: its copy is complete
     Handle<VkSemaphore> acquired;
     Handle<VkFence> copied;  // the last copy is complete
-    Handle<VkCommandPool> pool;
-    VkCommandBuffer commands = VK_NULL_HANDLE;
+    Commands commands;
     Buffer pixels;
 
-    explicit SwapchainState(const Device& d) : device(d), state(d.state()) {}
+    explicit SwapchainState(const Device& d);
     ~SwapchainState();
 
-    void makeObjects();
     // Drops the old chain and makes one of the window's present size; none while that is zero.
     void rebuild(int width, int height, PresentMode wantedMode);
     VkSwapchainCreateInfoKHR describe(const VkSurfaceCapabilitiesKHR& capabilities, int width, int height);
@@ -95,6 +83,13 @@ struct SwapchainState {
     bool presentOnce(std::span<const uint32_t> source, int width, int height);
     void waitUntilIdle();
 };
+
+SwapchainState::SwapchainState(const Device& d) : device(d), state(d.state()), commands(state) {
+    VkFenceCreateInfo fence{};
+    fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+    fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
+    copied = create(state, "vkCreateFence", fence, state.vk.vkCreateFence, state.vk.vkDestroyFence);
+}
 
 SwapchainState::~SwapchainState() {
     if (state.abandoned) return;
@@ -107,24 +102,6 @@ SwapchainState::~SwapchainState() {
 void SwapchainState::waitUntilIdle() {
     const std::lock_guard lock(state.queueMutex);
     check(state.vk.vkQueueWaitIdle(state.queue), "vkQueueWaitIdle");
-}
-
-void SwapchainState::makeObjects() {
-    VkCommandPoolCreateInfo poolInfo{};
-    poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
-    poolInfo.queueFamilyIndex = state.physical.queueFamily;
-    pool = create(state, "vkCreateCommandPool", poolInfo, state.vk.vkCreateCommandPool,
-                  state.vk.vkDestroyCommandPool);
-    VkCommandBufferAllocateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-    info.commandPool = pool.get();
-    info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    info.commandBufferCount = 1;
-    check(state.vk.vkAllocateCommandBuffers(state.device, &info, &commands), "vkAllocateCommandBuffers");
-    VkFenceCreateInfo fenceInfo{};
-    fenceInfo.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-    fenceInfo.flags = VK_FENCE_CREATE_SIGNALED_BIT;
-    copied = create(state, "vkCreateFence", fenceInfo, state.vk.vkCreateFence, state.vk.vkDestroyFence);
 }
 
 VkSwapchainCreateInfoKHR SwapchainState::describe(const VkSurfaceCapabilitiesKHR& capabilities, int width,
@@ -225,11 +202,7 @@ void SwapchainState::fillPixels(std::span<const uint32_t> source, int width, int
 
 void SwapchainState::recordCopy(VkImage image) {
     const VolkDeviceTable& vk = state.vk;
-    check(vk.vkResetCommandPool(state.device, pool.get(), 0), "vkResetCommandPool");
-    VkCommandBufferBeginInfo begin{};
-    begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vk.vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
+    commands.begin(state);
     VkImageMemoryBarrier barrier{};
     barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
     barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
@@ -239,20 +212,20 @@ void SwapchainState::recordCopy(VkImage image) {
     barrier.image = image;
     barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     // From the stage in which the submission waits for the image, so that the two are in order.
-    vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0,
-                            nullptr, 0, nullptr, 1, &barrier);
+    vk.vkCmdPipelineBarrier(commands.buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                            0, 0, nullptr, 0, nullptr, 1, &barrier);
     VkBufferImageCopy copy{};
     copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     copy.imageExtent = {extent.width, extent.height, 1};
-    vk.vkCmdCopyBufferToImage(commands, pixels.state().buffer.get(), image,
+    vk.vkCmdCopyBufferToImage(commands.buffer, pixels.state().buffer.get(), image,
                               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
     barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
     barrier.dstAccessMask = 0;
     barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
     barrier.newLayout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
-    vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, 0,
-                            0, nullptr, 0, nullptr, 1, &barrier);
-    check(vk.vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+    vk.vkCmdPipelineBarrier(commands.buffer, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                            VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, 0, 0, nullptr, 0, nullptr, 1, &barrier);
+    check(vk.vkEndCommandBuffer(commands.buffer), "vkEndCommandBuffer");
 }
 
 void SwapchainState::submitCopy(uint32_t index) {
@@ -264,7 +237,7 @@ void SwapchainState::submitCopy(uint32_t index) {
     info.pWaitSemaphores = acquired.address();
     info.pWaitDstStageMask = &stage;
     info.commandBufferCount = 1;
-    info.pCommandBuffers = &commands;
+    info.pCommandBuffers = &commands.buffer;
     info.signalSemaphoreCount = 1;
     info.pSignalSemaphores = drawn[index].address();
     check(state.vk.vkResetFences(state.device, 1, &fence), "vkResetFences");
@@ -307,7 +280,6 @@ bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, in
 
 Swapchain::Swapchain(const Device& device, int width, int height, PresentMode presentMode)
     : state_(std::make_unique<SwapchainState>(device)) {
-    state_->makeObjects();
     state_->rebuild(width, height, presentMode);
 }
 

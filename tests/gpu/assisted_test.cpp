@@ -17,7 +17,6 @@ class AssistedTest : public testing::TestWithParam<Access> {
 
     // What the layer says of a shader that reads and writes `touched` texels of a buffer of 16.
     std::vector<std::string> messages(uint32_t touched) {
-        EXPECT_TRUE(device_->validationActive());
         const Buffer buffer(*device_, "values", 16 * 16, GetParam(), MemoryKind::Device);
         write(*device_, buffer, counting(64));
         Kernel kernel = scaleKernel(*device_, GetParam(), {2});

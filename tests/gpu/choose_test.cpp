@@ -151,17 +151,6 @@ TEST(Refusal, NeedsTheStorageBuffersThatVulkanPromises) {
               "binds 3 storage buffers to a kernel, glint needs 4");
 }
 
-TEST(LeastLimits, AreEnoughAndNoMoreThanTheDeviceHas) {
-    DeviceLimits limits = sufficientLimits();
-    limits.maxStorageBufferRange = 1000;
-    limits.subgroupSize = 32;
-    const DeviceLimits least = leastLimits(limits);
-    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, least), "");
-    EXPECT_EQ(least.maxStorageBufferRange, 1000u);
-    EXPECT_EQ(least.maxStorageBuffersPerStage, 4u);
-    EXPECT_EQ(least.subgroupSize, 1u);
-}
-
 // Queue families, memory types and what fits, on tables made up after real devices.
 
 VkQueueFamilyProperties family(VkQueueFlags flags, uint32_t timestampBits) {

@@ -58,33 +58,7 @@ TEST_P(KernelTest, RebindingMovesItToAnotherBuffer) {
     }
 }
 
-TEST_P(KernelTest, TheWrongAccessIsAnError) {
-    Kernel kernel = scaleKernel(device_, GetParam(), {2});
-    const bool storage = GetParam() == Access::StorageBuffer;
-    const Buffer other(device_, "nodes", 64, storage ? Access::TexelBuffer : Access::StorageBuffer,
-                       MemoryKind::Device);
-    const Buffer* const buffers[] = {&other};
-    EXPECT_EQ(errorOf([&] { kernel.bind(buffers); }),
-              storage ? "kernel \"scale\": binding 0 is a storage buffer, but array \"nodes\" was made as a "
-                        "texel buffer"
-                      : "kernel \"scale\": binding 0 is a texel buffer, but array \"nodes\" was made as a "
-                        "storage buffer");
-}
-
 class OneKernelTest : public GpuTest {};
-
-TEST_F(OneKernelTest, TheWrongNumberOfBuffersIsAnError) {
-    Kernel kernel = reverseKernel(device_);
-    const Buffer buffer(device_, "source", 64, Access::TexelBuffer, MemoryKind::Device);
-    const Buffer* const one[] = {&buffer};
-    EXPECT_EQ(errorOf([&] { kernel.bind(one); }),
-              "kernel \"reverse\": has 2 bindings, but was given 1 buffers");
-    const Buffer* const missing[] = {&buffer, nullptr};
-    EXPECT_EQ(errorOf([&] { kernel.bind(missing); }), "kernel \"reverse\": binding 1 was given no buffer");
-    const Buffer none;
-    const Buffer* const empty[] = {&buffer, &none};
-    EXPECT_EQ(errorOf([&] { kernel.bind(empty); }), "kernel \"reverse\": binding 1 was given no buffer");
-}
 
 TEST_F(OneKernelTest, NeedsNoBindings) {
     const Kernel kernel = emptyKernel(device_);

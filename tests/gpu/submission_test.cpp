@@ -87,18 +87,6 @@ TEST_F(SubmissionTest, RunsTheMostWorkgroupsAndRefusesOneMore) {
     EXPECT_GT(submission.submit().wall, 0.0);
 }
 
-TEST_F(SubmissionTest, DispatchNeedsBuffersAndPushConstants) {
-    const Buffer buffer(device_, "values", 64, Access::StorageBuffer, MemoryKind::Device);
-    Kernel kernel = scaleKernel(device_, Access::StorageBuffer, {2, 0});
-    Submission submission(device_);
-    EXPECT_EQ(errorOf([&] { submission.dispatch(kernel, 1, bytesOf(ScalePush{})); }),
-              "kernel \"scale\": dispatched before its buffers were bound");
-    const Buffer* const buffers[] = {&buffer};
-    kernel.bind(buffers);
-    EXPECT_EQ(errorOf([&] { submission.dispatch(kernel, 1, bytesOf(ReversePush{})); }),
-              "kernel \"scale\": has 8 bytes of push constants, but was given 4");
-}
-
 TEST_F(SubmissionTest, CopiesPastTheEndAreErrors) {
     const Buffer a(device_, "a", 64, Access::StorageBuffer, MemoryKind::Device);
     const Buffer b(device_, "b", 32, Access::StorageBuffer, MemoryKind::Device);

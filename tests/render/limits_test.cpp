@@ -1,8 +1,10 @@
 // Arrays beyond what a device can bind: rendered by the other access, or refused by name.
 #include <algorithm>
+#include <type_traits>
 
 #include "core/device_layout.h"
 #include "core/error.h"
+#include "gpu/device_state.h"
 #include "pack/pack_samples.h"
 #include "render/path_limits.h"
 #include "render/scene_buffers.h"
@@ -143,16 +145,32 @@ TEST_F(LimitsTest, ArrayBeyondTheStorageRangeIsRendered) {
     }())));
 }
 
-// A device with the limits that Vulkan 1.1 requires of every device (onlyLeastLimits): the same bits, or an
-// error with both figures. Buffers and kernels check every limit, so what passes one is an error here,
-// whatever the device.
-
+// A device with the limits that Vulkan 1.1 requires of every device (sections "Required Limits" and "Required
+// Format Support"): the same bits, or an error with both figures. Buffers and kernels check every limit, so
+// more than a limit is an error here, whatever the device.
 class LeastLimits : public RenderTest {
   protected:
     static gpu::Device leastDevice() {
-        gpu::DeviceOptions options;
-        options.onlyLeastLimits = true;
-        return gpu::Device(options);
+        gpu::Device device;
+        gpu::DeviceLimits& limits = device.state().physical.info.limits;
+        const auto atMost = [](auto& limit, uint64_t promised) {
+            limit =
+                static_cast<std::remove_reference_t<decltype(limit)>>(std::min<uint64_t>(limit, promised));
+        };
+        atMost(limits.maxStorageBufferRange, uint64_t{1} << 27);
+        atMost(limits.maxTexelBufferElements, 65536);
+        atMost(limits.maxAllocationSize, uint64_t{1} << 30);
+        atMost(limits.maxWorkgroupInvocations, 128);
+        atMost(limits.maxWorkgroupSizeX, 128);
+        atMost(limits.maxWorkgroupCountX, 65535);
+        atMost(limits.maxPushConstantBytes, 128);
+        atMost(limits.maxStorageBuffersPerStage, 4);
+        atMost(limits.maxStorageImagesPerStage, 4);
+        atMost(limits.subgroupSize, 1);
+        limits.subgroupShuffle = false;
+        limits.timestampPeriod = 0;
+        EXPECT_EQ(gpu::refusal(VK_API_VERSION_1_1, true, limits), "");
+        return device;
     }
 };
 
