@@ -1,7 +1,7 @@
 // Arithmetic with the same bits on every device. Vulkan rounds only `+`, `-`, `*`, conversions and integers
 // correctly: a quotient may be off by 2.5 ulp, pow and exp by thousands, and dot may sum in any order
 // (docs/design/numerics.md 1). Everything else is made of those here, which tests/render/lint_test.cpp
-// checks. Sums and products need no further `precise`: glint marks them all (src/gpu/flatten.h).
+// checks. Sums and products need no further `precise`: glint marks them all (src/gpu/specialize.h).
 #ifndef GLINT_ARITHMETIC_GLSL
 #define GLINT_ARITHMETIC_GLSL
 

@@ -2,7 +2,6 @@
 
 #include "core/error.h"
 #include "gpu/device_state.h"
-#include "gpu/flatten.h"
 #include "gpu/specialize.h"
 
 namespace glint::gpu {
@@ -69,7 +68,7 @@ void createLayouts(Program& program, const DeviceState& device) {
 }
 
 void createPipeline(Program& program, const DeviceState& device) {
-    const std::vector<uint32_t> specialized = flatten(specialize(program.key.spirv, program.key.constants));
+    const std::vector<uint32_t> specialized = specialize(program.key.spirv, program.key.constants);
     program.codeBytes = specialized.size() * sizeof(uint32_t);
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gpu/spirv_code.h"
+#include "gpu/spirv_inline.h"
 
 namespace glint::gpu {
 namespace {
@@ -166,116 +167,104 @@ void simplify(Function& function, Known& known) {
     }
 }
 
-class Module {
-  public:
-    Module(Words spirv, Words constants) : constants_(constants) {
-        findSpecIds(spirv);
-        code_ = Code::read(spirv);
-        for (Instruction& i : std::exchange(code_.globals, {})) readGlobal(i);
-    }
+Instruction boolean(const Instruction& i, bool value) {
+    return make(value ? OpConstantTrue : OpConstantFalse, {i[1], i[2]});
+}
 
-    std::vector<uint32_t> written() {
-        for (Function& function : code_.functions) simplify(function, known_);
-        code_.keepCalledFunctions();
-        keepUsedVariables();
-        keepUsedCapabilities();
-        collectIds();
-        std::erase_if(code_.globals,
-                      [&](const Instruction& i) { return opOf(i) == OpDecorate && !ids_.contains(i[1]); });
-        return code_.written();
-    }
-
-  private:
-    // Decorations come before the constants, but for this a module is read twice.
-    void findSpecIds(Words spirv) {
-        eachInstruction(spirv, [&](Words i) {
-            if (opOf(i) == OpDecorate && i[2] == kDecorationSpecId && i[3] < constants_.size())
-                values_[i[1]] = constants_[i[3]];
-        });
-    }
-
-    void readGlobal(Words i) {
+// Puts the values in place of the specialization constants, and returns those of all constants.
+Known setConstants(std::vector<Instruction>& globals, Words constants) {
+    std::unordered_map<uint32_t, uint32_t> values;  // by result id
+    std::erase_if(globals, [&](const Instruction& i) {
+        const bool isGiven = opOf(i) == OpDecorate && i[2] == kDecorationSpecId && i[3] < constants.size();
+        if (isGiven) values[i[1]] = constants[i[3]];
+        return isGiven;
+    });
+    Known known;
+    for (Instruction& i : globals) {
         const uint32_t op = opOf(i);
-        if (op == OpDecorate && i[2] == kDecorationSpecId && values_.contains(i[1])) return;
-        Instruction words(i.begin(), i.end());
-        const auto given = i.size() > 2 ? values_.find(i[2]) : values_.end();
-        if (op == OpSpecConstantTrue || op == OpSpecConstantFalse) {
-            if (given != values_.end()) words = boolean(i, given->second != 0);
-        } else if (op == OpSpecConstant && given != values_.end() && i.size() == 4) {
-            words = make(OpConstant, {i[1], i[2], given->second});
+        const std::optional<uint32_t> given = i.size() > 2 ? valueOf(values, i[2]) : std::nullopt;
+        if ((op == OpSpecConstantTrue || op == OpSpecConstantFalse) && given) {
+            i = boolean(i, *given != 0);
+        } else if (op == OpSpecConstant && given) {
+            i = make(OpConstant, {i[1], i[2], *given});
         } else if (op == OpSpecConstantOp && isFoldable(i[3])) {
             const auto value =
-                folded(i[3], valueOf(known_, i[4]), i.size() > 5 ? valueOf(known_, i[5]) : std::nullopt);
-            if (value) words = boolean(i, *value != 0);
+                folded(i[3], valueOf(known, i[4]), i.size() > 5 ? valueOf(known, i[5]) : std::nullopt);
+            if (value) i = boolean(i, *value != 0);
         }
-        const uint32_t now = opOf(words);
-        if (now == OpConstantTrue || now == OpConstantFalse) known_[words[2]] = now == OpConstantTrue;
-        if (now == OpConstant && words.size() == 4) known_[words[2]] = words[3];
-        code_.globals.push_back(std::move(words));
+        const uint32_t now = opOf(i);
+        if (now == OpConstantTrue || now == OpConstantFalse) known[i[2]] = now == OpConstantTrue;
+        if (now == OpConstant && i.size() == 4) known[i[2]] = i[3];
     }
+    return known;
+}
 
-    static Instruction boolean(Words i, bool value) {
-        return make(value ? OpConstantTrue : OpConstantFalse, {i[1], i[2]});
-    }
+// Unused memory of invocations and workgroups would take room, unused bindings need not be in the layout.
+void keepUsedVariables(Code& code) {
+    std::unordered_set<uint32_t> used, dropped;
+    eachInstruction(code.functions,
+                    [&](const Instruction& i) { eachId(i, [&](uint32_t id) { used.insert(id); }); });
+    for (const Instruction& i : code.globals)
+        if (opOf(i) == OpVariable && i[3] != kInput && !used.contains(i[2])) dropped.insert(i[2]);
+    std::erase_if(code.globals, [&](const Instruction& i) {
+        return (opOf(i) == OpVariable && dropped.contains(i[2])) ||
+               (opOf(i) == OpDecorate && dropped.contains(i[1]));
+    });
+}
 
-    // Unused memory of invocations and workgroups would take room, unused bindings need not be in the layout.
-    void keepUsedVariables() {
-        std::unordered_set<uint32_t> used;
-        for (const Function& function : code_.functions)
-            for (const Block& block : function.blocks)
-                for (const Instruction& i : block.body) {
-                    if (isKnown(i))
-                        eachId(i, [&](uint32_t id) { used.insert(id); });
-                    else
-                        used.insert(i.begin() + 1, i.end());
-                }
-        std::erase_if(code_.globals, [&](const Instruction& i) {
-            return opOf(i) == OpVariable && i[3] != kInput && !used.contains(i[2]);
-        });
-    }
+// Removes the capabilities of shuffles if no function uses them, so that a device without shuffles can run a
+// kernel that chose not to shuffle. (An entry point may not name what another instruction needs, so only
+// functions can.)
+void keepUsedCapabilities(Code& code) {
+    bool shuffles = false;
+    eachInstruction(code.functions, [&](const Instruction& i) {
+        shuffles |= opOf(i) >= OpGroupNonUniformElect && opOf(i) <= OpGroupNonUniformQuadSwap;
+    });
+    if (shuffles) return;
+    std::erase_if(code.globals, [](const Instruction& i) {
+        return opOf(i) == OpCapability &&
+               (i[1] == kCapabilityGroupNonUniform || i[1] == kCapabilityGroupNonUniformShuffle);
+    });
+}
 
-    // Removes the capabilities of shuffles if no function uses them, so that a device without shuffles can
-    // run a kernel that chose not to shuffle. (An entry point may not name what another instruction needs, so
-    // only functions can.)
-    void keepUsedCapabilities() {
-        for (const Function& function : code_.functions)
-            for (const Block& block : function.blocks)
-                for (const Instruction& i : block.body)
-                    if (opOf(i) >= OpGroupNonUniformElect && opOf(i) <= OpGroupNonUniformQuadSwap) return;
-        std::erase_if(code_.globals, [](const Instruction& i) {
-            return opOf(i) == OpCapability &&
-                   (i[1] == kCapabilityGroupNonUniform || i[1] == kCapabilityGroupNonUniformShuffle);
-        });
-    }
+// Negations, sums, differences, products and quotients of floats, of vectors too (SPIR-V specification 1.3,
+// section 3.32).
+bool isFloatArithmetic(uint32_t op) {
+    constexpr uint32_t kFNegate = 127, kFAdd = 129, kFSub = 131, kFMul = 133, kFDiv = 136, kFRem = 140,
+                       kDot = 148;
+    return op == kFNegate || op == kFAdd || op == kFSub || op == kFMul || op == kFDiv ||
+           (op >= kFRem && op <= kDot);
+}
 
-    // Everything left that could be decorated.
-    void collectIds() {
-        for (const Instruction& i : code_.globals) {
-            const uint32_t op = opOf(i);
-            if (op >= OpTypeVoid && op <= OpTypeForwardPointer) ids_.insert(i[1]);
-            if ((op >= OpConstantTrue && op <= OpSpecConstantOp) || op == OpVariable || op == OpUndef)
-                ids_.insert(i[2]);
-        }
-        for (const Function& function : code_.functions) {
-            for (const Instruction& i : function.head) ids_.insert(i[2]);
-            for (const Block& block : function.blocks) {
-                for (const Instruction& i : block.body)
-                    if (const size_t at = resultPlace(i)) ids_.insert(i[at]);
-            }
-        }
-    }
-
-    Words constants_;
-    std::unordered_map<uint32_t, uint32_t> values_;  // of specialization constants, by result id
-    Known known_;
-    Code code_;
-    std::unordered_set<uint32_t> ids_;
-};
+// In place of the marks of GLSL's `precise`. Decorations stand before the types.
+void markArithmetic(Code& code) {
+    std::erase_if(code.globals, [](const Instruction& i) {
+        return opOf(i) == OpDecorate && i[2] == kDecorationNoContraction;
+    });
+    std::vector<Instruction> marks;
+    eachInstruction(code.functions, [&](const Instruction& i) {
+        if (isFloatArithmetic(opOf(i))) marks.push_back(make(OpDecorate, {i[2], kDecorationNoContraction}));
+    });
+    const auto types = std::find_if(code.globals.begin(), code.globals.end(), [](const Instruction& i) {
+        return opOf(i) >= OpTypeVoid && opOf(i) <= OpTypeForwardPointer;
+    });
+    code.globals.insert(types, marks.begin(), marks.end());
+}
 
 }  // namespace
 
 std::vector<uint32_t> specialize(std::span<const uint32_t> spirv, std::span<const uint32_t> constants) {
-    return Module(spirv, constants).written();
+    Code code = Code::read(spirv);
+    Known known = setConstants(code.globals, constants);
+    for (Function& function : code.functions) simplify(function, known);
+    code.keepCalledFunctions();
+    Ids ids(code);
+    inlineCalls(code, ids);
+    code.keepCalledFunctions();
+    keepUsedVariables(code);
+    keepUsedCapabilities(code);
+    markArithmetic(code);
+    return code.written();
 }
 
 }  // namespace glint::gpu

@@ -1,4 +1,4 @@
-// SPIR-V with the values of its specialization constants put in.
+// SPIR-V for one scene: what a driver is given for a kernel.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,16 @@
 namespace glint::gpu {
 
 // The module with constants[i] for the specialization constant of id i (ids beyond keep their defaults and
-// stay specialization constants), without the branches that are then never taken, the functions that are then
-// never called, variables that are then never used, and debug names. A driver
-// would find the same, but after it has translated all of it (docs/lab/building.md).
-// SPIRV-Tools' optimizer (2023.1) takes 0.85 s of processor time for this on light.comp and 1.05 s on
-// whole.comp, 1.4 s and 2.1 s with inlining and SSA; a whole warm `glint render scenes/spheres.json --size
-// 96x72` takes 0.1 s (2 cores, lavapipe 22.3). `spirv` must be valid; what it computes stays the same to the
-// bit. Throws std::invalid_argument for what is no SPIR-V.
+// stay specialization constants), without the branches that are then never taken, with the bodies of
+// functions in place of calls, values in place of local variables, and without what is then unused. A driver
+// would do the same after it has translated all of it, and takes many times as long (docs/lab/building.md).
+//
+// All float arithmetic is decorated NoContraction, so that a driver may neither fuse nor reorder it (SPIR-V
+// specification 1.3, section 3.20; Vulkan specification, "Precision and Operation of SPIR-V Instructions");
+// GLSL's `precise` marks only what its variables depend on. The module computes the same to the bit.
+//
+// `spirv` must be valid. Throws std::invalid_argument for what is no SPIR-V, and std::domain_error for an
+// instruction that no kernel of glint has.
 std::vector<uint32_t> specialize(std::span<const uint32_t> spirv, std::span<const uint32_t> constants);
 
 }  // namespace glint::gpu

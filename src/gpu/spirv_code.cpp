@@ -23,12 +23,6 @@ bool hasIdsAlone(uint32_t op) {
 
 }  // namespace
 
-Instruction make(Op op, std::initializer_list<uint32_t> operands) {
-    Instruction words{static_cast<uint32_t>(op) | static_cast<uint32_t>(operands.size() + 1) << 16};
-    words.insert(words.end(), operands);
-    return words;
-}
-
 Instruction make(Op op, const std::vector<uint32_t>& operands) {
     Instruction words{static_cast<uint32_t>(op) | static_cast<uint32_t>(operands.size() + 1) << 16};
     words.insert(words.end(), operands.begin(), operands.end());
@@ -58,23 +52,18 @@ std::vector<uint32_t> Block::successors() const {
     }
 }
 
-void eachInstruction(Words spirv, const std::function<void(Words)>& use) {
+Code Code::read(Words spirv) {
     if (spirv.size() < kHeaderWords || spirv[0] != kMagic) throw std::invalid_argument("not a SPIR-V module");
-    for (size_t at = kHeaderWords; at < spirv.size();) {
-        const size_t length = spirv[at] >> 16;
+    Code code;
+    code.header.assign(spirv.begin(), spirv.begin() + kHeaderWords);
+    bool inFunction = false;
+    for (size_t at = kHeaderWords, length = 0; at < spirv.size(); at += length) {
+        length = spirv[at] >> 16;
         if (length == 0 || at + length > spirv.size())
             throw std::invalid_argument("a SPIR-V module that ends within an instruction");
-        use(spirv.subspan(at, length));
-        at += length;
-    }
-}
-
-Code Code::read(Words spirv) {
-    Code code;
-    bool inFunction = false;
-    eachInstruction(spirv, [&](Words i) {
+        const Words i = spirv.subspan(at, length);
         const uint32_t op = opOf(i);
-        if (isDebug(op)) return;
+        if (isDebug(op)) continue;
         if (op == OpFunction) {
             code.functions.emplace_back();
             inFunction = true;
@@ -89,8 +78,7 @@ Code Code::read(Words spirv) {
             (blocks.empty() ? code.functions.back().head : blocks.back().body)
                 .emplace_back(i.begin(), i.end());
         }
-    });
-    code.header.assign(spirv.begin(), spirv.begin() + kHeaderWords);
+    }
     return code;
 }
 

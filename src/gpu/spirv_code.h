@@ -1,9 +1,7 @@
-// A SPIR-V module taken apart into functions, blocks and instructions, for specialize.h and flatten.h.
+// A SPIR-V module taken apart into functions, blocks and instructions, for specialize.h.
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -97,7 +95,6 @@ inline uint32_t opOf(Words words) {
     return words[0] & 0xffff;
 }
 
-Instruction make(Op op, std::initializer_list<uint32_t> operands);
 Instruction make(Op op, const std::vector<uint32_t>& operands);
 
 struct Block {
@@ -117,10 +114,15 @@ struct Function {
     uint32_t id() const { return head.front()[2]; }
 };
 
-// Calls use(words) for each instruction. Throws std::invalid_argument for what is no module.
-void eachInstruction(Words spirv, const std::function<void(Words)>& use);
+// Calls use(instruction) for each instruction in the bodies of `functions`.
+template <typename Use>
+void eachInstruction(const std::vector<Function>& functions, Use use) {
+    for (const Function& function : functions)
+        for (const Block& block : function.blocks)
+            for (const Instruction& i : block.body) use(i);
+}
 
-// Without debug information.
+// A module without debug information. Throws std::invalid_argument for what is no module.
 struct Code {
     std::vector<uint32_t> header;
     std::vector<Instruction> globals;  // all before the first function
@@ -128,7 +130,7 @@ struct Code {
 
     static Code read(Words spirv);
     std::vector<uint32_t> written() const;
-    // Those that no entry point comes to by calls go.
+    // Removes functions that no entry point calls, itself or by others.
     void keepCalledFunctions();
 };
 
@@ -155,18 +157,5 @@ void eachId(Words& i, Use use) {
     // In OpExtInst, word 3 is the instruction set and word 4 the instruction in it.
     for (size_t at = op == OpExtInst ? 5 : resultPlace(i) + 1; at < end; ++at) use(i[at]);
 }
-
-// A number for each id, 0 until it is set.
-class Table {
-  public:
-    uint32_t operator[](uint32_t id) const { return id < numbers_.size() ? numbers_[id] : 0; }
-    void set(uint32_t id, uint32_t number) {
-        if (id >= numbers_.size()) numbers_.resize(id + id / 2 + 1);
-        numbers_[id] = number;
-    }
-
-  private:
-    std::vector<uint32_t> numbers_;
-};
 
 }  // namespace glint::gpu::spirv

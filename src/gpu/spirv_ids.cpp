@@ -4,7 +4,7 @@
 
 namespace glint::gpu::spirv {
 
-Ids::Ids(Code& code) : code_(code), bound_(code.header[kBound]) {
+Ids::Ids(Code& code) : code_(code) {
     for (const Instruction& i : code.globals) {
         switch (opOf(i)) {
             case OpTypeStruct:

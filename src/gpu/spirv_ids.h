@@ -13,8 +13,7 @@ class Ids {
   public:
     explicit Ids(Code& code);
 
-    uint32_t fresh() { return bound_++; }
-    uint32_t bound() const { return bound_; }
+    uint32_t fresh() { return code_.header[kBound]++; }
     bool isStruct(uint32_t type) const { return structs_.contains(type); }
     // A structure's members, those of its members, and so on: what is none itself. Of another type: itself.
     const std::vector<uint32_t>& leavesOf(uint32_t type);
@@ -37,7 +36,6 @@ class Ids {
     };
 
     Code& code_;
-    uint32_t bound_;
     std::unordered_map<uint32_t, std::vector<uint32_t>> structs_, leaves_;
     std::unordered_map<uint32_t, Parts> parts_;  // of vectors and arrays
     std::unordered_map<uint32_t, uint32_t> pointees_, constants_, undefined_;

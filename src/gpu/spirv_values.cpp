@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 namespace glint::gpu::spirv {
 
@@ -22,17 +23,11 @@ struct Structure {
     std::vector<uint32_t> leaves;
 };
 
-struct Definition {
-    uint32_t block;
-    uint32_t value;  // at the end of what is known of the block
-};
-
 struct Phi {
     uint32_t id;
     uint32_t slot;
     size_t block;
     std::vector<uint32_t> values;  // one for each predecessor
-    bool trivial = false;
 };
 
 bool hasEffect(const Instruction& i) {
@@ -43,27 +38,24 @@ bool hasEffect(const Instruction& i) {
 
 class Values {
   public:
-    Values(Function& function, Ids& ids, Tables& tables)
+    Values(Function& function, Ids& ids)
         : function_(function),
           ids_(ids),
-          pointers_(tables.pointers),
-          forward_(tables.forward),
-          structured_(tables.structured),
-          live_(tables.live),
-          makers_(tables.makers) {}
+          before_(function.blocks.size()),
+          processed_(function.blocks.size()),
+          defined_(function.blocks.size()) {}
 
     void run() {
         findPlaces();
         findPredecessors();
         for (at_ = 0; at_ < function_.blocks.size(); ++at_) {
-            body_.clear();
-            for (Instruction& i : function_.blocks[at_].body) turn(i);
-            function_.blocks[at_].body.swap(body_);
+            for (Instruction& i : std::exchange(function_.blocks[at_].body, {})) turn(i);
             processed_[at_] = true;
         }
         fillPhis();
         dropTrivialPhis();
-        keepLive();
+        addPhis();
+        keepUsed();
     }
 
   private:
@@ -73,33 +65,27 @@ class Values {
         for (const Instruction& i : function_.blocks.front().body) {
             if (opOf(i) != OpVariable || i[3] != kFunction) continue;
             const uint32_t type = ids_.pointeeOf(i[1]);
-            addPlace(i[2], {i[2], static_cast<uint32_t>(slotTypes_.size()), type, {}});
+            places_[i[2]] = {i[2], static_cast<uint32_t>(slotTypes_.size()), type, {}};
             const std::vector<uint32_t>& leaves = ids_.leavesOf(type);
             slotTypes_.insert(slotTypes_.end(), leaves.begin(), leaves.end());
         }
-        defined_.resize(slotTypes_.size());
         for (const Block& block : function_.blocks) {
             for (const Instruction& i : block.body) {
                 const uint32_t op = opOf(i);
-                if (op == OpAccessChain) lookInto(i);
+                if (op == OpAccessChain) findPlace(i);
                 if (op == OpAccessChain || op == OpLoad || op == OpStore) continue;
                 eachId(i, [&](uint32_t id) {
-                    if (pointers_[id] != 0) keepVariable(id);
+                    if (const auto place = places_.find(id); place != places_.end())
+                        kept_.insert(place->second.variable);
                 });
             }
         }
     }
 
-    void keepVariable(uint32_t pointer) { kept_.insert(places_[pointers_[pointer] - 1].variable); }
-
-    void addPlace(uint32_t pointer, Place place) {
-        places_.push_back(std::move(place));
-        pointers_.set(pointer, static_cast<uint32_t>(places_.size()));
-    }
-
-    void lookInto(const Instruction& chain) {
-        if (pointers_[chain[3]] == 0) return;
-        Place place = places_[pointers_[chain[3]] - 1];
+    void findPlace(const Instruction& chain) {
+        const auto base = places_.find(chain[3]);
+        if (base == places_.end()) return;
+        Place place = base->second;
         for (size_t at = 4; at < chain.size(); ++at) {
             const uint32_t* index = ids_.constantOf(chain[at]);
             const uint32_t part = index ? ids_.partOf(place.type, *index) : 0;
@@ -114,7 +100,7 @@ class Values {
             }
             place.type = part;
         }
-        addPlace(chain[2], std::move(place));
+        places_[chain[2]] = std::move(place);
     }
 
     uint32_t leavesBefore(uint32_t type, uint32_t member) {
@@ -123,20 +109,18 @@ class Values {
         return static_cast<uint32_t>(before);
     }
 
+    // Null for what is no pointer to a variable that becomes values.
     const Place* placeOf(uint32_t pointer) const {
-        const uint32_t number = pointers_[pointer];
-        return number == 0 || kept_.contains(places_[number - 1].variable) ? nullptr : &places_[number - 1];
+        const auto place = places_.find(pointer);
+        return place == places_.end() || kept_.contains(place->second.variable) ? nullptr : &place->second;
     }
 
-    // ---- What they hold ----
+    // ---- Their values ----
 
     void findPredecessors() {
-        const size_t count = function_.blocks.size();
         std::unordered_map<uint32_t, size_t> byLabel;
-        for (size_t b = 0; b < count; ++b) byLabel[function_.blocks[b].label] = b;
-        before_.resize(count);
-        processed_.resize(count);
-        for (size_t b = 0; b < count; ++b) {
+        for (size_t b = 0; b < function_.blocks.size(); ++b) byLabel[function_.blocks[b].label] = b;
+        for (size_t b = 0; b < function_.blocks.size(); ++b) {
             for (const uint32_t next : function_.blocks[b].successors()) {
                 std::vector<size_t>& before = before_[byLabel.at(next)];
                 if (std::find(before.begin(), before.end(), b) == before.end()) before.push_back(b);
@@ -144,9 +128,10 @@ class Values {
         }
     }
 
-    // Value of a leaf at the end of the known part of a block.
+    // Value of a leaf at the end of the processed part of a block.
     uint32_t read(uint32_t slot, size_t block) {
-        if (const uint32_t known = defined(slot, block)) return known;
+        const auto known = defined_[block].find(slot);
+        if (known != defined_[block].end()) return known->second;
         const std::vector<size_t>& before = before_[block];
         uint32_t value;
         if (before.empty()) {
@@ -157,66 +142,56 @@ class Values {
             value = ids_.fresh();
             phis_.push_back({value, slot, block, {}});
         }
-        defined_[slot].push_back({static_cast<uint32_t>(block), value});
+        defined_[block][slot] = value;
         return value;
     }
 
-    uint32_t& defined(uint32_t slot, size_t block) {
-        // The block at hand is among the last.
-        const auto end = defined_[slot].rend();
-        const auto found = std::find_if(defined_[slot].rbegin(), end,
-                                        [&](const Definition& known) { return known.block == block; });
-        return found == end ? none_ : found->value;
-    }
-
-    void write(uint32_t slot, uint32_t value) {
-        uint32_t& known = defined(slot, at_);
-        if (known != 0) {
-            known = value;
-        } else {
-            defined_[slot].push_back({static_cast<uint32_t>(at_), value});
-        }
-    }
-
     void fillPhis() {
-        for (size_t p = 0; p < phis_.size(); ++p) {  // which may add more
-            const uint32_t slot = phis_[p].slot;
+        for (size_t p = 0; p < phis_.size(); ++p) {  // read() may add more
             for (const size_t from : before_[phis_[p].block]) {
-                const uint32_t value = read(slot, from);
+                const uint32_t value = read(phis_[p].slot, from);
                 phis_[p].values.push_back(value);
             }
         }
     }
 
-    // One whose values are all the same but for itself is that value.
+    // A phi whose values, besides itself, are one value is that value.
     void dropTrivialPhis() {
-        for (bool changed = true; changed;) {
-            changed = false;
-            for (Phi& phi : phis_) {
-                if (phi.trivial) continue;
-                uint32_t same = 0;
-                bool differ = false;
-                for (uint32_t& value : phi.values) {
-                    value = resolved(value);
-                    if (value == phi.id || value == same) continue;
-                    differ = differ || same != 0;
-                    same = value;
-                }
-                if (differ || same == 0) continue;
-                forward_.set(phi.id, same);
-                phi.trivial = changed = true;
+        const auto isTrivial = [&](const Phi& phi) {
+            uint32_t same = 0;
+            for (const uint32_t value : phi.values) {
+                const uint32_t id = resolved(value);
+                if (id == phi.id || id == same) continue;
+                if (same != 0) return false;
+                same = id;
             }
+            if (same != 0) replaced_[phi.id] = same;
+            return same != 0;
+        };
+        while (std::erase_if(phis_, isTrivial) != 0) {
         }
     }
 
+    // The id that stands for `id`.
     uint32_t resolved(uint32_t id) {
-        const uint32_t next = forward_[id];
-        if (next == 0) return id;
-        uint32_t last = next;
-        while (const uint32_t more = forward_[last]) last = more;
-        if (last != next) forward_.set(id, last);
-        return last;
+        const auto first = replaced_.find(id);
+        if (first == replaced_.end()) return id;
+        return first->second = resolved(first->second);
     }
+
+    void addPhis() {
+        for (const Phi& phi : phis_) {
+            std::vector<uint32_t> words{slotTypes_[phi.slot], phi.id};
+            for (size_t from = 0; from < phi.values.size(); ++from) {
+                words.push_back(phi.values[from]);
+                words.push_back(function_.blocks[before_[phi.block][from]].label);
+            }
+            std::vector<Instruction>& body = function_.blocks[phi.block].body;
+            body.insert(body.begin() + 1, make(OpPhi, words));
+        }
+    }
+
+    std::vector<Instruction>& body() { return function_.blocks[at_].body; }
 
     // ---- Instruction by instruction ----
 
@@ -264,25 +239,22 @@ class Values {
         }
         const bool isStruct = resultPlace(i) == 2 && i.size() > 2 && ids_.isStruct(i[1]);
         const uint32_t type = isStruct ? i[1] : 0, id = isStruct ? i[2] : 0;
-        body_.push_back(std::move(i));
+        body().push_back(std::move(i));
         if (isStruct) addStructure(id, {type, apart(type, id)});
     }
 
-    void addStructure(uint32_t id, Structure structure) {
-        structures_.push_back(std::move(structure));
-        structured_.set(id, static_cast<uint32_t>(structures_.size()));
-    }
+    void addStructure(uint32_t id, Structure structure) { structures_[id] = std::move(structure); }
 
     const Structure* structureOf(uint32_t id) const {
-        const uint32_t number = structured_[id];
-        return number == 0 ? nullptr : &structures_[number - 1];
+        const auto structure = structures_.find(id);
+        return structure == structures_.end() ? nullptr : &structure->second;
     }
 
     uint32_t together(uint32_t type, const uint32_t*& leaf) {
         if (!ids_.isStruct(type)) return *leaf++;
         std::vector<uint32_t> words{type, ids_.fresh()};
         for (const uint32_t member : ids_.membersOf(type)) words.push_back(together(member, leaf));
-        body_.push_back(make(OpCompositeConstruct, words));
+        body().push_back(make(OpCompositeConstruct, words));
         return words[1];
     }
 
@@ -292,7 +264,7 @@ class Values {
         const std::vector<uint32_t>& members = ids_.membersOf(type);
         for (uint32_t m = 0; m < members.size(); ++m) {
             const uint32_t part = ids_.fresh();
-            body_.push_back(make(OpCompositeExtract, {members[m], part, id, m}));
+            body().push_back(make(OpCompositeExtract, {members[m], part, id, m}));
             const std::vector<uint32_t> more = apart(members[m], part);
             leaves.insert(leaves.end(), more.begin(), more.end());
         }
@@ -307,9 +279,9 @@ class Values {
 
     void load(const Instruction& i, const Place& place) {
         if (!place.rest.empty()) {
-            Instruction part = make(OpCompositeExtract, {i[1], i[2], read(place.slot, at_)});
-            part.insert(part.end(), place.rest.begin(), place.rest.end());
-            part[0] = OpCompositeExtract | static_cast<uint32_t>(part.size()) << 16;
+            std::vector<uint32_t> words{i[1], i[2], read(place.slot, at_)};
+            words.insert(words.end(), place.rest.begin(), place.rest.end());
+            Instruction part = make(OpCompositeExtract, words);
             extract(part);
         } else if (ids_.isStruct(i[1])) {
             Structure structure{i[1], {}};
@@ -317,23 +289,22 @@ class Values {
                 structure.leaves.push_back(read(place.slot + leaf, at_));
             addStructure(i[2], std::move(structure));
         } else {
-            forward_.set(i[2], read(place.slot, at_));
+            replaced_[i[2]] = read(place.slot, at_);
         }
     }
 
     void store(Instruction& i, const Place& place) {
         if (place.rest.empty()) {
             uint32_t slot = place.slot;
-            for (const uint32_t leaf : leaves(i[2], place.type)) write(slot++, leaf);
+            for (const uint32_t leaf : leaves(i[2], place.type)) defined_[at_][slot++] = leaf;
             return;
         }
         const uint32_t whole = ids_.fresh();
-        Instruction with =
-            make(OpCompositeInsert, {slotTypes_[place.slot], whole, i[2], read(place.slot, at_)});
-        with.insert(with.end(), place.rest.begin(), place.rest.end());
-        with[0] = OpCompositeInsert | static_cast<uint32_t>(with.size()) << 16;
+        std::vector<uint32_t> words{slotTypes_[place.slot], whole, i[2], read(place.slot, at_)};
+        words.insert(words.end(), place.rest.begin(), place.rest.end());
+        Instruction with = make(OpCompositeInsert, words);
         keep(with);
-        write(place.slot, whole);
+        defined_[at_][place.slot] = whole;
     }
 
     void construct(Instruction& i) {
@@ -366,7 +337,7 @@ class Values {
         if (!structure) {
             const auto vector = vectors_.find(i[3]);
             if (vector != vectors_.end() && i.size() == 5) {
-                forward_.set(i[2], vector->second[i[4]]);
+                replaced_[i[2]] = vector->second[i[4]];
             } else {
                 keep(i);
             }
@@ -376,15 +347,15 @@ class Values {
         const size_t at = follow(i, 4, type, leaf);
         const auto first = structure->leaves.begin() + leaf;
         if (at < i.size()) {
-            Instruction rest{0, i[1], i[2], *first};
-            rest.insert(rest.end(), i.begin() + static_cast<std::ptrdiff_t>(at), i.end());
-            rest[0] = OpCompositeExtract | static_cast<uint32_t>(rest.size()) << 16;
+            std::vector<uint32_t> words{i[1], i[2], *first};
+            words.insert(words.end(), i.begin() + static_cast<std::ptrdiff_t>(at), i.end());
+            Instruction rest = make(OpCompositeExtract, words);
             extract(rest);
         } else if (ids_.isStruct(type)) {
             Structure part{type, {first, first + static_cast<std::ptrdiff_t>(ids_.leavesOf(type).size())}};
             addStructure(i[2], std::move(part));
         } else {
-            forward_.set(i[2], *first);
+            replaced_[i[2]] = *first;
         }
     }
 
@@ -401,86 +372,53 @@ class Values {
         addStructure(i[2], std::move(structure));
     }
 
-    // ---- What is used ----
+    // ---- Which instructions are used ----
 
-    void use(uint32_t id) {
-        if (live_[id]) return;
-        live_.set(id, 1);
-        pending_.push_back(id);
-    }
-
-    void useOperands(Instruction& i) {
-        eachId(i, [&](uint32_t& id) { use(id = resolved(id)); });
-    }
-
-    void keepLive() {
-        std::vector<Instruction*> makers;
+    void keepUsed() {
+        std::unordered_map<uint32_t, Instruction*> makers;
+        std::unordered_set<uint32_t> used;
+        std::vector<Instruction*> pending;
         for (Block& block : function_.blocks) {
             for (Instruction& i : block.body) {
-                if (hasEffect(i)) {
-                    useOperands(i);
-                } else {
-                    makers.push_back(&i);
-                    makers_.set(i[2], static_cast<uint32_t>(makers.size()));
-                }
+                if (hasEffect(i))
+                    pending.push_back(&i);
+                else
+                    makers[i[2]] = &i;
             }
         }
-        for (uint32_t p = 0; p < phis_.size(); ++p)
-            makers_.set(phis_[p].id, static_cast<uint32_t>(makers.size()) + p + 1);
-        while (!pending_.empty()) {
-            const uint32_t maker = makers_[pending_.back()];
-            pending_.pop_back();
-            if (maker > makers.size()) {
-                for (uint32_t& value : phis_[maker - makers.size() - 1].values) use(value = resolved(value));
-            } else if (maker != 0) {
-                useOperands(*makers[maker - 1]);
-            }
+        while (!pending.empty()) {
+            Instruction& user = *pending.back();
+            pending.pop_back();
+            eachId(user, [&](uint32_t& id) {
+                id = resolved(id);
+                const auto maker = makers.find(id);
+                if (maker != makers.end() && used.insert(id).second) pending.push_back(maker->second);
+            });
         }
         for (Block& block : function_.blocks)
-            std::erase_if(block.body, [&](const Instruction& i) { return !hasEffect(i) && !live_[i[2]]; });
-        addPhis();
-    }
-
-    void addPhis() {
-        for (const Phi& phi : phis_) {
-            if (phi.trivial || !live_[phi.id]) continue;
-            std::vector<uint32_t> words{slotTypes_[phi.slot], phi.id};
-            for (size_t from = 0; from < phi.values.size(); ++from) {
-                words.push_back(phi.values[from]);
-                words.push_back(function_.blocks[before_[phi.block][from]].label);
-            }
-            std::vector<Instruction>& body = function_.blocks[phi.block].body;
-            body.insert(body.begin() + 1, make(OpPhi, words));
-        }
+            std::erase_if(block.body,
+                          [&](const Instruction& i) { return !hasEffect(i) && !used.contains(i[2]); });
     }
 
     Function& function_;
     Ids& ids_;
-    std::vector<Place> places_;
-    Table& pointers_;                               // by pointer, the number of its place from 1 on
-    std::unordered_set<uint32_t> kept_;             // variables that stay
-    std::vector<uint32_t> slotTypes_;               // of all leaves of all variables
-    std::vector<std::vector<size_t>> before_;       // predecessors
-    std::vector<std::vector<Definition>> defined_;  // by slot
-    uint32_t none_ = 0;
-    std::vector<bool> processed_;
+    std::unordered_map<uint32_t, Place> places_;                   // by pointer
+    std::unordered_set<uint32_t> kept_;                            // variables that remain
+    std::vector<std::vector<size_t>> before_;                      // predecessors, by block
+    std::vector<bool> processed_;                                  // by block
+    std::vector<uint32_t> slotTypes_;                              // of all leaves of all variables
+    std::vector<std::unordered_map<uint32_t, uint32_t>> defined_;  // by block and slot
+    std::unordered_map<uint32_t, Structure> structures_;           // by id
+    std::unordered_map<uint32_t, std::vector<uint32_t>> vectors_;  // components of constructed vectors
     std::vector<Phi> phis_;
-    Table& forward_;  // what an id is the same as
-    std::vector<Structure> structures_;
-    Table& structured_;  // by id, the number of its structure from 1 on
-    std::unordered_map<uint32_t, std::vector<uint32_t>> vectors_;  // that are put together of numbers
-    Table& live_;
-    Table& makers_;  // by id, the number from 1 on of the instruction, or of the phi after all of those
-    std::vector<uint32_t> pending_;
-    // Index and new body of the current block.
-    size_t at_ = 0;
-    std::vector<Instruction> body_;
+    std::unordered_map<uint32_t, uint32_t> replaced_;  // loads and trivial phis, by the value that they are
+    size_t at_ = 0;                                    // current block
 };
 
 }  // namespace
 
-void turnVariablesIntoValues(Function& function, Ids& ids, Tables& tables) {
-    Values(function, ids, tables).run();
+void turnVariablesIntoValues(Function& function, Ids& ids) {
+    Values(function, ids).run();
 }
 
 }  // namespace glint::gpu::spirv

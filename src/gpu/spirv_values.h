@@ -1,4 +1,4 @@
-// Local variables of a function turned into values: a part of flatten.h.
+// Local variables of a function turned into values: a part of specialize.h.
 #pragma once
 
 #include "gpu/spirv_code.h"
@@ -6,15 +6,10 @@
 
 namespace glint::gpu::spirv {
 
-// By ids, for turnVariablesIntoValues alone: the same for all functions, as memory of their own costs more
-// than what is looked up in it.
-struct Tables {
-    Table pointers, forward, structured, live, makers;
-};
-
 // Whatever the function stores to and loads from its own variables becomes values (M. Braun et al., "Simple
-// and Efficient Construction of Static Single Assignment Form", CC 2013), structures part by part. What is
-// then not used goes. Variables that are handed to a function, or indexed by what is no constant, stay.
-void turnVariablesIntoValues(Function& function, Ids& ids, Tables& tables);
+// and Efficient Construction of Static Single Assignment Form", CC 2013), structures member by member.
+// Instructions whose results are then unused are removed. Variables that are passed to a function or have an
+// index that is not constant remain.
+void turnVariablesIntoValues(Function& function, Ids& ids);
 
 }  // namespace glint::gpu::spirv

@@ -1,5 +1,5 @@
-// Calls, structures, arrays, loops and early ways out in one function, as GLSL and as C++: what flatten()
-// turns inside out, and what it must leave alone.
+// Calls, structures, arrays, loops and early ways out in one function, as GLSL and as C++: what
+// specialize() turns inside out, and what it must leave alone.
 
 struct Inner {
     uint x;

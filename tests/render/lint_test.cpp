@@ -4,7 +4,6 @@
 #include <set>
 
 #include "core/device_layout.h"
-#include "gpu/flatten.h"
 #include "gpu/specialize.h"
 #include "render/kernels.h"
 #include "spirv_lint.h"
@@ -39,7 +38,7 @@ std::vector<uint32_t> forDriver(Words kernel, bool own) {
     }
     EXPECT_GE(found, 1u);  // a kernel without roots has lost their constant
     const std::vector<uint32_t> constants(places.size(), own ? 1u : 0u);
-    return gpu::flatten(gpu::specialize(words, constants));
+    return gpu::specialize(words, constants);
 }
 
 TEST(Lint, NoKernelLeavesBitsToTheDriver) {
@@ -59,7 +58,7 @@ TEST(Lint, QuotientsAndRootsAreAllThatADeviceMayDo) {
     }
 }
 
-// The marks are flatten's: before it every kernel has sums without a mark.
+// The marks are specialize()'s: before it every kernel has sums without a mark.
 TEST(Lint, ThereIsArithmeticToMark) {
     for (const auto& [name, words] : allKernels())
         EXPECT_TRUE(variedByDrivers(words).contains("unmarked")) << name;

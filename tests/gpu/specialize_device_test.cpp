@@ -3,15 +3,15 @@
 
 #include "gpu_fixture.h"
 
-namespace glint::gpu::flatten_device_test {
+namespace glint::gpu::specialize_device_test {
 using uint = uint32_t;
 using glm::uvec3;
 #define GLINT_INOUT(T) T&
 #include "twists.h"
 
-using FlattenDevice = GpuTest;
+using SpecializeDevice = GpuTest;
 
-TEST_F(FlattenDevice, CallsStructuresAndLoopsComputeTheSame) {
+TEST_F(SpecializeDevice, CallsStructuresAndLoopsComputeTheSame) {
     constexpr uint32_t kSeeds = 500;
     const Buffer buffer(device_, "values", kSeeds * 4, Access::StorageBuffer, MemoryKind::Device);
     write(device_, buffer, counting(kSeeds));
@@ -25,4 +25,4 @@ TEST_F(FlattenDevice, CallsStructuresAndLoopsComputeTheSame) {
     for (uint32_t seed = 0; seed < kSeeds; ++seed) ASSERT_EQ(values[seed], twisted(seed)) << seed;
 }
 
-}  // namespace glint::gpu::flatten_device_test
+}  // namespace glint::gpu::specialize_device_test
