@@ -140,6 +140,9 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
 // The test of a leaf's triangles: traversal/leaf.glsl or traversal/count.glsl.
 bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, inout uint trips, out Hit hit);
 
+// Set with a hit if dielectrics let shadow rays pass: false if the ray crosses another triangle of the edge.
+bool crossesHere;
+
 // The test of closest and any hits, and whether a hit counts as a crossing: primitives/robust.glsl or
 // primitives/textbook.glsl.
 bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,

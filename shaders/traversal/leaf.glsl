@@ -13,6 +13,7 @@ bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, ino
     float t, u, v;
     vec3 normal = loadTriangleSurface(primitive & kPrimitiveIndexMask).normal;
     bool isHit = meetTriangle(ray, frame, triangle, normal, t, u, v);
+    if (FEATURE_COLORED_SHADOWS) crossesHere = crossesOnce(ray, frame, triangle);
     hit = Hit(t, u, v, primitive, kNone, triangle.id);
     return isHit;
 }
@@ -32,9 +33,7 @@ bool passesThrough(inout Traversal traversal, Hit hit) {
     Surface surface = surfaceOfHit(traversal, hit);
     bool through = FEATURE_ALPHA_MASK && holeAt(surface);
     if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal) && !through) {
-        uint index = hit.primitive & kPrimitiveIndexMask;
-        bool counts =
-            kindOf(hit) != kKindTriangle || crossesOnce(traversal.ray, traversal.frame, loadTriangle(index));
+        bool counts = kindOf(hit) != kKindTriangle || crossesHere;
         through = passes(traversal.passage, surface, leavesThrough(traversal, surface, hit), counts, hit.t);
     }
     return through;

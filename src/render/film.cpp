@@ -53,10 +53,7 @@ void readLosses(const PathState& paths, const gpu::Device& device, const Slice& 
         glm::ivec2 pixel;
         if (!slice.pixelOf(path, pixel)) continue;
         const uint32_t taken =
-            modes.adaptive
-                ? picture.samples[static_cast<size_t>(pixel.y - slice.region.y0) * slice.region.width() +
-                                  (pixel.x - slice.region.x0)]
-                : picture.samplesPerPixel;
+            modes.adaptive ? picture.samples[slice.indexOf(pixel)] : picture.samplesPerPixel;
         const double scale = 1.0 / std::max(taken, 1u);
         LostBranches* const kinds[] = {&losses.cut, &losses.depth, &losses.room};
         for (int kind = 0; kind < 3; ++kind) {
@@ -81,11 +78,11 @@ PixelData AovRows::at(uint32_t path, const glm::dvec3& origin) const {
     data.object = indices[path].u[2];
     data.primitive = indices[path].u[3];
     if (data.object != shared::kNone) {
-        data.position = origin + glm::dvec3(position[path].f[0], position[path].f[1], position[path].f[2]);
+        data.position = origin + vectorOf(position[path]);
         data.depth = position[path].f[3];
     }
-    data.normal = {normal[path].f[0], normal[path].f[1], normal[path].f[2]};
-    data.geometricNormal = {geometry[path].f[0], geometry[path].f[1], geometry[path].f[2]};
+    data.normal = vectorOf(normal[path]);
+    data.geometricNormal = vectorOf(geometry[path]);
     data.clearance = geometry[path].f[3];
     data.material = normal[path].u[3];
     data.u = indices[path].f[0];

@@ -24,23 +24,16 @@ constexpr std::string_view kKnown[] = {
     "pointLights",    "directionalLights", "spotLights", "specular", "mirrors",         "parallelCamera",
     "splitTriangles", "environmentMap",    "thinLens",   "slivers",  "openPlanes",      "texturedGlass"};
 
-bool isKnown(std::string_view feature) {
-    return std::find(std::begin(kKnown), std::end(kKnown), feature) != std::end(kKnown);
-}
-
 // Primitives in the leaves that packets test.
 size_t primitivesOfPackets(const PackedScene& scene) {
     return scene.triangles.size() + scene.spheres.size() + scene.cuboids.size();
 }
 
-bool anyForPackets(const SceneFeatures& features) {
-    return features.triangles || features.spheres || features.cuboids;
-}
-
 std::string unknownToPackets(const SceneFeatures& features) {
     std::string unknown;
-#define GLINT_CHECK(ID, NAME, field) \
-    if (features.field && !isKnown(#field)) unknown += (unknown.empty() ? "" : ", ") + std::string(#field);
+#define GLINT_CHECK(ID, NAME, field)                                             \
+    if (features.field && std::ranges::find(kKnown, #field) == std::end(kKnown)) \
+        unknown += (unknown.empty() ? "" : ", ") + std::string(#field);
     GLINT_FEATURES(GLINT_CHECK)
 #undef GLINT_CHECK
     return unknown;
@@ -60,7 +53,7 @@ TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& devic
     if (const std::string name = unknownToPackets(scene.features); !name.empty())
         return {false, "packets do not support " + name};
     if (methods != Methods{}) return {false, "packets support only the default intersection tests"};
-    if (!anyForPackets(scene.features)) return {false, "the scene has no BVH"};
+    if (primitivesOfPackets(scene) == 0) return {false, "the scene has no BVH"};
     if (wanted == Traversal::Packet) return {true, "as asked for"};
     if (!device.llvmpipe) return {false, "packets are faster only on llvmpipe"};
     if (primitivesOfPackets(scene) < kFewestForPackets) return {false, "too few primitives for packets"};

@@ -25,16 +25,6 @@ uint32_t loopsOf(const SceneFeatures& features) {
     return sum;
 }
 
-// Count of the middle loop for each of its trips, like tripsOfPass in shaders/traversal/leaf.glsl.
-uint32_t tripsOfPass(const SceneFeatures& features) {
-    return loopsOf(features) + 1;
-}
-
-// True if the stack traversal has a middle loop. All traversals in whole.comp use the stack.
-bool haveMiddleLoop(const SceneFeatures& features) {
-    return features.instances;
-}
-
 // Loop trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which
 // some lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack =
 // 2 (1 + kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add
@@ -45,10 +35,9 @@ bool haveMiddleLoop(const SceneFeatures& features) {
 //   its longest lane: L (B + 2) more, where L counts them (of polygons also their edges', of quadrics their
 //   further hits').
 // - Where rays wait for each other before instances, they stand in a middle loop, whose trips, each with a
-// live lane, enter all of them. These count tripsOfPass each, and
-//   those of the outer loop one more, so that all is in the lanes' own B; slack is larger by two and one.
-//   Stackless traversals of the same scene are of the first sort: the
-//   lesser of both budgets.
+//   live lane, enter all of them. These count tripsOfPass each, and those of the outer loop one more, so that
+//   all is in the lanes' own B; slack is larger by two and one. Stackless traversals of the same scene are of
+//   the first sort, and whole.comp has none: the lesser of both budgets.
 // The loop of the rays, to all lights (and in whole.comp of all bounces), enters each once more for each of
 // its trips. What no lane counts comes on top: the planes' loop, for all rays together `uncounted`.
 enum class Kernels { Any, Whole };
@@ -56,14 +45,15 @@ uint32_t budgetOf(Kernels kernels, const gpu::DeviceInfo& device, const SceneFea
                   uint32_t polygonTripsPerLeaf, uint64_t rays, uint64_t uncounted) {
     const uint64_t lanes = std::max(device.limits.subgroupSize, 8u);
     const uint64_t slack = 2 * (1 + shared::kQuadricHits) * shared::kMaxLeafSize + 4 + polygonTripsPerLeaf;
-    const uint64_t loops = loopsOf(features), pass = tripsOfPass(features);
+    // pass: of the middle loop for each of its trips, like tripsOfPass in shaders/traversal/leaf.glsl.
+    const uint64_t loops = loopsOf(features), pass = loops + 1;
     const auto left = [](uint64_t fixed, uint64_t each) {
         return fixed < kLlvmpipeTrips ? static_cast<uint32_t>((kLlvmpipeTrips - fixed) / each) : 1;
     };
     const uint32_t waiting = left(uncounted + lanes * (slack + 2 * pass + 1) + rays * (pass + 2), lanes);
-    if (kernels == Kernels::Whole && haveMiddleLoop(features)) return waiting;
+    if (kernels == Kernels::Whole && features.instances) return waiting;
     const uint32_t outer = left(uncounted + lanes * slack + (2 + rays) * loops + rays, lanes + loops);
-    return haveMiddleLoop(features) ? std::min(outer, waiting) : outer;
+    return features.instances ? std::min(outer, waiting) : outer;
 }
 
 // scenes/glass.json follows up to 82.
