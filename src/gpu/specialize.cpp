@@ -260,6 +260,8 @@ std::vector<uint32_t> specialize(std::span<const uint32_t> spirv, std::span<cons
     code.keepCalledFunctions();
     Ids ids(code);
     inlineCalls(code, ids);
+    // Conditions that were arguments or variables may be constants now.
+    for (Function& function : code.functions) simplify(function, known);
     code.keepCalledFunctions();
     keepUsedVariables(code);
     keepUsedCapabilities(code);
