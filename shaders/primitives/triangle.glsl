@@ -45,7 +45,7 @@ bool isAround(SeenTriangle seen) {
 
 // anchor, normal: v0 and the unit normal, turned.
 bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, vec3 anchor, vec3 normal, out float t,
-                     out float u, out float v) {
+                     precise out float u, precise out float v) {
     SeenTriangle seen = seenAlong(frame, a, b, c);
     precise float det = seen.ea + seen.eb + seen.ec;
     precise float inverse = quotient(1.0, det);

@@ -101,7 +101,7 @@ void addTriangle(Part& part, const dvec3 (&vertices)[3], const Setting& at) {
     part.addItem(shared::PrimitiveKind::Triangle, part.model.triangles.size() - 1, box, 1);
 }
 
-// What the mesh knows of the triangle added last.
+// Sets normals, texture coordinates and colours of the triangle added last.
 void addAttributes(Part& part, const Mesh& mesh, uint32_t face) {
     rows::TriangleSurface& surface = part.model.triangleSurfaces.back();
     if (!mesh.normalCorners.empty()) {
