@@ -1,10 +1,10 @@
-// One picture on Flamenco 3: put this file into the folder "scripts" beside the Manager. The paths must be the
+// Renders one image on Flamenco 3: put this file into the folder "scripts" beside the Manager. The paths must be the
 // same on all Workers, and glint in their PATH.
 const JOB_TYPE = {
-    label: "glint: one picture in parts",
+    label: "glint: one image in parts",
     settings: [
         { key: "scene", type: "string", required: true, description: "scene or model" },
-        { key: "picture", type: "string", required: true, description: "picture to write: .png .exr .pfm .hdr" },
+        { key: "picture", type: "string", required: true, description: "image to write: .png .exr .pfm .hdr" },
         { key: "parts", type: "int32", default: 16 },
     ]
 };

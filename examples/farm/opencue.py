@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""One picture on OpenCue: examples/farm/opencue.py SCENE PICTURE PARTS
+"""Renders one image on OpenCue: examples/farm/opencue.py SCENE IMAGE PARTS
 
-Frame K of the first layer draws part K; the second layer merges when all are done. The paths must be the same on all hosts.
+Frame K of the first layer renders part K; the second layer merges when all are done. The paths must be the same on all hosts.
 """
 import getpass
 import os

@@ -1,7 +1,7 @@
 #!/bin/sh
-# One picture by GNU parallel, on this machine or on those of a login file.
-#   examples/farm/parallel.sh SCENE PICTURE PARTS [options of parallel, such as --sshloginfile machines --workdir .]
-# A part that fails is tried three times; what is there is not drawn again.
+# Renders one image by GNU parallel, on this machine or on those of a login file.
+#   examples/farm/parallel.sh SCENE IMAGE PARTS [options of parallel, such as --sshloginfile machines --workdir .]
+# A part that fails is tried three times; existing parts are not rendered again.
 set -eu
 scene=$1 picture=$2 parts=$3
 shift 3

@@ -1,8 +1,8 @@
 #!/bin/bash
-# One picture on a Slurm cluster whose nodes share a file system.
-#   examples/farm/slurm.sh SCENE PICTURE PARTS [options of sbatch, such as --cpus-per-task=8 --gres=gpu:1]
-# An array draws the parts; when all are done, a second job merges them. A job that fails is tried again by
-#   scontrol requeue, or by running this script once more, which draws what is missing.
+# Renders one image on a Slurm cluster whose nodes share a file system.
+#   examples/farm/slurm.sh SCENE IMAGE PARTS [options of sbatch, such as --cpus-per-task=8 --gres=gpu:1]
+# An array renders the parts; when all are done, a second job merges them. A job that fails is tried again by
+#   scontrol requeue, or by running this script once more, which renders missing parts.
 set -eu
 scene=$(realpath "$1") picture=$(realpath -m "$2") parts=$3
 shift 3

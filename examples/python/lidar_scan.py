@@ -11,12 +11,12 @@ from town import HALF, colours, town, write_png
 
 options = argparse.ArgumentParser(description="a lidar scan of a small town")
 options.add_argument("out", nargs="?", default="lidar_scan.png")
-options.add_argument("--size", type=int, default=480, help="of the picture, in pixels")
+options.add_argument("--size", type=int, default=480, help="image size in pixels")
 options.add_argument("--device", help="part of a device's name; cpu: the reference")
 given = options.parse_args()
 scene = town(given.device)
 
-# One turn: 64 beams, from 40 degrees above the horizon to 24 below it, at twice as many headings as the picture is wide.
+# One turn: 64 beams, from 40 degrees above the horizon to 24 below it, at twice as many headings as the image has columns.
 headings = np.linspace(np.pi, -np.pi, 2 * given.size, endpoint=False)
 heading, slope = np.meshgrid(headings, np.radians(np.linspace(40, -24, 64)))
 beams = np.stack([np.cos(slope) * np.cos(heading), np.cos(slope) * np.sin(heading), np.sin(slope)], axis=-1)

@@ -11,7 +11,7 @@ from town import colours, surface, town, write_png
 
 options = argparse.ArgumentParser(description="the sky-view factor in a small town")
 options.add_argument("out", nargs="?", default="sky_view.png")
-options.add_argument("--size", type=int, default=480, help="of the picture, in pixels")
+options.add_argument("--size", type=int, default=480, help="image size in pixels")
 options.add_argument("--device", help="part of a device's name; cpu: the reference")
 given = options.parse_args()
 scene = town(given.device)

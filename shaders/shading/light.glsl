@@ -20,7 +20,7 @@ struct Rest {
 void store(Lit lit, Traversal traversal, Rest rest) {
     bool unfinished = lit.live && rest.slot != kNone;
     if (lit.changed) storeRow(kRowRadiance, lit.path, packRow(lit.radiance, lit.hits));
-    // Not stored where nobody reads what would change (packet_intersect.comp says what a store costs).
+    // Not stored unless a later kernel reads it: a store has a cost (packet_intersect.comp).
     if (lit.live && (MODE_AOVS || MODE_COST || MODE_RESUME || unfinished)) {
         uvec4 walkRow = loadWalkRow(lit.path);
         storeRow(kRowWalk, lit.path,

@@ -258,7 +258,7 @@ GLINT_CONST_UINT(kShadowBits, 32u);  // lights whose occlusion at the first hit 
 GLINT_CONST_UINT(kHashStart, 2166136261u);
 GLINT_CONST_UINT(kHashPrime, 16777619u);
 
-// The float below 1: the height of an upper cap, where 1 would begin a repeated image anew.
+// The float below 1: the height of an upper cap. 1 would be the start of the next repeat of an image.
 GLINT_CONST_FLOAT(kBelowOne, 0.999999940395355224609375f);
 GLINT_CONST_FLOAT(kDarkestMean, 0.125f);  // adaptive sampling judges darker means as if they were as bright
 GLINT_CONST_UINT(kPairFilm, 0u);          // a sample's point in the pixel

@@ -138,8 +138,7 @@ class UnitRenderer {
     // Bytes of the largest unit.
     uint64_t mostBytes() const { return unitBytes(command_.aovs, mostPixelsOf(cut_)); }
 
-    // Nothing if it was interrupted, or `unwanted` says that nobody wants the unit any more. `progress` hears
-    // how much of the unit is done.
+    // Empty if interrupted, or once `unwanted` returns true. `progress` gets the finished part of the unit.
     std::optional<farm::UnitResult> draw(int part, const std::function<void(double)>& progress,
                                          const std::function<bool()>& unwanted = {});
 

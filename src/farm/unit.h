@@ -26,7 +26,7 @@ struct Identity {
 };
 
 // The first fact that differs, for people: "size is 640x480 there and 800x600 here"; empty if none does.
-// Facts about files are hashes, which nobody reads: "file bunny.obj has other contents".
+// Facts about files are hashes, so the message is "file bunny.obj has other contents".
 std::string difference(const Identity& there, const Identity& here);
 
 // The image that units belong to.

@@ -92,8 +92,8 @@ void createView(BufferState& state, const DeviceState& device) {
                         device.vk.vkDestroyBufferView);
 }
 
-// Pages that nobody has touched are most of the time of a large copy; several threads touch them side by
-// side.
+// Most of the time of a large copy goes into pages that are touched for the first time; several threads
+// touch them in parallel.
 void copy(const Context& context, std::byte* to, const std::byte* from, size_t bytes) {
     constexpr size_t kPiece = size_t{4} << 20;
     parallelFor(context, (bytes + kPiece - 1) / kPiece, [&](size_t piece) {

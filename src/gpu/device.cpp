@@ -33,8 +33,8 @@ void openDevice(DeviceState& state) {
     if (state.physical.portabilitySubset) extensions.push_back("VK_KHR_portability_subset");
     if (state.surface != VK_NULL_HANDLE) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     VkPhysicalDeviceFeatures features{};
-    // Lanes without work read what an index that nobody wrote points to, and drop it. Every Vulkan device has
-    // this feature, and with it such a read is one of some number instead of undefined.
+    // Lanes without work load from an uninitialised index and drop the value. Every Vulkan device has this
+    // feature, which makes such a load return some number instead of being undefined.
     features.robustBufferAccess = VK_TRUE;
     VkDeviceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;

@@ -139,7 +139,7 @@ struct DeviceState : DeviceContext {
     Handle<VkPipelineCache> pipelineCache;
 
     // The programs used last, newest first. lavapipe's VkPipelineCache keeps nothing (Mesa 22.3.6), so
-    // whoever draws scene after scene would compile the same kernels each time, 0.1 to 4 s. Compared whole: a
+    // rendering many scenes would compile the same kernels each time, 0.1 to 4 s. Compared whole: a
     // program is never taken for another.
     std::mutex programsMutex;
     std::vector<std::shared_ptr<const Program>> programs;

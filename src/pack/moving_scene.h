@@ -18,14 +18,14 @@ class MovingScene {
 
     const PackedScene& packed() const { return packed_; }
 
-    // The tree is built anew where its expected cost has grown so many times, which is what tests of a ray
-    // grow by.
+    // The tree is rebuilt if its expected cost, and so the number of tests of a ray, has grown by more than
+    // this factor.
     static constexpr double kMostGrowth = 1.3;
 
     // `scene`: placed, and like the one packed but for the camera, transforms, and the positions of meshes;
     // moved: for each object, whether its transform or its positions may have changed. Afterwards the scene
-    // holds what packing `scene` anew would give, in another order and in another tree: so a ray has the same
-    // answer in the same bits. False where only packing it anew does: then the arrays are of no use any more.
+    // holds what packing `scene` again would give, in another order and another tree: so a ray has the same
+    // answer in the same bits. False if the scene must be packed again: then the arrays are useless.
     // That is where
     // - the tree has become kMostGrowth times as dear,
     // - other triangles than before have no area,

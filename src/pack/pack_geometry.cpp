@@ -170,7 +170,7 @@ Counts sumUp(std::vector<Counts>& chunks) {
     return total;
 }
 
-// Planes are written already. Side by side, as memory that nobody has touched takes longest here.
+// Planes are written already. In parallel, as the first touch of memory takes longest here.
 void makeRoom(const Counts& total, PackedScene& packed, const Context& context) {
     std::vector<std::function<void()>> tasks;
     const auto make = [&](auto& array, size_t size) {

@@ -14,7 +14,7 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
                   const PackOptions& options, const Context& context, PackedScene& packed,
                   Materials& materials);
 
-// The planes, anew. extent: with the camera.
+// Packs the planes again. extent: with the camera.
 void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Extent& extent,
                 PackedScene& packed);
 

@@ -272,8 +272,8 @@ class SampleMaker {
     }
 
   private:
-    // Sequences go on from round to round. The cells of jittered samples are made anew, their random numbers
-    // come from the sample's number in the picture.
+    // Sequences continue from round to round. The cells of jittered samples are made again for each round;
+    // their random numbers come from the sample's number in the image.
     void addClass(size_t number, const SampleClass& c, double weight, std::vector<shared::Sample>& rows) {
         const auto add = [&](const FixedPoint& place, uint32_t scatter, uint32_t key,
                              const FixedPoint& width) {

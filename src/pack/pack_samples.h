@@ -16,8 +16,8 @@ namespace glint {
 // radius 0.5 comes as offsets, anything else as rows.
 PackedSamples packSamples(const ImageSettings& image, bool lens);
 
-// The samples of a picture piece by piece, for whoever finds out on the way how many it takes. Nothing but
-// `next` says how many there are: samplesPerPixel and adaptive of `image` are not looked at.
+// The samples of an image piece by piece, for callers that learn on the way how many they need. Only `next`
+// decides how many there are: samplesPerPixel and adaptive of `image` are ignored.
 class SampleSequence {
   public:
     // Throws std::invalid_argument for a grid, which has no further samples; Auto is LowDiscrepancy.

@@ -1,5 +1,5 @@
 // Visits of a packed scene's arrays and kinds of primitives, generated from the lists of shaders/shared, so
-// that nobody keeps a list of his own.
+// that no file has a list of its own.
 #pragma once
 
 #include <cstdint>

@@ -58,7 +58,7 @@ void smoothTriangle(const Model& scene, const Hit& hit, const InstanceFrame* fra
 
 }  // namespace
 
-// Squares of coordinates stay finite. Of a scene in the range of fp32 a ray from so far tells nothing apart.
+// Squares of coordinates stay finite. From farther away, rays cannot resolve a scene in the range of fp32.
 constexpr double kFarthestOrigin = 1e150;
 
 PreparedRay::PreparedRay(const Ray& ray) : ties(ray.ties), slips(ray.slips), noise(ray.noise) {

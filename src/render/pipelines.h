@@ -31,7 +31,7 @@ class Pipelines {
     Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
               const SceneFeatures& features, bool ownArithmetic = false);
 
-    // Buffers that every kernel sees. Kernels made so far are bound anew.
+    // Buffers that every kernel sees. Existing kernels are bound again.
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
     const gpu::Kernel& get(KernelId id, const TraceModes& modes);
 

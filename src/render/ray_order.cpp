@@ -30,8 +30,8 @@ float apart(const RayInput& a, const RayInput& b, float diagonal) {
     return glm::dot(turn, turn) + glm::dot(way, way);
 }
 
-// The number of rays after which rows begin anew, if they do: a step as far as a whole row, each time, from
-// neighbours that are near each other to others.
+// The number of rays in a row, if the rays form rows: after it comes a step as far as a whole row, between
+// rays whose neighbours are near each other.
 size_t rowLength(const ReadRays& read, const RayNumbers& numbers, size_t count, float diagonal) {
     constexpr float kFar = 64, kNear = 256, kRounding = 1e-12f;  // squares
     std::array<RayInput, kReadBlock> rays;

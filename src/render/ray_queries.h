@@ -80,7 +80,7 @@ class RayQueries {
     ~RayQueries();
 
     // Takes over what SceneBuffers::update can: the scene given to the constructor has changed since, in
-    // numbers alone. False if it cannot, and only queries made anew know the scene. Nobody may be asking.
+    // numbers alone. False if it cannot; then new queries must be made. No query may be running.
     bool update();
 
     // Compiles the kernels of Ask::Nearest and Ask::Any.

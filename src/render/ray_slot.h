@@ -21,7 +21,7 @@ constexpr size_t kBlock = kRayBlock;
 // llvmpipe gives each of its threads an equal run of the workgroups: blocks are dealt out among so many runs.
 constexpr size_t kRuns = 16;
 
-// A block of elements that nobody sets to anything first, which would cost as much as to fill it.
+// A block of uninitialised elements: initialising it would cost as much as filling it.
 template <class Element>
 class Unset {
   public:

@@ -44,7 +44,7 @@ class SceneBuffers {
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;
     // At most as many as there were at construction.
     void setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const;
-    // True if the array had to grow: bind anew. No rows: nothing is done.
+    // True if the array had to grow: bind it again. Does nothing without rows.
     bool setSamples(const gpu::Device& device, std::span<const shared::Sample> rows);
     // Buffer to bind at `binding` (2 and up).
     const gpu::Buffer& at(uint32_t binding) const;

@@ -93,7 +93,7 @@ fs::path claimName(const fs::path& folder, const std::string& stem, const std::s
         char number[24];
         std::snprintf(number, sizeof(number), "-view-%03d", i);
         const fs::path candidate = folder / (stem + number + extension);
-        // "x": fails if the file is there, and nobody can come in between.
+        // "x": fails if the file exists, without a race.
         if (std::FILE* file = std::fopen(candidate.c_str(), "wx")) {
             std::fclose(file);
             return candidate;

@@ -28,7 +28,7 @@ class Timeline {
     bool loops() const { return loops_; }
     void setLoops(bool loops) { loops_ = loops; }
 
-    // `now`: of any clock, in seconds. Playing begins at the moment that is shown, or anew at the end.
+    // `now`: of any clock, in seconds. Playing begins at the time that is shown, or at 0 after the end.
     bool playing() const { return playing_; }
     void play(double now);
     void toggle(double now) { playing_ ? void(playing_ = false) : play(now); }

@@ -14,10 +14,10 @@ import sys
 
 LIMITS = {
     "comment block that starts with What, Of, Where, Whether, Who, As or Since": 0,
-    "sentence that starts with What, Of, Where, Whether or Who": 7,
-    "sentence of more than 30 words": 69,
+    "sentence that starts with What, Of, Where, Whether or Who": 1,
+    "sentence of more than 30 words": 0,
     "paragraph of more than 110 words": 0,
-    "banned word": 34,
+    "banned word": 0,
 }
 COMMENT, SENTENCE, LONG_SENTENCE, LONG_PARAGRAPH, BANNED = LIMITS
 COMMENT_START = re.compile(r"(?:What|Of|Where|Whether|Who|Whoever|As|Since)\b")
