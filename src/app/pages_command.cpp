@@ -104,8 +104,10 @@ complete -o default -F _glint glint
 )";
 }
 
+// zsh runs the file at the first completion of a session, which the last line answers.
 Text zshCompletion(const CLI::App& program) {
-    return "#compdef glint\nautoload -Uz bashcompinit && bashcompinit\n" + bashCompletion(program);
+    return "#compdef glint\nautoload -Uz bashcompinit && bashcompinit\n" + bashCompletion(program) +
+           "_bash_complete -o default -F _glint\n";
 }
 
 Text fishQuoted(const Text& plain) {

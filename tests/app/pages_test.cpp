@@ -77,6 +77,12 @@ TEST_F(Pages, BashCompletes) {
     EXPECT_EQ(offered("devices ''"), "\n");
 }
 
+// The completion that loads the file is answered too.
+TEST_F(Pages, ZshCompletesTheFirstTime) {
+    const std::string text = readText("zsh/vendor-completions/_glint");
+    EXPECT_TRUE(text.ends_with("complete -o default -F _glint glint\n_bash_complete -o default -F _glint\n"));
+}
+
 TEST_F(Pages, GoIntoAFolderThatIsThere) {
     const Ran ran = runGlint("pages nowhere");
     EXPECT_EQ(ran.code, 1);
