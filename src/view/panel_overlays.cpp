@@ -155,7 +155,9 @@ void drawPickWindow(Gui& gui, Model& m) {
         checkbox(gui, "draw rays", m.drawsRays, "white from the eye, orange reflected, blue transmitted");
         const bool perspective = m.control.camera().projection == Projection::Perspective;
         if (perspective && pick.hit() && !m.pickIsOld && button(gui, "focus here", "of the lens"))
-            m.wish = [](Model& model, Commands& c) { c.focusAt(model.pick->x, model.pick->y); };
+            m.wish = [](Model& model, Commands& c) {
+                if (model.pick) c.focusAt(model.pick->x, model.pick->y);
+            };
         ImGui::Separator();
         drawRayTree(pick);
     });

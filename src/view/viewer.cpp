@@ -205,9 +205,10 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
     model_.sayWarnings(err);
 }
 
-// The session must go before its device.
+// The session must go before its device, and jobs before the window, which they wake.
 Viewer::~Viewer() {
     commands_.releaseDevice();
+    for (Job* job : {&model_.referring, &model_.loading, &model_.packing}) job->stop();
 }
 
 void Viewer::openDevice() {
