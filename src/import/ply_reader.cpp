@@ -1,4 +1,4 @@
-// PLY meshes (Turk, The PLY Polygon File PlyFormat, 1994). assimp (5.2.5) is no substitute: it rounds double
+// PLY meshes (Turk, The PLY Polygon File Format, 1994). assimp (5.2.5) is no substitute: it rounds double
 // properties to float, accepts truncated ascii files and fills the rest with arbitrary memory, and accepts
 // invalid vertex indices.
 #include <algorithm>
@@ -265,9 +265,9 @@ class PlyReader {
         if (vertices == header_.elements.end()) fail("holds no vertices");
         vertexCount_ = static_cast<int64_t>(vertices->count);
         if (builder_.positions.size() != vertices->count) keepFaces_ = true;
-        const auto found = std::ranges::find_if(element.properties, isIndices);
-        if (found == element.properties.end())
-            fail("the " + plural + " have neither a list vertex_indices nor vertex_index");
+        const PlyProperty* found = element.find("vertex_indices");
+        if (found == nullptr) found = element.find("vertex_index");
+        if (found == nullptr) fail("the " + plural + " have neither a list vertex_indices nor vertex_index");
         if (!found->isList || !isInteger(found->type))
             fail("\"" + found->name + "\" must be a list of integers");
         return *found;

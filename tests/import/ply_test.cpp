@@ -278,6 +278,14 @@ TEST(Ply, FacesOnBothSidesOfTheVerticesKeepTheirOrder) {
     EXPECT_TRUE(mesh.faces.empty());
 }
 
+TEST(Ply, VertexIndicesGoBeforeVertexIndex) {
+    const Mesh mesh = import(header("ascii", "element vertex 4\n" + kXyz +
+                                                 "element face 1\nproperty int vertex_index\n" + kList) +
+                             kSquareVertices + "7 3 3 2 1\n")
+                          .mesh;
+    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{3, 2, 1}}));
+}
+
 TEST(Ply, HeadersThatAreNotUnderstood) {
     EXPECT_EQ(importErrorOf("solid cube\n"), "m.ply:1: not a PLY file: it must start with \"ply\"");
     EXPECT_EQ(importErrorOf("ply\nformat ascii 2.0\nend_header\n"),
