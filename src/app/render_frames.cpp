@@ -103,7 +103,7 @@ class FrameRenderer {
             err_ << "glint: warning: " << shown(command_.scene.scene)
                  << ": has no animation; all frames are the same picture\n";
         const Region region = requestOf(command_, loaded).region;
-        checkMemory(region.width(), region.height(), bytesPerPixel(command_), availableMemory());
+        checkMemory(region.width(), region.height(), 2 * bytesPerPixel(command_), availableMemory());
         scene_->moveTo(timeOf(frames_.front().number));
     }
 
