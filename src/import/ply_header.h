@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/context.h"
 #include "core/binary_numbers.h"
+#include "core/context.h"
 
 namespace glint {
 

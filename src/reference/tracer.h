@@ -2,9 +2,9 @@
 // shaders from the same formulas. Of the rounded inputs that the device reads it differs by arithmetic alone;
 // of the scene as it was read (truth/truth.h) it is the truth.
 //
-// In the order of an image: render.h calls sampling.h for camera rays and shade.cpp for the tree of rays below
-// each; shade.cpp calls traversal.cpp (traverse.h, primitives/) for the closest hit, intersect.cpp for the
-// surface there, material.h for its colours, and scatter.h for lights, reflection and refraction.
+// In the order of an image: render.h calls sampling.h for camera rays and shade.cpp for the tree of rays
+// below each; shade.cpp calls traversal.cpp (traverse.h, primitives/) for the closest hit, intersect.cpp for
+// the surface there, material.h for its colours, and scatter.h for lights, reflection and refraction.
 #pragma once
 
 #include <array>
