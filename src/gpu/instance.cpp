@@ -102,6 +102,16 @@ VkDebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog* log) {
     return info;
 }
 
+// Null if the layer has no such function or it fails.
+VkDebugUtilsMessengerEXT createMessenger(VkInstance instance,
+                                         const VkDebugUtilsMessengerCreateInfoEXT& info) {
+    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
+    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
+    if (create != nullptr) create(instance, &info, nullptr, &messenger);
+    return messenger;
+}
+
 }  // namespace
 
 void check(VkResult result, const char* call) {
@@ -183,10 +193,8 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
     GLINT_SURFACE_FUNCTIONS(GLINT_LOAD)
 #undef GLINT_LOAD
     if (log != nullptr) {
-        const auto createMessenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
-            vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
-        if (createMessenger == nullptr ||
-            createMessenger(instance_, &messenger, nullptr, &messenger_) != VK_SUCCESS) {
+        messenger_ = createMessenger(instance_, messenger);
+        if (messenger_ == VK_NULL_HANDLE) {
             vk_.vkDestroyInstance(instance_, nullptr);
             throw Error(ErrorKind::Device, "the validation layer cannot be listened to");
         }
