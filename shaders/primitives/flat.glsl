@@ -73,18 +73,18 @@ vec3 shearedVertex(Ray ray, RayFrame frame, uint index) {
     return vec3(xy, t);
 }
 
-// True if the edge crosses the half line x > 0, y = 0. Half open: of two edges that meet on the line, one
-// above and one below it, a single one counts, and both or neither if they are on the same side. Exchanging a
-// and b changes nothing, so polygons that share an edge never disagree on which side of it a ray passes.
+// True if the edge crosses the half line x > 0, y = 0. Half open: if two edges meet on the line, one edge
+// counts if they lie on different sides of it, else both or neither. Exchanging a and b changes nothing, so
+// polygons that share an edge never disagree on which side of it a ray passes.
 bool crosses(vec3 a, vec3 b) {
     precise float edge = a.x * b.y - a.y * b.x;
     bool up = b.y > 0.0;
     return up != (a.y > 0.0) && (up ? edge > 0.0 : edge < 0.0);
 }
 
-// Even-odd rule on the outline as seen along the ray: every edge contributes a bit of its own and the ray's
-// alone, so polygons that meet leave no gap (docs/design/numerics.md 2.6). t is the plane's, kept among those
-// of the vertices, which it leaves by rounding only.
+// Even-odd rule on the outline as seen along the ray: each edge contributes a bit that depends on the edge
+// and the ray alone, so polygons that meet leave no gap (docs/design/numerics.md 2.6). t is the plane's, kept
+// among those of the vertices, which it leaves by rounding only.
 bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout uint trips, out Hit hit) {
     PlaneCrossing at = crossPlane(ray, frame, polygon.point, polygon.normal);
     bool inside = false;

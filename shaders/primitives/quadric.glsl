@@ -10,7 +10,7 @@ const float kNowhere = 1e37;
 
 vec3 toLocal(Quadric q, vec3 v) { return timesRows(q.toLocal0, q.toLocal1, q.toLocal2, v); }
 
-// The same of magnitudes, for error bounds.
+// toLocal() of magnitudes, for error bounds.
 vec3 magnitudesToLocal(Quadric q, vec3 v) {
     return timesRows(abs(q.toLocal0), abs(q.toLocal1), abs(q.toLocal2), v);
 }

@@ -249,8 +249,8 @@ GLINT_CONST_UINT(kPacketTurns, 8u);  // any-hit packets that a subgroup traces o
 // A shadow ray ends this far before a point light, 1 - 2^-16 of the distance to it, so that the surface a
 // light lies on does not shade it.
 GLINT_CONST_FLOAT(kShadowEnd, 0.9999847412109375f);
-GLINT_CONST_FLOAT(kNearestLight, 1e-15f);  // closer ones give nothing: 1/d^2 would overflow
-// The least normal float: a branch of less throughput counts as bringing nothing, as devices may flush it.
+GLINT_CONST_FLOAT(kNearestLight, 1e-15f);  // closer lights are ignored: 1/d^2 would overflow
+// The least normal float: branches of less throughput are ignored, as devices may flush them.
 GLINT_CONST_FLOAT(kLeastThroughput, 1.17549435e-38f);
 GLINT_CONST_UINT(kShadowBits, 32u);  // lights whose occlusion at the first hit a pixel records
 

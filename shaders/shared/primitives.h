@@ -90,8 +90,8 @@
 
 // ---- The list ----
 
-// V(number, Kind, KINDS, kinds, one, many) for each kind that a ray can hit, I(...) for instances, which lead
-// into a further tree:
+// V(number, Kind, KINDS, kinds, one, many) for each kind that a ray can hit, I(...) for instances, which have
+// a BVH of their own:
 //   number     in leaves and primitive numbers (layout.h)
 //   Kind       the struct, and kKind<Kind>
 //   KINDS      the feature, FEATURE_<KINDS>
@@ -110,11 +110,11 @@
 #define GLINT_NO_KIND(number, Kind, KINDS, kinds, one, many)
 #define GLINT_KIND_CONSTANT(number, Kind, KINDS, kinds, one, many) GLINT_CONST_UINT(kKind##Kind, number);
 GLINT_PRIMITIVES(GLINT_KIND_CONSTANT, GLINT_KIND_CONSTANT)
-// Bits of the kinds whose hits bring texture coordinates of their own; others have those of the object's
+// Bits of the kinds whose hits have their own texture coordinates; other kinds use those of the object's
 // frame.
 GLINT_CONST_UINT(kOwnUvKinds, 1u << kKindTriangle | 1u << kKindCuboid);
 
-// Their part of GLINT_SCENE_ARRAYS (layout.h): X(binding, array, Struct, ROWS).
+// The primitives' part of GLINT_SCENE_ARRAYS (layout.h): X(binding, array, Struct, ROWS).
 #define GLINT_PRIMITIVE_ARRAYS(X)                   \
     X(3, triangles, Triangle, GLINT_TRIANGLE_ROWS)  \
     X(6, spheres, Sphere, GLINT_SPHERE_ROWS)        \
@@ -125,7 +125,7 @@ GLINT_CONST_UINT(kOwnUvKinds, 1u << kKindTriangle | 1u << kKindCuboid);
     X(16, instances, Instance, GLINT_INSTANCE_ROWS) \
     X(24, cuboids, Cuboid, GLINT_CUBOID_ROWS)
 
-// Their part of GLINT_FEATURES (dispatch.h): X(constant id, FEATURE, kinds).
+// The primitives' part of GLINT_FEATURES (dispatch.h): X(constant id, FEATURE, kinds).
 #define GLINT_PRIMITIVE_FEATURES(X) \
     X(0, TRIANGLES, triangles)      \
     X(1, SPHERES, spheres)          \

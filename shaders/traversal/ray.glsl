@@ -129,11 +129,12 @@ bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out flo
 
 // ---- The rule for rays that meet and leave surfaces (docs/design/numerics.md) ----
 
-// Each intersection test sets it with its t, which stands for the interval t +- tSlip: that holds the t of
-// every surface in the same place, despite the rounding of coordinates.
+// Each intersection test sets tSlip with its t. The interval t +- tSlip holds the t of every coincident
+// surface, despite the rounding of coordinates.
 float tSlip;
 
-// Rays of callers, unless they leave surfaces, and those that count crossings take each t as it is.
+// False for callers' rays that do not leave surfaces and for rays that count crossings: they use t without
+// slip.
 const bool kSlips = !MODE_GIVEN || MODE_LEAVES;
 
 // True if a surface at t +- tSlip is within the ray's interval, and wholly in front of a ray that leaves a

@@ -25,7 +25,7 @@ struct BenchCommand {
     SceneOptions common;
     Backend backend = Backend::Gpu;
     DeviceChoice device;
-    bench::Options options;  // as far as the command line says
+    bench::Options options;  // the values on the command line
     bool full = false;       // the code of every feature
     bool wholePaths = false;
     bool json = false;  // --stats

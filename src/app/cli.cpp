@@ -89,7 +89,7 @@ std::string deviceLines() {
 std::string versionText(bool verbose) {
     const std::string version = std::string("glint ") + GLINT_VERSION;
     if (!verbose) return version;
-    const std::string builtMpi = GLINT_MPI_TEXT;  // the module may be left out of what is installed
+    const std::string builtMpi = GLINT_MPI_TEXT;  // the package may lack the module
     return version + "\ncommit: " + builtCommit() + "\ncompiler: " + kCompiler +
            "\nbuild type: " + GLINT_BUILD_TYPE + kAssertions + kSanitized + "\nwindow: " + GLINT_WINDOW_TEXT +
            "\nMPI: " + (builtMpi == "no" || hasRanksModule() ? builtMpi : "no glint-mpi.so") +

@@ -49,8 +49,8 @@ struct FilterChoice {
     std::optional<double> radius;  // pixels; empty: the filter's own
 };
 
-// Values from text. All throw Error(Argument) with one line that says what is taken and shows what was given;
-// OptionTable puts the option's name in front.
+// Values from text. All throw Error(Argument) with one line that names the accepted values and the given
+// value; OptionTable puts the option's name in front.
 int parseWhole(const std::string& text, int least, int greatest);
 double parseReal(const std::string& text, double least, double greatest);
 double parsePositive(const std::string& text);            // finite
@@ -171,7 +171,7 @@ struct DeviceChoice {
     Fallback fallback = Fallback::None;
 };
 
-// Wishes of --error.
+// Values of --error and its options.
 struct ErrorTarget {
     std::optional<double> error;
     converge::Target limits;  // all but the error and `depthCounts`

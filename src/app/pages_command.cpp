@@ -24,7 +24,7 @@ struct Argument {
     bool file = false, folder = false;  // the value is the name of one
     std::vector<Text> names;            // "-o" and "--output", or "SCENE"
     Text form, help;
-    std::vector<Text> choices;  // if the value is one of few
+    std::vector<Text> choices;  // if the option has a list of values
 };
 
 Argument::Argument(const CLI::Option& option)
@@ -71,8 +71,8 @@ Text optionNames(const std::vector<Argument>& arguments) {
     return joined(names, " ");
 }
 
-// The options of one command: a line for each whose value is one of few, and one for the rest. Elsewhere the
-// shell offers files.
+// The options of one command: a line for each option with a list of choices, and a line for the rest. The
+// shell offers files for other arguments.
 Text bashCases(const CLI::App& command) {
     const std::vector<Argument> arguments = argumentsOf(command);
     Text cases;
@@ -86,7 +86,7 @@ Text bashCases(const CLI::App& command) {
            optionNames(arguments) + "' ;;\n";
 }
 
-// For zsh too, whose bashcompinit knows `complete` and `compgen`.
+// Also for zsh, whose bashcompinit has `complete` and `compgen`.
 Text bashCompletion(const CLI::App& program) {
     const Text names = commandNames(program);
     Text made = kMadeBy + Text(R"(_glint() {

@@ -28,7 +28,7 @@ bool liesBehind(const Camera& camera, const PackedScene& packed) {
 struct Scouts {
     std::vector<reference::PixelRecord> paths;
     bool allHit = true;
-    bool clipped = false;  // some hit a surface only without the camera's near and far
+    bool clipped = false;  // some hits are outside the camera's near and far
 };
 
 Scouts scoutsOf(const Picture& picture, const Scene& scene, const PackedScene& packed,

@@ -178,8 +178,8 @@ void add(Picture& all, Picture& band) {
     blackenNotFinite(band);
 }
 
-// Rows of a band; 0: the image is rendered at once. Throws Error(Failed) if not even a band fits into memory,
-// and what goesByRows() throws.
+// Rows of a band; 0 renders the image at once. Throws Error(Failed) if not even a band fits into memory, and
+// the errors of goesByRows().
 int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output, const Region& region) {
     const uint64_t available = availableMemory();
     // While it is written the file's own rows lie beside it: an EXR took 41 bytes for a pixel, of 29 and 58.
@@ -204,8 +204,8 @@ int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output
 }
 
 // Renders and writes the image from the top in bands of rows, each of which goes straight into the file.
-// Pixels do not depend on each other, so they are those of an image that was rendered at once. An interrupted
-// image is blank from where it was interrupted.
+// Pixels are independent, so the file equals that of an image rendered at once. The rest of an interrupted
+// image is blank.
 void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
                const Request& request, int rows, Outcome& outcome) {
     const Region region = regionOf(request);

@@ -48,7 +48,7 @@ std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene)
 // Bytes for the image and a copy of each layer for the file. Further memory of the device or the encoder is
 // bounded or smaller.
 uint64_t bytesPerPixel(const RenderCommand& command);
-// The same of a unit, which has no PixelData.
+// Bytes for a unit, which has no PixelData.
 uint64_t bytesPerPixel(const std::vector<Aov>& aovs);
 
 // All wishes of the command; `progress` is left empty. Throws Error(Argument) for a --crop beyond the image.

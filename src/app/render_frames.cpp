@@ -141,7 +141,7 @@ class FrameRenderer {
         outcome.output = frame.path;
         outcome.picture = drawing_.draw(request, job, outcome.converged);
         const bool cut = outcome.converged && outcome.converged->stop == converge::Stop::Interrupted;
-        // Half a frame would pass for a whole one next time.
+        // The next run would skip an incomplete frame as finished.
         if (!outcome.picture.complete || cut) return false;
         missed_ = missed_ || (outcome.converged && !outcome.converged->reached());
         adviseOn(outcome, command_, loaded);

@@ -1,4 +1,4 @@
-// Result of `glint render`: its files, and what is printed of it for people and programs.
+// Result of `glint render`: its files, and the text and JSON that describe it.
 #pragma once
 
 #include <filesystem>
@@ -49,8 +49,8 @@ float scaleOf(const std::filesystem::path& output, std::optional<double> exposur
 std::vector<std::string> namesOf(const std::vector<Aov>& aovs);
 
 // True if the image goes into its file row by row: if `wanted`, or if its `bytesPerPixel` and `further` bytes
-// exceed the available memory. Throws Error(Argument) if it is wanted for a file that cannot be written so
-// (all but .png with colour and alpha alone, .exr and .pfm), and Error(Failed) if such an image does not fit.
+// exceed the available memory. Throws Error(Argument) if `wanted` for a format that has no rows (all but .png
+// with colour and alpha alone, .exr and .pfm), and Error(Failed) if such an image does not fit.
 bool goesByRows(const std::filesystem::path& output, const std::vector<Aov>& aovs, const Region& region,
                 uint64_t bytesPerPixel, uint64_t further, bool wanted);
 
@@ -65,7 +65,7 @@ class RowFile {
     void add(const Picture& rows, std::vector<Layer> layers);
     // All rows that are left, each like the one given.
     void fill(const Picture& row, std::vector<Layer> layers);
-    // The files appear. Sets files, hash and seconds of writing.
+    // Renames the files to their final names. Sets files, hash and seconds of writing.
     void finish(Outcome& outcome);
 
     // Totals of the rows so far, and the number of calls of add().
@@ -83,9 +83,9 @@ class RowFile {
 };
 
 // Writes a whole image, and sets totals, hash, files and seconds of writing. `out`: for the file "-". Throws
-// Error(Interrupted) if nothing is done.
+// Error(Interrupted) if no pixel is finished.
 void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& out);
-// The same for layers that are made already.
+// Overload for layers that exist already.
 void writeLayersOf(Outcome& outcome, std::vector<Layer> layers, float scale, const PictureNotes& notes = {});
 
 [[noreturn]] void throwNothingDone();

@@ -1,4 +1,4 @@
-// An image that is put together from units (farm/unit.h), and its file.
+// Assembles an image from units (farm/unit.h), and writes its file.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ class UnitPicture {
     const farm::Assembly& assembly() const { return assembly_; }
     bool goesByRows() const { return file_.has_value(); }
 
-    // Once it is complete: the file appears. Files, hash, picture and time of writing are set.
+    // Call once the image is complete: names the file, and sets files, hash, picture and time of writing.
     Outcome write();
 
   private:

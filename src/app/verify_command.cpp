@@ -64,7 +64,7 @@ bool isSchema(const std::filesystem::path& path) {
     return path.filename().string().ends_with(".schema.json");
 }
 
-// Throws the first error after all scenes were looked for, before hours are spent on those that exist.
+// Checks that all scenes exist before the first is verified, which may take hours. Throws the first error.
 void checkScenes(std::vector<SceneResult>& results) {
     std::optional<Error> first;
     for (SceneResult& result : results) {
@@ -142,7 +142,7 @@ void checkFiles(const VerifyCommand& command) {
     if (!command.junitFile.empty()) checkOutputPath(command.junitFile);
 }
 
-// A run over all scenes. Its files list every scene at any time: as skipped until there is a result.
+// A run over all scenes. Its files always list every scene, as skipped until it has a result.
 class Verification {
   public:
     Verification(const VerifyCommand& command, std::ostream& out, std::ostream& err)

@@ -1,5 +1,4 @@
-// Measures how many rays a second are traced, and what every stage takes. `glint bench` and `glint report`
-// measure with it.
+// Measures rays per second and the time of each stage, for `glint bench` and `glint report`.
 #pragma once
 
 #include <array>

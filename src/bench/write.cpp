@@ -165,7 +165,7 @@ std::vector<Rate> ratesOf(const Result& r) {
     using enum reference::RayClass;
     const auto& [primary, shadow, mirrored, refracted] = r.rays;
     const bool mixed = mirrored > 0 && refracted > 0;
-    // Rays of one kind have the secondary dispatches for themselves.
+    // If all secondary rays are of one kind, their time is that of the secondary dispatches.
     const auto apart = [&](uint64_t rays, const Quartiles& own) {
         return rays == 0 ? Quartiles() : mixed ? own : r.secondary;
     };

@@ -23,7 +23,7 @@ struct Rate {
 };
 std::vector<Rate> ratesOf(const Result& result);
 
-// Rays, stages, memory; and a line for each of the walks, if they were measured.
+// Rays, stages and memory, and a line for each traversal that was measured.
 std::string table(const Result& result, const Program& program);
 
 // One document for all scenes (docs/lab/building.md).

@@ -1,4 +1,4 @@
-// The lists, structs and constants of shaders/shared in C++, and limits that the host alone checks.
+// The lists, structs and constants of shaders/shared in C++, and limits that only the host checks.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace glint::shared {
 
-// The shared headers have macros and constants alone, which are declared in this namespace.
+// The shared headers have only macros and constants, which this namespace declares.
 #define GLINT_CONST_UINT(name, value) inline constexpr uint32_t name = value
 #define GLINT_CONST_FLOAT(name, value) inline constexpr float name = value
 #include "shared/dispatch.h"
@@ -28,20 +28,20 @@ GLINT_CPP_STRUCT(0, dispatch, Dispatch, GLINT_DISPATCH_ROWS)
 #undef GLINT_CPP_STRUCT
 static_assert(sizeof(Dispatch) <= 128, "Vulkan guarantees 128 bytes of push constants");
 
-// The numbers kKind... for `switch`, which -Wswitch checks: no `default` over kinds.
+// The numbers kKind... for `switch`. A `switch` over kinds has no `default`, so that -Wswitch checks it.
 #define GLINT_KIND_NAME(number, Kind, KINDS, kinds, one, many) Kind = number,
 enum class PrimitiveKind : uint8_t { GLINT_PRIMITIVES(GLINT_KIND_NAME, GLINT_KIND_NAME) };
 #undef GLINT_KIND_NAME
 #define GLINT_KIND_ONE(number, Kind, KINDS, kinds, one, many) +1u
 inline constexpr uint32_t kKindCount = 0u GLINT_PRIMITIVES(GLINT_KIND_ONE, GLINT_KIND_ONE);
 #undef GLINT_KIND_ONE
-// Planes stand in no leaf: if they are the last kind, they need no number that fits.
+// No leaf holds planes, so as the last kind their number need not fit.
 static_assert(kKindCount <= kLeafKindMask + 1 + (kKindPlane > kLeafKindMask),
               "a leaf has three bits for its kind");
 
 inline constexpr uint32_t kMaxLeafSize = kLeafCountMask + 1;
 inline constexpr uint32_t kPacketWidth = 8;  // children of a node of the packets' BVH; lanes of a subgroup
-// A line meets a quadric's side twice at the most, each cap once.
+// A line hits a quadric's side at most twice, and each cap once.
 inline constexpr uint32_t kQuadricHits = 4;
 inline constexpr uint32_t kRankOfZero = 0x80000000u;  // Optics::rank of priority 0
 // Each ray tests all planes: far fewer than the 65,535 trips after which lavapipe ends every loop.

@@ -35,7 +35,7 @@ void writeFile(const std::filesystem::path& path, std::span<const uint8_t> bytes
 // The same for one text, e.g. a report.
 void writeTextFile(const std::filesystem::path& path, const std::string& text);
 
-// ---- A file between its temporary name and its own
+// ---- A file from its temporary to its final name
 
 // A file descriptor that is closed on every way out.
 class Descriptor {
@@ -57,7 +57,7 @@ class Descriptor {
     int fd_;
 };
 
-// Written in any order, and then named: see writeFiles. All members throw Error(Failed).
+// Write in any order, then name the file (see writeFiles). All members throw Error(Failed).
 class StagedFile {
   public:
     // Makes the file, unless the path is that of a device or pipe.

@@ -67,7 +67,7 @@ ImageDifference compareImages(const Image& a, const Image& b, double tolerance, 
     uint64_t finiteSamples = 0;
     for (int y = 0; y < a.height; ++y) {
         for (int x = 0; x < a.width; ++x) {
-            double difference = 0;  // greatest of the pixel
+            double difference = 0;  // greatest difference of the pixel
             bool finiteA = true, finiteB = true;
             for (int c = 0; c < channels; ++c) {
                 const float sampleA = sample(a, x, y, c), sampleB = sample(b, x, y, c);

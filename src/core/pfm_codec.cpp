@@ -125,7 +125,7 @@ Image decodePfm(ByteView file, uint64_t mostPixels, const Context&) {
                          " pixels, the limit is " + std::to_string(mostPixels));
     Image image(width, height, channels);
     const char* next = reinterpret_cast<const char*>(data.data());
-    const double unit = std::abs(scale);  // of the samples; programs that have none write 1
+    const double unit = std::abs(scale);  // of the samples; programs without a scale write 1
     for (int y = height - 1; y >= 0; --y) {
         for (size_t i = 0; i < rowSamples; ++i, next += sizeof(float)) {
             const auto sample = loadNumber<float>(next, scale > 0 ? std::endian::big : std::endian::little);

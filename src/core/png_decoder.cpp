@@ -35,7 +35,7 @@ struct Decoder {
     std::array<char, 128> message{};
     // Shape of the samples that libpng returns.
     size_t width = 0, height = 0, channels = 0, rowBytes = 0;
-    int passes = 1;  // over all rows of an interlaced picture
+    int passes = 1;  // over all rows of an interlaced image
     bool wide = false;
 };
 

@@ -78,8 +78,8 @@ class Kernel {
     Kernel(Kernel&&) noexcept;
     Kernel& operator=(Kernel&&) noexcept;
 
-    // Binds buffers[i], which has the access of KernelOptions, to binding i. Before the first dispatch, and
-    // not while a submission runs.
+    // Binds buffers[i], with the access in KernelOptions, to binding i. Call before the first dispatch, and
+    // not during a submission.
     void bind(std::span<const Buffer* const> buffers);
     explicit operator bool() const { return state_ != nullptr; }
     uint64_t codeBytes() const;  // of SPIR-V, as the driver was given it
@@ -101,7 +101,7 @@ class Submission {
     Submission(Submission&&) noexcept;
     Submission& operator=(Submission&&) noexcept;
 
-    // `pushConstants` are as many bytes as KernelOptions names.
+    // `pushConstants` must have the size in KernelOptions.
     void dispatch(const Kernel& kernel, uint32_t groupsX, std::span<const std::byte> pushConstants);
     void copy(const Buffer& source, uint64_t sourceOffset, const Buffer& destination,
               uint64_t destinationOffset, uint64_t bytes);

@@ -58,7 +58,7 @@ struct DeviceOptions {
     bool validation = false;   // validation layer with synchronization validation; its messages are collected
     WindowSystem window = {};  // for a device that presents, see swapchain.h
     bool keepPrograms = true;  // a kernel like one that was compiled before is not compiled again
-    Context context = {};      // threads and memory account for all that is done with the device
+    Context context = {};      // its threads and memory serve all work with the device
 };
 
 // The device was reset, or its driver crashed: all that was made from it is void, a new Device may work.

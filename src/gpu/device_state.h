@@ -51,7 +51,7 @@ struct PhysicalDevice {
     VkPhysicalDeviceMemoryProperties memory{};
 };
 
-// With a surface, a device that cannot present to it is refused.
+// With a surface, devices that cannot present to it are refused.
 std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface = VK_NULL_HANDLE);
 
 // ---- states of the public types ----

@@ -1,4 +1,4 @@
-// SPIR-V for one scene: what a driver is given for a kernel.
+// Specializes the SPIR-V of a kernel for one scene.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,14 @@ namespace glint::gpu {
 // The module with constants[i] for the specialization constant of id i (ids beyond keep their defaults and
 // stay specialization constants), without the branches that are then never taken, with the bodies of
 // functions in place of calls, values in place of local variables, and without what is then unused. A driver
-// would do the same after it has translated all of it, and takes many times as long (docs/lab/building.md).
+// makes these reductions only after it has translated the whole module, which takes many times as long
+// (docs/lab/building.md).
 //
 // All float arithmetic is decorated NoContraction, so that a driver may neither fuse nor reorder it (SPIR-V
 // specification 1.3, section 3.20; Vulkan specification, "Precision and Operation of SPIR-V Instructions");
-// GLSL's `precise` marks only what its variables depend on. The module computes the same to the bit.
+// GLSL's `precise` marks only what its variables depend on. Results keep every bit.
 //
-// `spirv` must be valid. Throws std::invalid_argument for what is no SPIR-V, and std::domain_error for an
+// `spirv` must be valid. Throws std::invalid_argument if it is not SPIR-V, and std::domain_error for an
 // instruction that no kernel of glint has.
 std::vector<uint32_t> specialize(std::span<const uint32_t> spirv, std::span<const uint32_t> constants);
 

@@ -122,7 +122,7 @@ void eachInstruction(const std::vector<Function>& functions, Use use) {
             for (const Instruction& i : block.body) use(i);
 }
 
-// A module without debug information. Throws std::invalid_argument for what is no module.
+// A module without debug information. Throws std::invalid_argument for an invalid module.
 struct Code {
     std::vector<uint32_t> header;
     std::vector<Instruction> globals;  // all before the first function
@@ -130,7 +130,7 @@ struct Code {
 
     static Code read(Words spirv);
     std::vector<uint32_t> written() const;
-    // Removes functions that no entry point calls, itself or by others.
+    // Removes functions that no entry point calls, directly or indirectly.
     void keepCalledFunctions();
 };
 

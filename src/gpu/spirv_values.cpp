@@ -109,7 +109,7 @@ class Values {
         return static_cast<uint32_t>(before);
     }
 
-    // Null for what is no pointer to a variable that becomes values.
+    // Null unless `pointer` is to a variable that becomes values.
     const Place* placeOf(uint32_t pointer) const {
         const auto place = places_.find(pointer);
         return place == places_.end() || kept_.contains(place->second.variable) ? nullptr : &place->second;
@@ -155,7 +155,7 @@ class Values {
         }
     }
 
-    // A phi whose values, besides itself, are one value is that value.
+    // If all values of a phi except itself are equal, that value replaces the phi.
     void dropTrivialPhis() {
         const auto isTrivial = [&](const Phi& phi) {
             uint32_t same = 0;
@@ -172,7 +172,7 @@ class Values {
         }
     }
 
-    // The id that stands for `id`.
+    // The id that replaces `id`.
     uint32_t resolved(uint32_t id) {
         const auto first = replaced_.find(id);
         if (first == replaced_.end()) return id;
@@ -372,7 +372,7 @@ class Values {
         addStructure(i[2], std::move(structure));
     }
 
-    // ---- Which instructions are used ----
+    // ---- Used instructions ----
 
     void keepUsed() {
         std::unordered_map<uint32_t, Instruction*> makers;

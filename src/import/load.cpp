@@ -288,7 +288,7 @@ SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& o
     } else if (isMeshFile(path)) {
         s.scene = loadModel(path, s.files);
     } else {
-        if (!s.files.isFile(path)) s.files.read(path);  // says what is wrong
+        if (!s.files.isFile(path)) s.files.read(path);  // throws with the reason
         throw Error(ErrorKind::Scene,
                     path.string() +
                         ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model "

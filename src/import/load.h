@@ -38,7 +38,7 @@ class SceneReader {
     SceneReader(SceneReader&&) noexcept;
 
     const Scene& scene() const;
-    Scene take();  // instead, for a single moment
+    Scene take();  // moves the scene out; for a single moment
 
     // Parts of the scene that a later moment changes. Camera: only Scene::camera and cameras.
     enum class Change { Nothing, Camera, Scene };

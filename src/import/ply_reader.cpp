@@ -132,7 +132,7 @@ class PlyReader {
                 readStrips(element);
             } else {
                 ignored_.add("element " + element.name);
-                if (element.properties.empty()) continue;  // nothing in the file, however many
+                if (element.properties.empty()) continue;  // they take no bytes in the file
                 const Slots none{std::vector<size_t>(element.properties.size(), kOther)};
                 forEach(
                     element, none, [&](const PlyProperty& list) { skipList(list); }, [](const double*) {});
@@ -351,7 +351,7 @@ class PlyReader {
             corners_.push_back(checkedVertex(numbers_.integer(property.type)));
     }
 
-    // Ends the face whose corners and other attributes are the last ones.
+    // Ends the face, which has the last corners and attributes of the lists.
     void endFace() {
         faces_.push_back({corners_.size(), faceUvs_.size(), faceColors_.size()});
         if (!keepFaces_) addFaces();

@@ -18,16 +18,14 @@ class MovingScene {
 
     const PackedScene& packed() const { return packed_; }
 
-    // The tree is rebuilt if its expected cost, and so the number of tests of a ray, has grown by more than
-    // this factor.
+    // The BVH is rebuilt if its expected cost (tests per ray) has grown by more than this factor.
     static constexpr double kMostGrowth = 1.3;
 
     // `scene`: placed, and like the one packed but for the camera, transforms, and the positions of meshes;
-    // moved: for each object, whether its transform or its positions may have changed. Afterwards the scene
-    // holds what packing `scene` again would give, in another order and another tree: so a ray has the same
-    // answer in the same bits. False if the scene must be packed again: then the arrays are useless.
-    // That is where
-    // - the tree has become kMostGrowth times as dear,
+    // moved: for each object, whether its transform or its positions may have changed. Afterwards the arrays
+    // equal those of a new packing of `scene`, except for the order and the BVH, so answers to rays keep
+    // their bits. False if the scene must be packed again; the arrays are then invalid. Reasons:
+    // - the BVH costs kMostGrowth times as much,
     // - other triangles than before have no area,
     // - something moved that is neither triangles nor an instance nor a plane, or the camera did where other
     //   kinds round by it, or the scene's origin where there are other kinds,

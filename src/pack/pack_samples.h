@@ -16,7 +16,7 @@ namespace glint {
 // radius 0.5 comes as offsets, anything else as rows.
 PackedSamples packSamples(const ImageSettings& image, bool lens);
 
-// The samples of an image piece by piece, for callers that learn on the way how many they need. Only `next`
+// The samples of an image piece by piece, for callers that find the number during the render. Only `next`
 // decides how many there are: samplesPerPixel and adaptive of `image` are ignored.
 class SampleSequence {
   public:

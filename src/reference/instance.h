@@ -18,10 +18,10 @@ class InstanceFrame {
     glm::dvec3 pointInWorld(const glm::dvec3& point) const;
     // Unit; by the inverse transpose.
     glm::dvec3 normalInWorld(const glm::dvec3& normal) const;
-    // The box of a point's error (rounding.h), in the world, of one in the instance's coordinates.
+    // The error box of a point (rounding.h) in the world, from its error box in the instance's coordinates.
     glm::dvec3 errorInWorld(const glm::dvec3& point, const glm::dvec3& error) const;
-    // The greatest coordinate, and the greatest number that one in the world is a sum of, of points with
-    // coordinates no greater than `size`.
+    // For points with coordinates of at most `size`: the greatest coordinate, and the greatest summand of a
+    // coordinate in the world.
     double scaleInWorld(double size) const;
     // At most how long a unit of way in the world is in the instance.
     double stretch() const;

@@ -42,7 +42,7 @@ uint32_t indexOf(uint32_t primitive) {
     return primitive & shared::kPrimitiveIndexMask;
 }
 
-// Vertex normals make the shading normal another one. They are interpolated in the world, as unit vectors.
+// Interpolates vertex normals, as unit vectors in the world, to the shading normal.
 void smoothTriangle(const Model& scene, const Hit& hit, const InstanceFrame* frame, Surface& surface) {
     const uint32_t index = scene.triangleSurfaces[indexOf(hit.primitive)].vertexNormals;
     if (index == shared::kNone) return;

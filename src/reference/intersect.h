@@ -44,7 +44,7 @@ struct Root {
     double t, u, v;
     double slip = 0;     // see slipOfFlat
     uint32_t part = 0;   // of a solid with several surfaces, the one that is hit
-    bool twice = false;  // what is round is touched there: the line comes in and leaves at one t
+    bool twice = false;  // tangent: the line enters and leaves a round surface at one t
 };
 
 // The rule for rays that meet and leave surfaces (docs/design/numerics.md): t stands for t +- slip, and slip
@@ -75,7 +75,7 @@ struct RayTest {
     bool fromItself() const { return primitive == source; }
 };
 
-// Takes t for the root's if it counts.
+// Stores t in the root; true if it counts.
 inline bool accept(Extended t, double slip, const RayTest& test, Root& root) {
     root.t = static_cast<double>(t);
     root.slip = slip;
@@ -93,8 +93,8 @@ struct Place {
     uint32_t part() const { return hit.primitive >> shared::kPartShift & shared::kPartMask; }
 };
 
-// intersect: the nearest hit within (ray.tMin, tMax], never one with what the ray starts on again.
-// surfaceOf: position, moved onto the surface, normals, and uv where they are the primitive's own.
+// intersect: the closest hit within (ray.tMin, tMax], without the point of its source where the ray starts.
+// surfaceOf: position, moved onto the surface, normals, and uv if the primitive defines them.
 // reachOf: the greatest magnitude among the coordinates that a hit point on it is computed from.
 #define GLINT_PRIMITIVE(number, Kind, KINDS, kinds, one, many)                         \
     bool intersect(const rows::Kind& primitive, const RayTest& test, Root& root);      \
@@ -103,12 +103,11 @@ struct Place {
 GLINT_PRIMITIVES(GLINT_PRIMITIVE, GLINT_NO_KIND)
 #undef GLINT_PRIMITIVE
 
-// The textbooks' tests, in double: those that the shader may be told to use instead of the sound ones
-// (Methods).
+// The textbooks' tests, in double, which the shader can use instead of the sound tests (Methods).
 bool textbookTriangle(const rows::Triangle& triangle, const RayTest& test, Root& root);
 bool textbookSphere(const rows::Sphere& sphere, const RayTest& test, Root& root);
 
-// ---- Triangles: the filter is here to be inlined, as most of the time goes by in it.
+// ---- Triangles: the filter is inline because it takes most of the time.
 
 // The rest of the test, for the few triangles that the filter does not reject. lineHits: the filter has
 // proved that the line through the ray crosses the inside.
@@ -158,7 +157,7 @@ inline bool intersect(const rows::Triangle& triangle, const RayTest& test, Root&
     return solveTriangle(triangle, test, least > bound || greatest < -bound, root);
 }
 
-// ---- What the sources in primitives/ share
+// ---- Shared by the sources in primitives/
 
 // The vertices of a polygon, closed: the last one is the first again.
 inline std::span<const rows::PolygonVertex> outlineOf(const Model& scene, const rows::Polygon& polygon) {

@@ -9,7 +9,7 @@ namespace glint::reference {
 
 namespace {
 
-// Each array that both have. Others are shared, or no arrays.
+// Widens each array that both have. Other members are shared or are not arrays.
 template <class From, class To>
 void widenArrays(const From& from, To& to) {
 #define GLINT_WIDEN(binding, array, Name, ROWS)                                        \

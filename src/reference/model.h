@@ -91,8 +91,7 @@ struct Model {
     glm::dvec3 boundsLo{0}, boundsHi{0};  // of everything in the tree
 };
 
-// The same numbers as the rounded ones of the device. The texels are not copied: the scene must outlive the
-// model.
+// The device's rounded numbers, unchanged. The texels are not copied: the scene must outlive the model.
 Model widened(const PackedScene& scene);
 
 // A model that rounding to fp32 could have produced: each number is moved by up to `units` * 2^-24 of itself,

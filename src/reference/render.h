@@ -1,4 +1,4 @@
-// Whole pictures, and rays of the caller's, from the CPU reference. Results do not depend on the number of
+// Renders images and traces the caller's rays with the CPU reference. Results do not depend on the number of
 // threads.
 #pragma once
 
@@ -12,16 +12,16 @@
 
 namespace glint::reference {
 
-// The picture that is asked for. A cancelled render holds the rows that were finished.
+// The requested image. A cancelled render holds the finished rows.
 Picture render(const PackedScene& scene, const shared::Camera& camera, const Request& request,
                const Context& context = {});
-// The same by a tracer that was made for the request.
+// Uses a tracer that was made for the request.
 Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& request,
                const Context& context = {});
 
-// The nearest hit of each ray, or whether there is one.
+// The closest hit of each ray, or for Any only whether it hits.
 std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, const Context& context = {});
-// The same by a tracer that was made for the batch's methods.
+// Uses a tracer that was made for the batch's methods.
 std::vector<WorldHit> trace(const Tracer& tracer, const RayBatch& batch, const Context& context = {});
 
 // The nearest hit of one local ray, or whether there is one.

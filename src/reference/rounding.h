@@ -9,9 +9,9 @@ namespace glint::reference {
 
 inline constexpr double kFloatUnit = 0x1p-24;  // of fp32; kUnitRoundoff is that of double
 
-// ---- Points: how far a hit point may be off where it is found in fp32 (docs/design/numerics.md 2.9): a box
-// around it, from whose edge the rays begin that leave the point. In the coordinates of the primitive, until
-// an instance takes the point into the world.
+// ---- Points: the fp32 error of a hit point (docs/design/numerics.md 2.9) is a box around it, and rays that
+// leave the point begin at the box's edge. It is in the primitive's coordinates until an instance transforms
+// it to the world.
 
 // The relative error of n roundings.
 constexpr double gammaOf(double n) {

@@ -18,7 +18,7 @@ struct FilmSample {
 };
 
 // A sample's point on the film (pair shared::kPairFilm) or the lens (kPairLens) for pixel (x, y) of the whole
-// picture, in units of 2^-32. s: the row of that sample.
+// image, in units of 2^-32. s: the row of that sample.
 std::array<uint32_t, 2> samplePair(const shared::Sample& s, uint32_t pair, uint32_t x, uint32_t y);
 
 // Sample of pixel (x, y) of the whole image.

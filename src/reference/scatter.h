@@ -1,5 +1,5 @@
-// Light at a surface: what media and lights send there, the light that the surface sends back, and the rays
-// that leave it. Formulas in docs/reference/shading.md; written apart from shaders/shading.
+// Light at a surface: light that arrives from media and lights, scattered light, and the rays that leave.
+// Formulas in docs/reference/shading.md; written apart from shaders/shading.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The tree of rays below a camera ray (docs/reference/shading.md). What a surface does to light, and what
-// lights send to it, is in scatter.h.
+// The tree of rays below a camera ray (docs/reference/shading.md). Lights and the scattering at a surface are
+// in scatter.h.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -89,7 +89,7 @@ class PathTracer {
         const bool tells = most >= static_cast<double>(shared::kLeastThroughput);
         return tells ? most * tracer_.environment().radianceBound : 0;
     }
-    // The surface as textures see it, moved by rounding; and so the environment map's coordinates.
+    // The surface with texture coordinates moved by rounding; mapShift() moves those of the environment map.
     Surface texturedAt(const Surface& surface);
     glm::dvec2 mapShift() {
         if (tracer_.environment().map == 0) return glm::dvec2(0);

@@ -1,6 +1,6 @@
 // The CPU reference: double precision, its own traversal and intersection code, written independently of the
-// shaders from the same formulas. Of the rounded inputs that the device reads it differs by arithmetic alone;
-// of the scene as it was read (truth/truth.h) it is the truth.
+// shaders from the same formulas. With the device's rounded inputs it differs by arithmetic alone; with the
+// scene as it was read (truth/truth.h) it is the truth.
 //
 // In the order of an image: render.h calls sampling.h for camera rays and shade.cpp for the tree of rays
 // below each; shade.cpp calls traversal.cpp (traverse.h, primitives/) for the closest hit, intersect.cpp for
@@ -82,8 +82,8 @@ struct Surface {
     glm::dvec3 color{1};            // of the vertices, interpolated
     double scale = 0;       // the greatest coordinate of the position, and of what it is computed from
     glm::dvec2 uvScale{0};  // the same of u and v, in units of theirs
-    double bend = 0;        // of quadrics: at most how far the normal turns for a unit of way
-    glm::dvec3 error{0};    // what fp32 may make of the position, on each axis (rounding.h)
+    double bend = 0;        // of quadrics: bound on the turn of the normal per unit of distance
+    glm::dvec3 error{0};    // fp32's error of the position on each axis (rounding.h)
 };
 
 // Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray
@@ -98,7 +98,7 @@ struct Surface {
 // `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more
 // than fp32 does (FormulaNoise).
 // `clears`: besides, rays begin `ulps` times as far from the surface that they leave as the device's do
-// (rounding.h). Of the errors that their point may have that is the sum, which rounding hardly ever makes.
+// (rounding.h). This is the sum of the bounds on their point's errors, which rounding seldom reaches.
 // `slips`: no movement. fp32's own errors in the rule for surfaces in one place, as parts of their bound:
 // with 0 as few surfaces as possible coincide with the closest one, or with the one that a ray leaves; with
 // kMostSlips as many as possible. kMostSlips also starts rays as far from their surface as the device may.

@@ -51,7 +51,7 @@ class Search {
     double end;                       // of the ray's interval: at most the least t + slip so far
     bool everywhere = false;          // every box is entered
     bool behind = false;              // boxes that begin behind `end` are entered, too
-    std::vector<Hit>* all = nullptr;  // collects every hit; then the result is none
+    std::vector<Hit>* all = nullptr;  // collects every hit; the result is then empty
 
     // cost: a counter of boxes and primitives, or null.
     std::optional<Hit> run(uint64_t* cost) {
@@ -69,7 +69,7 @@ class Search {
     // The world, or an instance with its own coordinates.
     struct Space {
         PreparedRay ray;
-        uint32_t source;  // what the ray starts on, if it is of this space
+        uint32_t source;  // the primitive on which the ray starts, if in this space
         uint32_t instance = kNone, idBase = 0;
     };
 
@@ -84,8 +84,8 @@ class Search {
             [&] { return cullLimit(); }, [&](const Leaf& leaf, double) { return testLeaf(space, leaf); });
     }
 
-    // Boxes that begin beyond it are left out. No box begins at infinity: a parallel ray outside a slab has
-    // its near t there.
+    // Boxes that begin beyond it are culled. No box begins at infinity: a parallel ray outside a slab has its
+    // near t there.
     double cullLimit() const {
         return std::min((behind ? ray_.tMax : end) * kCullPad, std::numeric_limits<double>::max());
     }
@@ -134,7 +134,7 @@ class Search {
     }
 
     // The hits of one primitive that count for the search: the first that is no hole of the surface, or all
-    // of them. True if there is one.
+    // of them. True if a hit counts.
     template <class Primitive>
     bool testPrimitive(const Space& space, const Primitive& one, uint32_t primitive, Hit& hit) {
         Root root;
@@ -196,9 +196,9 @@ Tracer::Tracer(const PackedScene& scene, const Tracing& tracing)
     : Tracer(std::make_shared<const Model>(widened(scene)), roundedTracing(tracing),
              radianceBoundOf(scene, tracing)) {}
 
-// The order of the traversal may decide whether a surface in the place of the closest hit is tested: not if
-// it is found after the closest hit, and its box begins behind that. The bounds of the rule are those of
-// every order. A second search tests the fewest surfaces (slips 0), or the most.
+// The order of the traversal may decide whether a surface in the place of the closest hit is tested: it is
+// not tested if it comes after the closest hit and its box begins behind the hit. The bounds of the rule hold
+// for every order. A second search tests the fewest surfaces (slips 0), or the most.
 std::optional<Hit> Tracer::closest(const Ray& ray, const Source& source, uint64_t* cost) const {
     Search<false> search(*this, ray, source);
     const std::optional<Hit> hit = search.run(cost);

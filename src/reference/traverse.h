@@ -1,4 +1,4 @@
-// The one traversal of the reference's BVHs, of double boxes (rows::Node) or packed ones (shared::Node).
+// Traversal of the reference's BVHs, with double boxes (rows::Node) or packed boxes (shared::Node).
 #pragma once
 
 #include <array>
@@ -36,8 +36,8 @@ const auto& hiOf(const Node& node, int child) {
 inline constexpr double kNotEntered = std::numeric_limits<double>::infinity();
 
 // Visits the leaves below `root` depth first, the nearer child first, until a visit returns true; returns
-// whether one did. `enter(node, child)`: where the box of a child begins, or kNotEntered. Children that begin
-// beyond `limit()`, which is finite and may decrease, are left out. `visit(leaf, begin)`.
+// true then. `enter(node, child)`: the t at which a child's box begins, or kNotEntered. Children that begin
+// beyond `limit()`, which is finite and may decrease, are culled. `visit(leaf, begin)`.
 template <class Nodes, class Enter, class Limit, class Visit>
 bool traverse(const Nodes& nodes, uint32_t root, const Enter& enter, const Limit& limit, const Visit& visit) {
     struct Waiting {

@@ -30,8 +30,8 @@ float apart(const RayInput& a, const RayInput& b, float diagonal) {
     return glm::dot(turn, turn) + glm::dot(way, way);
 }
 
-// The number of rays in a row, if the rays form rows: after it comes a step as far as a whole row, between
-// rays whose neighbours are near each other.
+// The number of rays in a row, if the rays form rows: rays within a row are close, and the step to the next
+// row is as long as a row.
 size_t rowLength(const ReadRays& read, const RayNumbers& numbers, size_t count, float diagonal) {
     constexpr float kFar = 64, kNear = 256, kRounding = 1e-12f;  // squares
     std::array<RayInput, kReadBlock> rays;
@@ -137,8 +137,8 @@ size_t highDigitOf(uint64_t entry) {
     return entry >> (32 + kKeyBits - kDigitBits);
 }
 
-// By the high digit of the key; returns where the run of each begins, and the end. The parts are counted and
-// dealt out side by side.
+// Sorts by the high digit of the key; returns the start of each digit's run, and the end. Parts run in
+// parallel.
 std::vector<uint32_t> dealOut(const Context& context, std::span<const uint64_t> from, uint64_t* to) {
     constexpr size_t kParts = 16;
     const size_t each = (from.size() + kParts - 1) / kParts;

@@ -55,7 +55,7 @@ struct RayTask {
     size_t count = 0;
     ReadRays fill;  // local rays; also called to look at some of them
     std::function<void(const RayNumbers& numbers, const FoundHits& hits)> take;
-    // Nearest; Any: whether there is a hit, FoundHit::primitive alone and any of them; Count:
+    // Nearest: the closest hit; Any: FoundHit::primitive of an arbitrary hit, if there is one; Count:
     // FoundHit::crossings, of a scene packed without split triangles; Point: the primitive that is closest to
     // the ray's origin, FoundHit::t the square of its distance (kinds: hasClosestPoint in
     // reference/queries.h).
@@ -79,8 +79,8 @@ class RayQueries {
                const KernelCode& kernels = embeddedKernels());
     ~RayQueries();
 
-    // Takes over what SceneBuffers::update can: the scene given to the constructor has changed since, in
-    // numbers alone. False if it cannot; then new queries must be made. No query may be running.
+    // Updates the buffers (SceneBuffers::update) after a change of numbers in the constructor's scene. False
+    // if that is impossible: construct new queries then. No query may be running.
     bool update();
 
     // Compiles the kernels of Ask::Nearest and Ask::Any.

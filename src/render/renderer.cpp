@@ -375,8 +375,8 @@ void Renderer::State::readSlice(const Slice& slice, const TraceModes& modes, Pic
     times.readback += watch.seconds();
 }
 
-// Aims below both bounds, and grows by at most 4: a pixel of the next slice may cost four times as much as
-// one of the last. An image's last, shorter slice is no measure for a whole one.
+// Aims below both bounds, and grows by at most 4: a pixel of the next slice may cost four times as much as in
+// this slice. Ignores an image's last slice, which is shorter.
 void Renderer::State::sizeNextSlice(const Slice& slice, bool whole, double seconds) {
     const double load = std::max({longestInSlice / options.sliceSeconds, seconds / kWholeSliceSeconds, 1e-6});
     const double factor = std::clamp(0.7 / load, 0.1, 4.0);

@@ -20,8 +20,7 @@ constexpr const char* kHead =
     "<h1>Error against run time</h1>\n";
 
 std::string cells(const std::string& line, const std::string& tag) {
-    const std::vector<std::string> parts =
-        split(line, '|');  // nothing before the first bar and after the last
+    const std::vector<std::string> parts = split(line, '|');  // empty before the first bar and after the last
     std::string out = "<tr>";
     for (size_t i = 1; i + 1 < parts.size(); ++i)
         out += "<" + tag + ">" + escapeMarkup(trimmed(parts[i])) + "</" + tag + ">";

@@ -38,8 +38,8 @@ std::string shortNumber(double value);
 bool isSampler(const std::string& family);
 // The points of a family, by samples per pixel.
 std::vector<const Measured*> familyOf(const SceneReport& scene, const std::string& family);
-// The Pareto front of all settings that a user of one device can choose, ordered by time: no other is at
-// least as fast and at least as exact, and better in one of the two. Of equal settings the first stays.
+// The Pareto front of all settings that a user of one device can choose, ordered by time: no other setting is
+// at least as fast and exact, and better in time or error. The first of equal settings stays.
 std::vector<const Measured*> frontOf(const SceneReport& scene);
 
 }  // namespace glint::report

@@ -1,5 +1,4 @@
-// Compares what a device reports of an image as a whole: the sum of its samples, and the branches that no ray
-// followed.
+// Compares a device's totals of an image: the sum of its samples, and the branches that no ray followed.
 #pragma once
 
 #include <vector>
@@ -45,8 +44,8 @@ class Film {
     std::vector<std::vector<glm::dvec3>> colors_;  // of the first round, of adaptive pictures
 };
 
-// Account of the losses of an image's rays: branches that were not followed, and media that a ray had no room
-// for. The device reports the sum over all pixels.
+// Account of the losses of an image's rays: branches that were not followed, and media for which a ray had no
+// room. The device reports the sum over all pixels.
 class Account {
   public:
     // radianceBound: by which branches are judged (Environment::radianceBound).

@@ -34,8 +34,8 @@ double greatestChange(const reference::PixelRecord& a, const reference::PixelRec
     return std::isfinite(change) ? change : std::numeric_limits<double>::max();
 }
 
-// True if a pixel changes in what is compared: by another path, or by other decisions and another colour or
-// other hidden lights.
+// True if a compared value of a pixel changes: the path, or the decisions together with colour or hidden
+// lights.
 bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved) {
     if (still.pathHash != moved.pathHash) return true;
     if (still.decisions == moved.decisions) return false;

@@ -92,7 +92,7 @@ constexpr auto entriesOf(ViewLayer) {
          {ViewLayer::Cost, "cost", "boxes and primitives tested: blue few, red the most in the image"}});
 }
 
-// The next value of an enumeration, or the one `step` places on; round and round.
+// The value `step` places after `value` in an enumeration, cyclically.
 template <NamedEnum E>
 E nextOf(E value, int step = 1) {
     const int all = static_cast<int>(kEnumNames<E>.size());
@@ -121,7 +121,7 @@ inline bool hasLegend(ViewLayer layer, const Display& display) {
 // With the default display, Color gives the bytes of a PNG of the image.
 Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range);
 
-// The same for an image of 3 or 4 linear channels.
+// The canvas of an image with 3 or 4 linear channels.
 Canvas canvasOf(const Image& image, const Display& display);
 
 enum class CompareMode { Off, Wipe, Difference, Flicker };
@@ -142,7 +142,7 @@ struct Comparison {
     double wipe = 0.5;  // the line's place, 0..1 of the width
     double gain = 16;   // of the difference
     std::optional<ImageDifference>
-        figures;          // as `glint diff` prints them; without: not of one size, or no colors
+        figures;          // as `glint diff` prints them; empty if sizes differ or colors are missing
     std::string fault;    // why there are none
     uint64_t number = 0;  // of the other image: grows with each new one
 

@@ -1,6 +1,5 @@
-// Files beside the image: those of the scene that the window watches, those that it lists and names, and what
-// it remembers. Errors of remembered files are ignored: a window must open in a home that is full or
-// read-only.
+// Files of the window: scene files that it watches, files that it lists and names, and its state. Errors of
+// remembered files are ignored: a window must open in a home that is full or read-only.
 #pragma once
 
 #include <array>
@@ -36,15 +35,15 @@ class FileWatch {
 
 // ---- files to open and to save ----
 
-// Pictures that readImage takes, by their extension.
+// True for images that readImage reads, by their extension.
 bool isPictureFile(const std::filesystem::path& file);
 
-// Names of what can be opened in a folder: "../", folders ("parts/"), then pictures and scenes; hidden ones
-// are left out.
+// Names of a folder's entries that can be opened: "../", folders ("parts/"), then images and scenes, without
+// hidden ones.
 std::vector<std::string> listFiles(const std::filesystem::path& folder);
 
-// STEM-view-001.png in `folder`, or the first number that is free; the file is there from now on, empty, so
-// that no other process takes the name. Throws Error(Failed) where no file can be made.
+// STEM-view-001.png in `folder`, or the first free number. Creates the file, empty, so that no other process
+// takes the name. Throws Error(Failed) if it cannot create a file.
 std::filesystem::path claimName(const std::filesystem::path& folder, const std::string& stem,
                                 const std::string& extension);
 
@@ -88,7 +87,7 @@ constexpr auto entriesOf(Hint) {
 
 class Hints {
   public:
-    // `file` holds what was done, by earlier windows too; empty: nothing is remembered.
+    // `file` holds the steps taken, also in earlier windows; empty: nothing is remembered.
     explicit Hints(std::filesystem::path file = {});
 
     bool wanted(Hint hint) const { return !done_[static_cast<size_t>(hint)]; }

@@ -1,4 +1,4 @@
-// Dear ImGui in the window: events in, drawn by the processor over the picture.
+// Dear ImGui in the window: takes events, and the processor draws it over the image.
 #pragma once
 
 #include <map>

@@ -31,7 +31,7 @@ class Job {
     Job(const Job&) = delete;
     Job& operator=(const Job&) = delete;
 
-    // Stops an earlier run. Wakes the window at the end.
+    // Stops an earlier run. Wakes the window when the work ends.
     void start(std::function<Rest(JobControl&)> work);
     bool running() const { return future_.valid(); }
     double progress() const { return control_ ? control_->progress.load() : 0; }

@@ -33,7 +33,7 @@ struct PickRay {
     reference::RayClass kind = reference::RayClass::Primary;
     uint32_t depth = 0;         // rays before it
     glm::dvec3 from{0}, to{0};  // world; of a ray that hits nothing, `to` is a little way off
-    double share = 0;           // of the pixel's colour that it brings itself, 0..1 (luminance, Rec. 709)
+    double share = 0;           // its own contribution to the pixel's colour, 0..1 (luminance, Rec. 709)
     std::string text;           // "reflected: /objects/3 (sphere) face 0, t = 2.5, chrome"
 };
 
@@ -58,7 +58,7 @@ struct Segment {
 // empty if none does.
 std::optional<Segment> projected(const shared::Camera& camera, const glm::dvec3& from, const glm::dvec3& to);
 
-// ---- messages that go away by themselves ----
+// ---- messages that expire ----
 
 enum class ToastKind { Info, Error };
 

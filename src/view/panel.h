@@ -70,7 +70,7 @@ bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help,
 bool group(Gui& gui, const char* name, bool open, const char* help);
 // "reset GROUP" if something `differs`; true if it was pressed.
 bool resetButton(Gui& gui, const char* group, bool differs);
-// The same for settings that go back to those of the file.
+// Resets settings to those of the file.
 template <typename Settings>
 void resetButton(Gui& gui, const char* group, Settings& mine, const Settings& file) {
     if (resetButton(gui, group, !(mine == file))) mine = file;

@@ -320,7 +320,7 @@ void Session::beginPass(Content pass) {
                              : PackedSamples::fixed({progressiveOffset(samples_)});
 }
 
-// A grid needs to know its number of samples.
+// A grid depends on its number of samples.
 ImageSettings Session::progressiveSampling() const {
     ImageSettings image = settings_.sampling;
     if (image.sampler == Sampler::Grid) image.sampler = Sampler::LowDiscrepancy;

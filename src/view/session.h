@@ -54,7 +54,7 @@ struct GoalFacts {
 
 class ErrorGoal {
   public:
-    // `image`: sampler (no grid), filter and seed; `region`: the whole picture.
+    // `image`: sampler (no grid), filter and seed; `region`: the whole image.
     // `knowsDepth`: the pictures tell what lies beyond the depth.
     ErrorGoal(const converge::Target& target, const ImageSettings& image, const Region& region,
               bool knowsDepth);

@@ -46,7 +46,7 @@ struct PictureSettings : PathSettings {
     ViewLayer layer = ViewLayer::Color;
     std::vector<LightSetting> lights;
     ImageSettings sampling;              // its size is not used
-    int sampleLimit = 64;                // of the picture in the window, unless `until` says it
+    int sampleLimit = 64;                // of the window's image, unless `until` has an error
     converge::Target until{.error = 0};  // 0: a number of samples
     SceneEdits edits;
     bool operator==(const PictureSettings&) const = default;

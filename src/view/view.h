@@ -31,8 +31,8 @@ struct Options {
     std::filesystem::path scene;
     Loading loading;
     converge::Target until{.error = 0};  // see PictureSettings
-    std::optional<double> time;          // of the animation, seconds; empty: as the file says it
-    int width = 0, height = 0;           // of the window's picture; 0: the scene's
+    std::optional<double> time;          // of the animation, seconds; empty: the file's values
+    int width = 0, height = 0;           // of the window's image; 0: the scene's
     double scale = 0;                    // of text and controls; 0: the screen's
     std::string device;                  // selector, see gpu::chooseDevice
     bool validation = false;

@@ -57,7 +57,7 @@ TEST_F(GpuProcess, InterruptEndsVerify) {
 }
 
 TEST_F(GpuProcess, InterruptedReportIsAReport) {
-    // The default budget of 60 s may be over on a busy machine before the first progress is read.
+    // On a busy machine the default budget of 60 s may end before the test reads the first progress.
     Child child(
         "report a.json -o out --size 1500 --truth-spp 2 --only grid --progress plain --budget 100000");
     ASSERT_TRUE(child.waitForPercent(0)) << child.err();

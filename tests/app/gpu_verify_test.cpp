@@ -143,7 +143,7 @@ TEST_F(GpuVerify, JsonOnStandardOutput) {
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
-// Before the device is opened and hours are spent on the others. The files list all scenes all the same.
+// The error comes before the device is opened and other scenes are verified. The files still list all scenes.
 TEST_F(GpuVerify, AMissingSceneIsNoticedFirst) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
     const Ran ran = runGlint("verify a.json no.json --json r.json --junit r.xml");

@@ -18,7 +18,7 @@ class Pages : public FolderTest {
         ASSERT_EQ(ran.code, 0) << ran.err;
     }
 
-    // What bash offers for the last of `words`, one a line; files if it is nothing.
+    // Bash's completions of the last of `words`, one per line; files if there are none.
     std::string offered(const std::string& words) const {
         writeText("ask.sh", "source bash-completion/completions/glint; COMP_WORDS=(glint " + words +
                                 "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _glint; printf '%s\\n' "
@@ -77,7 +77,7 @@ TEST_F(Pages, BashCompletes) {
     EXPECT_EQ(offered("devices ''"), "\n");
 }
 
-// The completion that loads the file is answered too.
+// The first completion, which loads the file, also returns an answer.
 TEST_F(Pages, ZshCompletesTheFirstTime) {
     const std::string text = readText("zsh/vendor-completions/_glint");
     EXPECT_TRUE(text.ends_with("complete -o default -F _glint glint\n_bash_complete -o default -F _glint\n"));

@@ -134,7 +134,7 @@ TEST_F(Process, AnInterruptedPictureInBandsHoldsWhatWasFinished) {
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
 }
 
-// Empty rows take no time worth waiting for: 65,536 x 16,384 pixels, of which a band is drawn.
+// Writing empty rows is fast: the image has 65,536 x 16,384 pixels, and only one band is rendered.
 TEST_F(Process, AnInterruptedPictureOfAnySizeEndsSoon) {
     for (const std::string name : {"out.png", "out.pfm"}) {
         Child child({"render", "a.json", "-o", name, "--backend", "cpu", "--size", "65536x16384",

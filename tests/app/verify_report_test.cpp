@@ -53,7 +53,7 @@ TEST(VerifyReport, VerdictsNameTheirReason) {
          "beyond their predicted error: 5 edge, 3 rounding, 0 undecided (at most 8)"},
         {[](verify::Report& r) { r.edges = 5, r.roundings = 4; },
          "FAILED: too many pixels differ, though rounding explains each: the method loses digits", ""},
-        // As many as the scene demands.
+        // The limit rises with the scene's sensitivity.
         {[](verify::Report& r) { r.edges = 9, r.sensitivity.open = 50; }, "ok\n", ""},
         {[](verify::Report& r) { r.filmDiffers = 7; },
          "FAILED: the picture of all samples is not what they add up to\n",

@@ -1,5 +1,5 @@
-// PNG files read by libpng, for what stb_image_write and core/png_rows.cpp have written, and made from the
-// specification (W3C, PNG Second Edition, 2003) with zlib alone, for the decoder, which is libpng.
+// Reads PNG files of stb_image_write and core/png_rows.cpp with libpng. Makes PNG files for the decoder,
+// which is libpng, from the specification (W3C, PNG Second Edition, 2003) with zlib alone.
 #pragma once
 
 #include <cstdint>

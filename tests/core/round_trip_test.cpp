@@ -1,4 +1,4 @@
-// One picture out and in again, in every format, and several layers of one.
+// Writes and reads an image in every format, and an image with several layers.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>

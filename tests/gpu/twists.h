@@ -1,5 +1,5 @@
-// Calls, structures, arrays, loops and early ways out in one function, as GLSL and as C++: what
-// specialize() turns inside out, and what it must leave alone.
+// Calls, structures, arrays, loops and early ways out in one function, as GLSL and as C++: code that
+// specialize() rewrites, and code that it must keep.
 
 struct Inner {
     uint x;

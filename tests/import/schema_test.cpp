@@ -135,7 +135,7 @@ json loadSceneSchema() {
     return json::parse(file);
 }
 
-// Where the schema describes the objects of a key table: "light/point" is its "pointLight".
+// The schema's name for the objects of a key table: "pointLight" for "light/point".
 std::string schemaPlace(std::string_view what) {
     if (what == "scene") return "";
     const size_t slash = what.find('/');

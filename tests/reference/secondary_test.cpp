@@ -61,7 +61,7 @@ struct Lighting {
 
     Lighting(double radius, double offset) : center(vec3(offset * dvec3(1, -1, 1))), size(radius) {}
 
-    // Of eight lights none is shadowed at the hits of rays towards the points that `target` makes.
+    // Expects eight lights without shadow at the hits of rays towards the points that `target` makes.
     void expectNone(const std::function<dvec3()>& target) {
         for (int i = 0; i < 4; ++i) {
             maker.light(kLightDirectional, vec3(random.direction()));

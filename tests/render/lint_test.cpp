@@ -58,7 +58,7 @@ TEST(Lint, QuotientsAndRootsAreAllThatADeviceMayDo) {
     }
 }
 
-// The marks are specialize()'s: before it every kernel has sums without a mark.
+// specialize() adds the marks: before it, every kernel has sums without a mark.
 TEST(Lint, ThereIsArithmeticToMark) {
     for (const auto& [name, words] : allKernels())
         EXPECT_TRUE(variedByDrivers(words).contains("unmarked")) << name;

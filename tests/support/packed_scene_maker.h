@@ -50,7 +50,7 @@ class SceneMaker {
     PackedScene scene_;  // primitives in the order added
 };
 
-// A tracer of a scene of its own.
+// A packed scene and its tracer.
 struct SceneHolder {
     PackedScene scene;
 };

@@ -78,8 +78,8 @@ Event keyEvent(const KeyPress& k, bool down) {
     return {.type = Event::Type::Key, .code = k.key, .mods = k.mods, .down = down};
 }
 
-// Exit code of xdotool. The second program's question is answered after the first one's events, on however
-// busy a machine.
+// Exit code of xdotool. The X server answers the second program after it has delivered the first program's
+// events.
 int runHand(const std::string& words) {
     return std::system(("xdotool" + words + " >/dev/null && xdotool getmouselocation >/dev/null").c_str());
 }

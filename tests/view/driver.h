@@ -2,35 +2,33 @@
 // user; coordinates are pixels of the image.
 //
 //   wait N                 let N frames pass
-//   settle                 until the image is finished, and saving, verifying and loading are done
+//   settle                 wait until the image is finished, and saving, verifying and loading are done
 //   orbit DX DY, pan DX DY drag from the middle of the window, pan with Shift
 //   dolly STEPS            turn the wheel; positive is nearer
 //   key K, hold K N        press a key, named as in the list of keys; hold it for N frames
 //   click X Y              pick a pixel
 //   press CONTROL          click on a control of the panel, by its label, with _ for blanks
-//   hand ARGUMENTS...      real mouse and keys: runs `xdotool ARGUMENTS`, where `@X,Y` is a pixel of the
-//   image and
-//                          `@LABEL` a control, and waits for it
+//   hand ARGUMENTS...      real mouse and keys: runs `xdotool ARGUMENTS` and waits for it;
+//                          `@X,Y` is a pixel of the image and `@LABEL` a control
 //   drop FILE              drop a file onto the window
 //   resize W H             the window
 //   minimise N             minimise the window for N rounds, then restore it
 //   aov NAME               show a layer
-//   set WHAT VALUE...      depth N, shadows on|off, reflections on|off, samples N, error E, exposure STOPS,
-//   tonemap
-//                          NAME, lens RADIUS, background R G B, light I FACTOR, diffuse MATERIAL R G B,
-//                          glass colored|full
+//   set WHAT VALUE...      depth N, shadows on|off, reflections on|off, samples N, error E,
+//                          exposure STOPS, tonemap NAME, lens RADIUS, background R G B,
+//                          light I FACTOR, diffuse MATERIAL R G B, glass colored|full
 //   screenshot FILE        render at the scene's own sampling, as Alt+S does, and wait
-//   save FILE              save what is seen, as S does, and wait
-//   window FILE            save what the window shows, panel and all, as PNG
+//   save FILE              save the shown image, as S does, and wait
+//   window FILE            save the whole window, with the panel, as PNG
 //   copy FROM TO           copy a file, to change a scene on disk
-//   reload                 until a changed file has been noticed and loaded, or found to be invalid
+//   reload                 wait until a changed file is loaded or found invalid
 //   verify                 check the view as V does, and wait; fails if it does not pass
-//   idle SECONDS           do nothing, and print how many frames and how much processor time that took
-//   lose-device            behave as if the device had been lost
+//   idle SECONDS           do nothing, and print the number of frames and the processor time
+//   lose-device            behave as if the device were lost
 //   stay                   leave the window open at the end of the script
 //   print WHAT             print a state: driver_state.cpp lists them
-//   expect WHAT VALUE      it prints as VALUE; of toast, pick and fault, it holds VALUE
-//   await WHAT VALUE       until it prints as VALUE; fails after a minute
+//   expect WHAT VALUE      check that WHAT prints as VALUE; toast, pick and fault must contain VALUE
+//   await WHAT VALUE       wait until WHAT prints as VALUE; fails after a minute
 #pragma once
 
 #include <functional>

@@ -210,7 +210,7 @@ TEST_F(Hand, QuittingTwiceDropsTheSave) {
     EXPECT_FALSE(std::filesystem::exists("scene-view-001.png"));
 }
 
-// ---- the panel and what lies over the picture: many things in one window ----
+// ---- the panel and the overlays on the image: many things in one window ----
 
 // Ctrl+click on a slider, and a number.
 std::string typed(const std::string& control, const std::string& number) {

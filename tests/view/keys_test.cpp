@@ -1,4 +1,4 @@
-// The keys, and docs/guide/window.md, which names every key, gesture and layer with the words of the window.
+// The keys. docs/guide/window.md names every key, gesture and layer in the words of the window.
 #include <set>
 
 #include "driver.h"

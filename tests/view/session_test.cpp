@@ -1,5 +1,4 @@
-// The pace of a moving image; and the image until its error is small enough, drawn by a tracer whose truth is
-// known.
+// The pace of a moving image, and error targets with a tracer whose true image is known.
 #include <gtest/gtest.h>
 
 #include <string>

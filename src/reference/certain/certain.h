@@ -1,5 +1,5 @@
-// Nearest hits that are certain: of the scene before it is packed, of rays before they are rounded, as exact
-// arithmetic has them. First in double with bounds; where those leave more than one answer, in fractions
+// Certain closest hits, as in exact arithmetic: the scene is not packed and the rays are not rounded.
+// Computes in double with bounds first. If the bounds leave several answers, it computes in fractions
 // (Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", Discrete &
 // Computational Geometry 18(3), 1997, goes the same way with longer and longer numbers).
 //

@@ -29,13 +29,13 @@ struct Span {
     bool met = false;
 };
 
-// Finds spans of t that contain every hit: outside of them a miss is proven. The ray is finite and has a
+// Finds spans of t that contain every hit; misses elsewhere are proven. The ray is finite and has a
 // direction.
 class SpanRay {
   public:
     explicit SpanRay(const WorldRay& ray);
 
-    // Nothing: the surface is not met, for sure, or not within the ray's interval.
+    // Empty: the ray certainly misses the surface, or hits it outside its interval.
     std::optional<Span> span(const ExactSurface& surface) const;
     // Spans of the entry into and the exit from the sphere.
     std::array<std::optional<Span>, 2> spans(const SphereShape& sphere) const;

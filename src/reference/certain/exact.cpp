@@ -1,4 +1,4 @@
-// Nothing is rounded but the bounds of the answer, outwards.
+// Only the bounds of the answer are rounded, outwards.
 #include <gmpxx.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ Vector times(const glm::dmat3& m, const Vector& v) {
            Number(v.z) * toVec<Number>(m[2]);
 }
 
-// The greatest double that is not above a number that is not negative, of the finite ones.
+// The greatest finite double that is at most x, for x >= 0.
 double below(const Number& x) {
     return std::min(x.get_d(), std::numeric_limits<double>::max());  // cut off towards zero
 }

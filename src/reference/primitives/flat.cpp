@@ -38,8 +38,8 @@ void flatSurface(const Flat& flat, const dvec3& anchor, const Place& place, Surf
 }
 
 // The sign of d.(b x c): on which side of the edge the line passes (Pluecker). Six terms of three factors,
-// each of them a difference or a product rounded, err by at most 8 roundings each; 2^5 covers them, and what
-// they cannot tell from zero is zero.
+// each of them a difference or a product rounded, err by at most 8 roundings each; 2^5 covers them, and
+// smaller results count as zero.
 template <class T>
 int edgeSide(const Vec<T>& d, const Vec<T>& b, const Vec<T>& c) {
     const T side = dot(d, cross(b, c));
@@ -97,7 +97,7 @@ dvec3 unitOf(const Vec<Extended>& n) {
 }  // namespace
 
 bool crossesTriangle(const rows::Triangle& triangle, const PreparedRay& ray) {
-    // Double proves nearly all sides, in a sixteenth of the time; a side that it proves needs no moving.
+    // Double proves nearly all sides, in a sixteenth of the time; a proven side needs no movement.
     const auto [e0, e1, e2] = SeenTriangle<double>(triangle, ray).sides();
     if (e0 != 0 && e1 != 0 && e2 != 0) return e0 == e1 && e1 == e2;
     const auto [d, a, b, c] = SeenTriangle<Quad>(triangle, ray);

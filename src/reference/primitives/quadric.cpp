@@ -1,6 +1,6 @@
-// Quadrics. Not the shader's way: the quadric is one symmetric form of four homogeneous coordinates, its
-// three values on a ray give the equation at the ray's own origin, with digits enough that nothing has to be
-// moved, and every root and every cap is asked on its own whether it lies within the bounds.
+// Quadrics. The method differs from the shader's: the quadric is a symmetric form of four homogeneous
+// coordinates. Its three values on a ray give the equation at the ray's own origin, with enough digits. Each
+// root and each cap is tested against the bounds by itself.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -304,7 +304,7 @@ double termsAt(const rows::Quadric& quadric, const dmat3& squares, const dvec3& 
 }
 
 // The surface next to a hit point; normal outward, of length 1.
-// bend: at most how far the normal turns for a unit of way. error: along the normal, of the value of the
+// bend: bound on the turn of the normal per unit of distance. error: along the normal, of the value of the
 // equation there, in fp32 (rounding.h).
 struct SurfacePoint {
     dvec3 position, normal;

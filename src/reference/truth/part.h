@@ -65,9 +65,8 @@ struct Identity {
     uint32_t id = 0, object = 0, face = 0, material = 0;
 };
 
-// How a shape stands in its BVH: its place, and what coordinates count from. eye: near it
-// surfaces are measured from other points. ranks: kDielectricRank or 0, by material; empty
-// where an instance has the rank.
+// A shape's place in its BVH, and the origin of its coordinates. eye: surfaces near it are measured from
+// other points. ranks: kDielectricRank or 0, by material; empty if an instance has the rank.
 struct Setting {
     Identity who = {};
     Place place = {};
@@ -92,10 +91,11 @@ struct Part {
     std::vector<Item> items;
 
     void add(const Shape& shape, const Setting& at);
-    // The same of a shape that is a quadric.
+    // add() for a shape that is a quadric.
     void addQuadric(const Shape& shape, const Setting& at);
 
-    // Adds a primitive to its array and the BVH. gain: of rounding, in the primitive's own coordinates.
+    // Adds a primitive to its array and the BVH. gain: amplification of rounding, in the primitive's own
+    // coordinates.
     template <class Row>
     void put(shared::PrimitiveKind kind, std::vector<Row>& array, Row row, const Setting& at,
              const Bounds& box, double gain) {
@@ -106,8 +106,8 @@ struct Part {
     void addItem(shared::PrimitiveKind kind, size_t index, Bounds box, double gain);
 };
 
-// Builds the part's BVH behind the nodes that are there, and brings its primitives into the order of leaves
-// behind those of the model. The tree's root, kNone of nothing.
+// Appends the part's BVH to `nodes`, and its primitives to the model in the order of leaves. Returns the
+// root, or kNone if the part is empty.
 uint32_t append(Part&& part, std::vector<rows::Node>& nodes, Model& model);
 
 // A unit vector, of any length but 0.

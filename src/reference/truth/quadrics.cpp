@@ -13,7 +13,7 @@ using glm::dvec3;
 // Half extent of a side that does not clip.
 constexpr double kBeyond = 1.25;
 
-// The row on its way, in the coordinates of the shape: y = toLocal (x - point).
+// The row under construction, in the coordinates of the shape: y = toLocal (x - point).
 struct Surface : rows::Quadric {
     dmat3 toLocal{1};
     // The surface is in the hull of these ellipsoids with half axes u, v, w, of which any may be 0; or, if

@@ -1,6 +1,5 @@
 // The shapes of a scene as rows of the layout, in double, by the formulas of shaders/shared/primitives.h; and
-// the media that the eye is inside of: those whose surfaces go round it by their solid angle
-// (docs/reference/shading.md).
+// the media that enclose the eye, by the solid angle of their surfaces (docs/reference/shading.md).
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -320,7 +319,7 @@ class MediaAround {
             turns_[medium] += turnsOf(solid, boxes_[medium]);
     }
 
-    // How often the surface goes round the eye. The medium's box grows by the surface's.
+    // How often the surface encloses the eye. The medium's box grows by the surface's.
     double turnsOf(const rows::Plane& plane, Bounds& box) const {
         box.include(dvec3(std::numeric_limits<double>::max()));
         box.include(dvec3(-std::numeric_limits<double>::max()));

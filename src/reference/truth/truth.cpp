@@ -24,7 +24,7 @@ class Maker {
   public:
     Maker(const Scene& scene, const dvec3& origin) : scene_(scene), used_(scene.materials.size(), false) {
         model_.origin = origin;
-        // Among surfaces in one place the opaque one is hit.
+        // If surfaces coincide, rays hit the opaque surface.
         for (const Material& material : scene.materials)
             ranks_.push_back(material.transmission != Color(0) ? shared::kDielectricRank : 0);
     }
