@@ -171,7 +171,7 @@ void commitAll(const std::vector<StagedFile*>& files, const std::vector<std::spa
 }
 
 std::vector<uint8_t> readFile(const fs::path& path) {
-    // Without O_NONBLOCK the opening of a pipe waits for a writer.
+    // Without O_NONBLOCK, opening a pipe waits for a writer.
     Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
     struct stat status {};
     if (!file.isOpen() || ::fstat(file.get(), &status) != 0) {

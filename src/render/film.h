@@ -45,7 +45,7 @@ class TrailRecorder {
     static uint64_t keyOf(const glm::ivec2& pixel);
 
     std::unordered_map<uint64_t, size_t> places_;
-    std::set<uint32_t> tiles_;  // that hold the pixels
+    std::set<uint32_t> tiles_;  // tiles that hold the pixels
     std::vector<Trail> trails_;
 };
 

@@ -84,8 +84,8 @@ class Renderer {
     // nor Options::also have it.
     Picture render(const shared::Camera& camera, const Request& request);
 
-    // The rays of `pixels`, of a request of one sample with data: renders their parts of the image again, and
-    // reads the rays back bounce by bounce.
+    // Renders the parts of the image that hold `pixels` again, and reads their rays back bounce by bounce.
+    // The request has one sample and layers.
     std::vector<Trail> trails(const shared::Camera& camera, Request request,
                               const std::vector<glm::ivec2>& pixels);
 

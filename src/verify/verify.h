@@ -1,6 +1,6 @@
-// Compares a device's image with the reference. Every pixel must lie within the error that is predicted for
-// it, or be explained by rounding, and at most as many may be explained as the reference alone predicts. All
-// limits scale with the brightness of the pixel (docs/design/verification.md).
+// Compares a device's image with the reference. Every pixel must lie within its predicted error or be
+// explained by rounding. The reference predicts the greatest number of explained pixels. All limits scale
+// with the brightness of the pixel (docs/design/verification.md).
 #pragma once
 
 #include <algorithm>
@@ -42,7 +42,7 @@ struct Options : Request {
     size_t worstCount = 10;
     // Unexplained pixels that a scene may have and pass, for devices with a known defect.
     uint64_t allowedUnexplained = 0;
-    // Once more pixels are unexplained than may be explained, the others in doubt are left undecided.
+    // Leave pixels in doubt undecided once the unexplained pixels exceed the limit of explained pixels.
     bool verdictAlone = false;
     // Also render the first sample without layers, as `glint render` does, possibly with other kernels.
     bool plainToo = true;

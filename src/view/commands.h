@@ -1,5 +1,5 @@
-// The commands of the window, by key, button, mouse or dropped file, and the list of all keys and gestures:
-// the window obeys it, F1 shows it, and a test compares it with docs/guide/window.md.
+// The commands of the window, by key, button, mouse or dropped file, and the list of all keys and gestures.
+// The window uses the list, F1 shows it, and a test compares it with docs/guide/window.md.
 #pragma once
 
 #include <iosfwd>
@@ -47,7 +47,7 @@ class Commands {
     void undo() { travel(m_.history.undo(), "nothing to undo"); }
     void redo() { travel(m_.history.redo(), "nothing to redo"); }
     void framePicked();
-    // Pixels of the image; outside of it nothing happens.
+    // Pixels of the image; ignored outside of it.
     void pick(int x, int y);
     void focusAt(int x, int y);
 
@@ -58,7 +58,7 @@ class Commands {
     void copyJson();
     void writeCameras();
     void writeScene();
-    // At the scene's own sampling, or `seen`: as shown.
+    // With the scene's own sampling, or if `seen` as shown.
     void save(const std::filesystem::path& file, bool seen);
     // Under the next free name.
     void savePng() { saveNumbered(".png", true); }
@@ -141,7 +141,7 @@ class Commands {
         bool measured = false;
         bool operator==(const Shown&) const = default;
     } shown_;
-    std::pair<uint64_t, uint64_t> measured_;  // version of the image, number of the other one
+    std::pair<uint64_t, uint64_t> measured_;  // version of the image, number of the other image
 };
 
 // A function of Commands as a command.

@@ -144,7 +144,7 @@ struct Comparison {
     std::optional<ImageDifference>
         figures;          // as `glint diff` prints them; empty if sizes differ or colors are missing
     std::string fault;    // why there are none
-    uint64_t number = 0;  // of the other image: grows with each new one
+    uint64_t number = 0;  // of the other image: grows with each new image
 
     bool any() const { return linear.has_value() || !canvas.pixels.empty(); }
     int width() const { return linear ? linear->width : canvas.width; }

@@ -65,7 +65,7 @@ BoxRay entered(const BoxRay& ray, const shared::Instance& instance) {
 // axis, D holds its sizes, which cancel): u |A R^T| |R A^-1| of twice that size; the sums of |R^T| |R| are at
 // most 3.
 double greatestMove(const Scene& scene, const PackedScene& packed) {
-    bool areExact = true;  // all surfaces: triangles and planes, of which instances are made, too
+    bool areExact = true;  // all surfaces are triangles and planes, also in instances
     visitPrimitiveArrays(packed, [&](shared::PrimitiveKind kind, const auto& array) {
         areExact &= array.empty() || kind == shared::PrimitiveKind::Triangle ||
                     kind == shared::PrimitiveKind::Plane || kind == shared::PrimitiveKind::Instance;
@@ -163,7 +163,7 @@ class Search {
             add({*span, primitive, instance, surface.id, true}, material);
     }
 
-    // The numbers of the scene itself, before packing.
+    // The scene's own numbers, before packing.
     ExactSurface exactly(uint32_t primitive, uint32_t instance) const {
         const uint32_t index = primitive & shared::kPrimitiveIndexMask;
         const Scene& scene = tracer_.scene_;
