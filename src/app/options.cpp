@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 #include <span>
+#include <stdexcept>
 #include <string_view>
 
 #include "core/device_layout.h"
@@ -258,12 +259,18 @@ void OptionTable::files(const std::string& name, const std::string& help,
     command_.add_option_function<std::vector<std::string>>(name, use, help)->type_name("")->required();
 }
 
+CLI::Option& OptionTable::optionNamed(const std::string& name) {
+    for (CLI::Option* option : command_.get_options())
+        if (option->check_name(name)) return *option;
+    throw std::logic_error("no option " + name);
+}
+
 void OptionTable::require(const std::string& needed, const std::vector<std::string>& options) {
-    for (const std::string& option : options) command_.get_option(option)->needs(command_.get_option(needed));
+    for (const std::string& option : options) optionNamed(option).needs(&optionNamed(needed));
 }
 
 void OptionTable::exclude(const std::string& option, const std::vector<std::string>& others) {
-    for (const std::string& other : others) command_.get_option(option)->excludes(command_.get_option(other));
+    for (const std::string& other : others) optionNamed(option).excludes(&optionNamed(other));
 }
 
 void OptionTable::flag(const std::string& names, const std::string& help, bool& target) {

@@ -26,7 +26,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace glint::app {
 
@@ -141,6 +142,9 @@ class OptionTable {
     void exclude(const std::string& option, const std::vector<std::string>& others);
 
   private:
+    // CLI11's own look-up is noexcept and ends the program if memory is short.
+    CLI::Option& optionNamed(const std::string& name);
+
     CLI::App& command_;
 };
 
