@@ -75,7 +75,7 @@ std::string kindCounts(const PackedScene& packed) {
 std::string traversalText(const PackedScene& packed, const Request& request) {
     try {
         const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
-        const gpu::DeviceInfo& device = gpu::chooseDevice(devices, "");
+        const gpu::DeviceInfo device = gpu::chooseDevice(devices, "");
         const render::TraversalChoice choice =
             render::chooseTraversal(render::Traversal::Auto, device, packed, request.methods);
         const std::string text = std::string(render::nameOf(choice)) + " (" + choice.reason + ")";
