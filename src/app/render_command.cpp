@@ -119,9 +119,9 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.flag("--overwrite", "render existing frames again", c.overwrite);
     addErrorTarget(table, c.target);
     table.require("--frames", {"--fps", "--overwrite"});
-    table.exclude("--error", {"--spp", "--adaptive", "--part", "--checkpoint", "--band-rows"});
+    table.exclude("--error", {"--adaptive", "--part", "--checkpoint", "--band-rows"});
     // Ways to render an image in pieces.
-    table.exclude("--part", {"--checkpoint", "--frames", "--band-rows", "--exposure"});
+    table.exclude("--part", {"--checkpoint", "--frames", "--band-rows"});
     table.exclude("--checkpoint", {"--frames", "--band-rows"});
     table.exclude("--frames", {"--band-rows", "--time"});
     addStats(table, "print times and counts as JSON instead of the summary", c.json);
@@ -148,6 +148,10 @@ void check(const RenderCommand& command, const std::ostream& out) {
     refuseIf(errorLayer && !command.target.error, "--aov: the layer error requires --error");
     refuseIf(command.target.error && command.scene.sampler == Sampler::Grid,
              "--error does not work with the grid sampler: use lowDiscrepancy or jittered");
+    refuseIf(command.target.error && command.scene.spp,
+             "--spp: --error chooses the number of samples; limit it with --max-spp");
+    refuseIf(command.part && command.exposure,
+             "--exposure: parts hold linear floats; give it to glint merge");
     if (command.output == "-") {
         refuseIf(command.part || command.frames || command.bandRows || !command.checkpoint.empty(),
                  "--output -: not together with --part, --checkpoint, --frames or --band-rows");

@@ -35,7 +35,7 @@ class TrailRecorder {
   public:
     TrailRecorder(const std::vector<glm::ivec2>& pixels, const Region& region);
     // Narrows a slice of the region to the next tiles that hold chosen pixels; a tile's rays are the same
-    // packets in each slice. False if there are none.
+    // packets in each slice. False if no tile is left.
     bool narrow(Slice& slice) const;
     // Call after the closest hits of a bounce and before its shading; the rows must hold AOVs.
     void add(const PathState& paths, const gpu::Device& device, const Slice& slice);

@@ -143,7 +143,7 @@ struct Comparison {
     double gain = 16;   // of the difference
     std::optional<ImageDifference>
         figures;          // as `glint diff` prints them; empty if sizes differ or colors are missing
-    std::string fault;    // why there are none
+    std::string fault;    // the reason if `figures` is empty
     uint64_t number = 0;  // of the other image: grows with each new image
 
     bool any() const { return linear.has_value() || !canvas.pixels.empty(); }

@@ -147,7 +147,7 @@ struct Model {
     std::filesystem::path openFolder;
     std::vector<std::string> openFiles;  // in openFolder
     double helpScroll = 0;               // pixels
-    float timelineHeight = 0;            // pixels, of the last frame; 0: there is none
+    float timelineHeight = 0;            // pixels, in the previous frame; 0: hidden
     Command wish = nullptr;              // of a button, for the next round
 
     // ---- speed ----

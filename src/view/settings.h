@@ -92,7 +92,7 @@ class History {
     void note(Undoable now, double seconds);
     void endStep() { stepEnded_ = true; }
 
-    // The state before or after; null if there is none.
+    // The previous or next state; null at the ends of the history.
     const Undoable* undo() { return at_ > 0 ? go(at_ - 1) : nullptr; }
     const Undoable* redo() { return at_ + 1 < states_.size() ? go(at_ + 1) : nullptr; }
 

@@ -72,6 +72,15 @@ TEST_F(ErrorTarget, FiltersTakeTheSamplesThatTheyNeed) {
     EXPECT_GE(nlohmann::json::parse(ran.out)["error"]["samplesPerPixel"], 8) << "two replicates of 4";
 }
 
+TEST_F(ErrorTarget, ErrorsOfOptionsNameTheRemedy) {
+    const Ran samples = render("--error 0.1 --spp 4");
+    EXPECT_EQ(samples.code, 2);
+    EXPECT_HAS(samples.err, "--spp: --error chooses the number of samples; limit it with --max-spp");
+    const Ran part = runGlint("render a.json --backend cpu --part 1/2 --exposure 1");
+    EXPECT_EQ(part.code, 2);
+    EXPECT_HAS(part.err, "--exposure: parts hold linear floats; give it to glint merge");
+}
+
 // Two replicates of one pixel that errs have no quantile.
 TEST_F(ErrorTarget, OfTooFewPixelsNothingIsPromised) {
     const Ran one = render("--error 0.01 --crop 16,12,17,13");

@@ -18,7 +18,7 @@ class Pages : public FolderTest {
         ASSERT_EQ(ran.code, 0) << ran.err;
     }
 
-    // Bash's completions of the last of `words`, one per line; files if there are none.
+    // Bash's completions of the last word, one per line; file names without completions.
     std::string offered(const std::string& words) const {
         writeText("ask.sh", "source bash-completion/completions/glint; COMP_WORDS=(glint " + words +
                                 "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _glint; printf '%s\\n' "

@@ -167,7 +167,7 @@ TEST(Specialize, FunctionsThatReturnEarlyStay) {
     const std::vector<uint32_t> made = specialize(twists_flat_spv, {});
     EXPECT_TRUE(isValid(made));
     EXPECT_EQ(countsIn(made).calls, 1u);
-    // What that one is given, its own trips that ends with it, and the table.
+    // The arguments of the remaining call, its local variables, and the table.
     EXPECT_LE(countsIn(made).variables, 5u);
 }
 

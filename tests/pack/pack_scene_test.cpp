@@ -253,7 +253,7 @@ TEST(PackScene, RefusesScenesThatFp32Misses) {
     }
 }
 
-// A scene that shrinks too far is packed anew, which refuses it.
+// A scene that shrinks too far is rebuilt, and packing refuses it.
 TEST(PackScene, TinyScenesAreNotRefitted) {
     const auto triangle = [](double size) {
         auto mesh = std::make_shared<Mesh>();

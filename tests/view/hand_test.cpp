@@ -227,7 +227,7 @@ class ByHand : public FolderTest {
     ByHand() { byHand_ = true; }
     Json scene_ = Json::parse(sceneText());
 
-    // What the last C printed.
+    // The JSON that the last press of C printed.
     static Json copied(const Ran& ran) {
         const size_t from = ran.out.rfind("\"camera\": ");
         size_t to = ran.out.find("\n", from);

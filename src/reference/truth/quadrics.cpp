@@ -16,8 +16,8 @@ constexpr double kBeyond = 1.25;
 // The row under construction, in the coordinates of the shape: y = toLocal (x - point).
 struct Surface : rows::Quadric {
     dmat3 toLocal{1};
-    // The surface is in the hull of these ellipsoids with half axes u, v, w, of which any may be 0; or, if
-    // there are none, in the box.
+    // The surface is in the hull of these ellipsoids with half axes u, v, w, of which any may be 0.
+    // Without ellipsoids it is in the box.
     struct Ellipsoid {
         dvec3 center, u, v, w{0};
     };
