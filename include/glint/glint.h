@@ -1,4 +1,4 @@
-/* libglint: casts rays against scenes and renders images, on any Vulkan device or on the processor alone.
+/* libglint: casts rays against scenes and renders images, on Vulkan 1.1 devices or on the processor alone.
  *
  * This is the C API; glint.hpp wraps it for C++. The tutorial is docs/guide/library.md.
  *

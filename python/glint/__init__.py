@@ -1,4 +1,4 @@
-"""Casts rays against scenes and renders images, with numpy arrays in and out, on any Vulkan device or the processor alone.
+"""Casts rays against scenes and renders images, with numpy arrays in and out, on Vulkan 1.1 devices or the processor alone.
 
     import glint
     scene = glint.Scene(vertices, faces)
