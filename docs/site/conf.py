@@ -28,6 +28,8 @@ autodoc_default_options = {"members": True, "undoc-members": True}
 html_theme = "furo"
 html_title = f"glint {release}"
 html_copy_source = False
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 
 
 def setup(app):

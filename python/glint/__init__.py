@@ -1,4 +1,4 @@
-"""Casts rays against scenes and renders images, with numpy arrays in and out, on Vulkan 1.1 devices or the processor alone.
+"""Casts rays against scenes and renders images, with numpy arrays in and out, on Vulkan 1.1 devices or the processor alone. ::
 
     import glint
     scene = glint.Scene(vertices, faces)
@@ -101,10 +101,12 @@ def devices() -> list[dict[str, Any]]:
 class Device(_native.Owner):
     """An open device; scenes keep theirs alive.
 
-    threads: most threads of one call, 0 for one for each processor. max_bytes: most bytes that the device and its scenes may hold,
-    0 for no limit; a call that needs more raises Error. memory: called from any thread before an allocation with its bytes, and
-    refuses it by returning false or raising (the exception is printed), so that the call raises Error; called with negative numbers
-    after memory was freed. log: called with lines on what was opened, committed, ignored and fixed.
+    - selector: number or part of the name; "cpu" for the reference; by default the best device.
+    - threads: most threads of one call; 0: one for each processor.
+    - max_bytes: most bytes that the device and its scenes may hold; 0: no limit. A call that needs more raises Error.
+    - memory: called from any thread before an allocation with its bytes, and after memory was freed with a negative number. It
+      refuses the allocation by returning false or raising (the exception is printed); the call then raises Error.
+    - log: called with lines on what was opened, committed, ignored and fixed.
     """
 
     _release = "glint_device_release"
@@ -284,8 +286,9 @@ def _mesh_arrays(vertices: Any, faces: Any) -> tuple[Any, Any]:
 class Scene(_native.Owner):
     """Geometry that rays are cast at. Geometries are numbered from 0 in the order of the calls that add them.
 
-    vertices: (n, 3), any unit, or a mesh of trimesh or Open3D. faces: (m, 3) vertex indices; without them every three vertices are
-    a triangle. With vertices the scene is one mesh, committed. device: a Device, its number, a part of its name, or "cpu".
+    - vertices: (n, 3), any unit, or a mesh of trimesh or Open3D. With vertices the scene is one mesh, committed.
+    - faces: (m, 3) vertex indices; without them every three vertices are a triangle.
+    - device: a Device, its number, a part of its name, or "cpu".
     """
 
     _release = "glint_scene_release"
@@ -304,8 +307,10 @@ class Scene(_native.Owner):
     def load(cls, path: Path, device: Selector = None, *, cancelled: Cancelled = None, progress: Progress = None) -> Scene:
         """Loads and commits a scene (.json, .gltf, .glb, .nff) or model (.obj, .ply, .stl).
 
-        cancelled: called now and then, ends the call if it returns true. progress: called with the finished part, 0 to 1. Raises
-        FileNotFoundError if there is no such file, and Error if it cannot be read.
+        - cancelled: called repeatedly, ends the call if it returns true.
+        - progress: called with the finished part, 0 to 1.
+
+        Raises FileNotFoundError if there is no such file, and Error if it cannot be read.
         """
         name = _native.text(os.fsencode(path))
         if name and not os.path.exists(name):
@@ -439,18 +444,25 @@ class Scene(_native.Owner):
              progress: Progress = None) -> Hits:
         """The closest hit of each ray, as a named tuple of the arrays in `want`; nothing else is computed.
 
-        rays: (..., 6), or origins (..., 3) with directions (..., 3) of any length; t is in units of the direction. t_min, t_max: only
-        hits with t_min < t <= t_max count. want: names among hit, t, geometry, primitive, material, uv, point, normal, origin, sure,
-        t_lower, t_upper. On a miss, t is inf, indices are NONE, all others are 0. uv: the point of a triangle a, b, c is
-        (1 - u - v) a + u b + v c, with b and c exchanged if a transform mirrors it. normal: geometric, outward, unit.
-        origin: start of rays that leave the hit on the side that the ray came from; 2 * point - origin is on the other side.
-        leave: the rays start at such origins, and do not hit the surface that they start on or another one in its place; not with
-        sure, t_lower and t_upper.
-        sure, t_lower, t_upper: with one of these, hits are certified: those of exact arithmetic on the given numbers. sure: the hit is
-        proven; the exact t is between t_lower and t_upper. All rays are sure in scenes of triangles and planes.
-        coherent: neighbours in the array have similar directions; may be faster. cancelled: called repeatedly, ends the call if it
-        returns true. progress: called with the finished part, 0 to 1. Raises ValueError for arrays of another shape, Error if the
-        scene is not committed.
+        - rays: (..., 6), or origins (..., 3) with directions (..., 3) of any length; t is in units of the direction.
+        - t_min, t_max: only hits with t_min < t <= t_max count.
+        - want: names of results, below.
+        - leave: the rays start at the `origin` of hits, and do not hit the surface that they start on or another one in its place;
+          not with sure, t_lower and t_upper.
+        - coherent: neighbours in the array have similar directions; may be faster.
+        - cancelled: called repeatedly, ends the call if it returns true.
+        - progress: called with the finished part, 0 to 1.
+
+        Results; on a miss, t is inf, indices are NONE, all others are 0:
+
+        - hit, t, geometry, primitive, material, point.
+        - uv: the point of a triangle a, b, c is (1 - u - v) a + u b + v c, with b and c exchanged if a transform mirrors it.
+        - normal: geometric, outward, unit.
+        - origin: start of rays that leave the hit on the side that the ray came from; 2 * point - origin is on the other side.
+        - sure, t_lower, t_upper: with one of these, hits are certified: those of exact arithmetic on the given numbers. sure: the
+          hit is proven; the exact t is between t_lower and t_upper. All rays are sure in scenes of triangles and planes.
+
+        Raises ValueError for arrays of another shape, Error if the scene is not committed.
         """
         batch = _RayArrays(rays, directions, t_min, t_max, coherent, leave)
         arrays = _hit_arrays(want, batch.count, dtype)
@@ -542,11 +554,12 @@ class Scene(_native.Owner):
                progress: Progress = None) -> Any:
         """Renders an image: (height, width, 4) of linear RGB and alpha; a named tuple if other `layers` are wanted.
 
-        Sizes in pixels and samples for each pixel; 0: those of the scene. layers: names among color, depth (distance along the ray;
-        for depth along the axis cast `pinhole_rays`), position, normal (shading normal, unit), geometry, primitive, material. camera:
-        (eye, target), (eye, target, up) or (eye, target, up, fov_y in degrees), or the name of one of the scene's `cameras`.
-        error: instead of `samples`, the target for the error of color: root mean square over all pixels and channels, full scale 1,
-        with probability `confidence`. If `max_samples` do not reach it, a RuntimeWarning states the bound.
+        - width, height in pixels, samples for each pixel; 0: those of the scene.
+        - layers: names among color, depth (distance along the ray; for depth along the axis cast `pinhole_rays`), position, normal
+          (shading normal, unit), geometry, primitive, material.
+        - camera: (eye, target), (eye, target, up) or (eye, target, up, fov_y in degrees), or the name of one of the scene's `cameras`.
+        - error: instead of `samples`, the target for the error of color: root mean square over all pixels and channels, full scale 1,
+          with probability `confidence`. If `max_samples` do not reach it, a RuntimeWarning states the bound.
         """
         layers, dtype = _names(layers), _real(dtype)
         info = self._info()
@@ -590,9 +603,11 @@ class Scene(_native.Owner):
 def pinhole_rays(intrinsics: ArrayLike, extrinsics: ArrayLike, width: int, height: int, dtype: DTypeLike = numpy.float64) -> NDArray[Any]:
     """Rays through the middles of a camera's pixels, (height, width, 6), for `cast`: the t of hits is depth along the camera's axis.
 
-    intrinsics: (3, 3), [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] in pixels; (0, 0) is the upper left corner of the picture, (0.5, 0.5)
-    the middle of its first pixel. extrinsics: (3, 4) or (4, 4), rotation and shift from the world to the camera, which looks along
-    its z with y down. Raises ValueError for other shapes, and Error if a focal length is 0.
+    - intrinsics: (3, 3), [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] in pixels; (0, 0) is the upper left corner of the image,
+      (0.5, 0.5) the middle of its first pixel.
+    - extrinsics: (3, 4) or (4, 4), rotation and shift from the world to the camera, which looks along its z with y down.
+
+    Raises ValueError for other shapes, and Error if a focal length is 0.
     """
     lens, place = numpy.ascontiguousarray(intrinsics, numpy.float64), _transform(extrinsics)
     if lens.shape != (3, 3):

@@ -21,7 +21,7 @@ _TYPES = {"float32": 0, "float64": 1, "uint32": 2, "uint8": 3, "uint64": 4}
 
 
 class Error(RuntimeError):
-    """What glint refuses or cannot do; `status` is the name of the C API's status."""
+    """Raised if a call fails; `status` is the name of the C API's status."""
 
     def __init__(self, status: str, message: str) -> None:
         super().__init__(message)
