@@ -1,9 +1,9 @@
-"""Open3D's way of asking, answered by glint: change one import, and corners and edges are counted right.
+"""Open3D's ray queries by glint: only the import changes. Corners and edges count once.
 
     from glint.open3d import RaycastingScene
 
-Whoever gives tensors gets tensors, and whoever gives arrays gets arrays, which have a `numpy()` of their own, as tensors have.
-This module does not import Open3D.
+Queries return tensors for tensors, and arrays for arrays; these arrays have a method `numpy()`, as tensors have. This module does not
+import Open3D.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Array(numpy.ndarray):  # type: ignore[type-arg]
 
 
 def _plain(given: Any) -> Any:
-    """A tensor's numbers, where they lie if that is the processor's memory; what is no tensor as it is."""
+    """The numbers of a tensor, without a copy if they are in the processor's memory; anything else unchanged."""
     if not hasattr(given, "numpy"):
         return given
     return (given.cpu() if hasattr(given, "cpu") else given).numpy()
@@ -65,7 +65,7 @@ def _camera_of_places(fov_deg: float, center: Any, eye: Any, up: Any, width: int
 class RaycastingScene:
     """Method names, parameters and keys of open3d.t.geometry.RaycastingScene. Rays are (..., 6): origin, direction.
 
-    The `nthreads` of a question is taken and changes nothing; that of the scene is how many threads a call uses at most.
+    The parameter `nthreads` of the scene limits the threads of each call; that of a query has no effect.
     """
 
     INVALID_ID = _native.NONE
@@ -75,7 +75,7 @@ class RaycastingScene:
         self._changed = True
 
     def add_triangles(self, vertex_positions: Any = None, triangle_indices: Any = None, *, mesh: Any = None) -> int:
-        """A mesh, or its vertices and the corners of its triangles; returns the number of the geometry."""
+        """Adds a mesh, or vertices (n, 3) and vertex indices (m, 3). Returns the number of the geometry."""
         if mesh is None and triangle_indices is None and hasattr(vertex_positions, "vertex"):
             mesh = vertex_positions
         if mesh is not None:
@@ -92,7 +92,7 @@ class RaycastingScene:
         return self._scene
 
     def cast_rays(self, rays: Any, nthreads: int = 0) -> dict[str, Any]:  # pylint: disable=unused-argument
-        """t_hit, geometry_ids, primitive_ids, primitive_uvs, primitive_normals of the nearest hits."""
+        """A dictionary of the nearest hits: t_hit (inf without a hit), geometry_ids, primitive_ids, primitive_uvs, primitive_normals."""
         hits = self._ready().cast(_plain(rays), dtype=numpy.float32)
         return {name: _like(rays, array) for name, array in
                 (("t_hit", hits.t), ("geometry_ids", hits.geometry), ("primitive_ids", hits.primitive), ("primitive_uvs", hits.uv),
@@ -100,15 +100,15 @@ class RaycastingScene:
 
     def test_occlusions(self, rays: Any, tnear: float = 0.0, tfar: float = numpy.inf,
                         nthreads: int = 0) -> Any:  # pylint: disable=unused-argument
-        """Whether there is a hit between tnear and tfar."""
+        """True for each ray with a hit between tnear and tfar, in units of the direction."""
         return _like(rays, self._ready().occluded(_plain(rays), t_min=tnear, t_max=tfar))
 
     def count_intersections(self, rays: Any, nthreads: int = 0) -> Any:  # pylint: disable=unused-argument
-        """How many surfaces each ray crosses, edges and corners counted right: int32."""
+        """Number of surfaces that each ray crosses, int32; edges and corners count once."""
         return _like(rays, self._ready().count(_plain(rays)).astype(numpy.int32))
 
     def list_intersections(self, rays: Any, nthreads: int = 0) -> dict[str, Any]:  # pylint: disable=unused-argument
-        """All of them: those of ray i at ray_splits[i]:ray_splits[i + 1]."""
+        """A dictionary of all crossings; those of ray i are at ray_splits[i]:ray_splits[i + 1]."""
         splits, hits = self._ready().all_hits(_plain(rays), dtype=numpy.float32)
         ids = numpy.repeat(numpy.arange(len(splits) - 1), numpy.diff(splits).astype(numpy.int64))
         return {name: _like(rays, array) for name, array in
@@ -116,22 +116,22 @@ class RaycastingScene:
                  ("primitive_ids", hits.primitive), ("primitive_uvs", hits.uv))}
 
     def compute_occupancy(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:  # pylint: disable=unused-argument
-        """1 inside, 0 elsewhere. No more samples than one are needed."""
+        """1 for each point (..., 3) inside closed surfaces, otherwise 0. `nsamples` has no effect."""
         return _like(query_points, self._ready().contains(_plain(query_points)).astype(numpy.float32))
 
     def compute_closest_points(self, query_points: Any, nthreads: int = 0) -> dict[str, Any]:  # pylint: disable=unused-argument
-        """points, geometry_ids, primitive_ids, primitive_uvs, primitive_normals of the closest points of all surfaces."""
+        """A dictionary of the closest points of all surfaces: points, geometry_ids, primitive_ids, primitive_uvs, primitive_normals."""
         closest = self._ready().closest_point(_plain(query_points), want=("point", "geometry", "primitive", "uv", "normal"), dtype=numpy.float32)
         return {name: _like(query_points, array) for name, array in
                 (("points", closest.point), ("geometry_ids", closest.geometry), ("primitive_ids", closest.primitive),
                  ("primitive_uvs", closest.uv), ("primitive_normals", closest.normal))}
 
     def compute_distance(self, query_points: Any, nthreads: int = 0) -> Any:  # pylint: disable=unused-argument
-        """Distances to the closest surface."""
+        """Distance of each point (..., 3) to the closest surface."""
         return _like(query_points, self._ready().distance(_plain(query_points)).astype(numpy.float32))
 
     def compute_signed_distance(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:  # pylint: disable=unused-argument
-        """The same, negative inside. One sample is enough."""
+        """Distance to the closest surface, negative inside closed surfaces. `nsamples` has no effect."""
         return _like(query_points, self._ready().signed_distance(_plain(query_points)).astype(numpy.float32))
 
     @staticmethod

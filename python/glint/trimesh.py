@@ -1,4 +1,4 @@
-"""trimesh's way of asking, answered by glint: change one import, and corners and edges are counted right.
+"""trimesh's ray queries by glint: only the import changes. Corners and edges count once.
 
     from glint.trimesh import RayMeshIntersector
     RayMeshIntersector(mesh).contains_points(points)
@@ -22,9 +22,9 @@ def _hashes_its_content(mesh: Any) -> bool:
 class RayMeshIntersector:
     """Method names, parameters and shapes of trimesh.ray.ray_triangle.RayMeshIntersector, for anything with `vertices` and `faces`.
 
-    Rays meet the mesh as it is when they are cast: whether it has changed is told by the hash of its content, which trimesh's meshes
-    have, or else by comparing with copies. By name, parameters of the class over embreex are taken too: `max_hits`, the nearest so
-    many of each ray, and `scale_to_box`, which changes nothing.
+    Queries use the mesh as it is at the call. A change is detected by the hash of a trimesh mesh, of other meshes by comparison with
+    copies. Parameters of trimesh's class for embreex are accepted by name: `max_hits`, the number of hits of each ray, nearest first,
+    and `scale_to_box`, which has no effect.
     """
 
     def __init__(self, mesh: Any, device: Selector = None, *, scale_to_box: bool = True) -> None:  # pylint: disable=unused-argument
@@ -34,12 +34,12 @@ class RayMeshIntersector:
         self.scene  # pylint: disable=pointless-statement  # what is wrong with the mesh is said at once
 
     def __getstate__(self) -> dict[str, Any]:
-        """Another process makes the scene anew."""
+        """Another process builds its own scene."""
         return {**self.__dict__, "_made": None}
 
     @property
     def scene(self) -> Scene:
-        """Of the mesh as it is now, committed."""
+        """The committed scene of the mesh as it is now."""
         made = self._made
         if made is not None and self._is_still(made[1]):
             return made[0]
@@ -70,19 +70,19 @@ class RayMeshIntersector:
 
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike, return_locations: bool = False, multiple_hits: bool = True,
                       *, max_hits: int | None = None) -> tuple[Any, ...]:
-        """(index_tri, index_ray), with the locations if wanted."""
+        """(index_tri (m,), index_ray (m,)) of every crossing; with locations (m, 3) if return_locations."""
         locations, index_ray, index_tri = self.intersects_location(ray_origins, ray_directions, multiple_hits, max_hits=max_hits)
         return (index_tri, index_ray, locations) if return_locations else (index_tri, index_ray)
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Indices:
-        """The triangle that each ray hits first, -1 for none."""
+        """Index of the first triangle on each ray (n,), -1 without a hit."""
         first = self.scene.cast(ray_origins, ray_directions, want=("primitive",)).primitive
         return numpy.where(first == _native.NONE, -1, first.astype(numpy.int64))
 
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[numpy.bool_]:
-        """Whether each ray hits the mesh."""
+        """True for each ray (n,) that hits the mesh."""
         return self.scene.occluded(ray_origins, ray_directions)
 
     def contains_points(self, points: ArrayLike) -> NDArray[numpy.bool_]:
-        """Whether each point is inside of the mesh, which must be closed."""
+        """True for each point (n, 3) inside the mesh, which must be closed."""
         return self.scene.contains(points)
