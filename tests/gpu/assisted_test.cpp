@@ -17,14 +17,8 @@ class AssistedTest : public testing::TestWithParam<Access> {
 
     // What the layer says of a shader that reads and writes `touched` texels of a buffer of 16.
     std::vector<std::string> messages(uint32_t touched) {
-        const Buffer buffer(*device_, "values", 16 * 16, GetParam(), MemoryKind::Device);
-        write(*device_, buffer, counting(64));
-        Kernel kernel = scaleKernel(*device_, GetParam(), {2});
-        const Buffer* const buffers[] = {&buffer};
-        kernel.bind(buffers);
-        Submission submission(*device_);
-        submission.dispatch(kernel, 1, bytesOf(ScalePush{touched, 0}));
-        submission.submit();
+        const Buffer buffer = countingBuffer(*device_, 64, GetParam());
+        run(*device_, scaleKernel(*device_, buffer, {2}), 1, bytesOf(ScalePush{touched, 0}));
         return device_->validationMessages();
     }
 
@@ -41,14 +35,8 @@ INSTANTIATE_TEST_SUITE_P(All, AssistedTest, testing::Values(Access::StorageBuffe
 // runs this with GPU-assisted validation to see whether that is at work.
 TEST(Robust, ReadsPastTheEndHarmNothing) {
     const Device device;
-    const Buffer buffer(device, "values", 16 * 16, Access::StorageBuffer, MemoryKind::Device);
-    write(device, buffer, counting(64));
-    Kernel kernel = scaleKernel(device, Access::StorageBuffer, {2});
-    const Buffer* const buffers[] = {&buffer};
-    kernel.bind(buffers);
-    Submission submission(device);
-    submission.dispatch(kernel, 1, bytesOf(ScalePush{17, 0}));
-    submission.submit();
+    const Buffer buffer = countingBuffer(device, 64);
+    run(device, scaleKernel(device, buffer, {2}), 1, bytesOf(ScalePush{17, 0}));
     const std::vector<uint32_t> values = read(device, buffer, 64);
     for (uint32_t i = 0; i < 64; ++i) ASSERT_EQ(values[i], 2 * i);
 }

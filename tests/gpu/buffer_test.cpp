@@ -35,10 +35,7 @@ TEST_P(RoundTrip, KernelDoublesWhatWasUploaded) {
     const uint32_t texels = 1000;
     const Buffer buffer = make("values", texels * 16);
     write(device_, buffer, counting(texels * 4, 7));
-    Kernel kernel = scaleKernel(device_, buffer, {2, 0});
-    Submission submission(device_);
-    submission.dispatch(kernel, groupsFor(texels), bytesOf(ScalePush{texels, 0}));
-    submission.submit();
+    run(device_, scaleKernel(device_, buffer, {2, 0}), groupsFor(texels), bytesOf(ScalePush{texels, 0}));
     const std::vector<uint32_t> values = read(device_, buffer, texels * 4);
     for (uint32_t i = 0; i < texels * 4; ++i) ASSERT_EQ(values[i], 2 * (7 + i)) << i;
 }

@@ -47,19 +47,11 @@ TEST(ChooseDevice, FollowsTheWholeOrderOfTypes) {
     }
 }
 
-TEST(ChooseDevice, TakesANumberAsTheIndex) {
-    EXPECT_EQ(chooseDevice(kDesktop, "0").index, 0u);
-    EXPECT_EQ(chooseDevice(kDesktop, "3").index, 3u);
-}
-
-TEST(ChooseDevice, TakesPartOfTheNameInAnyCase) {
-    EXPECT_EQ(chooseDevice(kDesktop, "LLVMPIPE").index, 0u);
-    EXPECT_EQ(chooseDevice(kDesktop, "gt 1030").index, 3u);
-    EXPECT_EQ(chooseDevice(kDesktop, "uhd").index, 1u);
-}
-
-TEST(ChooseDevice, OfSeveralMatchesTheBest) {
-    EXPECT_EQ(chooseDevice(kDesktop, "nvidia").index, 2u);
+TEST(ChooseDevice, TakesAnIndexOrTheBestWithThatInItsNameInAnyCase) {
+    const std::pair<const char*, uint32_t> choices[] = {{"0", 0},       {"3", 3},   {"LLVMPIPE", 0},
+                                                        {"gt 1030", 3}, {"uhd", 1}, {"nvidia", 2}};
+    for (const auto& [selector, index] : choices)
+        EXPECT_EQ(chooseDevice(kDesktop, selector).index, index) << selector;
 }
 
 TEST(ChooseDevice, OfAMatchingRefusedAndAMatchingUsableOneTheUsable) {
@@ -83,35 +75,26 @@ TEST(ChooseDevice, AnEmptyListNamesThePackageOrTheVariable) {
     EXPECT_EQ(errorOf({}, "nvidia"), errorOf({}, ""));
 }
 
-TEST(ChooseDevice, WithoutAUsableOneSaysWhyForEach) {
-    EXPECT_EQ(errorOf({made(0, "A", "CPU", "has no compute queue"),
-                       made(1, "B", "discrete GPU", "knows Vulkan 1.0 only, glint needs 1.1")},
-                      ""),
-              "no usable Vulkan device: 0 \"A\" has no compute queue; 1 \"B\" knows Vulkan 1.0 only, glint "
-              "needs 1.1");
+TEST(ChooseDevice, AWrongSelectionSaysWhatThereIsOrWhy) {
+    const DeviceInfo a = made(0, "A", "CPU"), b = made(1, "B", "discrete GPU");
+    const struct {
+        std::vector<DeviceInfo> devices;
+        std::string selector, message;
+    } cases[] = {
+        {{made(0, "A", "CPU", "has no compute queue"), made(1, "B", "discrete GPU", "knows Vulkan 1.0 only")},
+         "",
+         "no usable Vulkan device: 0 \"A\" has no compute queue; 1 \"B\" knows Vulkan 1.0 only"},
+        {{a, b}, "radeon", "no Vulkan device has \"radeon\" in its name; devices: 0 \"A\", 1 \"B\""},
+        {{a}, "1", "no Vulkan device has index 1; devices: 0 \"A\""},
+        // More digits than any integer holds, and whose low 64 bits are 0.
+        {{a}, "18446744073709551616", "no Vulkan device has index 18446744073709551616; devices: 0 \"A\""},
+        {kDesktop, "4", "device 4 cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1"},
+        {kDesktop, "old", "device old cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1"},
+    };
+    for (const auto& [devices, selector, message] : cases) EXPECT_EQ(errorOf(devices, selector), message);
 }
 
-TEST(ChooseDevice, AnUnknownNameListsWhatThereIs) {
-    EXPECT_EQ(errorOf({made(0, "A", "CPU"), made(1, "B", "discrete GPU")}, "radeon"),
-              "no Vulkan device has \"radeon\" in its name; devices: 0 \"A\", 1 \"B\"");
-}
-
-TEST(ChooseDevice, AnUnknownIndexListsWhatThereIs) {
-    EXPECT_EQ(errorOf({made(0, "A", "CPU")}, "1"), "no Vulkan device has index 1; devices: 0 \"A\"");
-    // More digits than any integer holds, and whose low 64 bits are 0.
-    EXPECT_EQ(errorOf({made(0, "A", "CPU")}, "18446744073709551616"),
-              "no Vulkan device has index 18446744073709551616; devices: 0 \"A\"");
-}
-
-TEST(ChooseDevice, ARefusedSelectionSaysWhy) {
-    EXPECT_EQ(errorOf(kDesktop, "4"),
-              "device 4 cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1");
-    EXPECT_EQ(errorOf(kDesktop, "old"),
-              "device old cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1");
-}
-
-// What Vulkan 1.1 guarantees of every device (table "Required Limits"), except for the bindings, where it
-// guarantees 4.
+// What Vulkan 1.1 guarantees (table "Required Limits"), but for the bindings, where it guarantees 4.
 DeviceLimits sufficientLimits() {
     DeviceLimits limits;
     limits.maxTexelBufferElements = 65536;
@@ -164,29 +147,20 @@ VkQueueFamilyProperties family(VkQueueFlags flags, uint32_t timestampBits) {
 constexpr VkQueueFlags kAll = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
 constexpr VkQueueFlags kCompute = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
 
-std::optional<uint32_t> choose(const std::vector<VkQueueFamilyProperties>& families) {
-    return chooseQueueFamily(families);
-}
-
-TEST(QueueFamily, PrefersComputeAlone) {
-    EXPECT_EQ(choose({family(kAll, 64), family(VK_QUEUE_TRANSFER_BIT, 64), family(kCompute, 64)}), 2u);
-}
-
-TEST(QueueFamily, DoesNotGiveUpTimestamps) {
-    EXPECT_EQ(choose({family(kAll, 36), family(kCompute, 0)}), 0u);
-}
-
-TEST(QueueFamily, PrefersComputeAloneIfNoneHasTimestamps) {
-    EXPECT_EQ(choose({family(kAll, 0), family(kCompute, 0)}), 1u);
-}
-
-TEST(QueueFamily, FirstOfEquals) {
-    EXPECT_EQ(choose({family(kCompute, 64), family(kCompute, 64)}), 0u);
-}
-
-TEST(QueueFamily, NoneWithoutCompute) {
-    EXPECT_EQ(choose({family(VK_QUEUE_GRAPHICS_BIT, 64), family(VK_QUEUE_TRANSFER_BIT, 64)}), std::nullopt);
-    EXPECT_EQ(choose({}), std::nullopt);
+TEST(QueueFamily, PrefersTimestampsThenComputeAloneThenTheFirst) {
+    const struct {
+        const char* name;
+        std::vector<VkQueueFamilyProperties> families;
+        std::optional<uint32_t> chosen;
+    } cases[] = {
+        {"compute alone", {family(kAll, 64), family(VK_QUEUE_TRANSFER_BIT, 64), family(kCompute, 64)}, 2},
+        {"timestamps before that", {family(kAll, 36), family(kCompute, 0)}, 0},
+        {"compute alone if none has timestamps", {family(kAll, 0), family(kCompute, 0)}, 1},
+        {"the first of equals", {family(kCompute, 64), family(kCompute, 64)}, 0},
+        {"none computes", {family(VK_QUEUE_GRAPHICS_BIT, 64), family(VK_QUEUE_TRANSFER_BIT, 64)}, {}},
+        {"none at all", {}, {}},
+    };
+    for (const auto& [name, families, chosen] : cases) EXPECT_EQ(chooseQueueFamily(families), chosen) << name;
 }
 
 constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
@@ -209,45 +183,36 @@ const VkPhysicalDeviceMemoryProperties kDiscrete =
 const VkPhysicalDeviceMemoryProperties kIntegrated =
     memory({kLocal, kLocal | kVisible, kLocal | kVisible | kCached});
 
-TEST(MemoryType, OfADiscreteCardStaysOutOfTheWindow) {
-    EXPECT_EQ(chooseMemoryType(kDiscrete, kEvery, MemoryKind::Device, false), 0u);
-    EXPECT_EQ(chooseMemoryType(memory({kLocal | kVisible, kLocal}), kEvery, MemoryKind::Device, false), 1u);
-}
-
-TEST(MemoryType, OfADiscreteCardTakesTheWindowIfThereIsNothingElse) {
-    EXPECT_EQ(chooseMemoryType(kDiscrete, 0b1110, MemoryKind::Device, false), 3u);
-}
-
-TEST(MemoryType, OfAnIntegratedCardIsMappedAndCached) {
-    EXPECT_EQ(chooseMemoryType(kIntegrated, kEvery, MemoryKind::Device, true), 2u);
-    EXPECT_EQ(chooseMemoryType(kIntegrated, 0b011, MemoryKind::Device, true), 1u);
-    EXPECT_EQ(chooseMemoryType(kIntegrated, 0b001, MemoryKind::Device, true), 0u);
-}
-
-TEST(MemoryType, ForTheHostIsCachedIfThereIsSuch) {
-    EXPECT_EQ(chooseMemoryType(kDiscrete, kEvery, MemoryKind::Host, false), 2u);
-    EXPECT_EQ(chooseMemoryType(kDiscrete, 0b0010, MemoryKind::Host, false), 1u);
-}
-
-TEST(MemoryType, ForTheHostIsCoherent) {
-    const VkMemoryPropertyFlags incoherent = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | kCached;
-    EXPECT_EQ(chooseMemoryType(memory({incoherent, kVisible}), kEvery, MemoryKind::Host, false), 1u);
-    EXPECT_EQ(chooseMemoryType(memory({incoherent, kLocal}), kEvery, MemoryKind::Host, false), std::nullopt);
-}
-
-TEST(MemoryType, NoneIfNoneIsAllowed) {
-    EXPECT_EQ(chooseMemoryType(kDiscrete, 0b0110, MemoryKind::Device, false), std::nullopt);
-    EXPECT_EQ(chooseMemoryType(kDiscrete, 0, MemoryKind::Host, false), std::nullopt);
-}
-
-TEST(MemoryType, AvoidsTypesThatNeedAFeature) {
-    EXPECT_EQ(chooseMemoryType(memory({kLocal | VK_MEMORY_PROPERTY_PROTECTED_BIT, kLocal}), kEvery,
-                               MemoryKind::Device, false),
-              1u);
-    EXPECT_EQ(chooseMemoryType(
-                  memory({kLocal | kVisible | VK_MEMORY_PROPERTY_DEVICE_COHERENT_BIT_AMD, kLocal | kVisible}),
-                  kEvery, MemoryKind::Device, true),
-              1u);
+TEST(MemoryType, SuitsTheCardAndWhatItIsFor) {
+    using enum MemoryKind;
+    const VkMemoryPropertyFlags incoherent = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | kCached,
+                                amd = kLocal | kVisible | VK_MEMORY_PROPERTY_DEVICE_COHERENT_BIT_AMD;
+    const struct {
+        const char* name;
+        VkPhysicalDeviceMemoryProperties memory;
+        uint32_t allowed;
+        MemoryKind kind;
+        bool unified;
+        std::optional<uint32_t> chosen;
+    } cases[] = {
+        {"a discrete card's local memory", kDiscrete, kEvery, Device, false, 0},
+        {"not its window", memory({kLocal | kVisible, kLocal}), kEvery, Device, false, 1},
+        {"its window if there is nothing else", kDiscrete, 0b1110, Device, false, 3},
+        {"an integrated card's mapped and cached", kIntegrated, kEvery, Device, true, 2},
+        {"an integrated card's mapped", kIntegrated, 0b011, Device, true, 1},
+        {"an integrated card's local", kIntegrated, 0b001, Device, true, 0},
+        {"for the host a cached one", kDiscrete, kEvery, Host, false, 2},
+        {"for the host one that is not", kDiscrete, 0b0010, Host, false, 1},
+        {"for the host a coherent one", memory({incoherent, kVisible}), kEvery, Host, false, 1},
+        {"none is coherent", memory({incoherent, kLocal}), kEvery, Host, false, {}},
+        {"none for the device is allowed", kDiscrete, 0b0110, Device, false, {}},
+        {"none is allowed", kDiscrete, 0, Host, false, {}},
+        {"not a protected one", memory({kLocal | VK_MEMORY_PROPERTY_PROTECTED_BIT, kLocal}), kEvery, Device,
+         false, 1},
+        {"not one that needs a feature", memory({amd, kLocal | kVisible}), kEvery, Device, true, 1},
+    };
+    for (const auto& c : cases)
+        EXPECT_EQ(chooseMemoryType(c.memory, c.allowed, c.kind, c.unified), c.chosen) << c.name;
 }
 
 DeviceLimits limits(uint64_t range, uint64_t texels, uint64_t allocation) {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdlib>
-#include <optional>
 #include <thread>
 
 #include "gpu_fixture.h"
@@ -133,8 +131,7 @@ TEST(Validation, SilentWhenEverythingIsDestroyed) {
         const Device device(withValidation());
         log = device.state().log;
         device.state().physical.unified = false;  // so that there is a staging buffer
-        const Buffer buffer(device, "buffer", 64, Access::TexelBuffer, MemoryKind::Device);
-        write(device, buffer, counting(16));
+        const Buffer buffer = countingBuffer(device, 16, Access::TexelBuffer);
         Kernel kernel = scaleKernel(device, buffer, {2, 0});
         Submission submission(device);
         submission.dispatch(kernel, 1, bytesOf(ScalePush{4, 0}));
@@ -147,11 +144,8 @@ TEST(Validation, SilentWhenEverythingIsDestroyed) {
 void doubleOn(const Device& device, std::vector<uint32_t>& values) {
     const Buffer buffer(device, "values", values.size() * 4, Access::TexelBuffer, MemoryKind::Device);
     write(device, buffer, values);
-    Kernel kernel = scaleKernel(device, buffer, {2, 0});
     const uint32_t texels = static_cast<uint32_t>(values.size() / 4);
-    Submission submission(device);
-    submission.dispatch(kernel, groupsFor(texels), bytesOf(ScalePush{texels, 0}));
-    submission.submit();
+    run(device, scaleKernel(device, buffer, {2, 0}), groupsFor(texels), bytesOf(ScalePush{texels, 0}));
     values = read(device, buffer, values.size());
 }
 

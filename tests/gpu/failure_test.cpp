@@ -26,13 +26,10 @@ TEST_F(FailureTest, AKernelThatDoesNotCompileIsNamed) {
 }
 
 TEST_F(FailureTest, ALostDeviceIsNamed) {
-    const Kernel kernel = emptyKernel(device_);
-    Submission submission(device_);
-    submission.dispatch(kernel, 1, {});
     state().vk.vkQueueSubmit = [](VkQueue, uint32_t, const VkSubmitInfo*, VkFence) {
         return VK_ERROR_DEVICE_LOST;
     };
-    EXPECT_EQ(errorOf([&] { submission.submit(); }),
+    EXPECT_EQ(errorOf([&] { run(device_, emptyKernel(device_), 1); }),
               "vkQueueSubmit failed: VK_ERROR_DEVICE_LOST (the device was reset, or its driver crashed)");
 }
 
@@ -137,10 +134,7 @@ TEST_F(FailureTest, TimestampsMayWrap) {
         std::memcpy(data, ticks, sizeof(ticks));
         return VK_SUCCESS;
     };
-    const Kernel kernel = emptyKernel(device_);
-    Submission submission(device_);
-    submission.dispatch(kernel, 1, {});
-    EXPECT_NEAR(submission.submit().device, 15 * 83.333e-9, 1e-15);
+    EXPECT_NEAR(run(device_, emptyKernel(device_), 1).device, 15 * 83.333e-9, 1e-15);
 }
 
 }  // namespace glint::gpu::failure_test

@@ -82,6 +82,21 @@ inline uint32_t groupsFor(uint32_t texels) {
     return (texels + 63) / 64;
 }
 
+// A buffer of 0, 1, 2, ... in the device's memory.
+inline Buffer countingBuffer(const Device& device, size_t values, Access access = Access::StorageBuffer) {
+    Buffer buffer(device, "values", values * 4, access, MemoryKind::Device);
+    write(device, buffer, counting(values));
+    return buffer;
+}
+
+// One dispatch, done when this returns.
+inline Submission::Times run(const Device& device, const Kernel& kernel, uint32_t groups,
+                             std::span<const std::byte> push = {}) {
+    Submission submission(device);
+    submission.dispatch(kernel, groups, push);
+    return submission.submit();
+}
+
 // constants: FACTOR, then ADDS. With a buffer, bound to it.
 Kernel scaleKernel(const Device& device, Access access, std::vector<uint32_t> constants);
 Kernel scaleKernel(const Device& device, const Buffer& buffer, std::vector<uint32_t> constants);

@@ -1,17 +1,16 @@
+#include <glm/vec3.hpp>
+
 #include "gpu_fixture.h"
 
 namespace glint::gpu::kernel_test {
 class KernelTest : public GpuTest, public testing::WithParamInterface<Access> {
   protected:
     // What `kernel` makes of 0, 1, 2, ... with this push constant.
-    std::vector<uint32_t> run(Kernel& kernel, ScalePush push, size_t values) {
-        const Buffer buffer(device_, "values", values * 4, GetParam(), MemoryKind::Device);
-        write(device_, buffer, counting(values));
+    std::vector<uint32_t> madeBy(Kernel& kernel, ScalePush push, size_t values) {
+        const Buffer buffer = countingBuffer(device_, values, GetParam());
         const Buffer* const buffers[] = {&buffer};
         kernel.bind(buffers);
-        Submission submission(device_);
-        submission.dispatch(kernel, groupsFor(push.count), bytesOf(push));
-        submission.submit();
+        run(device_, kernel, groupsFor(push.count), bytesOf(push));
         return read(device_, buffer, values);
     }
 };
@@ -26,9 +25,9 @@ TEST_P(KernelTest, SpecializationConstantsFollowTheirIds) {
     Kernel triple = scaleKernel(device_, GetParam(), {3});
     Kernel both = scaleKernel(device_, GetParam(), {5, 1});
     Kernel defaults = scaleKernel(device_, GetParam(), {});
-    const std::vector<uint32_t> tripled = run(triple, {16, 1000}, 64);
-    const std::vector<uint32_t> sums = run(both, {16, 1000}, 64);
-    const std::vector<uint32_t> same = run(defaults, {16, 1000}, 64);
+    const std::vector<uint32_t> tripled = madeBy(triple, {16, 1000}, 64);
+    const std::vector<uint32_t> sums = madeBy(both, {16, 1000}, 64);
+    const std::vector<uint32_t> same = madeBy(defaults, {16, 1000}, 64);
     for (uint32_t i = 0; i < 64; ++i) {
         ASSERT_EQ(tripled[i], 3 * i);
         ASSERT_EQ(sums[i], 5 * i + 1000);
@@ -37,8 +36,7 @@ TEST_P(KernelTest, SpecializationConstantsFollowTheirIds) {
 }
 
 TEST_P(KernelTest, PushConstantsChangeFromDispatchToDispatch) {
-    const Buffer buffer(device_, "values", 256, GetParam(), MemoryKind::Device);
-    write(device_, buffer, counting(64));
+    const Buffer buffer = countingBuffer(device_, 64, GetParam());
     Kernel kernel = scaleKernel(device_, buffer, {1, 1});
     Submission submission(device_);
     submission.dispatch(kernel, 1, bytesOf(ScalePush{16, 100}));  // all
@@ -50,8 +48,8 @@ TEST_P(KernelTest, PushConstantsChangeFromDispatchToDispatch) {
 
 TEST_P(KernelTest, RebindingMovesItToAnotherBuffer) {
     Kernel kernel = scaleKernel(device_, GetParam(), {2});
-    const std::vector<uint32_t> first = run(kernel, {4, 0}, 16);
-    const std::vector<uint32_t> second = run(kernel, {2, 0}, 16);  // another buffer; the first one is gone
+    const std::vector<uint32_t> first = madeBy(kernel, {4, 0}, 16);
+    const std::vector<uint32_t> second = madeBy(kernel, {2, 0}, 16);  // another buffer; the first one is gone
     for (uint32_t i = 0; i < 16; ++i) {
         ASSERT_EQ(first[i], 2 * i);
         ASSERT_EQ(second[i], i < 8 ? 2 * i : i);
@@ -61,10 +59,7 @@ TEST_P(KernelTest, RebindingMovesItToAnotherBuffer) {
 class OneKernelTest : public GpuTest {};
 
 TEST_F(OneKernelTest, NeedsNoBindings) {
-    const Kernel kernel = emptyKernel(device_);
-    Submission submission(device_);
-    submission.dispatch(kernel, 3, {});
-    EXPECT_GT(submission.submit().wall, 0.0);
+    EXPECT_GT(run(device_, emptyKernel(device_), 3).wall, 0.0);
 }
 
 TEST_F(OneKernelTest, Moves) {
@@ -127,6 +122,25 @@ TEST_F(OneKernelTest, LimitsAreChecked) {
     limits = real;
     limits.maxStorageImagesPerStage = 1;
     EXPECT_EQ(message(), "kernel \"big\": needs 2 texel buffers, but this device has at most 1");
+}
+
+// The source of this kernel, GLSL without its calls and variables, is C++ too.
+namespace twists {
+using uint = uint32_t;
+using glm::uvec3;
+#define GLINT_INOUT(T) T&
+#include "twists.h"
+}  // namespace twists
+
+TEST_F(OneKernelTest, CallsStructuresAndLoopsComputeTheSame) {
+    constexpr uint32_t kSeeds = 500;
+    const Buffer buffer = countingBuffer(device_, kSeeds);
+    const Buffer* const buffers[] = {&buffer};
+    Kernel kernel = twistsKernel(device_);
+    kernel.bind(buffers);
+    run(device_, kernel, kSeeds);
+    const std::vector<uint32_t> values = read(device_, buffer, kSeeds);
+    for (uint32_t seed = 0; seed < kSeeds; ++seed) ASSERT_EQ(values[seed], twists::twisted(seed)) << seed;
 }
 
 }  // namespace glint::gpu::kernel_test

@@ -5,8 +5,7 @@
 namespace glint::gpu::submission_test {
 class SubmissionTest : public GpuTest {};
 
-// 0, 1, 2, ... through: add 1 to all, reverse the texels, triple all. Each step reads what another invocation
-// wrote.
+// 0, 1, 2, ...: add 1 to all, reverse the texels, triple all. Each step reads what another invocation wrote.
 TEST_F(SubmissionTest, DispatchesOfABatchAreOrdered) {
     const uint32_t texels = 5000;
     const Buffer source(device_, "source", texels * 16, Access::TexelBuffer, MemoryKind::Device);
@@ -26,16 +25,14 @@ TEST_F(SubmissionTest, DispatchesOfABatchAreOrdered) {
 
     const std::vector<uint32_t> values = read(device_, destination, texels * 4);
     for (uint32_t i = 0; i < texels; ++i) {
-        for (uint32_t c = 0; c < 4; ++c) {
+        for (uint32_t c = 0; c < 4; ++c)
             ASSERT_EQ(values[4 * i + c], 3 * (4 * (texels - 1 - i) + c + 1)) << "texel " << i;
-        }
     }
 }
 
 TEST_F(SubmissionTest, CopiesTakeTheirTurn) {
-    const Buffer a(device_, "a", 256, Access::StorageBuffer, MemoryKind::Device);
+    const Buffer a = countingBuffer(device_, 64);
     const Buffer b(device_, "b", 256, Access::TexelBuffer, MemoryKind::Host);
-    write(device_, a, counting(64));
     write(device_, b, std::vector<uint32_t>(64, 7));
     Kernel twice = scaleKernel(device_, a, {2, 0});
     Submission submission(device_);
@@ -44,9 +41,7 @@ TEST_F(SubmissionTest, CopiesTakeTheirTurn) {
     submission.dispatch(twice, 1, bytesOf(ScalePush{16, 0}));
     submission.submit();
     const auto* copied = static_cast<const uint32_t*>(b.mapped());
-    for (uint32_t i = 0; i < 64; ++i) {
-        ASSERT_EQ(copied[i], i >= 16 && i < 32 ? 2 * (i + 16) : 7u) << i;
-    }
+    for (uint32_t i = 0; i < 64; ++i) ASSERT_EQ(copied[i], i >= 16 && i < 32 ? 2 * (i + 16) : 7u) << i;
     const std::vector<uint32_t> values = read(device_, a, 64);
     for (uint32_t i = 0; i < 64; ++i) ASSERT_EQ(values[i], 4 * i);
 }
@@ -102,10 +97,8 @@ TEST_F(SubmissionTest, TimestampsLieWithinTheWallTime) {
     const auto texels = static_cast<uint32_t>(
         std::min<uint64_t>(device_.info().limits.maxTexelBufferElements, uint64_t{1} << 20));
     const Buffer buffer(device_, "values", uint64_t{16} * texels, Access::TexelBuffer, MemoryKind::Device);
-    Kernel kernel = scaleKernel(device_, buffer, {2, 0});
-    Submission submission(device_);
-    submission.dispatch(kernel, groupsFor(texels), bytesOf(ScalePush{texels, 0}));
-    const Submission::Times times = submission.submit();
+    const Submission::Times times =
+        run(device_, scaleKernel(device_, buffer, {2, 0}), groupsFor(texels), bytesOf(ScalePush{texels, 0}));
     EXPECT_GT(times.device, 0.0);
     EXPECT_LE(times.device, times.wall + 1e-3);
     EXPECT_LT(times.wall, 60.0);
@@ -113,10 +106,7 @@ TEST_F(SubmissionTest, TimestampsLieWithinTheWallTime) {
 
 TEST_F(SubmissionTest, DeviceTimeIsZeroWithoutTimestamps) {
     device_.state().physical.info.limits.timestampPeriod = 0;
-    const Kernel kernel = emptyKernel(device_);
-    Submission submission(device_);
-    submission.dispatch(kernel, 1, {});
-    const Submission::Times times = submission.submit();
+    const Submission::Times times = run(device_, emptyKernel(device_), 1);
     EXPECT_EQ(times.device, 0.0);
     EXPECT_GT(times.wall, 0.0);
 }
