@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <ostream>
 #include <sstream>
@@ -103,6 +102,7 @@ void Driver::run() {
         const bool scripted = wait_ || next_ < script_.size();
         viewer_.setRestless(!idles_ && (scripted || script_.empty()));
         if (!scripted && !stays_ && !std::exchange(closed, true)) input_.push({.type = Event::Type::Close});
+        ++rounds_;
     } while (viewer_.step());
     viewer_.close();
 }
@@ -318,21 +318,19 @@ void Driver::set(const ScriptCommand& command) {
 }
 
 void Driver::startIdling(double seconds) {
-    const auto processor = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
-    wait_ = [this, processor, watch = Stopwatch(), frames = viewer_.frames(), before = processor(),
-             seconds]() mutable {
+    wait_ = [this, watch = Stopwatch(), frames = viewer_.frames(), rounds = rounds_, seconds]() mutable {
         if (!idles_) {  // the rest begins when there is nothing left to trace
             if (!m_.session->rested()) return false;
             idles_ = true;
             watch.restart();
             frames = viewer_.frames();
-            before = processor();
+            rounds = rounds_;
         }
         if (watch.seconds() < seconds) return false;
         char line[120];
-        std::snprintf(line, sizeof(line), "idle: %.2f s, %llu frames, %.3f s of processor time",
+        std::snprintf(line, sizeof(line), "idle: %.2f s, %llu frames, %llu rounds of the loop",
                       watch.seconds(), static_cast<unsigned long long>(viewer_.frames() - frames),
-                      processor() - before);
+                      static_cast<unsigned long long>(rounds_ - rounds));
         out_ << line << std::endl;
         idles_ = false;
         return true;

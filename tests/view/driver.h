@@ -23,7 +23,7 @@
 //   copy FROM TO           copy a file, to change a scene on disk
 //   reload                 wait until a changed file is loaded or found invalid
 //   verify                 check the view as V does, and wait; fails if it does not pass
-//   idle SECONDS           do nothing, and print the number of frames and the processor time
+//   idle SECONDS           do nothing, and print the numbers of frames and of rounds of the viewer's loop
 //   lose-device            behave as if the device were lost
 //   stay                   leave the window open at the end of the script
 //   print WHAT             print a state: driver_state.cpp lists them
@@ -88,6 +88,7 @@ class Driver {
     std::ostream& out_;
     std::vector<ScriptCommand> script_;
     size_t next_ = 0;
+    uint64_t rounds_ = 0;         // of the viewer's loop
     std::function<bool()> wait_;  // of the command at hand: true once it is over
     bool stays_ = false, idles_ = false;
     std::future<int> hand_;
