@@ -595,7 +595,7 @@ class Scene(_native.Owner):
             setattr(picture, name, _native.view(arrays[name]))
         _Options(cancelled, progress, True).call("glint_render", self._handle, ctypes.byref(picture))
         if error is not None and bound.value > error:
-            warnings.warn(f"the error may be {bound.value:.3g}, not {error:.3g}: max_samples are too few", RuntimeWarning, stacklevel=2)
+            warnings.warn(f"target {error:.3g} not reached: the error is at most {bound.value:.3g} after max_samples", RuntimeWarning, stacklevel=2)
         made = _record("Picture", arrays, (height, width))
         return made.color if layers == ("color",) else made
 

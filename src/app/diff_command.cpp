@@ -48,7 +48,7 @@ ExitCode run(const DiffCommand& command, std::ostream& out, std::ostream&) {
         << format(" pixels (%.4f %%) differ by more than %g, ",
                   100.0 * static_cast<double>(d.above) / static_cast<double>(std::max<uint64_t>(d.pixels, 1)),
                   command.tolerance)
-        << d.notFinite << " not finite in one picture only\n";
+        << d.notFinite << " not finite in one image only\n";
     for (const PixelDifference& p : d.worst)
         out << format("  pixel %d,%d: %.6g\n", p.x, p.y, static_cast<double>(p.difference));
     if (!command.output.empty()) {

@@ -221,8 +221,8 @@ void warnOfLosses(const Picture& picture, const std::string& start, std::ostream
         err << start << branches(losses.room.count) << " dropped, as " << shared::kMaxWaiting
             << " others were waiting already; " << boundText(losses.room, picture) << '\n';
     if (losses.crowdedMedia > 0)
-        err << start << "rays inside " << shared::kMaxMedia << " media at a time passed "
-            << counted(losses.crowdedMedia, "surface") << " of more as if they were not there\n";
+        err << start << "ignored " << counted(losses.crowdedMedia, "surface")
+            << ": a ray can be inside at most " << shared::kMaxMedia << " dielectrics\n";
 }
 
 void SampleTotals::add(const Picture& picture) {

@@ -140,9 +140,8 @@ std::string verdict(const verify::Report& report) {
     }
     if (report.unexplained > report.allowedUnexplained)
         return "FAILED: pixels differ for no reason that rounding explains";
-    if (report.plainDiffers > 0)
-        return "FAILED: the picture that glint render draws, without layers, has other bits";
-    if (report.filmDiffers > 0) return "FAILED: the picture of all samples is not what they add up to";
+    if (report.plainDiffers > 0) return "FAILED: the image without layers has other bits";
+    if (report.filmDiffers > 0) return "FAILED: the image of all samples is not their mean";
     if (report.lossesDiffer > 0) return "FAILED: other branches are left out than the reference leaves out";
     if (report.representation && report.representation->unexplained > 0)
         return "FAILED: the packed scene shows what the scene does not, for no reason that rounding explains";
@@ -158,9 +157,9 @@ void printReport(const std::string& scene, const verify::Report& report, const v
     out << scene << ": " << verdict(report) << "\n    " << report.pixels
         << " pixels; beyond their predicted error: " << report.edges << " edge, " << report.roundings
         << " rounding, " << report.undecided << " undecided (at most " << report.allowedExplained() << "), "
-        << report.unexplained << " unexplained\n    of " << s.tried << " pixels the reference sees "
-        << format("%.3g", s.changedByOne()) << " otherwise for rays moved by 2^-24, " << s.changedWidely
-        << " by 32 times that, " << s.open << " for errors in the order of surfaces in one place\n"
+        << report.unexplained << " unexplained\n    sensitivity: " << format("%.3g", s.changedByOne())
+        << " of " << s.tried << " pixels change when rays move by 2^-24, " << s.changedWidely
+        << " by 32 times that, " << s.open << " by errors in the order of surfaces in one place\n"
         << format("    RMSE %.3g; where the paths agree: RMSE %.3g, max %.3g\n", report.rmse,
                   report.rmseSamePath, report.maxSamePath);
     if (report.plainDiffers > 0)

@@ -58,7 +58,7 @@ Checkpoint::Checkpoint(const std::filesystem::path& path, const UnitHeader& head
             const std::string other = difference(there.identity, header.identity);
             if (!other.empty())
                 fail(path,
-                     "is a checkpoint of another picture: " + other + "; remove it, or give another name");
+                     "is a checkpoint of another render: " + other + "; remove it, or give another name");
         };
         std::set<int> parts;
         const auto add = [&](const UnitResult& result) {

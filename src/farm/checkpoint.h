@@ -13,8 +13,8 @@ class Checkpoint {
     // Opens the file, or makes it with the header, and calls `found` with what an earlier run finished: each
     // unit once, one at a time in memory, in the order in which they were appended. What stands behind the
     // last whole unit, because a process ended while it wrote, is cut off. Throws Error(Failed) for a file
-    // that is damaged, is a checkpoint of another picture (and says in what), cannot be written, or is in use
-    // by another process.
+    // that is damaged, is a checkpoint of another render (states the difference), cannot be written, or is in
+    // use by another process.
     Checkpoint(const std::filesystem::path& path, const UnitHeader& header,
                const std::function<void(const UnitResult&)>& found);
     ~Checkpoint();

@@ -50,8 +50,7 @@ std::map<int, std::filesystem::path> filesOfParts(const std::vector<std::filesys
         if (there.empty()) header = outline.header;
         const std::string other = difference(outline.header.identity, header.identity);
         if (!other.empty())
-            fail(path.string() + ": belongs to another picture than " + files.front().string() + ": " +
-                 other);
+            fail(path.string() + ": comes from another render than " + files.front().string() + ": " + other);
         const auto [known, isNew] = there.emplace(outline.part, path);
         if (!isNew)
             fail(path.string() + ": holds " + namesOfParts({outline.part}, header.parts) + ", which " +

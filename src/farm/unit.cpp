@@ -19,7 +19,7 @@ bool isHash(const std::string& name) {
 }
 
 std::string textOf(const Fact& there, const std::string& here) {
-    if (there.first == "cut") return "the picture is cut at other places there";
+    if (there.first == "cut") return "the image is cut at other places there";
     if (isHash(there.first)) return there.first + " has other contents there";
     return there.first + " is " + there.second + " there and " + here + " here";
 }

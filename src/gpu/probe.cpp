@@ -171,9 +171,10 @@ Arithmetic judged(std::span<const ProbeCase> cases) {
 }
 
 std::string Arithmetic::text() const {
-    if (!sound) return "breaks Vulkan's promises on sums and products: the bits of pictures are its own";
-    if (!denormals) return "takes numbers below 2^-126 for 0: the bits of pictures are its own";
-    const std::string end = ": pictures have the bits of all devices that keep Vulkan's promises";
+    if (!sound)
+        return "breaks Vulkan's promises on sums and products: images may differ from those of other devices";
+    if (!denormals) return "flushes denormals: last bits may differ from other devices";
+    const std::string end = ": images have the bits of all devices that keep Vulkan's promises";
     if (quotients && roots) return "correctly rounded" + end;
     const std::string what =
         quotients ? "square roots" : (roots ? "quotients" : "quotients and square roots");

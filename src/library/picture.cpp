@@ -130,7 +130,7 @@ void checkDepthIsKnown(const Scene& scene, uint32_t depth) {
         return m.mirror != Color(0) || m.transmission != Color(0);
     };
     if (depth == 0 && std::any_of(scene.materials.begin(), scene.materials.end(), reflects))
-        refuse("picture.error: with a max_depth of none nobody counts what mirrors would show");
+        refuse("picture.error cannot bound reflections at depth 0: set max_depth to at least 1");
 }
 
 Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, const glint_picture& wanted,

@@ -76,7 +76,7 @@ TEST_F(Checkpoints, AnInterruptedProcessReportsItsUnits) {
     const Ran other = runGlint(with("--checkpoint c.part -o all.pfm --max-depth 1"));
     EXPECT_EQ(other.code, 1);
     EXPECT_EQ(other.err,
-              "glint: c.part: is a checkpoint of another picture: maxDepth is 5 there and 1 here; remove it, "
+              "glint: c.part: is a checkpoint of another render: maxDepth is 5 there and 1 here; remove it, "
               "or give another name\n");
     EXPECT_EQ(runGlint(with("--checkpoint c.part -o all.pfm -q")).code, 0);
     EXPECT_EQ(readBytes("all.pfm"), whole_);

@@ -25,7 +25,7 @@ TEST_F(Diff, EqualPictures) {
     const Ran ran = runGlint("diff b.pfm b.pfm");
     EXPECT_EQ(ran.out,
               "RMSE 0, PSNR inf dB, relMSE 0, SSIM -, max 0, mean 0\n"
-              "0 of 4 pixels (0.0000 %) differ by more than 0, 0 not finite in one picture only\n");
+              "0 of 4 pixels (0.0000 %) differ by more than 0, 0 not finite in one image only\n");
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");
 }
@@ -36,7 +36,7 @@ TEST_F(Diff, NumbersFollowTheirDefinitions) {
     const Ran ran = runGlint("diff a.pfm b.pfm");
     EXPECT_EQ(ran.out,
               "RMSE 0.161374, PSNR 15.84 dB, relMSE 2.604, SSIM -, max 0.5, mean 0.0625\n"
-              "2 of 4 pixels (50.0000 %) differ by more than 0, 0 not finite in one picture only\n"
+              "2 of 4 pixels (50.0000 %) differ by more than 0, 0 not finite in one image only\n"
               "  pixel 1,0: 0.5\n"
               "  pixel 0,1: 0.25\n");
     EXPECT_EQ(ran.code, 5);
@@ -78,7 +78,7 @@ TEST_F(Diff, FaultsAreOneLine) {
     EXPECT_FALSE(std::filesystem::exists("d.png"));
 }
 
-// NaN equals NaN; NaN in one picture only is a difference that no tolerance covers.
+// NaN equals NaN; NaN in one image only is a difference that no tolerance covers.
 TEST_F(Diff, NotFinitePictures) {
     Image n(2, 2, 3);
     n.at(0, 0, 0) = std::numeric_limits<float>::quiet_NaN();
@@ -86,7 +86,7 @@ TEST_F(Diff, NotFinitePictures) {
     EXPECT_EQ(runGlint("diff n.pfm n.pfm").code, 0);
     const Ran ran = runGlint("diff a.pfm n.pfm --tolerance 1000 -o d.pfm");
     EXPECT_EQ(ran.code, 5);
-    EXPECT_HAS(ran.out, "1 not finite in one picture only\n");
+    EXPECT_HAS(ran.out, "1 not finite in one image only\n");
     EXPECT_HAS(ran.out, "max inf");
 }
 

@@ -86,7 +86,7 @@ TEST_F(Part, OptionsThatMakeNoSense) {
 // What does not belong together is told apart by name.
 TEST_F(Part, ForeignPartsAreNamed) {
     ASSERT_EQ(part("1/2", "-q").code, 0);
-    const std::string start = "glint: b.part: belongs to another picture than a.1-of-2.part: ";
+    const std::string start = "glint: b.part: comes from another render than a.1-of-2.part: ";
     const auto merge = [&] { return errorOfRun(runGlint("merge a.1-of-2.part b.part"), 1); };
     ASSERT_EQ(part("2/2", "-q -o b.part --spp 4").code, 0);
     EXPECT_EQ(

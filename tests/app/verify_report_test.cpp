@@ -29,8 +29,8 @@ verify::Report cleanReport() {
 // 16 pixels of 1000 at 32 units: no more than 31.4 on average, one unit 32 times fewer, the device twice as
 // many: a mean of 1.96, which 8 exceed with a chance of 3e-4.
 const char* const kCleanLines =
-    "    of 1000 pixels the reference sees 0 otherwise for rays moved by 2^-24, 16 by 32 times that, 0 for "
-    "errors in the order of surfaces in one place\n"
+    "    sensitivity: 0 of 1000 pixels change when rays move by 2^-24, 16 by 32 times that, 0 by errors in "
+    "the order of surfaces in one place\n"
     "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
     "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06 (99th percentile of the pixels)\n";
 
@@ -55,8 +55,7 @@ TEST(VerifyReport, VerdictsNameTheirReason) {
          "FAILED: too many pixels differ, though rounding explains each: the method loses digits", ""},
         // The limit rises with the scene's sensitivity.
         {[](verify::Report& r) { r.edges = 9, r.sensitivity.open = 50; }, "ok\n", ""},
-        {[](verify::Report& r) { r.filmDiffers = 7; },
-         "FAILED: the picture of all samples is not what they add up to\n",
+        {[](verify::Report& r) { r.filmDiffers = 7; }, "FAILED: the image of all samples is not their mean\n",
          "\n    7 pixels take other samples than they need, or are not their mean\n"},
         {[](verify::Report& r) { r.lossesDiffer = 2; },
          "FAILED: other branches are left out than the reference leaves out\n",

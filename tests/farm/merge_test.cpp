@@ -130,8 +130,7 @@ TEST_F(MergeFiles, WhatIsWrongIsNamed) {
     UnitHeader other = header_;
     other.identity.facts[1].second = "65";
     write(2, other);
-    EXPECT_EQ(errorIn(paths_),
-              "3.part: belongs to another picture than 1.part: size is 65 there and 64 here");
+    EXPECT_EQ(errorIn(paths_), "3.part: comes from another render than 1.part: size is 65 there and 64 here");
 }
 
 TEST_F(MergeFiles, PartsThatOverlapAreRefused) {

@@ -174,7 +174,7 @@ TEST_F(Checkpoints, OfAnotherPictureAreRefused) {
     other.identity.facts[0].second = "b.json";
     EXPECT_EQ(
         errorOfOpening(other),
-        "a.check: is a checkpoint of another picture: scene is uneven.json there and b.json here; remove it, "
+        "a.check: is a checkpoint of another render: scene is uneven.json there and b.json here; remove it, "
         "or give another name");
     glint::test::writeText("a.check", "something else");
     EXPECT_EQ(errorOfOpening(header_),

@@ -247,7 +247,7 @@ def test_pictures_to_an_error(device):
         assert picture.shape == (24, 32, 4)
         off = numpy.sqrt(numpy.mean((picture - truth)[..., :3] ** 2))
         assert off <= error
-    with pytest.warns(RuntimeWarning, match="the error may be"):
+    with pytest.warns(RuntimeWarning, match="target 0.001 not reached"):
         scene.render(32, 24, error=0.001, max_samples=2)
     for wrong in ({"error": 0.01, "samples": 4}, {"error": 0.01, "confidence": 1.5}, {"error": 0.01, "max_samples": 1},
                   {"error": numpy.inf}, {"error": 1e-12}):
