@@ -14,7 +14,7 @@ import sys
 
 LIMITS = {
     "comment block that starts with What, Of, Where, Whether, Who, As or Since": 0,
-    "sentence that starts with What, Of, Where, Whether or Who": 1,
+    "sentence that starts with What, Of, Where, Whether or Who": 0,
     "sentence of more than 30 words": 0,
     "paragraph of more than 110 words": 0,
     "banned word": 0,
