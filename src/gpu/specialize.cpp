@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "gpu/spirv_code.h"
-#include "gpu/spirv_inline.h"
 
 namespace glint::gpu {
 namespace {
@@ -258,8 +257,7 @@ std::vector<uint32_t> specialize(std::span<const uint32_t> spirv, std::span<cons
     Known known = setConstants(code.globals, constants);
     for (Function& function : code.functions) simplify(function, known);
     code.keepCalledFunctions();
-    Ids ids(code);
-    inlineCalls(code, ids);
+    inlineCalls(code);
     // Conditions that were arguments or variables may be constants now.
     for (Function& function : code.functions) simplify(function, known);
     code.keepCalledFunctions();

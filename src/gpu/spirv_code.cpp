@@ -140,8 +140,10 @@ size_t endOfIds(const Instruction& i) {
         case OpLabel:
         case OpReturn:
         case OpUnreachable:
-        case OpVariable:  // without an initial value
-            return i.size() <= 4 ? 1 : 0;
+            return 1;
+        case OpVariable:
+            if (i.size() == 4) return 1;  // without an initial value
+            break;
         case OpSelectionMerge:
         case OpBranch:
         case OpReturnValue:
@@ -158,19 +160,14 @@ size_t endOfIds(const Instruction& i) {
             return 5;
         // No image operands.
         case OpImageWrite:
-            return i.size() == 4 ? 4 : 0;
+            if (i.size() == 4) return 4;
+            break;
         case OpImageRead:
-            return i.size() == 5 ? 5 : 0;
+            if (i.size() == 5) return 5;
+            break;
         default:
-            return hasIdsAlone(opOf(i)) ? i.size() : 0;
+            if (hasIdsAlone(opOf(i))) return i.size();
     }
-}
-
-bool isKnown(const Instruction& i) {
-    return opOf(i) == OpSwitch || endOfIds(i) != 0;
-}
-
-void refuse(const Instruction& i) {
     throw std::domain_error("instruction " + std::to_string(opOf(i)) + " of SPIR-V is not known here");
 }
 

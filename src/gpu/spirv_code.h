@@ -11,32 +11,22 @@ namespace glint::gpu::spirv {
 enum Op : uint32_t {
     OpUndef = 1,
     OpSourceContinued = 2,
-    OpSource = 3,
-    OpSourceExtension = 4,
-    OpName = 5,
-    OpMemberName = 6,
-    OpString = 7,
     OpLine = 8,
     OpExtInst = 12,
     OpEntryPoint = 15,
     OpCapability = 17,
     OpTypeVoid = 19,
-    OpTypeVector = 23,
-    OpTypeArray = 28,
     OpTypeStruct = 30,
     OpTypePointer = 32,
     OpTypeForwardPointer = 39,
     OpConstantTrue = 41,
     OpConstantFalse = 42,
     OpConstant = 43,
-    OpConstantComposite = 44,
-    OpConstantNull = 46,
     OpSpecConstantTrue = 48,
     OpSpecConstantFalse = 49,
     OpSpecConstant = 50,
     OpSpecConstantOp = 52,
     OpFunction = 54,
-    OpFunctionParameter = 55,
     OpFunctionEnd = 56,
     OpFunctionCall = 57,
     OpVariable = 59,
@@ -86,7 +76,7 @@ enum Op : uint32_t {
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5, kBound = 3;
 constexpr uint32_t kCapabilityGroupNonUniform = 61, kCapabilityGroupNonUniformShuffle = 65;
 constexpr uint32_t kDecorationSpecId = 1, kDecorationNoContraction = 42;
-constexpr uint32_t kInput = 1, kWorkgroup = 4, kPrivate = 6, kFunction = 7;  // storage classes
+constexpr uint32_t kInput = 1, kFunction = 7;  // storage classes
 
 using Words = std::span<const uint32_t>;
 using Instruction = std::vector<uint32_t>;
@@ -134,16 +124,18 @@ struct Code {
     void keepCalledFunctions();
 };
 
+// Puts bodies of functions in place of their calls, and values in place of the variables of each function.
+// Calls of functions that return from within a loop or a branch remain (spirv_inline.cpp).
+void inlineCalls(Code& code);
+
 // The place of an instruction's result in its words, 0 if it has none. Of what stands in functions.
 size_t resultPlace(const Instruction& i);
 
-// One past the place of the last id among the words of an instruction; 0 for one that is not known here.
+// One past the place of the last id among the words of an instruction. Throws std::domain_error for an
+// instruction that is not known here.
 size_t endOfIds(const Instruction& i);
-bool isKnown(const Instruction& i);
-[[noreturn]] void refuse(const Instruction& i);
 
-// Calls use(id) for each id that it uses, but for its type. Throws std::domain_error for an instruction that
-// is not known here.
+// Calls use(id) for each id that it uses, but for its type. Throws as endOfIds.
 template <typename Words, typename Use>
 void eachId(Words& i, Use use) {
     const uint32_t op = opOf(i);
@@ -153,7 +145,6 @@ void eachId(Words& i, Use use) {
         return;
     }
     const size_t end = endOfIds(i);
-    if (end == 0) refuse(i);
     // In OpExtInst, word 3 is the instruction set and word 4 the instruction in it.
     for (size_t at = op == OpExtInst ? 5 : resultPlace(i) + 1; at < end; ++at) use(i[at]);
 }

@@ -1,11 +1,339 @@
-#include "gpu/spirv_inline.h"
-
+// Calls replaced by the bodies of functions, and local variables by values: a part of specialize.h.
+#include <algorithm>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
-namespace glint::gpu::spirv {
+#include "gpu/spirv_code.h"
 
+namespace glint::gpu::spirv {
 namespace {
+
+// Types and constants that a module's globals declare; gives new ids.
+class Ids {
+  public:
+    explicit Ids(Code& code) : code_(code) {
+        for (const Instruction& i : code.globals) {
+            if (opOf(i) == OpTypeStruct) structs_[i[1]].assign(i.begin() + 2, i.end());
+            if (opOf(i) == OpTypePointer) pointees_[i[1]] = i[3];
+            if (opOf(i) == OpConstant) constants_[i[2]] = i[3];
+        }
+    }
+
+    uint32_t fresh() { return code_.header[kBound]++; }
+    bool isStruct(uint32_t type) const { return structs_.contains(type); }
+    const std::vector<uint32_t>& membersOf(uint32_t type) const { return structs_.at(type); }
+    // The types of a structure's members, of their members, and so on. Of another type: itself.
+    std::vector<uint32_t> leavesOf(uint32_t type) const {
+        if (!isStruct(type)) return {type};
+        std::vector<uint32_t> leaves;
+        for (const uint32_t member : membersOf(type)) {
+            const std::vector<uint32_t> more = leavesOf(member);
+            leaves.insert(leaves.end(), more.begin(), more.end());
+        }
+        return leaves;
+    }
+    uint32_t pointeeOf(uint32_t pointerType) const { return pointees_.at(pointerType); }
+    // Value of an integer constant; null for other ids.
+    const uint32_t* constantOf(uint32_t id) const {
+        const auto constant = constants_.find(id);
+        return constant == constants_.end() ? nullptr : &constant->second;
+    }
+    uint32_t undefined(uint32_t type) {
+        uint32_t& id = undefined_[type];
+        if (id == 0) {
+            id = fresh();
+            code_.globals.push_back(make(OpUndef, {type, id}));
+        }
+        return id;
+    }
+
+  private:
+    Code& code_;
+    std::unordered_map<uint32_t, std::vector<uint32_t>> structs_;
+    std::unordered_map<uint32_t, uint32_t> pointees_, constants_, undefined_;
+};
+
+// ---- Local variables ----
+
+bool hasEffect(const Instruction& i) {
+    const uint32_t op = opOf(i);
+    return resultPlace(i) == 0 || op == OpLabel || op == OpFunctionCall ||
+           (op >= OpAtomicExchange && op <= OpAtomicXor);
+}
+
+// Whatever a function stores to and loads from its own variables becomes values (M. Braun et al., "Simple and
+// Efficient Construction of Static Single Assignment Form", CC 2013), structures member by member.
+// Instructions whose results are then unused are removed. Variables that are passed to a function or have an
+// index that is not constant remain.
+class Values {
+  public:
+    Values(Function& function, Ids& ids)
+        : function_(function),
+          ids_(ids),
+          before_(function.blocks.size()),
+          processed_(function.blocks.size()),
+          defined_(function.blocks.size()) {}
+
+    void run() {
+        findPlaces();
+        findPredecessors();
+        for (at_ = 0; at_ < function_.blocks.size(); ++at_) {
+            for (Instruction& i : std::exchange(function_.blocks[at_].body, {})) turn(i);
+            processed_[at_] = true;
+        }
+        fillPhis();
+        dropTrivialPhis();
+        addPhis();
+        keepUsed();
+    }
+
+  private:
+    // A part of a variable: leaf `slot` and those that follow it, or what `rest` leads to within that leaf.
+    struct Place {
+        uint32_t variable, slot, type;
+        std::vector<uint32_t> rest;
+    };
+
+    struct Phi {
+        uint32_t id, slot;
+        size_t block;
+        std::vector<uint32_t> values;  // one for each predecessor
+    };
+
+    void findPlaces() {
+        for (const Instruction& i : function_.blocks.front().body) {
+            if (opOf(i) != OpVariable || i[3] != kFunction) continue;
+            const uint32_t type = ids_.pointeeOf(i[1]);
+            places_[i[2]] = {i[2], static_cast<uint32_t>(slotTypes_.size()), type, {}};
+            const std::vector<uint32_t> leaves = ids_.leavesOf(type);
+            slotTypes_.insert(slotTypes_.end(), leaves.begin(), leaves.end());
+        }
+        for (const Block& block : function_.blocks) {
+            for (const Instruction& i : block.body) {
+                const uint32_t op = opOf(i);
+                if (op == OpAccessChain) findPlace(i);
+                if (op == OpAccessChain || op == OpLoad || op == OpStore) continue;
+                eachId(i, [&](uint32_t id) {
+                    if (const auto place = places_.find(id); place != places_.end())
+                        kept_.insert(place->second.variable);
+                });
+            }
+        }
+    }
+
+    void findPlace(const Instruction& chain) {
+        const auto base = places_.find(chain[3]);
+        if (base == places_.end()) return;
+        Place place = base->second;
+        for (size_t at = 4; at < chain.size(); ++at) {
+            const uint32_t* index = ids_.constantOf(chain[at]);
+            if (index == nullptr) {
+                kept_.insert(place.variable);
+                break;
+            }
+            if (place.rest.empty() && ids_.isStruct(place.type)) {
+                const std::vector<uint32_t>& members = ids_.membersOf(place.type);
+                for (uint32_t m = 0; m < *index; ++m)
+                    place.slot += static_cast<uint32_t>(ids_.leavesOf(members[m]).size());
+                place.type = members[*index];
+            } else {
+                place.rest.push_back(*index);
+            }
+        }
+        places_[chain[2]] = std::move(place);
+    }
+
+    // Null unless `pointer` is to a variable that becomes values.
+    const Place* placeOf(uint32_t pointer) const {
+        const auto place = places_.find(pointer);
+        return place == places_.end() || kept_.contains(place->second.variable) ? nullptr : &place->second;
+    }
+
+    void findPredecessors() {
+        std::unordered_map<uint32_t, size_t> byLabel;
+        for (size_t b = 0; b < function_.blocks.size(); ++b) byLabel[function_.blocks[b].label] = b;
+        for (size_t b = 0; b < function_.blocks.size(); ++b) {
+            for (const uint32_t next : function_.blocks[b].successors()) {
+                std::vector<size_t>& before = before_[byLabel.at(next)];
+                if (std::find(before.begin(), before.end(), b) == before.end()) before.push_back(b);
+            }
+        }
+    }
+
+    // Value of a leaf at the end of the processed part of a block.
+    uint32_t read(uint32_t slot, size_t block) {
+        const auto known = defined_[block].find(slot);
+        if (known != defined_[block].end()) return known->second;
+        const std::vector<size_t>& before = before_[block];
+        uint32_t value;
+        if (before.empty()) {
+            value = ids_.undefined(slotTypes_[slot]);
+        } else if (before.size() == 1 && processed_[before[0]]) {
+            value = read(slot, before[0]);
+        } else {
+            value = ids_.fresh();
+            phis_.push_back({value, slot, block, {}});
+        }
+        defined_[block][slot] = value;
+        return value;
+    }
+
+    void turn(Instruction& i) {
+        const uint32_t op = opOf(i);
+        if (op == OpVariable || op == OpAccessChain) {
+            if (placeOf(i[2]) == nullptr) add(std::move(i));
+        } else if (const Place* place = op == OpLoad ? placeOf(i[3]) : nullptr) {
+            load(i, *place);
+        } else if (const Place* target = op == OpStore ? placeOf(i[1]) : nullptr) {
+            store(i, *target);
+        } else if (op == OpCompositeExtract) {
+            replaced_[i[2]] = partOf(i[3], i[1], {i.begin() + 4, i.end()});
+        } else {
+            if (op == OpCompositeConstruct && ids_.isStruct(i[1])) constructs_[i[2]] = i;
+            add(std::move(i));
+        }
+    }
+
+    void add(Instruction i) { function_.blocks[at_].body.push_back(std::move(i)); }
+
+    void load(const Instruction& i, const Place& place) {
+        uint32_t slot = place.slot;
+        const uint32_t value = place.rest.empty() ? wholeOf(place.type, slot) : read(slot, at_);
+        replaced_[i[2]] = partOf(value, i[1], place.rest);
+    }
+
+    // The value of the leaves from `slot` on, which it moves behind them.
+    uint32_t wholeOf(uint32_t type, uint32_t& slot) {
+        if (!ids_.isStruct(type)) return read(slot++, at_);
+        std::vector<uint32_t> words{type, ids_.fresh()};
+        for (const uint32_t member : ids_.membersOf(type)) words.push_back(wholeOf(member, slot));
+        add(constructs_[words[1]] = make(OpCompositeConstruct, words));
+        return words[1];
+    }
+
+    // The part of a value that the indices lead to.
+    uint32_t partOf(uint32_t value, uint32_t type, const std::vector<uint32_t>& indices) {
+        value = resolved(value);
+        size_t at = 0;
+        for (auto made = constructs_.find(value); at < indices.size() && made != constructs_.end(); ++at) {
+            value = resolved(made->second[3 + indices[at]]);
+            made = constructs_.find(value);
+        }
+        if (at == indices.size()) return value;
+        std::vector<uint32_t> words{type, ids_.fresh(), value};
+        words.insert(words.end(), indices.begin() + static_cast<std::ptrdiff_t>(at), indices.end());
+        add(make(OpCompositeExtract, words));
+        return words[1];
+    }
+
+    void store(const Instruction& i, const Place& place) {
+        uint32_t slot = place.slot;
+        if (place.rest.empty()) return storeLeaves(i[2], place.type, {}, slot);
+        std::vector<uint32_t> words{slotTypes_[slot], ids_.fresh(), i[2], read(slot, at_)};
+        words.insert(words.end(), place.rest.begin(), place.rest.end());
+        add(make(OpCompositeInsert, words));
+        defined_[at_][slot] = words[1];
+    }
+
+    void storeLeaves(uint32_t value, uint32_t type, std::vector<uint32_t> indices, uint32_t& slot) {
+        if (!ids_.isStruct(type)) {
+            defined_[at_][slot++] = partOf(value, type, indices);
+            return;
+        }
+        indices.push_back(0);
+        for (const uint32_t member : ids_.membersOf(type)) {
+            storeLeaves(value, member, indices, slot);
+            ++indices.back();
+        }
+    }
+
+    void fillPhis() {
+        for (size_t p = 0; p < phis_.size(); ++p) {  // read() may add more
+            for (const size_t from : before_[phis_[p].block]) {
+                const uint32_t value = read(phis_[p].slot, from);
+                phis_[p].values.push_back(value);
+            }
+        }
+    }
+
+    // If all values of a phi except itself are equal, that value replaces the phi.
+    void dropTrivialPhis() {
+        const auto isTrivial = [&](const Phi& phi) {
+            uint32_t same = 0;
+            for (const uint32_t value : phi.values) {
+                const uint32_t id = resolved(value);
+                if (id == phi.id || id == same) continue;
+                if (same != 0) return false;
+                same = id;
+            }
+            if (same != 0) replaced_[phi.id] = same;
+            return same != 0;
+        };
+        while (std::erase_if(phis_, isTrivial) != 0) {
+        }
+    }
+
+    // The id that replaces `id`.
+    uint32_t resolved(uint32_t id) {
+        const auto first = replaced_.find(id);
+        if (first == replaced_.end()) return id;
+        return first->second = resolved(first->second);
+    }
+
+    void addPhis() {
+        for (const Phi& phi : phis_) {
+            std::vector<uint32_t> words{slotTypes_[phi.slot], phi.id};
+            for (size_t from = 0; from < phi.values.size(); ++from) {
+                words.push_back(phi.values[from]);
+                words.push_back(function_.blocks[before_[phi.block][from]].label);
+            }
+            std::vector<Instruction>& body = function_.blocks[phi.block].body;
+            body.insert(body.begin() + 1, make(OpPhi, words));
+        }
+    }
+
+    void keepUsed() {
+        std::unordered_map<uint32_t, Instruction*> makers;
+        std::unordered_set<uint32_t> used;
+        std::vector<Instruction*> pending;
+        for (Block& block : function_.blocks) {
+            for (Instruction& i : block.body) {
+                if (hasEffect(i))
+                    pending.push_back(&i);
+                else
+                    makers[i[2]] = &i;
+            }
+        }
+        while (!pending.empty()) {
+            Instruction& user = *pending.back();
+            pending.pop_back();
+            eachId(user, [&](uint32_t& id) {
+                id = resolved(id);
+                const auto maker = makers.find(id);
+                if (maker != makers.end() && used.insert(id).second) pending.push_back(maker->second);
+            });
+        }
+        for (Block& block : function_.blocks)
+            std::erase_if(block.body,
+                          [&](const Instruction& i) { return !hasEffect(i) && !used.contains(i[2]); });
+    }
+
+    Function& function_;
+    Ids& ids_;
+    std::unordered_map<uint32_t, Place> places_;                   // by pointer
+    std::unordered_set<uint32_t> kept_;                            // variables that remain
+    std::vector<std::vector<size_t>> before_;                      // predecessors, by block
+    std::vector<bool> processed_;                                  // by block
+    std::vector<uint32_t> slotTypes_;                              // of all leaves of all variables
+    std::vector<std::unordered_map<uint32_t, uint32_t>> defined_;  // by block and slot
+    std::unordered_map<uint32_t, Instruction> constructs_;         // structures that are put together, by id
+    std::vector<Phi> phis_;
+    std::unordered_map<uint32_t, uint32_t> replaced_;  // loads and trivial phis, by the value that they are
+    size_t at_ = 0;                                    // current block
+};
+
+// ---- Calls ----
 
 // The only return is at the end, so the last block can continue with what follows the call.
 bool endsOnce(const Function& function) {
@@ -20,7 +348,7 @@ bool endsOnce(const Function& function) {
 
 class Inliner {
   public:
-    Inliner(Code& code, Ids& ids) : code_(code), ids_(ids) {
+    explicit Inliner(Code& code) : code_(code), ids_(code) {
         for (Function& function : code_.functions) functions_[function.id()] = &function;
     }
 
@@ -36,7 +364,7 @@ class Inliner {
             for (const Instruction& i : block.body)
                 if (opOf(i) == OpFunctionCall) inlineIn(*functions_.at(i[3]));
         replaceCalls(function);
-        turnVariablesIntoValues(function, ids_);
+        Values(function, ids_).run();
     }
 
     void replaceCalls(Function& function) {
@@ -133,7 +461,7 @@ class Inliner {
     }
 
     Code& code_;
-    Ids& ids_;
+    Ids ids_;
     std::unordered_map<uint32_t, Function*> functions_;
     std::unordered_set<uint32_t> done_;
     std::unordered_map<uint32_t, uint32_t> results_;  // of calls
@@ -147,8 +475,8 @@ class Inliner {
 
 }  // namespace
 
-void inlineCalls(Code& code, Ids& ids) {
-    Inliner(code, ids).run();
+void inlineCalls(Code& code) {
+    Inliner(code).run();
 }
 
 }  // namespace glint::gpu::spirv
