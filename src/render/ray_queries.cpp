@@ -1,11 +1,13 @@
 #include "render/ray_queries.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <condition_variable>
-#include <cstddef>
 #include <cstring>
 #include <mutex>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "core/parallel.h"
@@ -13,7 +15,6 @@
 #include "render/path_limits.h"
 #include "render/path_state.h"
 #include "render/pipelines.h"
-#include "render/ray_slot.h"
 #include "render/scene_buffers.h"
 
 namespace glint::render {
@@ -52,10 +53,69 @@ KernelId kernelOf(RayTask::Ask ask) {
     return KernelId::Intersect;
 }
 
-// A row's entry in one register: words one by one take twice the time.
-using Four = float __attribute__((vector_size(16)));
-
 }  // namespace
+
+// ---- A piece of a batch's rays, in blocks, on the device ----
+
+constexpr size_t kBlock = kRayBlock;
+// llvmpipe gives each of its threads an equal run of the workgroups: blocks are dealt out among so many runs.
+constexpr size_t kRuns = 16;
+
+// Positions of a piece's blocks.
+struct Placement {
+    size_t blocks, runs, perRun;
+    Placement(size_t count, bool dealt)
+        : blocks((count + kBlock - 1) / kBlock),
+          runs(dealt ? std::min(kRuns, blocks) : 1),
+          perRun((blocks + runs - 1) / runs) {}
+    size_t places() const { return runs * perRun; }
+    // The block at a place; `blocks` or more if there is none.
+    size_t at(size_t place) const { return place % perRun * runs + place / perRun; }
+};
+
+// Rows that a ray needs, in the order of the staging buffer.
+constexpr std::array kSlotRows = {shared::kRowOrigin, shared::kRowDirection, shared::kRowHit,
+                                  shared::kPathRows};
+constexpr size_t kInstanceRow = 3, kHitRow = 2;  // of kSlotRows
+
+// Resources of one piece of rays in flight. On a software device `rows` is written and read in place;
+// otherwise `staging` holds copies of the rows that are exchanged.
+struct Slot {
+    gpu::Buffer counters, rows, staging;
+    Pipelines pipelines;
+    gpu::Submission submission;
+    uint32_t capacity;
+    bool busy = false;
+
+    Slot(const gpu::Device& device, Pipelines made, gpu::Access access, const SceneBuffers& scene,
+         uint32_t paths, uint32_t rowCount, bool inPlace)
+        : pipelines(std::move(made)), submission(device), capacity(paths) {
+        const uint64_t row = uint64_t{paths} * sizeof(RowEntry);
+        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
+                               gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
+        rows = gpu::Buffer(device, "rays", row * rowCount, access,
+                           inPlace ? gpu::MemoryKind::Host : gpu::MemoryKind::Device);
+        if (!inPlace)
+            staging = gpu::Buffer(device, "rays on their way", row * kSlotRows.size(),
+                                  gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
+        pipelines.bind(counters, rows, scene);
+        // Kernels leave the walk row alone but where a ray runs out of trips, and put it back when that is
+        // done.
+        RowEntry none;
+        std::fill_n(none.u, 4, shared::kNone);
+        const std::vector<RowEntry> finished(paths, none);
+        gpu::upload(device, rows, std::as_bytes(std::span(finished)), shared::kRowWalk * row);
+    }
+
+    // One of kSlotRows, where the host writes and reads it.
+    RowEntry* row(size_t which) const {
+        return static_cast<RowEntry*>(staging ? staging.mapped() : rows.mapped()) +
+               (staging ? which : size_t{kSlotRows[which]}) * capacity;
+    }
+    uint32_t& unfinished() const {
+        return static_cast<uint32_t*>(counters.mapped())[shared::kCounterUnfinished];
+    }
+};
 
 using ListFill = std::function<void(size_t first, std::span<RayInput> rays)>;
 using ListTake = std::function<void(size_t i, std::span<const FoundHit> hits)>;
@@ -147,27 +207,20 @@ struct RayQueries::State {
 void RayQueries::State::fill(const Slot& slot, const Placement& placement, const RayTask& task,
                              const RayNumbers& numbers, size_t count) const {
     parallelFor(hostContext(), placement.places(), [&](size_t place) {
-        Unset<RayInput> block;
-        const std::span rays = block.all();
+        std::array<RayInput, kBlock> rays;
         const size_t start = std::min(placement.at(place) * kBlock, count);
         const size_t present = std::min(kBlock, count - start);
-        if (present > 0) task.fill(numbers.from(start), rays.first(present));
+        if (present > 0) task.fill(numbers.from(start), std::span(rays).first(present));
         for (size_t i = present; i < kBlock; ++i) rays[i] = RayInput{.tMin = shared::kInfinity};
         RowEntry* const origin = slot.row(0) + place * kBlock;
         RowEntry* const direction = slot.row(1) + place * kBlock;
         RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
-        const float nobody = std::bit_cast<float>(shared::kNone);
-        Four found = {0, 0, 0, task.ask == RayTask::Ask::Count ? 0 : nobody};
+        const float nobody = task.ask == RayTask::Ask::Count ? 0 : std::bit_cast<float>(shared::kNone);
         for (size_t i = 0; i < kBlock; ++i) {
-            Four from, along;
-            std::memcpy(&from, &rays[i].origin, sizeof(from));
-            static_assert(offsetof(RayInput, tMin) == offsetof(RayInput, direction) + 12);
-            std::memcpy(&along, &rays[i].direction, sizeof(along));
-            from[3] = rays[i].tMax;
-            found[0] = rays[i].tMax;
-            std::memcpy(&origin[i], &from, sizeof(from));
-            std::memcpy(&direction[i], &along, sizeof(along));
-            std::memcpy(&hit[i], &found, sizeof(found));
+            const RayInput& ray = rays[i];
+            origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, ray.tMax}};
+            direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, ray.tMin}};
+            hit[i] = {{ray.tMax, 0, 0, nobody}};
         }
         if (!features.instances) return;
         RowEntry none;
@@ -329,8 +382,7 @@ void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first
 
 RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene, Traversal traversal,
                        const KernelCode& kernels)
-    : state_(std::make_unique<State>(device, scene, traversal, kernels)) {}
-RayQueries::~RayQueries() = default;
+    : state_(std::make_shared<State>(device, scene, traversal, kernels)) {}
 
 void RayQueries::prepare() {
     Slot& slot = state_->acquire();

@@ -77,7 +77,6 @@ class RayQueries {
     // Error(Device) for arrays that do not fit, and as chooseTraversal.
     RayQueries(const gpu::Device& device, const PackedScene& scene, Traversal traversal = Traversal::Auto,
                const KernelCode& kernels = embeddedKernels());
-    ~RayQueries();
 
     // Updates the buffers (SceneBuffers::update) after a change of numbers in the constructor's scene. False
     // if that is impossible: construct new queries then. No query may be running.
@@ -98,7 +97,7 @@ class RayQueries {
 
   private:
     struct State;
-    std::unique_ptr<State> state_;
+    std::shared_ptr<State> state_;
 };
 
 }  // namespace glint::render

@@ -386,9 +386,7 @@ void Renderer::State::sizeNextSlice(const Slice& slice, bool whole, double secon
 }
 
 Renderer::Renderer(const gpu::Device& device, const PackedScene& scene, const Options& options)
-    : state_(std::make_unique<State>(device, scene, options)) {}
-Renderer::~Renderer() = default;
-Renderer::Renderer(Renderer&&) noexcept = default;
+    : state_(std::make_shared<State>(device, scene, options)) {}
 
 const StageTimes& Renderer::times() const {
     return state_->times;

@@ -76,8 +76,6 @@ class Renderer {
     // Keeps references to `device` and `scene`. Throws Error(Device) for arrays that do not fit, naming array
     // and both sizes.
     Renderer(const gpu::Device& device, const PackedScene& scene, const Options& options = {});
-    ~Renderer();
-    Renderer(Renderer&&) noexcept;
 
     // A cancelled render returns with complete = false and what was finished by then. Throws
     // std::invalid_argument for a parallel camera if the pipeline leaves it out: neither the scene's features
@@ -102,7 +100,7 @@ class Renderer {
 
   private:
     struct State;
-    std::unique_ptr<State> state_;
+    std::shared_ptr<State> state_;
 };
 
 }  // namespace glint::render
