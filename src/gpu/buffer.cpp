@@ -70,11 +70,8 @@ void allocate(BufferState& state, const DeviceState& device) {
     check(device.vk.vkBindBufferMemory(device.device, state.buffer.get(), state.memory.get(), 0),
           "vkBindBufferMemory");
 
-    constexpr VkMemoryPropertyFlags kMappable =
-        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    const VkMemoryPropertyFlags flags = device.physical.memory.memoryTypes[*type].propertyFlags;
-    const bool mappable = (flags & kMappable) == kMappable;
-    if (mappable && (state.kind == MemoryKind::Host || device.physical.unified)) {
+    if (isMappable(device.physical.memory.memoryTypes[*type].propertyFlags) &&
+        (state.kind == MemoryKind::Host || device.physical.unified)) {
         void* host = nullptr;
         check(device.vk.vkMapMemory(device.device, state.memory.get(), 0, VK_WHOLE_SIZE, 0, &host),
               "vkMapMemory");
@@ -135,7 +132,7 @@ void checkRange(const char* what, const Buffer& buffer, uint64_t offset, uint64_
 
 Buffer::Buffer(const Device& device, const std::string& name, uint64_t bytes, Access access,
                MemoryKind memory)
-    : state_(std::make_unique<BufferState>()) {
+    : state_(std::make_shared<BufferState>()) {
     checkSize(name, bytes, access, device.info().limits);
     const DeviceState& owner = device.state();
     state_->device = &owner;
@@ -152,11 +149,6 @@ Buffer::Buffer(const Device& device, const std::string& name, uint64_t bytes, Ac
         throw Error(error.kind(), needs(name, state_->bytes) + ", but " + error.what());
     }
 }
-
-Buffer::Buffer() = default;
-Buffer::~Buffer() = default;
-Buffer::Buffer(Buffer&&) noexcept = default;
-Buffer& Buffer::operator=(Buffer&&) noexcept = default;
 
 uint64_t Buffer::size() const {
     return state_->bytes;

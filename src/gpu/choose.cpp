@@ -2,7 +2,6 @@
 // lacks.
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cstdlib>
 #include <functional>
 
@@ -49,22 +48,16 @@ std::string reasons(const DeviceRefs& devices) {
 }
 
 bool isNumber(const std::string& text) {
-    return std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+    return !text.empty() &&
+           std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
 DeviceRefs matching(const std::vector<DeviceInfo>& devices, const std::string& selector) {
     DeviceRefs matches;
-    if (!selector.empty() && isNumber(selector)) {
-        uint64_t index = 0;
-        const auto parsed = std::from_chars(selector.data(), selector.data() + selector.size(), index);
-        for (const DeviceInfo& device : devices) {
-            if (parsed.ec == std::errc() && device.index == index) matches.push_back(device);
-        }
-        return matches;
-    }
-    for (const DeviceInfo& device : devices) {
-        if (lower(device.name).find(lower(selector)) != std::string::npos) matches.push_back(device);
-    }
+    for (const DeviceInfo& device : devices)
+        if (isNumber(selector) ? std::to_string(device.index) == selector
+                               : lower(device.name).find(lower(selector)) != std::string::npos)
+            matches.push_back(device);
     return matches;
 }
 
@@ -77,9 +70,6 @@ std::string noDevice() {
     return "no Vulkan device found: install a driver such as mesa-vulkan-drivers";
 }
 
-constexpr VkMemoryPropertyFlags kMappable =
-    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-
 bool has(VkMemoryPropertyFlags flags, VkMemoryPropertyFlags wanted) {
     return (flags & wanted) == wanted;
 }
@@ -91,7 +81,7 @@ int score(VkMemoryPropertyFlags flags, MemoryKind kind, bool unified) {
                  VK_MEMORY_PROPERTY_DEVICE_COHERENT_BIT_AMD)) {
         return -1;
     }
-    const bool mappable = has(flags, kMappable);
+    const bool mappable = isMappable(flags);
     const bool cached = has(flags, VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
     if (kind == MemoryKind::Host) return mappable ? (cached ? 1 : 0) : -1;
     if (!has(flags, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)) return -1;

@@ -28,16 +28,13 @@ enum class MemoryKind {
 
 struct BufferState;
 
-// Move-only. `name` is what messages call it. Sizes are rounded up to 16 bytes, never zero.
+// Copies are the same buffer. `name` is what messages call it. Sizes are rounded up to 16 bytes, never zero.
 class Buffer {
   public:
-    Buffer();
+    Buffer() = default;
     // Throws Error(Device), naming the array, its size and the limit, if `bytes` passes what `access` or the
     // device allows, or if memory runs out.
     Buffer(const Device& device, const std::string& name, uint64_t bytes, Access access, MemoryKind memory);
-    ~Buffer();
-    Buffer(Buffer&&) noexcept;
-    Buffer& operator=(Buffer&&) noexcept;
 
     explicit operator bool() const { return state_ != nullptr; }
     uint64_t size() const;
@@ -46,7 +43,7 @@ class Buffer {
     BufferState& state() const { return *state_; }
 
   private:
-    std::unique_ptr<BufferState> state_;
+    std::shared_ptr<BufferState> state_;
 };
 
 // True if a buffer of `bytes` can be bound with `access` on `limits`.
@@ -69,14 +66,11 @@ struct KernelOptions {
 
 struct KernelState;
 
-// A compute pipeline and its descriptor set. Move-only.
+// A compute pipeline and its descriptor set. Copies are the same kernel.
 class Kernel {
   public:
-    Kernel();
+    Kernel() = default;
     Kernel(const Device& device, const KernelOptions& options);
-    ~Kernel();
-    Kernel(Kernel&&) noexcept;
-    Kernel& operator=(Kernel&&) noexcept;
 
     // Binds buffers[i], with the access in KernelOptions, to binding i. Call before the first dispatch, and
     // not during a submission.
@@ -86,20 +80,17 @@ class Kernel {
     KernelState& state() const { return *state_; }
 
   private:
-    std::unique_ptr<KernelState> state_;
+    std::shared_ptr<KernelState> state_;
 };
 
 struct SubmissionState;
 
 // Records dispatches, submits them as one batch, waits. Dispatches see what earlier ones in the batch wrote
 // (a memory barrier stands between any two), and the host sees Host buffers afterwards. Reusable after
-// submit().
+// submit(). Copies are the same submission.
 class Submission {
   public:
     explicit Submission(const Device& device);
-    ~Submission();
-    Submission(Submission&&) noexcept;
-    Submission& operator=(Submission&&) noexcept;
 
     // `pushConstants` must have the size in KernelOptions.
     void dispatch(const Kernel& kernel, uint32_t groupsX, std::span<const std::byte> pushConstants);
@@ -114,7 +105,7 @@ class Submission {
     Times submit();
 
   private:
-    std::unique_ptr<SubmissionState> state_;
+    std::shared_ptr<SubmissionState> state_;
 };
 
 }  // namespace glint::gpu

@@ -84,7 +84,7 @@ void DeviceState::closeDevice() {
     vk.vkDestroyDevice(device, nullptr);
 }
 
-Device::Device(const DeviceOptions& options) : state_(std::make_unique<DeviceState>()) {
+Device::Device(const DeviceOptions& options) : state_(std::make_shared<DeviceState>()) {
     if (options.validation) state_->log = std::make_shared<ValidationLog>();
     state_->keepsPrograms = options.keepPrograms;
     state_->context = options.context;
@@ -97,10 +97,6 @@ Device::Device(const DeviceOptions& options) : state_(std::make_unique<DeviceSta
     state_->physical = devices[chooseDevice(infos(devices), options.selector).index];
     openDevice(*state_);
 }
-
-Device::~Device() = default;
-Device::Device(Device&&) noexcept = default;
-Device& Device::operator=(Device&&) noexcept = default;
 
 const Context& Device::context() const {
     return state_->context;

@@ -78,14 +78,11 @@ const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std
 
 struct DeviceState;  // Vulkan handles, see device_state.h
 
-// An open device with one compute queue. Move-only. Everything made from it must be destroyed before it;
-// moving it is fine.
+// An open device with one compute queue. Copies are the same device. Everything made from it must be
+// destroyed before the last copy.
 class Device {
   public:
     explicit Device(const DeviceOptions& options = {});
-    ~Device();
-    Device(Device&&) noexcept;
-    Device& operator=(Device&&) noexcept;
 
     const DeviceInfo& info() const;
     const Context& context() const;
@@ -97,7 +94,7 @@ class Device {
     DeviceState& state() const { return *state_; }
 
   private:
-    std::unique_ptr<DeviceState> state_;
+    std::shared_ptr<DeviceState> state_;
 };
 
 }  // namespace glint::gpu

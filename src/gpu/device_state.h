@@ -11,14 +11,146 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/compute.h"
 #include "gpu/device.h"
-#include "gpu/handle.h"
-#include "gpu/instance.h"
 
 namespace glint::gpu {
+
+// ---- calls of Vulkan, and ownership of its objects ----
+
+// Throws Error(Device, "<call> failed: <name of the result> (<meaning>)") for the negative results, which are
+// the errors; DeviceLost for that one.
+void check(VkResult result, const char* call);
+
+// All items of a Vulkan list: call(&count, items) is called twice, first with null for the items.
+template <typename Item, typename Call>
+std::vector<Item> enumerate(const char* name, Call call) {
+    uint32_t count = 0;
+    check(call(&count, nullptr), name);
+    std::vector<Item> items(count);
+    check(call(&count, items.data()), name);
+    items.resize(count);
+    return items;
+}
+
+// Data that every object of a device needs to destroy itself.
+struct DeviceContext {
+    VkDevice device = VK_NULL_HANDLE;
+    VolkDeviceTable vk{};  // one table a device: two devices may belong to different drivers
+    // Set when a submission hangs: waiting for it would hang too, and destroying what it uses is undefined,
+    // so everything leaks until the process ends.
+    bool abandoned = false;
+};
+
+template <typename Object>
+class Handle {
+  public:
+    using Destroy = void(VKAPI_PTR*)(VkDevice, Object, const VkAllocationCallbacks*);
+
+    Handle() = default;
+    Handle(const DeviceContext& context, Object object, Destroy destroy)
+        : context_(&context), object_(object), destroy_(destroy) {}
+    Handle(Handle&& other) noexcept
+        : context_(other.context_),
+          object_(std::exchange(other.object_, Object{})),
+          destroy_(other.destroy_) {}
+    Handle& operator=(Handle&& other) noexcept {
+        std::swap(context_, other.context_);
+        std::swap(object_, other.object_);
+        std::swap(destroy_, other.destroy_);
+        return *this;
+    }
+    ~Handle() {
+        if (object_ != Object{} && !context_->abandoned) destroy_(context_->device, object_, nullptr);
+    }
+
+    Object get() const { return object_; }
+    const Object* address() const { return &object_; }
+    explicit operator bool() const { return object_ != Object{}; }
+
+  private:
+    const DeviceContext* context_ = nullptr;
+    Object object_{};
+    Destroy destroy_ = nullptr;
+};
+
+// Handle from any vkCreate.../vkDestroy... pair (and vkAllocateMemory/vkFreeMemory): they share one shape.
+template <typename Object, typename Info>
+Handle<Object> create(const DeviceContext& context, const char* call, const Info& info,
+                      VkResult(VKAPI_PTR* make)(VkDevice, const Info*, const VkAllocationCallbacks*, Object*),
+                      void(VKAPI_PTR* destroy)(VkDevice, Object, const VkAllocationCallbacks*)) {
+    Object object{};
+    check(make(context.device, &info, nullptr, &object), call);
+    return Handle<Object>(context, object, destroy);
+}
+
+// ---- an instance with its own function table, and the messages of its validation layer (instance.cpp) ----
+
+// The functions of an instance that glint calls. Each instance has its own table: volk's global one would be
+// overwritten by the next instance, which may have other extensions.
+#define GLINT_INSTANCE_FUNCTIONS(X)             \
+    X(vkDestroyInstance)                        \
+    X(vkEnumeratePhysicalDevices)               \
+    X(vkEnumerateDeviceExtensionProperties)     \
+    X(vkGetPhysicalDeviceProperties)            \
+    X(vkGetPhysicalDeviceFeatures2)             \
+    X(vkGetPhysicalDeviceProperties2)           \
+    X(vkGetPhysicalDeviceFormatProperties)      \
+    X(vkGetPhysicalDeviceMemoryProperties)      \
+    X(vkGetPhysicalDeviceQueueFamilyProperties) \
+    X(vkCreateDevice)                           \
+    X(vkGetDeviceProcAddr)
+
+// Functions of VK_KHR_surface; null in an instance without that extension.
+#define GLINT_SURFACE_FUNCTIONS(X)               \
+    X(vkDestroySurfaceKHR)                       \
+    X(vkGetPhysicalDeviceSurfaceSupportKHR)      \
+    X(vkGetPhysicalDeviceSurfaceCapabilitiesKHR) \
+    X(vkGetPhysicalDeviceSurfaceFormatsKHR)      \
+    X(vkGetPhysicalDeviceSurfacePresentModesKHR)
+
+struct InstanceTable {
+#define GLINT_DECLARE(name) PFN_##name name = nullptr;
+    GLINT_INSTANCE_FUNCTIONS(GLINT_DECLARE)
+    GLINT_SURFACE_FUNCTIONS(GLINT_DECLARE)
+#undef GLINT_DECLARE
+};
+
+bool contains(const std::vector<VkExtensionProperties>& extensions, const char* name);
+
+// Filled from whichever thread the layer calls back on.
+class ValidationLog {
+  public:
+    void add(std::string message);
+    std::vector<std::string> messages() const;
+
+  private:
+    mutable std::mutex mutex_;
+    std::vector<std::string> messages_;
+};
+
+class Instance {
+  public:
+    // With `log`, the validation layer is loaded and writes there; `log` must outlive the instance. Throws
+    // Error(Device) if there is no loader, none that knows Vulkan 1.1, or if that layer or one of
+    // `wantedExtensions` is missing.
+    explicit Instance(ValidationLog* log, const std::vector<std::string>& wantedExtensions = {});
+    ~Instance();
+    Instance(const Instance&) = delete;
+    Instance& operator=(const Instance&) = delete;
+
+    VkInstance get() const { return instance_; }
+    const InstanceTable& vk() const { return vk_; }
+    std::vector<VkPhysicalDevice> physicalDevices() const;  // in the loader's order
+
+  private:
+    VkInstance instance_ = VK_NULL_HANDLE;  // null: the loader found no driver
+    InstanceTable vk_;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+};
 
 // ---- choices from plain data (choose.cpp) ----
 
@@ -31,6 +163,13 @@ std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyPropertie
 // Missing capability of a device, as a phrase; empty if glint runs on the device. `apiVersion` is the
 // device's.
 std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits);
+
+// Memory that the host can map, and that needs no flushing.
+inline bool isMappable(VkMemoryPropertyFlags flags) {
+    constexpr VkMemoryPropertyFlags kMappable =
+        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    return (flags & kMappable) == kMappable;
+}
 
 // The memory type among `allowedTypes` (a bit for each). Device: device-local; `unified` says that the host
 // reaches such memory at no cost, so visible types come first there and last elsewhere, where they are a
@@ -150,8 +289,10 @@ struct DeviceState : DeviceContext {
     std::unique_ptr<Staging> staging;  // made at the first transfer that needs it
 
     // A dispatch is sized to last well under a second, and desktop drivers reset a device after 2 to 10 s, so
-    // a minute means that nothing will come.
-    uint64_t timeoutNanoseconds = 60'000'000'000;
+    // a minute means that nothing will come. A software device shares the processors with other programs, so
+    // that a short batch may take minutes of elapsed time (lavapipe compiled a kernel in 3 s of processor
+    // time and in more than a minute at a load of 28).
+    uint64_t timeoutSeconds() const { return physical.info.software ? 600 : 60; }
     // Amortises the cost of a submission (tens of microseconds) and stays small beside the scenes that need
     // it.
     uint64_t stagingBytes = uint64_t{32} << 20;

@@ -1,12 +1,9 @@
-#include "gpu/instance.h"
-
 #include <algorithm>
 #include <cstring>
 #include <utility>
 
 #include "core/error.h"
-#include "gpu/device.h"
-#include "gpu/handle.h"
+#include "gpu/device_state.h"
 
 namespace glint::gpu {
 namespace {

@@ -148,7 +148,7 @@ void createSet(KernelState& state, const DeviceState& device) {
 
 }  // namespace
 
-Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std::make_unique<KernelState>()) {
+Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std::make_shared<KernelState>()) {
     checkLimits(options, device.info().limits);
     DeviceState& owner = device.state();
     state_->device = &owner;
@@ -164,11 +164,6 @@ Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std:
 uint64_t Kernel::codeBytes() const {
     return state_->program->codeBytes;
 }
-
-Kernel::Kernel() = default;
-Kernel::~Kernel() = default;
-Kernel::Kernel(Kernel&&) noexcept = default;
-Kernel& Kernel::operator=(Kernel&&) noexcept = default;
 
 void Kernel::bind(std::span<const Buffer* const> buffers) {
     std::vector<VkDescriptorBufferInfo> infos(buffers.size());

@@ -69,22 +69,6 @@ double deviceSeconds(const SubmissionState& state) {
     return nanoseconds * 1e-9;
 }
 
-// A software device shares the processors with other programs, so that a short batch may take minutes of
-// elapsed time (lavapipe compiled a kernel in 3 s of processor time and in more than a minute at a load of
-// 28).
-constexpr int kTimeoutsOfSoftware = 10;
-
-int timeoutsOf(const DeviceState& device) {
-    return device.physical.info.software ? kTimeoutsOfSoftware : 1;
-}
-
-VkResult waitForBatch(const DeviceState& device, VkFence fence) {
-    VkResult result = VK_TIMEOUT;
-    for (int i = 0; i < timeoutsOf(device) && result == VK_TIMEOUT; ++i)
-        result = device.vk.vkWaitForFences(device.device, 1, &fence, VK_TRUE, device.timeoutNanoseconds);
-    return result;
-}
-
 void submitAndWait(SubmissionState& state) {
     DeviceState& device = *state.device;
     const VkFence fence = state.fence.get();
@@ -97,11 +81,11 @@ void submitAndWait(SubmissionState& state) {
         const std::lock_guard lock(device.queueMutex);
         check(device.vk.vkQueueSubmit(device.queue, 1, &info, fence), "vkQueueSubmit");
     }
-    const VkResult result = waitForBatch(device, fence);
+    const uint64_t seconds = device.timeoutSeconds();
+    const VkResult result =
+        device.vk.vkWaitForFences(device.device, 1, &fence, VK_TRUE, seconds * 1'000'000'000);
     if (result == VK_TIMEOUT) {
         device.abandoned = true;
-        const uint64_t seconds =
-            device.timeoutNanoseconds / 1'000'000'000 * static_cast<uint64_t>(timeoutsOf(device));
         throw Error(ErrorKind::Device, "the device \"" + device.physical.info.name +
                                            "\" hangs: a batch of work has not finished after " +
                                            std::to_string(seconds) + " s");
@@ -133,14 +117,10 @@ void Commands::begin(const DeviceState& device) {
     check(device.vk.vkBeginCommandBuffer(buffer, &info), "vkBeginCommandBuffer");
 }
 
-Submission::Submission(const Device& device) : state_(std::make_unique<SubmissionState>()) {
+Submission::Submission(const Device& device) : state_(std::make_shared<SubmissionState>()) {
     state_->device = &device.state();
     createObjects(*state_);
 }
-
-Submission::~Submission() = default;
-Submission::Submission(Submission&&) noexcept = default;
-Submission& Submission::operator=(Submission&&) noexcept = default;
 
 void Submission::dispatch(const Kernel& kernel, uint32_t groupsX, std::span<const std::byte> pushConstants) {
     const KernelState& k = kernel.state();

@@ -248,7 +248,7 @@ void SwapchainState::submitCopy(uint32_t index) {
 // False: the chain no longer fits the window.
 bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, int height) {
     const VkFence fence = copied.get();
-    check(state.vk.vkWaitForFences(state.device, 1, &fence, VK_TRUE, state.timeoutNanoseconds),
+    check(state.vk.vkWaitForFences(state.device, 1, &fence, VK_TRUE, state.timeoutSeconds() * 1'000'000'000),
           "vkWaitForFences");
     uint32_t index = 0;
     const VkResult got = state.vk.vkAcquireNextImageKHR(state.device, chain.get(), kAcquireNanoseconds,
