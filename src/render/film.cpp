@@ -12,6 +12,15 @@ glm::dvec3 vectorOf(const RowEntry& entry) {
     return {entry.f[0], entry.f[1], entry.f[2]};
 }
 
+// Calls visit(path, pixel) for each path that has a pixel.
+template <typename Visit>
+void eachPixel(const Slice& slice, const Visit& visit) {
+    for (uint32_t path = 0; path < slice.paths(); ++path) {
+        glm::ivec2 pixel;
+        if (slice.pixelOf(path, pixel)) visit(path, pixel);
+    }
+}
+
 }  // namespace
 
 void readFilm(const PathState& paths, const gpu::Device& device, const Slice& slice, const TraceModes& modes,
@@ -20,9 +29,7 @@ void readFilm(const PathState& paths, const gpu::Device& device, const Slice& sl
     const std::vector<RowEntry> sums = paths.readRow(device, row, slice.paths());
     std::vector<RowEntry> means;
     if (modes.adaptive) means = paths.readRow(device, shared::kRowMean, slice.paths());
-    for (uint32_t path = 0; path < slice.paths(); ++path) {
-        glm::ivec2 pixel;
-        if (!slice.pixelOf(path, pixel)) continue;
+    eachPixel(slice, [&](uint32_t path, const glm::ivec2& pixel) {
         const size_t index = slice.indexOf(pixel);
         const uint32_t taken = modes.adaptive ? means[path].u[3] : picture.samplesPerPixel;
         const float scale = 1.0f / static_cast<float>(taken);
@@ -32,16 +39,15 @@ void readFilm(const PathState& paths, const gpu::Device& device, const Slice& sl
         picture.done[index] = 1;
         if (modes.adaptive) picture.samples[index] = taken;
         picture.checkFinite(pixel.x, pixel.y);
-    }
+    });
 }
 
 void readData(const PathState& paths, const gpu::Device& device, const Slice& slice, const glm::dvec3& origin,
               Picture& picture) {
     const AovRows rows(paths, device, slice.paths());
-    for (uint32_t path = 0; path < slice.paths(); ++path) {
-        glm::ivec2 pixel;
-        if (slice.pixelOf(path, pixel)) picture.data[slice.indexOf(pixel)] = rows.at(path, origin);
-    }
+    eachPixel(slice, [&](uint32_t path, const glm::ivec2& pixel) {
+        picture.data[slice.indexOf(pixel)] = rows.at(path, origin);
+    });
 }
 
 void readLosses(const PathState& paths, const gpu::Device& device, const Slice& slice,
@@ -49,9 +55,7 @@ void readLosses(const PathState& paths, const gpu::Device& device, const Slice& 
     TreeLosses& losses = picture.losses;
     const auto sums = paths.readRow(device, firstRow + shared::kTreeRowLost, slice.paths());
     const auto counts = paths.readRow(device, firstRow + shared::kTreeRowLostCounts, slice.paths());
-    for (uint32_t path = 0; path < slice.paths(); ++path) {
-        glm::ivec2 pixel;
-        if (!slice.pixelOf(path, pixel)) continue;
+    eachPixel(slice, [&](uint32_t path, const glm::ivec2& pixel) {
         const uint32_t taken =
             modes.adaptive ? picture.samples[slice.indexOf(pixel)] : picture.samplesPerPixel;
         const double scale = 1.0 / std::max(taken, 1u);
@@ -63,7 +67,7 @@ void readLosses(const PathState& paths, const gpu::Device& device, const Slice& 
                                                        : std::numeric_limits<double>::infinity());
         }
         losses.crowdedMedia += counts[path].u[3];
-    }
+    });
 }
 
 AovRows::AovRows(const PathState& paths, const gpu::Device& device, uint32_t count)
@@ -94,16 +98,12 @@ PixelData AovRows::at(uint32_t path, const glm::dvec3& origin) const {
     return data;
 }
 
-uint64_t TrailRecorder::keyOf(const glm::ivec2& pixel) {
-    return static_cast<uint64_t>(static_cast<uint32_t>(pixel.y)) << 32 | static_cast<uint32_t>(pixel.x);
-}
-
 TrailRecorder::TrailRecorder(const std::vector<glm::ivec2>& pixels, const Region& region)
     : trails_(pixels.size()) {
     constexpr int kTile = shared::kTileSize;
     const int tilesX = (region.width() + kTile - 1) / kTile;
     for (size_t i = 0; i < pixels.size(); ++i) {
-        places_[keyOf(pixels[i])] = i;
+        places_[{pixels[i].x, pixels[i].y}] = i;
         const int column = (pixels[i].x - region.x0) / kTile, row = (pixels[i].y - region.y0) / kTile;
         tiles_.insert(static_cast<uint32_t>(row * tilesX + column));
     }
@@ -126,12 +126,10 @@ void TrailRecorder::add(const PathState& paths, const gpu::Device& device, const
     const auto origins = row(shared::kRowOrigin), directions = row(shared::kRowDirection),
                hits = row(shared::kRowHit), throughputs = row(shared::kRowThroughput),
                sums = row(shared::kRowRadiance), walks = row(shared::kRowWalk);
-    for (uint32_t path = 0; path < slice.paths(); ++path) {
-        glm::ivec2 pixel;
+    eachPixel(slice, [&](uint32_t path, const glm::ivec2& pixel) {
+        const auto place = places_.find({pixel.x, pixel.y});
         // A path that has ended keeps a ray whose interval is empty.
-        if (!(directions[path].f[3] < shared::kInfinity) || !slice.pixelOf(path, pixel)) continue;
-        const auto place = places_.find(keyOf(pixel));
-        if (place == places_.end()) continue;
+        if (place == places_.end() || !(directions[path].f[3] < shared::kInfinity)) return;
         TrailRay ray;
         ray.origin = vectorOf(origins[path]);
         ray.direction = vectorOf(directions[path]);
@@ -141,7 +139,7 @@ void TrailRecorder::add(const PathState& paths, const gpu::Device& device, const
         ray.throughput = vectorOf(throughputs[path]);
         ray.sum = vectorOf(sums[path]);
         trails_[place->second].push_back(ray);
-    }
+    });
 }
 
 }  // namespace glint::render

@@ -1,8 +1,10 @@
 // Colours, losses and layers of a slice's pixels, and rays of chosen pixels, from the path state.
 #pragma once
 
+#include <map>
 #include <set>
-#include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "render/kernels.h"
 #include "render/path_state.h"
@@ -42,10 +44,8 @@ class TrailRecorder {
     std::vector<Trail> take() { return std::move(trails_); }
 
   private:
-    static uint64_t keyOf(const glm::ivec2& pixel);
-
-    std::unordered_map<uint64_t, size_t> places_;
-    std::set<uint32_t> tiles_;  // tiles that hold the pixels
+    std::map<std::pair<int, int>, size_t> places_;  // in the trails, of (x, y)
+    std::set<uint32_t> tiles_;                      // tiles that hold the pixels
     std::vector<Trail> trails_;
 };
 

@@ -5,46 +5,22 @@
 
 namespace glint::render {
 
-namespace {
+const KernelCode& embeddedKernels() {
+#define GLINT_KERNEL(id, module, shader, defines, name, rays) {KernelId::id, module##_spv},
+    static const KernelCode code = {
+#include "render/kernels.def"
+    };
+#undef GLINT_KERNEL
+    return code;
+}
 
-struct Description {
-    const char* name;
-    const char* module;
-    uint32_t raysOfLane;
-};
-
-const Description& describe(KernelId id) {
+const KernelInfo& infoOf(KernelId id) {
 #define GLINT_KERNEL(id, module, shader, defines, name, rays) {name, #module, rays},
-    static constexpr Description list[] = {
+    static constexpr KernelInfo list[] = {
 #include "render/kernels.def"
     };
 #undef GLINT_KERNEL
     return list[static_cast<size_t>(id)];
-}
-
-}  // namespace
-
-const KernelCode& embeddedKernels() {
-    static const KernelCode code = [] {
-        KernelCode made;
-#define GLINT_KERNEL(id, module, shader, defines, name, rays) made[KernelId::id] = module##_spv;
-#include "render/kernels.def"
-#undef GLINT_KERNEL
-        return made;
-    }();
-    return code;
-}
-
-const char* nameOf(KernelId id) {
-    return describe(id).name;
-}
-
-const char* moduleOf(KernelId id) {
-    return describe(id).module;
-}
-
-uint32_t raysOfLane(KernelId id) {
-    return describe(id).raysOfLane;
 }
 
 KernelId packetKernel(KernelId id) {

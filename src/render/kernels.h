@@ -2,8 +2,8 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 
 #include "trace/methods.h"
@@ -24,25 +24,19 @@ inline constexpr std::array kKernels = {
 #undef GLINT_KERNEL
 
 // The SPIR-V of each kernel, for every scene, mode and way to load (gpu/specialize.h).
-class KernelCode {
-  public:
-    std::span<const uint32_t>& operator[](KernelId id) { return code_[static_cast<size_t>(id)]; }
-    std::span<const uint32_t> operator[](KernelId id) const { return code_[static_cast<size_t>(id)]; }
-
-  private:
-    std::array<std::span<const uint32_t>, kKernels.size()> code_;
-};
-
+using KernelCode = std::map<KernelId, std::span<const uint32_t>>;
 const KernelCode& embeddedKernels();
 
-const char* nameOf(KernelId id);
-// The name of the kernel's SPIR-V file, without its extension.
-const char* moduleOf(KernelId id);
+// A line of kernels.def.
+struct KernelInfo {
+    const char* name;     // in messages
+    const char* module;   // of the SPIR-V file, without its extension
+    uint32_t raysOfLane;  // paths that an invocation takes: several in kernels for packets
+};
+const KernelInfo& infoOf(KernelId id);
 
 // The kernel that does for packets what `id` does for single rays.
 KernelId packetKernel(KernelId id);
-// Paths that an invocation of the kernel takes: more than one of those for packets.
-uint32_t raysOfLane(KernelId id);
 
 // Kernel modes that a request selects: GLINT_MODES in shaders/shared/dispatch.h, and the tests of rays.
 struct TraceModes {

@@ -102,8 +102,10 @@ uint64_t Pipelines::codeBytes() const {
 
 void Pipelines::start(const TraceModes& modes, const std::vector<KernelId>& ids) {
     for (const KernelId id : ids) {
-        translating_[{id, modes}] = std::async(std::launch::async | std::launch::deferred,
-                                               [this, id, modes] { return make(id, modes); });
+        std::future<gpu::Kernel>& kernel = translating_[{id, modes}];
+        if (kernel.valid()) continue;
+        kernel = std::async(std::launch::async | std::launch::deferred,
+                            [this, id, modes] { return make(id, modes); });
     }
 }
 
@@ -114,23 +116,16 @@ std::vector<KernelId> Pipelines::missing(const TraceModes& modes, const std::vec
     return missing;
 }
 
-gpu::Kernel Pipelines::translated(KernelId id, const TraceModes& modes) {
-    const auto started = translating_.find({id, modes});
-    // A compilation that failed has taken the started kernel.
-    const bool isStarted = started != translating_.end() && started->second.valid();
-    gpu::Kernel kernel = isStarted ? started->second.get() : make(id, modes);
-    kernel.bind(buffers_);
-    return kernel;
-}
-
 // The first dispatch compiles on some drivers (lavapipe). Each kernel has a thread: drivers translate SPIR-V
 // on the caller's, and lavapipe then makes machine code of one kernel after the other on a thread of its own
 // (docs/lab/speed.md).
 void Pipelines::compile(const TraceModes& modes, const std::vector<KernelId>& ids,
                         const shared::Dispatch& dispatch) {
+    start(modes, ids);
     std::vector<gpu::Kernel> made(ids.size());
     parallelFor({.threads = static_cast<unsigned>(ids.size())}, ids.size(), [&](size_t i) {
-        made[i] = translated(ids[i], modes);
+        made[i] = translating_.at({ids[i], modes}).get();
+        made[i].bind(buffers_);
         gpu::Submission first(device_);
         first.dispatch(made[i], 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
         first.submit();
@@ -141,8 +136,8 @@ void Pipelines::compile(const TraceModes& modes, const std::vector<KernelId>& id
 
 gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     gpu::KernelOptions options;
-    options.name = nameOf(id);
-    options.spirv = code_[id];
+    options.name = infoOf(id).name;
+    options.spirv = code_.at(id);
     options.bindings.assign(bindingsOf(access_), access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
     const bool convergent = !modes.resume && loopsConverge(device_.info());

@@ -35,7 +35,8 @@ class Pipelines {
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
     const gpu::Kernel& get(KernelId id, const TraceModes& modes);
 
-    // Starts to translate kernels on other threads, for compile(). Do not move the pipelines from then on.
+    // Translates kernels on other threads, for compile(), unless that has begun. Do not move the pipelines
+    // from then on.
     void start(const TraceModes& modes, const std::vector<KernelId>& ids);
     // Those of the kernels that are not made yet.
     std::vector<KernelId> missing(const TraceModes& modes, const std::vector<KernelId>& ids) const;
@@ -48,7 +49,6 @@ class Pipelines {
   private:
     // From any thread, at any time; not bound.
     gpu::Kernel make(KernelId id, const TraceModes& modes) const;
-    gpu::Kernel translated(KernelId id, const TraceModes& modes);
 
     const gpu::Device& device_;
     const KernelCode& code_;

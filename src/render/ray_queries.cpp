@@ -244,7 +244,7 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, TraceModes 
     modes.given = true;
     for (size_t i = 0; i < staged; ++i)
         slot.submission.copy(slot.staging, i * row, slot.rows, kSlotRows[i] * row, used);
-    const uint32_t perLane = packets ? raysOfLane(packetKernel(id)) : 1;
+    const uint32_t perLane = packets ? infoOf(packetKernel(id)).raysOfLane : 1;
     slot.submission.dispatch(slot.pipelines.get(packets ? packetKernel(id) : id, modes),
                              (groups + perLane - 1) / perLane, constants);
     modes.resume = true;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <stdexcept>
 
@@ -39,8 +38,7 @@ struct Renderer::State {
     gpu::Submission submission;
     StageTimes times;
     RayCounts rayCounts;
-    shared::Environment environment;    // as it is on the device
-    std::vector<shared::Light> lights;  // the same
+    shared::Environment environment;    // of the picture at hand
     uint32_t sliceTiles = 256;          // of the next slice, of the next picture too
     TrailRecorder* recorder = nullptr;  // of the image at hand, or null
     // Longest submission of the current slice, in seconds.
@@ -58,8 +56,7 @@ struct Renderer::State {
           pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(), access, features,
                     opts.ownArithmetic),
           submission(dev),
-          environment(packed.environment),
-          lights(packed.lights) {
+          environment(packed.environment) {
         options.expected = nullptr;
         if (opts.expected) {
             const TraversalChoice choice = traversalOf(opts.expected->methods, opts.expected->cost);
@@ -98,7 +95,6 @@ struct Renderer::State {
     std::vector<KernelId> kernelsFor(const Request& request, const TraceModes& modes,
                                      const TraversalChoice& choice, const shared::Environment& of) const;
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
-    void setSurroundings(const shared::Environment& wanted, const std::vector<shared::Light>& wantedLights);
     shared::Environment environmentOf(const shared::Camera& camera, const Request& request) const;
     bool renderSlice(const Slice& slice, const Request& request, const TraceModes& modes, double progressFrom,
                      double progressTo);
@@ -123,20 +119,6 @@ void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows, bool rebind
         rebind = true;
     }
     if (rebind) pipelines.bind(counters, paths.buffer(), buffers);
-}
-
-void Renderer::State::setSurroundings(const shared::Environment& wanted,
-                                      const std::vector<shared::Light>& wantedLights) {
-    if (std::memcmp(&wanted, &environment, sizeof(wanted)) != 0) {
-        buffers.setEnvironment(device, wanted);
-        environment = wanted;
-    }
-    const bool same = wantedLights.size() == lights.size() &&
-                      (lights.empty() || std::memcmp(wantedLights.data(), lights.data(),
-                                                     lights.size() * sizeof(shared::Light)) == 0);
-    if (same) return;
-    buffers.setLights(device, wantedLights);
-    lights = wantedLights;
 }
 
 shared::Environment Renderer::State::environmentOf(const shared::Camera& camera,
@@ -235,7 +217,7 @@ void Renderer::State::submit(double KernelTimes::*account) {
 void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch,
                                 uint32_t groups, bool packets, double KernelTimes::*account) {
     if (packets) {
-        const uint32_t perLane = raysOfLane(packetKernel(id));
+        const uint32_t perLane = infoOf(packetKernel(id)).raysOfLane;
         record(packetKernel(id), modes, dispatch, (groups + perLane - 1) / perLane);
     } else {
         record(id, modes, dispatch, groups);
@@ -431,7 +413,9 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     const bool grown = s.buffers.setSamples(s.device, samples.rows);
     s.reservePaths(room.paths, room.rows, grown);
     s.buffers.setCamera(s.device, camera);
-    s.setSurroundings(environment, lightsOf(s.scene, request));
+    s.environment = environment;
+    s.buffers.setEnvironment(s.device, environment);
+    s.buffers.setLights(s.device, lightsOf(s.scene, request));
     s.compile(modes, s.kernelsFor(request, modes, choice, environment));
 
     if (s.times.slices == 0 && s.drawsWholePaths(modes, choice, environment))

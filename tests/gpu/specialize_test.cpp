@@ -48,7 +48,7 @@ bool isValid(const std::vector<uint32_t>& words) {
 }
 
 Words kernel(KernelId id) {
-    return render::embeddedKernels()[id];
+    return render::embeddedKernels().at(id);
 }
 
 struct Counts {
@@ -81,9 +81,9 @@ Counts countsIn(Words words) {
 void expectGood(const std::vector<uint32_t>& constants) {
     for (const KernelId id : render::kKernels) {
         const std::vector<uint32_t> made = specialize(kernel(id), constants);
-        EXPECT_EQ(countsIn(made).constants, 0u) << nameOf(id);
-        EXPECT_EQ(countsIn(made).unmarkedSums, 0u) << nameOf(id);
-        EXPECT_TRUE(isValid(made)) << nameOf(id);
+        EXPECT_EQ(countsIn(made).constants, 0u) << infoOf(id).name;
+        EXPECT_EQ(countsIn(made).unmarkedSums, 0u) << infoOf(id).name;
+        EXPECT_TRUE(isValid(made)) << infoOf(id).name;
     }
 }
 
@@ -105,9 +105,9 @@ TEST(Specialize, LeavesOutWhatIsNotNeeded) {
     for (const KernelId id : render::kKernels) {
         const Counts before = countsIn(kernel(id));
         const Counts after = countsIn(specialize(kernel(id), constantsWhere(isSphereOrPointLight)));
-        EXPECT_LT(after.instructions, before.instructions) << nameOf(id);
-        EXPECT_LE(after.calls, before.calls / 10) << nameOf(id);
-        EXPECT_LE(after.variables, before.variables / 5) << nameOf(id);
+        EXPECT_LT(after.instructions, before.instructions) << infoOf(id).name;
+        EXPECT_LE(after.calls, before.calls / 10) << infoOf(id).name;
+        EXPECT_LE(after.variables, before.variables / 5) << infoOf(id).name;
     }
 }
 

@@ -35,7 +35,7 @@ class KernelFolder {
   public:
     KernelFolder(const std::filesystem::path& folder, const render::KernelCode& others) : code_(others) {
         for (const render::KernelId id : render::kKernels) {
-            std::ifstream file(folder / (std::string(moduleOf(id)) + ".spv"), std::ios::binary);
+            std::ifstream file(folder / (std::string(infoOf(id).module) + ".spv"), std::ios::binary);
             if (!file) continue;
             std::ostringstream bytes;
             bytes << file.rdbuf();
@@ -67,7 +67,7 @@ class Judge {
         const KernelFolder broken(folder, sound_.code());
         // Only images without layers are rendered by whole.comp, which is never broken beside other kernels.
         constexpr auto kWhole = render::KernelId::Whole;
-        const bool whole = broken.code()[kWhole].data() != sound_.code()[kWhole].data();
+        const bool whole = broken.code().at(kWhole).data() != sound_.code().at(kWhole).data();
         const auto [sound, isNew] = images_.try_emplace({name, whole});
         if (isNew) {
             render::Renderer renderer = rendererOf(trial, sound_.code(), whole);

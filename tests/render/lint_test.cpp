@@ -15,7 +15,7 @@ using Found = std::set<std::string>;
 
 std::vector<std::pair<std::string, Words>> allKernels() {
     std::vector<std::pair<std::string, Words>> all;
-    for (const KernelId id : kKernels) all.emplace_back(nameOf(id), embeddedKernels()[id]);
+    for (const KernelId id : kKernels) all.emplace_back(infoOf(id).name, embeddedKernels().at(id));
     return all;
 }
 

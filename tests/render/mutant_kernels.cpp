@@ -10,7 +10,7 @@ KernelCode mutantKernels(const std::string& name) {
     KernelCode code = embeddedKernels();
     const auto set = [&](const std::string& module, std::span<const uint32_t> words) {
         for (const KernelId id : kKernels)
-            if (module == moduleOf(id)) code[id] = words;
+            if (module == infoOf(id).module) code[id] = words;
     };
 #include "mutant_cases.inc"
     throw std::out_of_range("no mutant \"" + name + "\" in mutants.cmake");

@@ -199,7 +199,7 @@ void RayTracer::dispatch(KernelId id, const TraceModes& modes, uint32_t groups) 
     dispatch.interleave = dispatch.regionWidth = dispatch.regionHeight = 1;
     dispatch.capacity = paths_.capacity();
     dispatch.tripBudget = options_.tripBudget;
-    const uint32_t perLane = raysOfLane(id);
+    const uint32_t perLane = infoOf(id).raysOfLane;
     submission_.dispatch(pipelines_.get(id, modes), (groups + perLane - 1) / perLane,
                          std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
     std::memset(counters_.mapped(), 0, counters_.size());

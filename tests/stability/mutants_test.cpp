@@ -40,7 +40,7 @@ TEST_F(MutantsTest, ContractedProductsLeak) {
 
 // No picture on lavapipe shows it, which contracts nothing: the decoration of the instructions does.
 TEST_F(MutantsTest, DroppedPreciseIsSeenInTheCode) {
-    const Contractible ours = withoutNoContraction(render::embeddedKernels()[render::KernelId::Intersect]);
+    const Contractible ours = withoutNoContraction(render::embeddedKernels().at(render::KernelId::Intersect));
     const Contractible broken =
         withoutNoContraction(render::test::mutantKernels("imprecise")[render::KernelId::Intersect]);
     EXPECT_GE(ours.functions, 10u) << "names are there, and have not changed";
