@@ -5,7 +5,7 @@
 # makes `#include "a_<suffix>.spv.h"` declare `const uint32_t a_<suffix>_spv[<words>]` in the sources of <target> (plain `a.spv.h`
 # and `a_spv` without SUFFIX). The header and the module itself, `a_<suffix>.spv`, lie in ${CMAKE_BINARY_DIR}/shaders.
 # Shaders include each other relative to themselves or to shaders/; an edit of an included file recompiles its users.
-# UNCHECKED leaves spirv-opt and spirv-val out, most of the time: for copies of checked shaders that differ in an expression (the tests' mutants).
+# UNCHECKED leaves spirv-val out, most of the time: for copies of checked shaders that differ in an expression (the tests' mutants).
 #
 # Why by the assembler: C++ reads 4 million words of an array a second, which was 50 s of processor time for all modules and their headers.
 enable_language(ASM)
@@ -20,10 +20,6 @@ endfunction()
 
 glint_find_shader_tool(GLINT_GLSLANG_VALIDATOR glslangValidator glslang-tools)
 glint_find_shader_tool(GLINT_SPIRV_VAL spirv-val spirv-tools)
-glint_find_shader_tool(GLINT_SPIRV_OPT spirv-opt spirv-tools)
-# Drops what constants decide: branches never taken and functions never called. It changes no arithmetic.
-set(GLINT_SPIRV_PASSES --eliminate-dead-branches --eliminate-dead-functions --ccp --eliminate-dead-branches --merge-blocks
-                       --eliminate-dead-functions --eliminate-dead-code-aggressive)
 
 function(glint_shaders target)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "UNCHECKED" "SUFFIX" "SOURCES;DEFINES")
@@ -49,10 +45,8 @@ function(glint_shaders target)
 
     set(module ${directory}/${name}.spv)
     set(compile ${GLINT_GLSLANG_VALIDATOR} --quiet -V --target-env vulkan1.1 -I${CMAKE_SOURCE_DIR}/shaders ${ARG_DEFINES})
-    set(optimize COMMAND ${GLINT_SPIRV_OPT} ${GLINT_SPIRV_PASSES} ${module} -o ${module})
     set(check COMMAND ${GLINT_SPIRV_VAL} --target-env vulkan1.1 ${module})
     if(ARG_UNCHECKED)
-      set(optimize "")
       set(check "")
     endif()
     # The file changes with the options, and so, as a dependency, makes Make compile again when they change; Ninja would by itself.
@@ -69,7 +63,6 @@ function(glint_shaders target)
       OUTPUT ${module} ${module}.inc
       COMMAND ${CMAKE_COMMAND} -E rm -f ${module}.inc
       COMMAND ${compile} --depfile ${module}.d -o ${module} ${source}
-      ${optimize}
       ${check}
       COMMAND ${CMAKE_COMMAND} -DMODULE=${module} -DNAME=${name}_spv -DOUTPUT=${module}.inc
               -P ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/declare_words.cmake

@@ -1,5 +1,6 @@
 // Calls replaced by the bodies of functions, and local variables by values: a part of specialize.h.
 #include <algorithm>
+#include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -395,40 +396,22 @@ class Inliner {
             if (const auto tail = tails_.find(phi[at]); tail != tails_.end()) phi[at] = tail->second;
     }
 
+    // glslang makes a block of its own of a loop's header, without calls.
     void copyBlock(Block& block) {
         const Instruction* merge = block.merge();
         const bool isHeader = merge && opOf(*merge) == OpLoopMerge;
-        const bool isWholeLoop = isHeader && (*merge)[2] == block.label;
-        Instruction loopMerge = isHeader ? *merge : Instruction{};
-        bool apart = false;  // the loop's header ends before this instruction
         current_ = Block{block.label, {}};
         for (Instruction& i : block.body) {
             const Function* callee = opOf(i) == OpFunctionCall ? functions_.at(i[3]) : nullptr;
             if (!callee || !endsOnce(*callee)) {
-                if (apart && opOf(i) == OpLoopMerge) continue;
-                // A loop of one block needs a continue target of its own once it has several.
-                const bool goesBack = apart && isWholeLoop && &i == &block.body.back();
-                if (goesBack) endBlock(make(OpBranch, {loopMerge[2]}), loopMerge[2]);
                 current_.body.push_back(std::move(i));
                 continue;
             }
-            if (callee->blocks.size() > 1 && isHeader && !apart) {
-                apart = true;
-                if (isWholeLoop) loopMerge[2] = ids_.fresh();
-                const uint32_t next = ids_.fresh();
-                current_.body.push_back(loopMerge);
-                endBlock(make(OpBranch, {next}), next);
-            }
+            if (isHeader) throw std::domain_error("a call in a loop's header in SPIR-V");
             insertBody(i, *callee);
         }
         if (current_.label != block.label) tails_[block.label] = current_.label;
         blocks_.push_back(std::move(current_));
-    }
-
-    void endBlock(Instruction terminator, uint32_t next) {
-        current_.body.push_back(std::move(terminator));
-        blocks_.push_back(std::move(current_));
-        current_ = Block{next, {make(OpLabel, {next})}};
     }
 
     void insertBody(const Instruction& call, const Function& callee) {
