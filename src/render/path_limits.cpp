@@ -66,9 +66,8 @@ constexpr uint32_t kTripsOfSample = 64;
 
 // kPacketTurns packets, one after the other, have the trips of a subgroup together.
 constexpr uint32_t kMostTrips = 3000;
-// Lights of one dispatch, and of the first dispatch, whose rays may turn out to need many trips.
-constexpr uint32_t kMostLightsAtOnce = 64;
-constexpr uint32_t kFirstLightsAtOnce = 8;
+// Lights of one dispatch.
+constexpr uint32_t kMostLightsAtOnce = 8;
 
 }  // namespace
 
@@ -112,13 +111,7 @@ uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& fea
 uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount) {
     constexpr uint32_t kTripsOfARay = 256;  // seldom more
     const uint32_t lights = std::min(tripBudget / kTripsOfARay, shared::kMaxPlanes / (planeCount + 1));
-    return std::clamp(lights, 1u, kFirstLightsAtOnce);
-}
-
-uint32_t lightsNext(uint32_t lights, uint32_t planeCount, bool unfinished, double seconds, double aim) {
-    const uint32_t most = std::clamp(shared::kMaxPlanes / (planeCount + 1), 1u, kMostLightsAtOnce);
-    if (unfinished || seconds > aim) return std::max(lights / 2, 1u);
-    return seconds < aim / 4 ? std::min(2 * lights, most) : lights;
+    return std::clamp(lights, 1u, kMostLightsAtOnce);
 }
 
 uint32_t commonRows(const TraceModes& modes) {

@@ -46,10 +46,6 @@ uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& fea
 // ray, and that its planes are not met more often than once each is allowed.
 uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount);
 
-// The same for the dispatch after one of `lights`, which took `seconds`: twice as many if that left no ray
-// unfinished and was well below `aim` seconds, half as many if it did or was not.
-uint32_t lightsNext(uint32_t lights, uint32_t planeCount, bool unfinished, double seconds, double aim);
-
 // Rows of the path state that every picture of these modes has; where those of the tree (kTreeRow...) begin,
 // behind the instances' and the lists'; and all of them.
 uint32_t commonRows(const TraceModes& modes);

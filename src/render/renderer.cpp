@@ -247,18 +247,12 @@ void Renderer::State::traceBounce(const TraceModes& modes, shared::Dispatch disp
 
 bool Renderer::State::castShadows(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups,
                                   bool packets, const std::function<bool()>& cancelled) {
-    const uint32_t planes = environment.planeCount;
-    uint32_t atOnce = lightsAtOnce(tripBudget, planes);
+    const uint32_t atOnce = lightsAtOnce(tripBudget, environment.planeCount);
     for (uint32_t first = 0; first < environment.lightCount; first = dispatch.lightEnd) {
         dispatch.lightIndex = first;
         dispatch.lightEnd = std::min(first + atOnce, environment.lightCount);
-        const uint64_t resumed = times.resumes;
-        const Stopwatch watch;
         traceRays(KernelId::Light, modes, dispatch, groups, packets, &KernelTimes::shadow);
         if (cancelled()) return false;
-        if (!packets)
-            atOnce =
-                lightsNext(atOnce, planes, times.resumes != resumed, watch.seconds(), options.sliceSeconds);
     }
     return true;
 }

@@ -95,20 +95,6 @@ TEST(TripBudget, LightsOfADispatchShareItsTrips) {
     EXPECT_GT(lightsAtOnce(3000, 1), lightsAtOnce(300, 1));
 }
 
-TEST(TripBudget, LightsGrowWhereTheyAreCheap) {
-    EXPECT_EQ(lightsNext(8, 0, false, 0.01, 0.1), 16u);
-    EXPECT_EQ(lightsNext(8, 0, false, 0.05, 0.1), 8u);
-    EXPECT_EQ(lightsNext(8, 0, false, 0.2, 0.1), 4u);
-    EXPECT_EQ(lightsNext(8, 0, true, 0.01, 0.1), 4u);
-    EXPECT_EQ(lightsNext(1, 0, true, 1, 0.1), 1u);
-    for (const uint32_t planes : {0u, 1u, 100u, 500u, 1023u, shared::kMaxPlanes}) {
-        uint32_t lights = 1;
-        for (int i = 0; i < 20; ++i) lights = lightsNext(lights, planes, false, 0, 0.1);
-        EXPECT_TRUE(lights == 1 || lights * (planes + 1) <= shared::kMaxPlanes) << planes;
-        EXPECT_LE(lights, 64u);
-    }
-}
-
 class LimitsTest : public RenderTest {};
 
 // The scene's own triangles lie behind so many others, which no leaf names, that their array passes the
