@@ -87,11 +87,6 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
     return chooseOnProcessor(wanted, device, scene, methods);
 }
 
-uint32_t firstWholeTiles(uint64_t mostRays) {
-    constexpr uint64_t kRays = 1 << 14, kLeast = 64, kMost = 256;
-    return static_cast<uint32_t>(std::clamp(kRays / mostRays, kLeast, kMost));
-}
-
 bool wholePathsKnow(const TraceModes& modes) {
     const bool robust = modes.methods.triangles == TriangleMethod::Watertight &&
                         modes.methods.spheres == SphereMethod::Robust;

@@ -68,9 +68,6 @@ constexpr auto entriesOf(WholePaths) {
         {{WholePaths::Auto, "auto"}, {WholePaths::On, "on"}, {WholePaths::Off, "off"}});
 }
 
-// Tiles of the first slice, whose one submission traces all rays of its paths.
-uint32_t firstWholeTiles(uint64_t mostRays);
-
 // False if the request needs more than the image, or a textbook's intersection tests.
 bool wholePathsKnow(const TraceModes& modes);
 

@@ -39,7 +39,7 @@ struct Renderer::State {
     StageTimes times;
     RayCounts rayCounts;
     shared::Environment environment;    // of the picture at hand
-    uint32_t sliceTiles = 256;          // of the next slice, of the next picture too
+    uint32_t sliceTiles = 64;           // of the next slice, of the next picture too
     TrailRecorder* recorder = nullptr;  // of the image at hand, or null
     // Longest submission of the current slice, in seconds.
     double longestInSlice = 0;
@@ -412,8 +412,6 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     s.buffers.setLights(s.device, lightsOf(s.scene, request));
     s.compile(modes, s.kernelsFor(request, modes, choice, environment));
 
-    if (s.times.slices == 0 && s.drawsWholePaths(modes, choice, environment))
-        s.sliceTiles = firstWholeTiles(mostRaysOfPath(s.features, environment));
     const uint64_t before = s.times.pathRays;
     const RayCounts counted = s.rayCounts;
     if (!modes.adaptive) s.times.pathRays += pixels * samples.count();
