@@ -5,7 +5,6 @@
 #include <type_traits>
 
 #include "bvh/packet_tree.h"
-#include "core/parallel.h"
 
 namespace glint::render {
 
@@ -103,36 +102,23 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
                            const TraversalChoice& traversal)
     : access_(access) {
     Others others;
-    std::vector<shared::PacketCorner> corners;
-    const auto buildPacketTree = [&] {
-        if (traversal.packets) corners = packetTree(scene.nodes, &packetSlots_, device.context());
-    };
+    if (traversal.packets) others.packetCorners = packetTree(scene.nodes, &packetSlots_, device.context());
     zeros_ = gpu::Buffer(device, "zeros", kZeroBytes, access, gpu::MemoryKind::Device);
     gpu::upload(device, zeros_, kZeros);
-    const auto put = [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
-        if (data.empty()) return;
-        if (access == gpu::Access::StorageBuffer) return write(device, binding, data);
-        buffers_[binding] = gpu::Buffer(device, name, data.size() + overrunOf(binding, traversal.packets),
-                                        access, gpu::MemoryKind::Device);
-        gpu::upload(device, buffers_[binding], data);
-    };
     if (access == gpu::Access::StorageBuffer) {
-        buildPacketTree();
-        others.packetCorners = std::move(corners);
         std::array<uint64_t, GLINT_BINDING_COUNT> sizes{};
         visitArrays(scene, others, [&](uint32_t binding, const char*, std::span<const std::byte> data) {
             sizes[binding] = data.size();
         });
         placeTogether(device, sizes);
-        visitArrays(scene, others, put);
-    } else {
-        // That tree is built while the other arrays are copied.
-        const auto putAllElse = [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
-            if (binding != packetCornersBinding) put(binding, name, data);
-        };
-        parallelTasks(device.context(), {buildPacketTree, [&] { visitArrays(scene, others, putAllElse); }});
-        put(packetCornersBinding, "packetCorners", std::as_bytes(std::span(corners)));
     }
+    visitArrays(scene, others, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
+        if (data.empty()) return;
+        if (access == gpu::Access::TexelBuffer)
+            buffers_[binding] = gpu::Buffer(device, name, data.size() + overrunOf(binding, traversal.packets),
+                                            access, gpu::MemoryKind::Device);
+        write(device, binding, data);
+    });
 }
 
 void SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
@@ -144,24 +130,17 @@ void SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
         }
         refitPacketTree(scene.nodes, packetSlots_, packetCorners_, device.context());
     }
-    struct Array {
-        uint32_t binding;
-        std::span<const std::byte> bytes;
+    const auto rewrite = [&](uint32_t binding, const auto& array) {
+        if (!array.empty()) write(device, binding, std::as_bytes(std::span(array)));
     };
-    std::vector<Array> arrays;
-    const auto add = [&](uint32_t binding, const auto& array) {
-        if (!array.empty()) arrays.push_back({binding, std::as_bytes(std::span(array))});
-    };
-    add(trianglesBinding, scene.triangles);
-    add(triangleSurfacesBinding, scene.triangleSurfaces);
-    add(nodesBinding, scene.nodes);
-    add(packetCornersBinding, packetCorners_);
-    add(vertexNormalsBinding, scene.vertexNormals);
-    add(planesBinding, scene.planes);
-    add(instancesBinding, scene.instances);
-    add(lightsBinding, scene.lights);
-    parallelFor(device.context(), arrays.size(),
-                [&](size_t i) { write(device, arrays[i].binding, arrays[i].bytes); });
+    rewrite(trianglesBinding, scene.triangles);
+    rewrite(triangleSurfacesBinding, scene.triangleSurfaces);
+    rewrite(nodesBinding, scene.nodes);
+    rewrite(packetCornersBinding, packetCorners_);
+    rewrite(vertexNormalsBinding, scene.vertexNormals);
+    rewrite(planesBinding, scene.planes);
+    rewrite(instancesBinding, scene.instances);
+    rewrite(lightsBinding, scene.lights);
     setEnvironment(device, scene.environment);
 }
 
