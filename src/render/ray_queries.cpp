@@ -37,7 +37,7 @@ SceneFeatures hitFeatures(SceneFeatures features) {
 }
 
 // Behind the rows of the rays: room for hits that are listed, two entries each, four for each ray of a piece.
-constexpr uint32_t kListRows = 8;
+constexpr uint32_t kCrossingRows = 8;
 
 KernelId kernelOf(RayTask::Ask ask) {
     switch (ask) {
@@ -144,7 +144,7 @@ struct RayQueries::State {
           alwaysPackets(wanted == Traversal::Packet),
           traversal(chooseTraversal(wanted, dev.info(), packed)),
           tripBudget(deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
-          rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kListRows),
+          rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kCrossingRows),
           piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
           buffers(dev, packed, access, traversal) {
         piece = static_cast<uint32_t>(std::max<size_t>(piece / kBlock, 1) * kBlock);
@@ -368,7 +368,7 @@ void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first
     trace(slot, placement.places() * kBlock, KernelId::Count, {.list = true}, false);
     checkListed(slot, places);
     std::vector<RowEntry> found(2 * sum);
-    gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)), (rowCount - kListRows) * row);
+    gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)), (rowCount - kCrossingRows) * row);
     std::vector<FoundHit> hits;
     for (size_t i = 0; i < counts.size(); ++i) {
         hits.clear();
@@ -445,7 +445,7 @@ bool RayQueries::run(const RayTask& task) {
 
 void RayQueries::list(std::span<const uint32_t> counts, const ListFill& fill, const ListTake& take) {
     const size_t usable = std::max<size_t>(state_->piece / kBlock / kRuns * kRuns, 1) * kBlock;
-    const uint64_t room = uint64_t{state_->piece} * kListRows / 2;
+    const uint64_t room = uint64_t{state_->piece} * kCrossingRows / 2;
     for (size_t first = 0; first < counts.size();) {
         size_t end = first;
         uint64_t hits = 0;
