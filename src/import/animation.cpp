@@ -95,8 +95,7 @@ AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
         target.failWanted("must be a JSON pointer such as \"/camera/eye\"");
     track.steps = stepsOf(track.target);
     Keyframes& keyframes = track.keyframes;
-    if (const auto name = cursor.find("interpolation"))
-        keyframes.interpolation = readNamed<Interpolation>(*name);
+    keyframes.interpolation = readNamed(cursor, "interpolation", keyframes.interpolation);
     readTimes(cursor.require("times"), keyframes);
     const JsonCursor values = cursor.require("values");
     const size_t each = keyframes.interpolation == Interpolation::Cubic ? 3 : 1;

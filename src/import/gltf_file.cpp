@@ -90,8 +90,7 @@ GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
         const ProgressPart part(files_, 0, 0.2);
         document_ = parseJson(text_, name_, files_.context());
     }
-    root_.emplace(document_, name_);
-    root_->expectObject();
+    root().expectObject();
     checkHeader();
     buffers_.resize(count("buffers"));
 }
@@ -124,19 +123,19 @@ void GltfFile::openBinary() {
 }
 
 void GltfFile::checkHeader() {
-    const JsonCursor asset = root_->require("asset");
+    const JsonCursor asset = root().require("asset");
     asset.expectObject();
     const JsonCursor version = asset.require("version");
     if (!version.string().starts_with("2."))
         version.fail("glTF of version " + version.string().substr(0, 20) +
                      " is not supported, only version 2");
-    if (const auto required = root_->find("extensionsRequired"))
+    if (const auto required = root().find("extensionsRequired"))
         for (size_t i = 0; i < required->size(); i++) {
             const JsonCursor extension = required->item(i);
             if (!supported(extension.string()))
                 extension.fail("the extension " + extension.string().substr(0, 60) + " is not supported");
         }
-    if (const auto used = root_->find("extensionsUsed"))
+    if (const auto used = root().find("extensionsUsed"))
         for (size_t i = 0; i < used->size(); i++) {
             const JsonCursor extension = used->item(i);
             if (!supported(extension.string()))
@@ -144,34 +143,23 @@ void GltfFile::checkHeader() {
         }
 }
 
-const JsonCursor* GltfFile::find(std::string_view list) {
-    if (const auto known = lists_.find(list); known != lists_.end()) return &known->second;
-    const JsonCursor* parent = &*root_;
-    if (list == "lights")
-        for (const char* step : {"extensions", "KHR_lights_punctual"}) {
-            const auto next = parent->find(step);
-            if (!next) return nullptr;
-            next->expectObject();
-            parent = &parents_.emplace_back(*next);
-        }
-    const auto found = parent->find(list);
-    if (!found) return nullptr;
-    found->size();  // fails for anything but an array
-    return &lists_.emplace(list, *found).first->second;
+std::optional<JsonCursor> GltfFile::find(std::string_view list) const {
+    const auto parent = list == "lights" ? extensionOf(root(), "KHR_lights_punctual") : root();
+    return parent ? parent->find(list) : std::nullopt;
 }
 
-size_t GltfFile::count(std::string_view list) {
-    const JsonCursor* const found = find(list);
+size_t GltfFile::count(std::string_view list) const {
+    const auto found = find(list);
     return found ? found->size() : 0;
 }
 
-JsonCursor GltfFile::item(std::string_view list, size_t index) {
+JsonCursor GltfFile::item(std::string_view list, size_t index) const {
     const JsonCursor found = find(list)->item(index);
     found.expectObject();
     return found;
 }
 
-size_t GltfFile::index(std::string_view list, const JsonCursor& reference) {
+size_t GltfFile::index(std::string_view list, const JsonCursor& reference) const {
     const double* value = reference.value().number();
     if (!value || !(*value >= 0) || std::floor(*value) != *value)
         reference.failWanted("must be an index, a whole number from 0");
@@ -234,11 +222,9 @@ const GltfNumbers* GltfFile::decoded(size_t accessor) const {
 std::string_view GltfFile::bufferView(size_t index) {
     if (const auto known = views_.find(index); known != views_.end()) return known->second;
     const JsonCursor view = item("bufferViews", index);
-    const auto decode = [&](const JsonCursor& extension) {
-        views_[index] = decodeMeshopt(*this, extension, range(extension));
-    };
     for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
-        if (withExtension(view, name, decode)) return views_[index];
+        if (const auto extension = extensionOf(view, name))
+            return views_[index] = decodeMeshopt(*this, *extension, range(*extension));
     return range(view);
 }
 
@@ -259,6 +245,15 @@ void GltfFile::warn(const std::string& what) {
 void GltfFile::warnOf(const std::exception& error, const std::string& consequence) {
     const std::string what = error.what(), file = name_ + ": ";
     warn(what.substr(what.starts_with(file) ? file.size() : 0) + "; " + consequence);
+}
+
+std::optional<JsonCursor> extensionOf(const JsonCursor& object, std::string_view name) {
+    const auto extensions = object.find("extensions");
+    if (!extensions) return std::nullopt;
+    extensions->expectObject();
+    const auto extension = extensions->find(name);
+    if (extension) extension->expectObject();
+    return extension;
 }
 
 uint64_t gltfSize(const JsonCursor& object, std::string_view key, uint64_t missing) {

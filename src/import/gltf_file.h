@@ -1,7 +1,6 @@
 // The container of glTF 2.0 (Khronos, The glTF 2.0 Specification, 2021): JSON, buffers, references.
 #pragma once
 
-#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -33,14 +32,14 @@ class GltfFile {
     GltfFile& operator=(const GltfFile&) = delete;
 
     const std::string& name() const { return name_; }
-    const JsonCursor& root() const { return *root_; }
+    JsonCursor root() const { return {document_, name_}; }
     // The lists of the document ("nodes"), and "lights" of KHR_lights_punctual, whose items others refer to
     // by index. `index` must be below count; items are objects.
-    size_t count(std::string_view list);
-    JsonCursor item(std::string_view list, size_t index);
+    size_t count(std::string_view list) const;
+    JsonCursor item(std::string_view list, size_t index) const;
     // The index at `reference`, or its item; both fail if the list has no such item.
-    size_t index(std::string_view list, const JsonCursor& reference);
-    JsonCursor at(std::string_view list, const JsonCursor& reference) {
+    size_t index(std::string_view list, const JsonCursor& reference) const;
+    JsonCursor at(std::string_view list, const JsonCursor& reference) const {
         return item(list, index(list, reference));
     }
 
@@ -65,7 +64,7 @@ class GltfFile {
 
   private:
     void openBinary();
-    const JsonCursor* find(std::string_view list);  // or null
+    std::optional<JsonCursor> find(std::string_view list) const;
     void checkHeader();
     std::string_view buffer(size_t index);
     std::string_view range(const JsonCursor& object);  // bytes of a buffer, as a view or extension gives them
@@ -77,9 +76,6 @@ class GltfFile {
     std::string_view text_;                   // the JSON, within bytes_
     std::optional<std::string_view> binary_;  // the BIN chunk of a .glb, within bytes_
     JsonValue document_;
-    std::optional<JsonCursor> root_;
-    std::deque<JsonCursor> parents_;                // of the list in an extension
-    std::map<std::string_view, JsonCursor> lists_;  // that were found
     std::vector<std::shared_ptr<const std::string>> buffers_;
     std::map<std::string, std::shared_ptr<const std::string>> byUri_;  // several buffers may share one
     std::map<size_t, std::string> views_;                              // those that were compressed
@@ -91,19 +87,8 @@ class GltfFile {
 // A byte count or offset: a whole number from 0 to 2^53.
 uint64_t gltfSize(const JsonCursor& object, std::string_view key, uint64_t missing);
 
-// Calls visit(extension) with the object of this extension, if `object` has it: the cursor lives only as long
-// as its parents on the way.
-template <typename Visit>
-bool withExtension(const JsonCursor& object, std::string_view name, const Visit& visit) {
-    const auto extensions = object.find("extensions");
-    if (!extensions) return false;
-    extensions->expectObject();
-    const auto extension = extensions->find(name);
-    if (!extension) return false;
-    extension->expectObject();
-    visit(*extension);
-    return true;
-}
+// The object of this extension, if `object` has it.
+std::optional<JsonCursor> extensionOf(const JsonCursor& object, std::string_view name);
 
 // ---- Numbers behind accessors (specification, section 3.6.2)
 

@@ -177,32 +177,30 @@ class Materials final : public GltfMaterials {
     }
 
     void readBase(const JsonCursor& material, Surface& surface) {
-        const bool old =
-            withExtension(material, "KHR_materials_pbrSpecularGlossiness",
-                          [&](const JsonCursor& extension) { readSpecularGlossiness(extension, surface); });
-        if (const auto pbr = material.find("pbrMetallicRoughness"); pbr && !old) {
+        if (const auto old = extensionOf(material, "KHR_materials_pbrSpecularGlossiness")) {
+            readSpecularGlossiness(*old, surface);
+        } else if (const auto pbr = material.find("pbrMetallicRoughness")) {
             pbr->expectObject();
             readMetallicRoughness(*pbr, surface);
         }
         surface.metallic = std::clamp(surface.metallic, 0.0, 1.0);
         surface.roughness = std::clamp(surface.roughness, 0.0, 1.0);
-        withExtension(material, "KHR_materials_ior",
-                      [&](const JsonCursor& extension) { surface.ior = extension.number("ior", 1.5); });
+        if (const auto extension = extensionOf(material, "KHR_materials_ior"))
+            surface.ior = extension->number("ior", 1.5);
         // 0 means a mirror of all light (KHR_materials_ior); the highest index comes near.
         if (surface.ior == 0) surface.ior = 1e4;
     }
 
     void readEmission(const JsonCursor& material, Surface& surface) {
         surface.emission = material.vector3("emissiveFactor", Color(0));
-        withExtension(material, "KHR_materials_emissive_strength", [&](const JsonCursor& extension) {
-            surface.emission *= extension.number("emissiveStrength", 1);
-        });
+        if (const auto extension = extensionOf(material, "KHR_materials_emissive_strength"))
+            surface.emission *= extension->number("emissiveStrength", 1);
         if (const auto info = material.find("emissiveTexture"); info && surface.emission != Color(0)) {
             const Reference reference = texture(*info);
             surface.emissionTexture = reference.texture;
             noteTexCoord(reference, surface);
         }
-        surface.unlit = withExtension(material, "KHR_materials_unlit", [](const JsonCursor&) {});
+        surface.unlit = extensionOf(material, "KHR_materials_unlit").has_value();
         if (surface.unlit) {
             surface.emission = surface.base;
             surface.emissionTexture = surface.baseTexture;
@@ -210,22 +208,22 @@ class Materials final : public GltfMaterials {
     }
 
     void readTransmission(const JsonCursor& material, Surface& surface) {
-        withExtension(material, "KHR_materials_transmission", [&](const JsonCursor& extension) {
-            surface.transmission = std::clamp(extension.number("transmissionFactor", 0), 0.0, 1.0);
-            if (const auto info = extension.find("transmissionTexture"); info && surface.transmission > 0) {
+        if (const auto extension = extensionOf(material, "KHR_materials_transmission")) {
+            surface.transmission = std::clamp(extension->number("transmissionFactor", 0), 0.0, 1.0);
+            if (const auto info = extension->find("transmissionTexture"); info && surface.transmission > 0) {
                 file_.warn("transmissionTexture is replaced by its mean value");
                 surface.transmission *= mean(*info, 0);
             }
-        });
-        withExtension(material, "KHR_materials_volume", [&](const JsonCursor& extension) {
-            surface.thin = !(extension.number("thicknessFactor", 0) > 0);
-            const double distance = extension.number("attenuationDistance", 0);
-            const Color left = extension.vector3("attenuationColor", Color(1));
+        }
+        if (const auto extension = extensionOf(material, "KHR_materials_volume")) {
+            surface.thin = !(extension->number("thicknessFactor", 0) > 0);
+            const double distance = extension->number("attenuationDistance", 0);
+            const Color left = extension->vector3("attenuationColor", Color(1));
             if (!surface.thin && distance > 0)
                 surface.attenuation =
                     glm::max(-glm::log(glm::clamp(left, Color(kLeastAttenuationColor), Color(1))) / distance,
                              Color(0));
-        });
+        }
     }
 
     void applyAlpha(const JsonCursor& material, Surface& surface) {
@@ -349,53 +347,44 @@ class Materials final : public GltfMaterials {
         info.expectObject();
         const JsonCursor texture = file_.at("textures", info.require("index"));
         if (const auto source = texture.find("source")) return file_.index("images", *source);
-        std::optional<size_t> webp;
-        withExtension(texture, "EXT_texture_webp", [&](const JsonCursor& extension) {
-            webp = file_.index("images", extension.require("source"));
-        });
-        if (webp) return webp;
+        if (const auto webp = extensionOf(texture, "EXT_texture_webp"))
+            return file_.index("images", webp->require("source"));
         file_.warn(texture.pointer() + ": no \"source\"; drawn without this texture");
         return std::nullopt;
     }
 
-    Texture sampled(const JsonCursor& texture, std::shared_ptr<const Image> image) {
+    Reference texture(const JsonCursor& info) {
+        const auto index = imageOf(info);
         ImageTexture source;
-        source.image = std::move(image);
-        if (const auto reference = texture.find("sampler")) {
+        if (index) source.image = image(*index);
+        if (!source.image) return {};
+        source.file = file_.name() + ": /images/" + std::to_string(*index);
+        if (const auto reference = file_.at("textures", info.require("index")).find("sampler")) {
             const JsonCursor sampler = file_.at("samplers", *reference);
             source.wrapU = wrapOf(sampler, "wrapS");
             source.wrapV = wrapOf(sampler, "wrapT");
             if (sampler.number("magFilter", 9729) == 9728) source.filter = TexelFilter::Nearest;
         }
-        Texture result;
-        result.source = std::move(source);
-        return result;
-    }
-
-    Reference texture(const JsonCursor& info) {
-        const auto index = imageOf(info);
-        const auto picture = index ? image(*index) : nullptr;
-        if (!picture) return {};
-        Texture texture = sampled(file_.at("textures", info.require("index")), picture);
-        std::get<ImageTexture>(texture.source).file = file_.name() + ": /images/" + std::to_string(*index);
+        Texture texture;
+        texture.source = std::move(source);
         double texCoord = info.number("texCoord", 0);
         std::optional<GltfUvTransform> turned;
-        withExtension(info, "KHR_texture_transform", [&](const JsonCursor& transform) {
-            const std::vector<double> offset = transform.numbers("offset", 2);
-            const std::vector<double> scale = transform.numbers("scale", 2);
-            const double rotation = transform.number("rotation", 0);
-            texCoord = transform.number("texCoord", texCoord);
+        if (const auto transform = extensionOf(info, "KHR_texture_transform")) {
+            texCoord = transform->number("texCoord", texCoord);
+            const std::vector<double> offset = transform->numbers("offset", 2);
+            const std::vector<double> scale = transform->numbers("scale", 2);
+            const double rotation = transform->number("rotation", 0);
             const glm::dvec2 size = scale.empty() ? glm::dvec2(1) : glm::dvec2(scale[0], scale[1]);
             const glm::dvec2 shift = offset.empty() ? glm::dvec2(0) : glm::dvec2(offset[0], offset[1]);
             if (rotation != 0) {  // counter-clockwise, v counting downwards
                 const double c = std::cos(rotation), s = std::sin(rotation);
                 turned = GltfUvTransform{{c * size.x, -s * size.x}, {s * size.y, c * size.y}, shift};
-                return;
+            } else {
+                texture.scale = size;
+                // glTF's v' = shift + scale v counts downwards; with v = 1 - V, V' = 1 - v':
+                texture.offset = {shift.x, 1 - shift.y - size.y};
             }
-            texture.scale = size;
-            // glTF's v' = shift + scale v counts downwards; with v = 1 - V, V' = 1 - v':
-            texture.offset = {shift.x, 1 - shift.y - size.y};
-        });
+        }
         if (!(texCoord >= 0 && texCoord < 1000)) info.fail("texCoord must be a small whole number");
         scene_.textures.push_back(std::move(texture));
         return {static_cast<uint32_t>(scene_.textures.size() - 1), static_cast<size_t>(texCoord), turned};

@@ -57,11 +57,9 @@ class MeshReader {
             file_.warn(attributes.pointer() + ": no POSITION; not drawn");
             return;
         }
-        const bool compressed =
-            withExtension(primitive, "KHR_draco_mesh_compression", [&](const JsonCursor& draco) {
-                const JsonCursor accessor = file_.at("accessors", *position);
-                if (readsDraco() || !accessor.find("bufferView")) decodeDraco(file_, primitive, draco);
-            });
+        const auto draco = extensionOf(primitive, "KHR_draco_mesh_compression");
+        if (draco && (readsDraco() || !file_.at("accessors", *position).find("bufferView")))
+            decodeDraco(file_, primitive, *draco);
         const auto material = primitive.find("material");
         const GltfMaterials::Use use = materials_.use(material);
         const Range positions = append(mesh_.positions, positions_, *position, {"VEC3"}, vector);
@@ -94,7 +92,7 @@ class MeshReader {
         context().report(0.6);
         const std::vector<uint32_t> order = vertexOrder(primitive, positions.count);
         context().report(0.8);
-        assemble(compressed && readsDraco() ? kTriangles : mode, order, add);
+        assemble(draco && readsDraco() ? kTriangles : mode, order, add);
     }
 
     std::vector<uint32_t> vertexOrder(const JsonCursor& primitive, size_t count) {

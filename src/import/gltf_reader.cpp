@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "core/vectors.h"
 #include "import/gltf_file.h"
-#include "import/gltf_scene.h"
 #include "import/parse_scene.h"
 #include "import/readers.h"
 #include "scene/cameras.h"
@@ -272,45 +271,42 @@ class Reader final : public GltfScene {
             addInstances(node, {index, file_.index("meshes", *mesh), place, node.pointer()});
         if (node.find("skin")) file_.warn("skins are ignored: meshes stand as they were modelled");
         if (const auto camera = node.find("camera")) addCamera(*camera, node, place);
-        withExtension(node, "KHR_lights_punctual", [&](const JsonCursor& extension) {
-            readLight(file_.at("lights", extension.require("light")), place);
-        });
+        if (const auto extension = extensionOf(node, "KHR_lights_punctual"))
+            readLight(file_.at("lights", extension->require("light")), place);
     }
 
     // One, or as many as EXT_mesh_gpu_instancing gives places for.
     void addInstances(const JsonCursor& node, const Instance& instance) {
-        const auto addMany = [&](const JsonCursor& extension) {
-            const JsonCursor attributes = extension.require("attributes");
-            attributes.expectObject();
-            const auto read = [&](std::string_view key, std::string_view type) {
-                const auto accessor = attributes.find(key);
-                return accessor ? readAccessor(file_, file_.index("accessors", *accessor), {type})
-                                : GltfNumbers{};
-            };
-            const GltfNumbers move = read("TRANSLATION", "VEC3"), turn = read("ROTATION", "VEC4"),
-                              scale = read("SCALE", "VEC3");
-            const size_t count = std::max({move.count, turn.count, scale.count});
-            for (const GltfNumbers* list : {&move, &turn, &scale})
-                if (list->count != 0 && list->count != count)
-                    attributes.fail("the attributes must have the same number of elements");
-            file_.files().take(count * 2 * sizeof(Object), file_.name() + ": " + node.pointer());
-            for (size_t i = 0; i < count; i++) {
-                const auto element = [&](const GltfNumbers& list) {
-                    return list.values.data() + i * list.components;
-                };
-                const auto vector = [&](const GltfNumbers& list) {
-                    const double* v = element(list);
-                    return glm::dvec3(v[0], v[1], v[2]);
-                };
-                Affine local = scaling(scale.count ? vector(scale) : glm::dvec3(1));
-                if (turn.count)
-                    local.linear = rotationOf(node, {element(turn), element(turn) + 4}) * local.linear;
-                if (move.count) local.offset = vector(move);
-                instances_.push_back({instance.node, instance.mesh, then(local, instance.place),
-                                      instance.name + "/" + std::to_string(i)});
-            }
+        const auto extension = extensionOf(node, "EXT_mesh_gpu_instancing");
+        if (!extension) {
+            instances_.push_back(instance);
+            return;
+        }
+        const JsonCursor attributes = extension->require("attributes");
+        attributes.expectObject();
+        const auto read = [&](std::string_view key, std::string_view type) {
+            const auto accessor = attributes.find(key);
+            return accessor ? readAccessor(file_, file_.index("accessors", *accessor), {type})
+                            : GltfNumbers{};
         };
-        if (!withExtension(node, "EXT_mesh_gpu_instancing", addMany)) instances_.push_back(instance);
+        const GltfNumbers move = read("TRANSLATION", "VEC3"), turn = read("ROTATION", "VEC4"),
+                          scale = read("SCALE", "VEC3");
+        const size_t count = std::max({move.count, turn.count, scale.count});
+        for (const GltfNumbers* list : {&move, &turn, &scale})
+            if (list->count != 0 && list->count != count)
+                attributes.fail("the attributes must have the same number of elements");
+        file_.files().take(count * 2 * sizeof(Object), file_.name() + ": " + node.pointer());
+        for (size_t i = 0; i < count; i++) {
+            const auto element = [i](const GltfNumbers& list) {
+                const auto first = list.values.begin() + static_cast<std::ptrdiff_t>(i * list.components);
+                return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(list.components));
+            };
+            Affine local = scaling(scale.count ? vectorOf(element(scale)) : glm::dvec3(1));
+            if (turn.count) local.linear = rotationOf(node, element(turn)) * local.linear;
+            if (move.count) local.offset = vectorOf(element(move));
+            instances_.push_back({instance.node, instance.mesh, then(local, instance.place),
+                                  instance.name + "/" + std::to_string(i)});
+        }
     }
 
     // The camera's own name, or its node's; each once.

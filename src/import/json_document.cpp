@@ -271,15 +271,9 @@ std::string describe(const JsonValue& value) {
     return text.substr(0, kLongest);
 }
 
-std::string JsonCursor::pointer() const {
-    if (!parent_) return {};
-    return parent_->pointer() + "/" +
-           (parent_->value_->array() ? std::to_string(index_) : escapePointer(key_));
-}
-
 void JsonCursor::fail(const std::string& what) const {
-    const std::string where = pointer();
-    throw Error(ErrorKind::Scene, printable(*file_ + ": " + (where.empty() ? "" : where + ": ") + what));
+    throw Error(ErrorKind::Scene,
+                printable(*file_ + ": " + (pointer_.empty() ? "" : pointer_ + ": ") + what));
 }
 
 void JsonCursor::failWanted(const std::string& wanted) const {
@@ -309,7 +303,7 @@ size_t JsonCursor::size() const {
 }
 
 JsonCursor JsonCursor::item(size_t index) const {
-    return {*this, (*value_->array())[index], {}, index};
+    return {*this, (*value_->array())[index], std::to_string(index)};
 }
 
 size_t JsonCursor::memberCount() const {
@@ -322,7 +316,7 @@ std::string_view JsonCursor::memberName(size_t index) const {
 
 JsonCursor JsonCursor::member(size_t index) const {
     const JsonObject& object = *value_->object();
-    return {*this, object.values[index], object.keys[index], index};
+    return {*this, object.values[index], escapePointer(object.keys[index])};
 }
 
 std::optional<JsonCursor> JsonCursor::find(std::string_view key) const {
@@ -369,7 +363,10 @@ void JsonCursor::expectItems(size_t count, const std::string& wanted) const {
 std::vector<double> JsonCursor::numbers(size_t count, const std::string& wanted) const {
     expectItems(count, wanted);
     std::vector<double> values;
-    for (size_t i = 0; i < count; i++) values.push_back(item(i).number());
+    for (size_t i = 0; i < count; i++) {
+        const double* const number = (*value_->array())[i].number();
+        values.push_back(number ? *number : item(i).number());  // which fails
+    }
     return values;
 }
 
@@ -384,39 +381,9 @@ glm::dvec3 JsonCursor::color() const {
     return {c[0], c[1], c[2]};
 }
 
-double JsonCursor::number(std::string_view key, double missing) const {
-    const auto found = find(key);
-    return found ? found->number() : missing;
-}
-
-int JsonCursor::integer(std::string_view key, int least, int greatest, int missing) const {
-    const auto found = find(key);
-    return found ? found->integer(least, greatest) : missing;
-}
-
-glm::dvec3 JsonCursor::vector3(std::string_view key, const glm::dvec3& missing) const {
-    const auto found = find(key);
-    return found ? found->vector3() : missing;
-}
-
-glm::dvec3 JsonCursor::color(std::string_view key, const glm::dvec3& missing) const {
-    const auto found = find(key);
-    return found ? found->color() : missing;
-}
-
 std::vector<double> JsonCursor::numbers(std::string_view key, size_t count) const {
     const auto found = find(key);
     return found ? found->numbers(count, std::to_string(count) + " numbers") : std::vector<double>();
-}
-
-bool JsonCursor::flag(std::string_view key) const {
-    const auto found = find(key);
-    return found && found->boolean();
-}
-
-std::string JsonCursor::text(std::string_view key) const {
-    const auto found = find(key);
-    return found ? found->string() : std::string();
 }
 
 }  // namespace glint

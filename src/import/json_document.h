@@ -61,15 +61,14 @@ struct KeyTable {
     }
 };
 
-// A place in the tree with its JSON pointer (RFC 6901). Children hold pointers to their parents: a cursor
-// must not outlive its parent. Every reading function throws Error(Scene) "FILE: POINTER: what is wanted (got
-// what)".
+// A place in the tree with its JSON pointer (RFC 6901), for as long as the tree and the file's name live.
+// Every reading function throws Error(Scene) "FILE: POINTER: what is wanted (got what)".
 class JsonCursor {
   public:
     JsonCursor(const JsonValue& root, const std::string& file) : value_(&root), file_(&file) {}
 
     const JsonValue& value() const { return *value_; }
-    std::string pointer() const;
+    const std::string& pointer() const { return pointer_; }
     [[noreturn]] void fail(const std::string& what) const;
     [[noreturn]] void failWanted(const std::string& wanted) const;  // adds "(got ...)"
 
@@ -94,23 +93,38 @@ class JsonCursor {
     glm::dvec3 color() const;  // a number means grey
 
     // Members of an object that may be missing.
-    double number(std::string_view key, double missing) const;
-    int integer(std::string_view key, int least, int greatest, int missing) const;
-    glm::dvec3 vector3(std::string_view key, const glm::dvec3& missing) const;
-    glm::dvec3 color(std::string_view key, const glm::dvec3& missing) const;
+    template <typename T, typename Read>
+    T valueOr(std::string_view key, const T& missing, const Read& read) const {
+        const std::optional<JsonCursor> found = find(key);
+        return found ? T(read(*found)) : missing;
+    }
+    double number(std::string_view key, double missing) const {
+        return valueOr(key, missing, [](const JsonCursor& c) { return c.number(); });
+    }
+    int integer(std::string_view key, int least, int greatest, int missing) const {
+        return valueOr(key, missing, [&](const JsonCursor& c) { return c.integer(least, greatest); });
+    }
+    glm::dvec3 vector3(std::string_view key, const glm::dvec3& missing) const {
+        return valueOr(key, missing, [](const JsonCursor& c) { return c.vector3(); });
+    }
+    glm::dvec3 color(std::string_view key, const glm::dvec3& missing) const {
+        return valueOr(key, missing, [](const JsonCursor& c) { return c.color(); });
+    }
+    bool flag(std::string_view key) const {
+        return valueOr(key, false, [](const JsonCursor& c) { return c.boolean(); });
+    }
+    std::string text(std::string_view key) const {
+        return valueOr(key, std::string(), [](const JsonCursor& c) { return c.string(); });
+    }
     std::vector<double> numbers(std::string_view key, size_t count) const;  // or nothing
-    bool flag(std::string_view key) const;                                  // or false
-    std::string text(std::string_view key) const;                           // or ""
 
   private:
-    JsonCursor(const JsonCursor& parent, const JsonValue& value, std::string_view key, size_t index)
-        : parent_(&parent), value_(&value), key_(key), index_(index), file_(parent.file_) {}
+    JsonCursor(const JsonCursor& parent, const JsonValue& value, const std::string& step)
+        : value_(&value), file_(parent.file_), pointer_(parent.pointer_ + '/' + step) {}
 
-    const JsonCursor* parent_ = nullptr;
     const JsonValue* value_;
-    std::string_view key_;
-    size_t index_ = 0;
     const std::string* file_;
+    std::string pointer_;
 };
 
 // The value of an enumeration by its name; fails with the names that there are.
@@ -119,6 +133,11 @@ E readNamed(const JsonCursor& value) {
     const std::optional<E> found = named<E>(value.string());
     if (!found) value.failWanted("must be " + quotedChoices<E>());
     return *found;
+}
+// The same for a member that may be missing.
+template <NamedEnum E>
+E readNamed(const JsonCursor& object, std::string_view key, E missing) {
+    return object.valueOr(key, missing, [](const JsonCursor& value) { return readNamed<E>(value); });
 }
 
 }  // namespace glint

@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "core/text_file.h"
-#include "import/gltf_scene.h"
 #include "import/parse_scene.h"
 #include "import/readers.h"
 #include "scene/cameras.h"
@@ -18,38 +17,28 @@ namespace glint {
 
 namespace {
 
-// Appends `corners` of a mesh with `count` triangles so that `into` stays parallel to the triangles. Meshes
-// without such corners get kNoIndex.
-void appendCorners(const std::vector<glm::uvec3>& corners, size_t count, size_t before, size_t firstElement,
-                   std::vector<glm::uvec3>& into) {
-    constexpr glm::uvec3 none(Mesh::kNoIndex);
-    if (corners.empty() && into.empty()) return;
-    into.resize(before, none);
-    for (size_t i = 0; i < count; i++) {
-        const glm::uvec3 c = corners.empty() ? none : corners[i];
-        into.push_back(c == none ? c : c + glm::uvec3(static_cast<uint32_t>(firstElement)));
-    }
-}
-
-template <typename Element>
-void appendElements(const std::vector<Element>& elements, std::vector<Element>& into) {
-    into.insert(into.end(), elements.begin(), elements.end());
-}
-
+// Appends `mesh`; its triangles get `material` if it names none.
 void append(const Mesh& mesh, uint32_t material, Mesh& into) {
+    constexpr glm::uvec3 none(Mesh::kNoIndex);
     const size_t before = into.corners.size(), count = mesh.corners.size();
-    appendCorners(mesh.corners, count, before, into.positions.size(), into.corners);
-    appendCorners(mesh.normalCorners, count, before, into.normals.size(), into.normalCorners);
-    appendCorners(mesh.uvCorners, count, before, into.uvs.size(), into.uvCorners);
-    appendCorners(mesh.colorCorners, count, before, into.colors.size(), into.colorCorners);
-    appendElements(mesh.positions, into.positions);
-    appendElements(mesh.normals, into.normals);
-    appendElements(mesh.uvs, into.uvs);
-    appendElements(mesh.colors, into.colors);
+    // Lists of corners stay parallel to the triangles.
+    const auto add = [&](const auto& elements, auto& allElements, const std::vector<glm::uvec3>& corners,
+                         std::vector<glm::uvec3>& allCorners) {
+        const glm::uvec3 first(static_cast<uint32_t>(allElements.size()));
+        allElements.insert(allElements.end(), elements.begin(), elements.end());
+        if (corners.empty() && allCorners.empty()) return;
+        allCorners.resize(before, none);
+        for (size_t i = 0; i < count; i++)
+            allCorners.push_back(corners.empty() || corners[i] == none ? none : corners[i] + first);
+    };
+    add(mesh.positions, into.positions, mesh.corners, into.corners);
+    add(mesh.normals, into.normals, mesh.normalCorners, into.normalCorners);
+    add(mesh.uvs, into.uvs, mesh.uvCorners, into.uvCorners);
+    add(mesh.colors, into.colors, mesh.colorCorners, into.colorCorners);
     if (mesh.materials.empty())
         into.materials.insert(into.materials.end(), count, material);
     else
-        appendElements(mesh.materials, into.materials);
+        into.materials.insert(into.materials.end(), mesh.materials.begin(), mesh.materials.end());
 }
 
 // The mesh objects of `scene` as one mesh in world space, with the scene's materials and warnings.

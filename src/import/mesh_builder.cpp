@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <set>
 #include <utility>
 
 #include "core/quantize.h"
@@ -51,27 +49,14 @@ void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t mater
     if (!normals.empty()) keep(mesh_.normalCorners, normalCorners_);
     if (!uvs.empty()) keep(mesh_.uvCorners, uvCorners_);
     if (!colors.empty()) keep(mesh_.colorCorners, colorCorners_);
-    keepFace(triangle);
-    keepMaterial(triangle, material);
-}
-
-// The list of faces stays empty as long as each triangle is the face of its own number.
-void MeshBuilder::keepFace(size_t triangle) {
-    if (mesh_.faces.empty()) {
-        if (polygons_ == triangle) return;
-        mesh_.faces.resize(triangle);
-        std::iota(mesh_.faces.begin(), mesh_.faces.end(), 0u);
-    }
-    mesh_.faces.push_back(polygons_);
-}
-
-// The list of materials starts with the first triangle that has one.
-void MeshBuilder::keepMaterial(size_t triangle, uint32_t material) {
-    if (mesh_.materials.empty()) {
-        if (material == Mesh::kNoIndex) return;
+    if (!mesh_.materials.empty() || material != Mesh::kNoIndex) {
         mesh_.materials.resize(triangle, Mesh::kNoIndex);
+        mesh_.materials.push_back(material);
     }
-    mesh_.materials.push_back(material);
+    // The list of faces stays empty as long as each triangle is the face of its own number.
+    if (mesh_.faces.empty() && polygons_ == triangle) return;
+    for (size_t i = mesh_.faces.size(); i < triangle; i++) mesh_.faces.push_back(static_cast<uint32_t>(i));
+    mesh_.faces.push_back(polygons_);
 }
 
 void MeshBuilder::addPolygon(const Corners& polygon, uint32_t material) {
@@ -152,20 +137,16 @@ void MeshBuilder::assignDefaultMaterial(std::vector<Material>& materials) {
     materials.push_back(material);
 }
 
-void MeshBuilder::finishAttributes() {
-    for (auto* list : {&mesh_.uvCorners, &mesh_.colorCorners})
-        if (areNone(*list)) list->clear();
-    if (!mesh_.uvCorners.empty()) mesh_.uvs = std::move(uvs);
-    if (!mesh_.colorCorners.empty()) mesh_.colors = std::move(colors);
-}
-
 ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> materials,
                                  std::vector<std::string> warnings) {
     if (polygons_ == 0) failFile(file, "holds no faces; points and lines cannot be rendered");
     if (mesh_.corners.empty()) failFile(file, "no face has three different vertices");
     dropBadNormals();
     decodeColors(file, warnings);
-    finishAttributes();
+    for (auto* list : {&mesh_.uvCorners, &mesh_.colorCorners})
+        if (areNone(*list)) list->clear();
+    if (!mesh_.uvCorners.empty()) mesh_.uvs = std::move(uvs);
+    if (!mesh_.colorCorners.empty()) mesh_.colors = std::move(colors);
     assignDefaultMaterial(materials);
     if (degenerate_ > 0)
         warnings.push_back(file + ": " + counted(degenerate_, "face") +
@@ -248,22 +229,28 @@ class EarClipper {
     explicit EarClipper(const std::vector<Point>& points)
         : points_(points),
           next_(points.size()),
-          previous_(ringBefore(points.size())),
-          reflex_(points.size()) {
-        findReflex();
-        for (uint32_t i = 0; i < points.size(); i++)
-            if (isEar(i)) ears_.insert(ears_.end(), i);
+          previous_(points.size()),
+          reflex_(points.size()),
+          ear_(points.size()) {
+        const auto n = static_cast<uint32_t>(points.size());
+        for (uint32_t i = 0; i < n; i++) {
+            next_[i] = (i + 1) % n;
+            previous_[next_[i]] = i;
+        }
+        for (uint32_t i = 0; i < n; i++) {
+            reflex_[i] = turn(i) <= 0;
+            if (reflex_[i]) byX_.push_back(i);  // only reflex corners can lie inside an ear
+        }
+        std::ranges::sort(byX_, {}, [this](uint32_t i) { return points_[i].x; });
+        for (uint32_t i = 0; i < n; i++) ear_[i] = isEar(i);
     }
 
     void clip(std::vector<std::array<uint32_t, 3>>& triangles) {
         uint32_t corner = 0;
         for (size_t left = points_.size(); left > 3; left--) {
-            // The next ear along the ring, whose corners are in order. Without one all the way round the
-            // polygon crosses itself: then this cuts the rest as a fan.
-            if (!ears_.empty()) {
-                const auto ear = ears_.lower_bound(corner);
-                corner = ear == ears_.end() ? *ears_.begin() : *ear;
-            }
+            // The next ear along the ring. Without one all the way round the polygon crosses itself: then
+            // this cuts the rest as a fan.
+            for (size_t i = 0; i < left && !ear_[corner]; i++) corner = next_[corner];
             triangles.push_back({previous_[corner], corner, next_[corner]});
             remove(corner);
             corner = next_[corner];
@@ -272,23 +259,6 @@ class EarClipper {
     }
 
   private:
-    static std::vector<uint32_t> ringBefore(size_t count) {
-        std::vector<uint32_t> before(count);
-        for (size_t i = 0; i < count; i++) before[i] = static_cast<uint32_t>((i + count - 1) % count);
-        return before;
-    }
-
-    // Only reflex corners can lie inside an ear.
-    void findReflex() {
-        const auto n = static_cast<uint32_t>(points_.size());
-        for (uint32_t i = 0; i < n; i++) next_[i] = (i + 1) % n;
-        for (uint32_t i = 0; i < n; i++) {
-            reflex_[i] = turn(i) <= 0;
-            if (reflex_[i]) byX_.push_back(i);
-        }
-        std::ranges::sort(byX_, {}, [this](uint32_t i) { return points_[i].x; });
-    }
-
     // True if a reflex corner lies in the triangle or on its edge. Points in the same place as a corner do
     // not count: the corner itself, and points of a bridge to a hole, which the outline passes twice.
     bool anyWithin(const Point& a, const Point& b, const Point& c) const {
@@ -312,23 +282,16 @@ class EarClipper {
         const uint32_t before = previous_[i], after = next_[i];
         next_[before] = after;
         previous_[after] = before;
-        ears_.erase(i);
         reflex_[i] = false;
         for (const uint32_t neighbour : {before, after})
             if (turn(neighbour) > 0) reflex_[neighbour] = false;
-        for (const uint32_t neighbour : {before, after}) {
-            if (isEar(neighbour))
-                ears_.insert(neighbour);
-            else
-                ears_.erase(neighbour);
-        }
+        for (const uint32_t neighbour : {before, after}) ear_[neighbour] = isEar(neighbour);
     }
 
     const std::vector<Point>& points_;
     std::vector<uint32_t> next_, previous_;
-    std::vector<char> reflex_;
+    std::vector<char> reflex_, ear_;
     std::vector<uint32_t> byX_;  // corners that were reflex at first, by x
-    std::set<uint32_t> ears_;
 };
 
 }  // namespace

@@ -44,11 +44,8 @@ class MeshBuilder {
   private:
     // Adds a triangle of the current polygon, given the places of its corners in the scratch arrays.
     void addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material);
-    void keepFace(size_t triangle);
-    void keepMaterial(size_t triangle, uint32_t material);
     void decodeColors(const std::string& file, std::vector<std::string>& warnings);
     void dropBadNormals();
-    void finishAttributes();
     void assignDefaultMaterial(std::vector<Material>& materials);
 
     Mesh mesh_;

@@ -36,8 +36,8 @@ glm::dvec2 readScale(const JsonCursor& source) {
 }
 
 glm::dvec2 readOffset(const JsonCursor& source) {
-    const auto offset = source.find("offset");
-    return offset ? pair(*offset, "two numbers [u, v]") : glm::dvec2(0);
+    return source.valueOr("offset", glm::dvec2(0),
+                          [](const JsonCursor& offset) { return pair(offset, "two numbers [u, v]"); });
 }
 
 void readWrap(const JsonCursor& source, ImageTexture& image) {
@@ -50,11 +50,6 @@ void readWrap(const JsonCursor& source, ImageTexture& image) {
     wrap->expectItems(2, "a wrap mode, or two of them [u, v]");
     image.wrapU = readNamed<Wrap>(wrap->item(0));
     image.wrapV = readNamed<Wrap>(wrap->item(1));
-}
-
-TexelFilter readFilter(const JsonCursor& source) {
-    const auto filter = source.find("filter");
-    return filter ? readNamed<TexelFilter>(*filter) : TexelFilter::Bilinear;
 }
 
 // Colours that may be textures, and the environment map.
@@ -111,7 +106,7 @@ class TextureParser {
         image.file = file.string();
         image.image = load(file);
         readWrap(source, image);
-        image.filter = readFilter(source);
+        image.filter = readNamed(source, "filter", TexelFilter::Bilinear);
         return {std::move(image), readScale(source), readOffset(source)};
     }
 
@@ -151,7 +146,7 @@ class TextureParser {
 // ---- Sections
 
 void parseSampling(const JsonCursor& image, ImageSettings& settings) {
-    if (const auto sampler = image.find("sampler")) settings.sampler = readNamed<Sampler>(*sampler);
+    settings.sampler = readNamed(image, "sampler", settings.sampler);
     if (const auto filter = image.find("filter")) {
         settings.filter = readNamed<Filter>(*filter);
         settings.filterRadius = defaultRadius(settings.filter);
@@ -206,17 +201,12 @@ void readCamera(const JsonCursor& camera, Camera& result) {
     }
 }
 
-Falloff readFalloff(const JsonCursor& light) {
-    const auto falloff = light.find("falloff");
-    return falloff ? readNamed<Falloff>(*falloff) : Falloff::None;
-}
-
 PointLight parsePoint(const JsonCursor& light) {
     light.expectKeys(keys::of("light/point"));
     PointLight point;
     point.position = light.require("position").vector3();
     point.intensity = light.color("intensity", point.intensity);
-    point.falloff = readFalloff(light);
+    point.falloff = readNamed(light, "falloff", Falloff::None);
     return point;
 }
 
@@ -228,7 +218,7 @@ SpotLight parseSpot(const JsonCursor& light) {
     spot.angle = light.require("angle").number();
     spot.penumbra = light.number("penumbra", spot.penumbra);
     spot.intensity = light.color("intensity", spot.intensity);
-    spot.falloff = readFalloff(light);
+    spot.falloff = readNamed(light, "falloff", Falloff::None);
     return spot;
 }
 
@@ -373,8 +363,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
     errors.attempt([&] {
         scene.ambient = root.color("ambient", scene.ambient);
         scene.maxDepth = root.integer("maxDepth", 0, kMaxBounces, scene.maxDepth);
-        if (const auto shadows = root.find("transmissiveShadows"))
-            scene.transmissiveShadows = readNamed<TransmissiveShadows>(*shadows);
+        scene.transmissiveShadows = readNamed(root, "transmissiveShadows", scene.transmissiveShadows);
     });
     errors.attempt([&] {
         const auto lights = root.find("lights");

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <numeric>
+#include <set>
 
+#include "core/binary_numbers.h"
+#include "core/enum_names.h"
 #include "core/text_file.h"
 #include "import/mesh_builder.h"
-#include "import/ply_header.h"
 #include "import/readers.h"
 #include "import/text_scanner.h"
 #include "scene/limits.h"
@@ -17,6 +18,126 @@
 namespace glint {
 
 namespace {
+
+// ---- The header
+
+struct PlyProperty {
+    std::string name;
+    NumberType type = NumberType::Float32;
+    bool isList = false;
+    NumberType countType = NumberType::Uint8;  // of a list
+};
+
+struct PlyElement {
+    std::string name;
+    uint64_t count = 0;
+    std::vector<PlyProperty> properties;
+
+    // The property of that name, or null.
+    const PlyProperty* find(std::string_view property) const {
+        const auto at = std::ranges::find(properties, property, &PlyProperty::name);
+        return at == properties.end() ? nullptr : &*at;
+    }
+};
+
+enum class PlyFormat { Ascii, LittleEndian, BigEndian };
+
+struct PlyHeader {
+    PlyFormat format = PlyFormat::Ascii;
+    std::vector<PlyElement> elements;
+    std::vector<std::string> textures;  // "comment TextureFile NAME", as MeshLab writes it
+    size_t bodyOffset = 0;              // the first byte after the header
+    size_t bodyLine = 1;                // the number of the first line after it
+};
+
+// Names of each type: those of 1994, and those that name the size.
+constexpr std::string_view kTypeNames[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                              {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                              {"float", "float32"}, {"double", "float64"}};
+
+NumberType readType(TextScanner& line) {
+    const std::string_view word = line.word();
+    for (size_t i = 0; i < std::size(kTypeNames); i++)
+        if (word == kTypeNames[i][0] || word == kTypeNames[i][1]) return static_cast<NumberType>(i);
+    line.fail("unknown property type \"" + std::string(word) + "\"");
+}
+
+PlyFormat readFormat(TextScanner& line) {
+    constexpr std::string_view kFormats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    const std::string_view format = line.word(), version = line.word();
+    if (version != "1.0") line.fail("format version \"" + std::string(version) + "\" is not 1.0");
+    const auto known = std::ranges::find(kFormats, format);
+    if (known == std::end(kFormats))
+        line.fail("unknown format \"" + std::string(format) + "\" (known: " + joinNames(kFormats) + ")");
+    return static_cast<PlyFormat>(known - kFormats);
+}
+
+PlyProperty readProperty(TextScanner& line) {
+    PlyProperty property;
+    TextScanner copy = line;
+    if (copy.word() == "list") {
+        line.word();
+        property.isList = true;
+        property.countType = readType(line);
+        if (!isInteger(property.countType)) line.fail("a list's count must be of an integer type");
+    }
+    property.type = readType(line);
+    property.name = line.word();
+    if (property.name.empty()) line.fail("the property has no name");
+    return property;
+}
+
+// The offset after the line "end_header". Binary data may follow, so only the header shows whether lines end
+// with CR alone.
+size_t findBody(std::string_view bytes) {
+    constexpr std::string_view kMark = "end_header";
+    size_t mark = bytes.find(kMark);
+    while (mark != std::string_view::npos && mark > 0 && bytes[mark - 1] != '\n' && bytes[mark - 1] != '\r')
+        mark = bytes.find(kMark, mark + 1);
+    if (mark == std::string_view::npos) return bytes.size();
+    const bool feeds = bytes.substr(0, mark).find('\n') != std::string_view::npos;
+    const size_t lineEnd = bytes.find(feeds ? '\n' : '\r', mark);
+    return lineEnd == std::string_view::npos ? bytes.size() : lineEnd + 1;
+}
+
+PlyHeader readPlyHeader(const Context& context, std::string_view bytes, const std::string& file) {
+    PlyHeader header;
+    header.bodyOffset = findBody(bytes);
+    TextScanner lines(context, bytes.substr(0, header.bodyOffset), file);
+    if (!lines.nextLine() || lines.word() != "ply") lines.fail("not a PLY file: it must start with \"ply\"");
+    bool hasFormat = false;
+    std::set<std::string> names;  // of elements
+    while (lines.nextLine()) {
+        const std::string_view keyword = lines.word();
+        if (keyword == "end_header") {
+            if (!hasFormat) lines.fail("the header has no format line");
+            header.bodyLine = lines.line() + 1;
+            return header;
+        }
+        if (keyword == "format") {
+            header.format = readFormat(lines);
+            hasFormat = true;
+        } else if (keyword == "element") {
+            PlyElement& element = header.elements.emplace_back();
+            element.name = lines.word();
+            const int64_t count = lines.integer("an element count");
+            if (count < 0) lines.fail("element count " + std::to_string(count) + " is negative");
+            element.count = static_cast<uint64_t>(count);
+            if (!names.insert(element.name).second)
+                lines.fail("element \"" + element.name + "\" stands here twice");
+        } else if (keyword == "property") {
+            if (header.elements.empty()) lines.fail("a property before the first element");
+            header.elements.back().properties.push_back(readProperty(lines));
+        } else if (keyword == "comment") {
+            if (lines.word() == "TextureFile") header.textures.emplace_back(lines.restOfLine());
+        } else if (!keyword.empty() && keyword != "obj_info") {
+            lines.fail("unknown header word \"" + std::string(keyword.substr(0, 40)) + "\"");
+        }
+    }
+    lines.fail("the file ends before end_header");
+}
+
+// ---- The elements
 
 std::string endsAfter(const PlyElement& element, uint64_t index) {
     return "the file ends after " + std::to_string(index) + " of " + std::to_string(element.count) +
@@ -59,13 +180,6 @@ class PlyNumbers {
         if (format_ == PlyFormat::Ascii) lines_.fail(element_->name + " " + what);
         failFile(file_, element_->name + " " + std::to_string(index_) + " " + what);
     }
-    // Bounds the number of elements that can follow, so that a false header cannot reserve all memory.
-    uint64_t atMost(const PlyElement& element) const {
-        uint64_t least = 0;
-        for (const PlyProperty& p : element.properties) least += sizeOf(p.isList ? p.countType : p.type);
-        if (format_ == PlyFormat::Ascii) least = 2;  // a digit and a line end
-        return static_cast<uint64_t>(end_ - at_) / std::max<uint64_t>(least, 1) + 1;
-    }
 
   private:
     template <typename Number>
@@ -88,31 +202,40 @@ class PlyNumbers {
     uint64_t index_ = 0;
 };
 
+// Names of the numbers that a mesh takes from an element, the first known one counts. Texture coordinates go
+// by several: Blender s t, MeshLab texture_u texture_v, others u v.
+constexpr const char* kNumberNames =
+    "x,y,z,nx,ny,nz,s u texture_u,t v texture_v,red diffuse_red,green diffuse_green,blue diffuse_blue";
+
+// The roles of an element's properties, and the groups of numbers that are complete.
+struct PlyRoles {
+    std::vector<size_t> ofProperty;
+    bool positions = false, normals = false, uvs = false, colors = false;
+    bool codedColors = false;  // integers
+};
+
 class PlyReader {
     static constexpr double kRead = 0.9;  // part of the time for reading; the rest is for the faces
 
   public:
-    // `materials` is empty or holds the material of all faces.
-    PlyReader(SceneFiles& files, const std::string& bytes, const PlyHeader& header, const std::string& file,
-              std::vector<Material> materials)
+    PlyReader(SceneFiles& files, const std::string& bytes, const PlyHeader& header, const std::string& file)
         : files_(files),
           header_(header),
           file_(file),
-          numbers_(files.context(), std::string_view(bytes).substr(header.bodyOffset), file, header),
-          materials_(std::move(materials)) {}
+          numbers_(files.context(), std::string_view(bytes).substr(header.bodyOffset), file, header) {}
 
-    ImportedMesh read(std::vector<std::string> warnings) {
+    // `materials` is empty or holds the material of all faces.
+    ImportedMesh read(std::vector<Material> materials, std::vector<std::string> warnings) {
         readElements();
-        const ProgressPart part(files_, kRead, 1);
-        addFaces();
-        std::vector<std::string> ignored;
-        ignored_.warn(file_, ignored);
-        ImportedMesh imported = builder_.finish(file_, std::move(materials_), std::move(ignored));
-        imported.warnings.insert(imported.warnings.end(), warnings.begin(), warnings.end());
-        return imported;
+        addFaces(materials.empty() ? Mesh::kNoIndex : 0);
+        ignored_.warn(file_, warnings);
+        return builder_.finish(file_, std::move(materials), std::move(warnings));
     }
 
   private:
+    // What a mesh takes of a property: a number of kNumberNames, whose groups begin here, or a list.
+    enum Role : size_t { kPosition, kNormal = 3, kUv = 6, kColor = 8, kIndices = 11, kCornerUvs, kUnused };
+    static constexpr uint32_t kStripEnd = Mesh::kNoIndex;
     // The ends of a face's corners and of its own attributes in the lists of faces.
     struct FaceEnd {
         size_t corners = 0, uvs = 0, colors = 0;
@@ -129,13 +252,13 @@ class PlyReader {
                 readFaces(element);
             } else if (element.name == "tristrips") {
                 faces += element.count;
-                readStrips(element);
+                forEach(element, rolesWithIndices(element, kUnused, "triangle strips"),
+                        [&](const double*) { addStrip(); });
             } else {
                 ignored_.add("element " + element.name);
                 if (element.properties.empty()) continue;  // they take no bytes in the file
-                const Slots none{std::vector<size_t>(element.properties.size(), kOther)};
-                forEach(
-                    element, none, [&](const PlyProperty& list) { skipList(list); }, [](const double*) {});
+                forEach(element, {std::vector<size_t>(element.properties.size(), kUnused)},
+                        [](const double*) {});
             }
         }
         if (faces == 0) fail("holds no faces; a point cloud cannot be rendered");
@@ -143,255 +266,187 @@ class PlyReader {
 
     [[noreturn]] void fail(const std::string& what) const { failFile(file_, what); }
 
-    void skipList(const PlyProperty& property) {
-        for (int64_t i = readCount(property); i > 0; i--) numbers_.number(property.type);
-    }
-
-    int64_t readCount(const PlyProperty& property) {
-        const int64_t count = numbers_.integer(property.countType);
-        if (count < 0)
-            numbers_.fail("list \"" + property.name + "\" has " + std::to_string(count) + " entries");
-        return count;
-    }
-
-    // For each property its slot among the values that readers use, or kOther; and the complete groups.
-    static constexpr size_t kOther = 11;
-    struct Slots {
-        std::vector<size_t> ofProperty;
-        bool positions = false, normals = false, uvs = false, colors = false;
-    };
-
-    // Finds the groups of properties that are complete in an element, and ignores the rest.
-    Slots findSlots(const PlyElement& element, size_t firstWanted) {
-        // Texture coordinates go by several names: Blender s t, MeshLab texture_u texture_v, others u v.
-        constexpr std::string_view kNames[] = {"x",
-                                               "y",
-                                               "z",
-                                               "nx",
-                                               "ny",
-                                               "nz",
-                                               "s",
-                                               "t",
-                                               "red",
-                                               "green",
-                                               "blue",
-                                               "u",
-                                               "v",
-                                               "texture_u",
-                                               "texture_v",
-                                               "diffuse_red",
-                                               "diffuse_green",
-                                               "diffuse_blue"};
-        constexpr size_t kSlots[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 6, 7, 6, 7, 8, 9, 10};
-        Slots slots;
-        slots.ofProperty.assign(element.properties.size(), kOther);
-        bool found[kOther] = {};
-        for (size_t i = 0; i < std::size(kNames); i++) {
-            const PlyProperty* const property = element.find(kNames[i]);
-            if (!property || property->isList || kSlots[i] < firstWanted || found[kSlots[i]]) continue;
-            slots.ofProperty[static_cast<size_t>(property - element.properties.data())] = kSlots[i];
-            found[kSlots[i]] = true;
+    // Gives roles to the numbers from `firstWanted` on, and ignores groups that are not complete.
+    PlyRoles rolesOf(const PlyElement& element, size_t firstWanted, const PlyProperty* indices = nullptr) {
+        PlyRoles roles;
+        roles.ofProperty.assign(element.properties.size(), kUnused);
+        bool found[kIndices] = {};
+        const auto give = [&](const PlyProperty& property, size_t role) {
+            roles.ofProperty[static_cast<size_t>(&property - element.properties.data())] = role;
+        };
+        const std::vector<std::string> names = split(kNumberNames, ',');
+        for (size_t role = firstWanted; role < kIndices; role++)
+            for (const std::string& name : split(names[role], ' ')) {
+                const PlyProperty* const property = element.find(name);
+                if (!property || property->isList || found[role]) continue;
+                give(*property, role);
+                found[role] = true;
+                if (role == kColor) roles.codedColors = isInteger(property->type);
+            }
+        const auto has = [&](size_t first, size_t end) {
+            const bool all = std::all_of(found + first, found + end, [](bool there) { return there; });
+            for (size_t& role : roles.ofProperty)
+                if (!all && role >= first && role < end) role = kUnused;
+            return all;
+        };
+        roles.positions = has(kPosition, kNormal);
+        roles.normals = has(kNormal, kUv);
+        roles.uvs = has(kUv, kColor);
+        roles.colors = has(kColor, kIndices);
+        if (indices) {
+            give(*indices, kIndices);
+            const PlyProperty* const uvs = element.find("texcoord");
+            if (uvs && uvs->isList) give(*uvs, kCornerUvs);
         }
-        slots.positions = found[0] && found[1] && found[2];
-        slots.normals = found[3] && found[4] && found[5];
-        slots.uvs = found[6] && found[7];
-        slots.colors = found[8] && found[9] && found[10];
-        for (size_t p = 0; p < slots.ofProperty.size(); p++) {
-            size_t& slot = slots.ofProperty[p];
-            const bool used = slot < 3 || (slot < 6 ? slots.normals : slot < 8 ? slots.uvs : slots.colors);
-            if (used && slot != kOther) continue;
-            slot = kOther;
-            const PlyProperty& property = element.properties[p];
-            if (!property.isList || (!isIndices(property) && property.name != "texcoord"))
-                ignored_.add(element.name + " " + property.name);
-        }
-        return slots;
+        for (size_t p = 0; p < element.properties.size(); p++)
+            if (roles.ofProperty[p] == kUnused) ignored_.add(element.name + " " + element.properties[p].name);
+        return roles;
     }
 
-    // Reads an element `count` times: readList(property) reads a list, and add(values) receives the numbers
-    // by slot.
-    template <typename ReadList, typename Add>
-    void forEach(const PlyElement& element, const Slots& slots, const ReadList& readList, const Add& add) {
+    // The same with the vertex lists of the faces or strips, which may stand before the vertices.
+    PlyRoles rolesWithIndices(const PlyElement& element, size_t firstWanted, const std::string& plural) {
+        const auto vertices = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
+        if (vertices == header_.elements.end()) fail("holds no vertices");
+        vertexCount_ = static_cast<int64_t>(vertices->count);
+        const PlyProperty* found = element.find("vertex_indices");
+        if (found == nullptr) found = element.find("vertex_index");
+        if (found == nullptr) fail("the " + plural + " have neither a list vertex_indices nor vertex_index");
+        if (!found->isList || !isInteger(found->type))
+            fail("\"" + found->name + "\" must be a list of integers");
+        return rolesOf(element, firstWanted, found);
+    }
+
+    // Reads all elements of a kind: add(numbers) receives the numbers of each by role; its lists are in
+    // indices_ and cornerUvs_.
+    template <typename Add>
+    void forEach(const PlyElement& element, const PlyRoles& roles, const Add& add) {
         for (uint64_t i = 0; i < element.count; i++) {
-            double values[kOther + 1] = {};
+            double values[kUnused + 1] = {};
+            indices_.clear();
+            cornerUvs_.clear();
             numbers_.beginElement(element, i);
-            for (size_t p = 0; p < slots.ofProperty.size(); p++) {
+            for (size_t p = 0; p < element.properties.size(); p++) {
                 const PlyProperty& property = element.properties[p];
                 if (property.isList)
-                    readList(property);
+                    readList(property, roles.ofProperty[p], element.name == "face");
                 else
-                    values[slots.ofProperty[p]] = numbers_.number(property.type);
+                    values[roles.ofProperty[p]] = numbers_.number(property.type);
             }
             numbers_.endElement();
             add(values);
         }
     }
 
-    static bool isIndices(const PlyProperty& p) {
-        return p.name == "vertex_indices" || p.name == "vertex_index";
-    }
-
-    // Integers are sRGB codes, floats are linear.
-    void setColorCodes(const PlyElement& element) {
-        const PlyProperty* red = element.find("diffuse_red");
-        if (const PlyProperty* const own = element.find("red")) red = own;
-        if (isInteger(red->type)) builder_.colorCodes = MeshBuilder::ColorCodes::Integers;
-    }
-
-    void readVertices(const PlyElement& element) {
-        const Slots slots = findSlots(element, 0);
-        if (!slots.positions) fail("the vertices lack one of the properties x, y, z");
-        if (element.count >= Mesh::kNoIndex) fail("more than 2^32 - 2 vertices");
-        if (slots.colors) setColorCodes(element);
-        const uint64_t expected = std::min(element.count, numbers_.atMost(element));
-        builder_.positions.reserve(expected);
-        if (slots.normals) builder_.normals.reserve(expected);
-        if (slots.uvs) builder_.uvs.reserve(expected);
-        if (slots.colors) builder_.colors.reserve(expected);
-        const auto skip = [&](const PlyProperty& list) { skipList(list); };
-        forEach(element, slots, skip, [&](const double* v) {
-            builder_.positions.emplace_back(v[0], v[1], v[2]);
-            if (slots.normals) builder_.normals.emplace_back(v[3], v[4], v[5]);
-            if (slots.uvs) builder_.uvs.emplace_back(v[6], v[7]);
-            if (slots.colors) builder_.colors.emplace_back(v[8], v[9], v[10]);
-        });
-        vertexUvs_ = slots.uvs;
-        vertexColors_ = slots.colors;
-    }
-
-    // Property with the vertex lists of the faces or strips, which may stand before the vertices.
-    const PlyProperty& indicesOf(const PlyElement& element, const std::string& plural) {
-        const auto vertices = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
-        if (vertices == header_.elements.end()) fail("holds no vertices");
-        vertexCount_ = static_cast<int64_t>(vertices->count);
-        if (builder_.positions.size() != vertices->count) keepFaces_ = true;
-        const PlyProperty* found = element.find("vertex_indices");
-        if (found == nullptr) found = element.find("vertex_index");
-        if (found == nullptr) fail("the " + plural + " have neither a list vertex_indices nor vertex_index");
-        if (!found->isList || !isInteger(found->type))
-            fail("\"" + found->name + "\" must be a list of integers");
-        return *found;
-    }
-
-    void readFaces(const PlyElement& element) {
-        const PlyProperty& indices = indicesOf(element, "faces");
-        const Slots slots = findSlots(element, 8);
-        if (slots.colors && !vertexColors_) setColorCodes(element);
-        if (slots.colors && vertexColors_) ignored_.add("face red, green, blue");
-        if (!keepFaces_) builder_.reserve(std::min(element.count, numbers_.atMost(element)));
-        const auto readList = [&](const PlyProperty& list) {
-            if (&list == &indices)
-                readCorners(list);
-            else if (list.name == "texcoord")
-                readTextureCoordinates(list);
-            else
-                skipList(list);
-        };
-        forEach(element, slots, readList, [&](const double* v) {
-            if (slots.colors && !vertexColors_) faceColors_.emplace_back(v[8], v[9], v[10]);
-            endFace();
-        });
-    }
-
-    void readTextureCoordinates(const PlyProperty& property) {
-        const int64_t count = readCount(property);
-        double u = 0;
+    void readList(const PlyProperty& property, size_t role, bool isFace) {
+        const int64_t count = numbers_.integer(property.countType);
+        if (count < 0)
+            numbers_.fail("list \"" + property.name + "\" has " + std::to_string(count) + " entries");
+        if (role == kIndices && isFace && count > static_cast<int64_t>(kMaxPolygonCorners))
+            numbers_.fail("has " + std::to_string(count) + " vertices, the limit is " +
+                          std::to_string(kMaxPolygonCorners));
         for (int64_t i = 0; i < count; i++) {
-            const double number = numbers_.number(property.type);
-            if (i % 2 != 0) faceUvs_.emplace_back(u, number);
-            u = number;
-        }
-    }
-
-    void readStrips(const PlyElement& element) {
-        const PlyProperty& indices = indicesOf(element, "triangle strips");
-        const auto readList = [&](const PlyProperty& list) {
-            &list == &indices ? readStrip(list) : skipList(list);
-        };
-        forEach(element, findSlots(element, kOther), readList, [](const double*) {});
-    }
-
-    // Reads a strip as scanners write it (Cyberware, Stanford): each vertex forms a triangle with the two
-    // before it. Every other triangle is reversed, so that all face the same side; -1 starts a new strip.
-    // Repeated vertices, which join strips, form no triangle.
-    void readStrip(const PlyProperty& property) {
-        const int64_t count = readCount(property);
-        std::array<uint32_t, 2> last{};
-        uint32_t length = 0;  // since the last -1
-        for (int64_t i = 0; i < count; i++) {
-            const int64_t index = numbers_.integer(property.type);
-            if (index == -1) {
-                length = 0;
+            if (role == kIndices) {
+                indices_.push_back(checkedVertex(numbers_.integer(property.type), isFace));
                 continue;
             }
-            const uint32_t vertex = checkedVertex(index);
-            if (length >= 2 && vertex != last[0] && vertex != last[1] && last[0] != last[1]) {
-                const bool turned = length % 2 != 0;
-                corners_.insert(corners_.end(), {last[turned ? 1 : 0], last[turned ? 0 : 1], vertex});
-                endFace();
-            }
-            last = {last[1], vertex};
-            length++;
+            const double number = numbers_.number(property.type);
+            if (role == kCornerUvs) cornerUvs_.push_back(number);
         }
     }
 
-    uint32_t checkedVertex(int64_t index) const {
+    // kStripEnd for the -1 of a strip.
+    uint32_t checkedVertex(int64_t index, bool isFace) const {
+        if (index == -1 && !isFace) return kStripEnd;
         if (index < 0 || index >= vertexCount_)
             numbers_.fail("uses vertex " + std::to_string(index) + ", the file has " +
                           std::to_string(vertexCount_) + " (numbered from 0)");
         return static_cast<uint32_t>(index);
     }
 
-    void readCorners(const PlyProperty& property) {
-        const int64_t count = readCount(property);
-        if (count > static_cast<int64_t>(kMaxPolygonCorners))
-            numbers_.fail("has " + std::to_string(count) + " vertices, the limit is " +
-                          std::to_string(kMaxPolygonCorners));
-        for (int64_t i = 0; i < count; i++)
-            corners_.push_back(checkedVertex(numbers_.integer(property.type)));
+    void readVertices(const PlyElement& element) {
+        const PlyRoles roles = rolesOf(element, kPosition);
+        if (!roles.positions) fail("the vertices lack one of the properties x, y, z");
+        if (element.count >= Mesh::kNoIndex) fail("more than 2^32 - 2 vertices");
+        setColorCodes(roles);
+        forEach(element, roles, [&](const double* v) {
+            builder_.positions.emplace_back(v[0], v[1], v[2]);
+            if (roles.normals) builder_.normals.emplace_back(v[3], v[4], v[5]);
+            if (roles.uvs) builder_.uvs.emplace_back(v[6], v[7]);
+            if (roles.colors) builder_.colors.emplace_back(v[8], v[9], v[10]);
+        });
     }
 
-    // Ends the face, which has the last corners and attributes of the lists.
-    void endFace() {
-        faces_.push_back({corners_.size(), faceUvs_.size(), faceColors_.size()});
-        if (!keepFaces_) addFaces();
+    // Integers are sRGB codes, floats are linear.
+    void setColorCodes(const PlyRoles& roles) {
+        if (roles.colors && roles.codedColors) builder_.colorCodes = MeshBuilder::ColorCodes::Integers;
     }
 
-    void addFaces() {
-        const FaceEnd own{0, builder_.uvs.size(), builder_.colors.size()};
-        if (own.uvs + faceUvs_.size() >= Mesh::kNoIndex) fail("more than 2^32 - 2 texture coordinates");
+    void readFaces(const PlyElement& element) {
+        const PlyRoles roles = rolesWithIndices(element, kColor, "faces");
+        if (builder_.colors.empty()) setColorCodes(roles);
+        forEach(element, roles, [&](const double* v) {
+            corners_.insert(corners_.end(), indices_.begin(), indices_.end());
+            for (size_t i = 0; i + 1 < cornerUvs_.size(); i += 2)
+                faceUvs_.emplace_back(cornerUvs_[i], cornerUvs_[i + 1]);
+            if (roles.colors) faceColors_.emplace_back(v[8], v[9], v[10]);
+            faces_.push_back({corners_.size(), faceUvs_.size(), faceColors_.size()});
+        });
+    }
+
+    // Adds the triangles of a strip as scanners write it (Cyberware, Stanford): each vertex forms one with
+    // the two before it. Every other triangle is reversed, so that all face the same side; -1 starts a new
+    // strip. Repeated vertices, which join strips, form no triangle.
+    void addStrip() {
+        std::array<uint32_t, 2> last{};
+        uint32_t length = 0;  // since the last -1
+        for (const uint32_t vertex : indices_) {
+            if (vertex == kStripEnd) {
+                length = 0;
+                continue;
+            }
+            if (length >= 2 && vertex != last[0] && vertex != last[1] && last[0] != last[1]) {
+                const bool turned = length % 2 != 0;
+                corners_.insert(corners_.end(), {last[turned ? 1 : 0], last[turned ? 0 : 1], vertex});
+                faces_.push_back({corners_.size(), faceUvs_.size(), faceColors_.size()});
+            }
+            last = {last[1], vertex};
+            length++;
+        }
+    }
+
+    // Adds the faces, whose own attributes replace those of their vertices. A list of texture coordinates
+    // must have two for each corner.
+    void addFaces(uint32_t material) {
+        const ProgressPart part(files_, kRead, 1);
+        const bool vertexUvs = !builder_.uvs.empty(), vertexColors = !builder_.colors.empty();
+        const size_t firstUv = builder_.uvs.size(), firstColor = builder_.colors.size();
+        if (firstUv + faceUvs_.size() >= Mesh::kNoIndex) fail("more than 2^32 - 2 texture coordinates");
+        if (vertexColors && !faceColors_.empty()) ignored_.add("face red, green, blue");
         builder_.uvs.insert(builder_.uvs.end(), faceUvs_.begin(), faceUvs_.end());
         builder_.colors.insert(builder_.colors.end(), faceColors_.begin(), faceColors_.end());
+        builder_.reserve(faces_.size());
+        std::vector<uint32_t> ownUvs, ownColors;
         FaceEnd begin;
         for (size_t i = 0; i < faces_.size(); begin = faces_[i++]) {
-            if (i > 0) files_.context().pace(i, faces_.size());
-            addFace(begin, faces_[i], own);
+            files_.context().pace(i, faces_.size());
+            const FaceEnd& end = faces_[i];
+            const size_t count = end.corners - begin.corners;
+            const auto corners = std::span<const uint32_t>(corners_).subspan(begin.corners, count);
+            MeshBuilder::Corners polygon{corners};
+            if (!builder_.normals.empty()) polygon.normals = corners;
+            if (vertexUvs) polygon.uvs = corners;
+            if (vertexColors) polygon.colors = corners;
+            if (count > 0 && end.uvs - begin.uvs == count) {
+                ownUvs.resize(count);
+                std::iota(ownUvs.begin(), ownUvs.end(), static_cast<uint32_t>(firstUv + begin.uvs));
+                polygon.uvs = ownUvs;
+            }
+            if (end.colors != begin.colors && !vertexColors) {
+                ownColors.assign(count, static_cast<uint32_t>(firstColor + begin.colors));
+                polygon.colors = ownColors;
+            }
+            builder_.addPolygon(polygon, material);
         }
-        faces_.clear();
-        corners_.clear();
-        faceUvs_.clear();
-        faceColors_.clear();
-    }
-
-    // Adds a face, whose own attributes replace those of its vertices. A list of texture coordinates must
-    // have two for each corner.
-    void addFace(const FaceEnd& begin, const FaceEnd& end, const FaceEnd& own) {
-        const size_t count = end.corners - begin.corners;
-        const auto corners = std::span<const uint32_t>(corners_).subspan(begin.corners, count);
-        MeshBuilder::Corners polygon{corners};
-        if (!builder_.normals.empty()) polygon.normals = corners;
-        if (vertexUvs_) polygon.uvs = corners;
-        if (vertexColors_) polygon.colors = corners;
-        if (end.uvs != begin.uvs && end.uvs - begin.uvs == count) {
-            ownUvs_.resize(count);
-            std::iota(ownUvs_.begin(), ownUvs_.end(), static_cast<uint32_t>(own.uvs + begin.uvs));
-            polygon.uvs = ownUvs_;
-        }
-        if (end.colors != begin.colors && !vertexColors_) {
-            ownColors_.assign(count, static_cast<uint32_t>(own.colors + begin.colors));
-            polygon.colors = ownColors_;
-        }
-        builder_.addPolygon(polygon, materials_.empty() ? Mesh::kNoIndex : 0);
     }
 
     SceneFiles& files_;
@@ -399,17 +454,16 @@ class PlyReader {
     const std::string& file_;
     PlyNumbers numbers_;
     MeshBuilder builder_;
-    std::vector<Material> materials_;
     IgnoredNames ignored_;
     int64_t vertexCount_ = 0;
-    bool vertexUvs_ = false, vertexColors_ = false;
-    // Faces that precede the vertices are added after them.
-    bool keepFaces_ = false;
+    // Lists of the element at hand.
+    std::vector<uint32_t> indices_;
+    std::vector<double> cornerUvs_;
+    // Faces, which may precede the vertices.
     std::vector<FaceEnd> faces_;
     std::vector<uint32_t> corners_;
     std::vector<glm::dvec2> faceUvs_;
     std::vector<Color> faceColors_;
-    std::vector<uint32_t> ownUvs_, ownColors_;
 };
 
 }  // namespace
@@ -428,7 +482,8 @@ ImportedMesh readPly(const std::filesystem::path& path, SceneFiles& files) {
         else if (const auto found = texturedMaterial(header.textures[0], path, files, textures, warnings))
             materials.push_back(*found);
     }
-    ImportedMesh imported = PlyReader(files, bytes, header, file, std::move(materials)).read(warnings);
+    ImportedMesh imported =
+        PlyReader(files, bytes, header, file).read(std::move(materials), std::move(warnings));
     imported.textures = std::move(textures);
     return imported;
 }

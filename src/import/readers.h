@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +27,37 @@ struct ImportedScene {
 // docs/reference/file-formats.md describes the mapping and the warnings. Throws Error(Scene) "FILE:LINE:
 // ...".
 ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files);
+
+// ---- glTF: a scene that is read once and shown at many times, as its animation moves nodes
+
+// Animated transform of a node. A part that is absent keeps the value of the node's file.
+struct GltfPlace {
+    std::optional<std::vector<double>> translation, rotation, scale;  // 3, 4 (x y z w) and 3 numbers
+    bool operator==(const GltfPlace&) const = default;
+};
+using GltfPlaces = std::map<size_t, GltfPlace>;  // by node
+
+class GltfScene {
+  public:
+    virtual ~GltfScene() = default;
+
+    // Returns the scene that was read, as its nodes stand; call it once.
+    virtual ImportedScene take() = 0;
+
+    // Transforms of the animated nodes at a time in seconds.
+    virtual GltfPlaces placesAt(double time) const = 0;
+    // Puts objects, and lights and cameras if the file has any, into `scene` as these transforms place them;
+    // all else stays. Not yet validated.
+    virtual void show(const GltfPlaces& places, Scene& scene) = 0;
+    // False if the animation moves only cameras.
+    virtual bool movesObjects() const = 0;
+};
+
+// docs/reference/file-formats.md describes the mapping and the warnings. `files` must outlive the object.
+// Throws Error(Scene) "FILE: /JSON/POINTER: ...".
+std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFiles& files);
+
+// ---- Materials of OBJ and PLY
 
 // Appends the materials of an MTL file with this text, and the textures that they index
 // (docs/reference/file-formats.md). Throws Error(Scene) for text in the place of a number.

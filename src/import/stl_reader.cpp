@@ -24,19 +24,17 @@ constexpr size_t kHeaderSize = 84;  // 80 bytes of anything and the number of tr
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr size_t kFacetSize = 50;  // normal, three vertices, two attribute bytes
 
-// The seed differs between processes, so that no file can be written whose points all have the same hash.
-// Mixes as splitmix64 does (Steele et al. 2014).
+// Multilinear hashing with factors that differ between processes, so that no file can be written whose points
+// all have the same hash (Lemire, Kaser, Strongly Universal String Hashing is Fast, 2014).
 struct PointHash {
     size_t operator()(const glm::dvec3& p) const {
-        static const uint64_t start = uint64_t{std::random_device()()} << 32 | std::random_device()();
-        uint64_t hash = start;
-        for (const double x : {p.x, p.y, p.z}) {
-            hash = (hash ^ std::bit_cast<uint64_t>(x)) + 0x9e3779b97f4a7c15u;
-            hash = (hash ^ hash >> 30) * 0xbf58476d1ce4e5b9u;
-            hash = (hash ^ hash >> 27) * 0x94d049bb133111ebu;
-            hash ^= hash >> 31;
-        }
-        return static_cast<size_t>(hash);
+        static const auto random = [] {
+            return uint64_t{std::random_device()()} << 32 | std::random_device()();
+        };
+        static const uint64_t factors[] = {random() | 1, random() | 1, random() | 1};
+        uint64_t hash = 0;
+        for (int i = 0; i < 3; i++) hash += factors[i] * std::bit_cast<uint64_t>(p[i]);
+        return hash >> 32;
     }
 };
 
@@ -92,7 +90,7 @@ class AsciiStl {
         while (nextWord("solid") != "solid") scanner_.restOfLine();
         for (;;) {
             scanner_.restOfLine();
-            while (!keywordIs("endsolid")) readFacet();
+            while (!expect("endsolid", "facet")) readFacet();
             scanner_.restOfLine();
             if (!scanner_.skipToWord()) break;
             expect("solid");
@@ -101,24 +99,18 @@ class AsciiStl {
     }
 
   private:
-    std::string nextWord(const char* wanted) {
-        if (!scanner_.skipToWord())
-            scanner_.fail(std::string("the file ends where \"") + wanted + "\" is expected");
+    std::string nextWord(const std::string& wanted) {
+        if (!scanner_.skipToWord()) scanner_.fail("the file ends where \"" + wanted + "\" is expected");
         return lowerCase(scanner_.word());
     }
 
-    void expect(const char* keyword) {
+    // Reads the word `keyword`, or `other`, if it is given: then the result is false. Fails at any other
+    // word.
+    bool expect(const std::string& keyword, const std::string& other = {}) {
         const std::string word = nextWord(keyword);
-        if (word != keyword)
-            scanner_.fail(std::string("expected \"") + keyword + "\" (got \"" + word.substr(0, 40) + "\")");
-    }
-
-    // True at `keyword`, false at "facet"; fails at any other word.
-    bool keywordIs(const char* keyword) {
-        const std::string word = nextWord(keyword);
-        if (word != keyword && word != "facet")
-            scanner_.fail(std::string("expected \"facet\" or \"") + keyword + "\" (got \"" +
-                          word.substr(0, 40) + "\")");
+        if (word != keyword && (other.empty() || word != other))
+            scanner_.fail("expected " + (other.empty() ? "" : '"' + other + "\" or ") + '"' + keyword +
+                          "\" (got \"" + word.substr(0, 40) + "\")");
         return word == keyword;
     }
 
@@ -136,15 +128,13 @@ class AsciiStl {
     void readFacet() {
         expect("normal");
         const glm::dvec3 normal = readNormal();
-        expect("outer");
-        expect("loop");
+        for (const char* word : {"outer", "loop"}) expect(word);
         std::array<glm::dvec3, 3> vertices;
         for (glm::dvec3& vertex : vertices) {
             expect("vertex");
             for (int i = 0; i < 3; i++) vertex[i] = scanner_.numberPastLines("a vertex");
         }
-        expect("endloop");
-        expect("endfacet");
+        for (const char* word : {"endloop", "endfacet"}) expect(word);
         facets_.add(normal, vertices);
     }
 

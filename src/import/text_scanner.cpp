@@ -4,7 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cstdlib>
-#include <cstring>
+#include <type_traits>
 
 #include "core/error.h"
 #include "core/text_file.h"
@@ -58,25 +58,14 @@ bool TextScanner::nextLine() {
     at_ = next_;
     line_ = nextLine_;
     joined_ = false;
-    const char* piece = at_;
     for (;;) {
-        const char* feed =
-            static_cast<const char*>(std::memchr(next_, '\n', static_cast<size_t>(end_ - next_)));
-        lineEnd_ = feed ? feed : end_;
-        next_ = feed ? feed + 1 : end_;
-        const auto length = static_cast<size_t>(lineEnd_ - piece);
-        const char* carriage = static_cast<const char*>(std::memchr(piece, '\r', length));
-        if (carriage && carriage + 1 < lineEnd_ && !joined_) {  // a CR of its own ends a line, as on old Macs
-            lineEnd_ = carriage;
-            next_ = carriage + 1;
-        } else if (carriage && carriage + 1 == lineEnd_) {
-            lineEnd_ = carriage;
-        }
+        lineEnd_ = std::find_if(next_, end_, [](char c) { return c == '\n' || c == '\r'; });
+        const bool both = end_ - lineEnd_ > 1 && lineEnd_[0] == '\r' && lineEnd_[1] == '\n';
+        next_ = lineEnd_ == end_ ? end_ : lineEnd_ + (both ? 2 : 1);
         nextLine_++;
         const bool joins = continuations_ && lineEnd_ > at_ && lineEnd_[-1] == '\\' && *at_ != '#';
         if (!joins || next_ >= end_) return true;
         joined_ = true;
-        piece = next_;
     }
 }
 
@@ -107,35 +96,34 @@ std::string_view TextScanner::restOfLine() {
     return rest;
 }
 
-double TextScanner::number(const char* owner) {
+template <typename Number>
+Number TextScanner::take(const char* owner, const char* kind) {
     skipBlanks();
     const char* start = at_;
     const char* digits =
         start < lineEnd_ && *start == '+' ? start + 1 : start;  // from_chars takes no plus sign
-    double value = 0;
+    Number value = 0;
     const auto [stop, error] = std::from_chars(digits, lineEnd_, value);
-    if (error == std::errc::invalid_argument || !atWordEnd(stop)) failWord(start, owner, "a number");
+    const bool isBeyond = error == std::errc::result_out_of_range;
+    if (!atWordEnd(stop) || (error != std::errc() && !(std::is_floating_point_v<Number> && isBeyond)))
+        failWord(start, owner, kind);
     // from_chars reports overflow and underflow alike; strtod gives infinity or the nearest number.
-    if (error == std::errc::result_out_of_range)
-        value = std::strtod(std::string(digits, stop).c_str(), nullptr);
+    if (isBeyond) value = static_cast<Number>(std::strtod(std::string(digits, stop).c_str(), nullptr));
     at_ = stop;
     return value;
+}
+
+double TextScanner::number(const char* owner) {
+    return take<double>(owner, "a number");
+}
+
+int64_t TextScanner::integer(const char* owner) {
+    return take<int64_t>(owner, "a whole number");
 }
 
 double TextScanner::numberPastLines(const char* owner) {
     if (!skipToWord()) fail(std::string("the file ends within ") + owner);
     return number(owner);
-}
-
-int64_t TextScanner::integer(const char* owner) {
-    skipBlanks();
-    const char* start = at_;
-    const char* digits = start < lineEnd_ && *start == '+' ? start + 1 : start;
-    int64_t value = 0;
-    const auto [stop, error] = std::from_chars(digits, lineEnd_, value);
-    if (error != std::errc() || !atWordEnd(stop)) failWord(start, owner, "a whole number");
-    at_ = stop;
-    return value;
 }
 
 void TextScanner::failWord(const char* start, const char* owner, const char* kind) const {

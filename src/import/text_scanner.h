@@ -68,6 +68,8 @@ class TextScanner {
         while (at_ < lineEnd_ && blank(*at_)) at_++;
     }
     bool atWordEnd(const char* p) const { return p == lineEnd_ || blank(*p); }
+    template <typename Number>
+    Number take(const char* owner, const char* kind);
     [[noreturn]] void failWord(const char* start, const char* owner, const char* kind) const;
 
     const char* next_;  // the line after the present one
