@@ -233,7 +233,7 @@ class PlyReader {
     }
 
   private:
-    // What a mesh takes of a property: a number of kNumberNames, whose groups begin here, or a list.
+    // The use of a property: a number of kNumberNames, whose groups begin here, or a list.
     enum Role : size_t { kPosition, kNormal = 3, kUv = 6, kColor = 8, kIndices = 11, kCornerUvs, kUnused };
     static constexpr uint32_t kStripEnd = Mesh::kNoIndex;
     // The ends of a face's corners and of its own attributes in the lists of faces.
