@@ -27,26 +27,22 @@ struct MtlMap {
     bool clamp = false;
 };
 using MtlMapTable = std::map<std::string, MtlMap>;  // by key, in lower case: "map_kd"
-
-// Some exporters write a black colour beside a map: then the map counts alone.
-void tint(Color& color, uint32_t texture) {
-    if (texture != Material::kNoTexture && color == Color(0)) color = Color(1);
-}
+using SharedImage = std::shared_ptr<const Image>;
 
 // `color` (or white, if null) with the grey of `cover` as alpha, in the size of `color`. A grey image is
 // decoded as sRGB like any other, but a coverage is a plain number, so it is encoded again.
 Image withAlpha(const Image* color, const Image& cover) {
     const int width = color ? color->width : cover.width, height = color ? color->height : cover.height;
+    const auto nearest = [](int i, int count, int there) {
+        return static_cast<int>((2 * static_cast<int64_t>(i) + 1) * there / (2 * count));
+    };
     Image result(width, height, 4, 1.0f);
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
-            if (color)
-                for (int c = 0; c < 3; c++) result.at(x, y, c) = color->at(x, y, color->channels < 3 ? 0 : c);
-            const auto column =
-                static_cast<int>((static_cast<int64_t>(2 * x) + 1) * cover.width / (2 * width));
-            const auto row =
-                static_cast<int>((static_cast<int64_t>(2 * y) + 1) * cover.height / (2 * height));
-            result.at(x, y, 3) = static_cast<float>(srgbByte(cover.at(column, row, 0))) / 255.0f;
+            for (int c = 0; color && c < 3; c++)
+                result.at(x, y, c) = color->at(x, y, color->channels < 3 ? 0 : c);
+            const float grey = cover.at(nearest(x, width, cover.width), nearest(y, height, cover.height), 0);
+            result.at(x, y, 3) = static_cast<float>(srgbByte(grey)) / 255.0f;
         }
     }
     return result;
@@ -62,84 +58,65 @@ class MtlMaps {
 
     // map_ka, map_kd, map_ks as textures; map_d as the diffuse texture's alpha, which is cut at one half.
     void apply(const MtlMapTable& maps, Material& material) {
-        const auto fileOf = [&](const char* key) {
+        const auto mapOf = [&](const char* key) {
             const auto map = maps.find(key);
-            return map == maps.end() ? std::string() : map->second.file;
+            return map == maps.end() ? nullptr : &map->second;
         };
-        const std::string diffuse = fileOf("map_kd"), ambient = fileOf("map_ka");
-        material.diffuseTexture = add(maps, "map_kd");
+        const MtlMap *diffuse = mapOf("map_kd"), *ambient = mapOf("map_ka"), *cover = mapOf("map_d");
         const bool ambientIsDiffuse = material.ambient == material.diffuse;
-        tint(material.diffuse, material.diffuseTexture);
-        if (ambient.empty() || ambient == diffuse) {
+        material.diffuseTexture = add(diffuse, cover, material);
+        // Some exporters write a black colour beside a map: then the map counts alone.
+        const auto tint = [](Color& color, const MtlMap* map, uint32_t texture) {
+            if (map && texture != Material::kNoTexture && color == Color(0)) color = Color(1);
+        };
+        tint(material.diffuse, diffuse, material.diffuseTexture);
+        if (!ambient || (diffuse && ambient->file == diffuse->file)) {
             if (ambientIsDiffuse) material.ambient = material.diffuse;
             material.ambientTexture = material.diffuseTexture;
         } else {
-            material.ambientTexture = add(maps, "map_ka");
-            tint(material.ambient, material.ambientTexture);
+            material.ambientTexture = add(ambient, nullptr, material);
+            tint(material.ambient, ambient, material.ambientTexture);
         }
-        if (material.specular != Color(0)) material.specularTexture = add(maps, "map_ks");
+        if (material.specular != Color(0)) material.specularTexture = add(mapOf("map_ks"), nullptr, material);
         if (material.mirror != Color(0)) material.mirrorTexture = material.specularTexture;
-        if (const auto cover = maps.find("map_d"); cover != maps.end())
-            applyAlpha(cover->second, diffuse, material);
     }
 
   private:
-    std::optional<Texture> load(const MtlMap& map) {
-        ImageTexture image;
-        image.file = map.file;
+    // Null, with a warning, for an image that cannot be read.
+    SharedImage load(const MtlMap* map) {
         try {
-            image.image = files_.image(files_.findOrBeside(file_.parent_path(), map.file));
+            return map ? files_.image(files_.findOrBeside(file_.parent_path(), map->file)) : nullptr;
         } catch (const Error& e) {
             const std::string warning = file_.string() + ": " + e.what() + "; drawn without it";
             if (warned_.insert(warning).second) warnings_.push_back(warning);
-            return std::nullopt;
+            return nullptr;
         }
-        image.wrapU = image.wrapV = map.clamp ? Wrap::Clamp : Wrap::Repeat;
-        return Texture{std::move(image), map.scale, map.offset};
     }
 
-    uint32_t add(const MtlMapTable& maps, const char* key) {
-        const auto map = maps.find(key);
-        if (map == maps.end()) return Material::kNoTexture;
-        auto texture = load(map->second);
-        if (!texture) return Material::kNoTexture;
-        textures_.push_back(std::move(*texture));
+    // The texture of a map, with the grey of `cover` as its alpha. Both may be null.
+    uint32_t add(const MtlMap* map, const MtlMap* cover, Material& material) {
+        SharedImage color = load(map);
+        const bool ownAlpha = color && cover && cover->file == map->file && color->channels == 4;
+        const SharedImage alpha = ownAlpha ? nullptr : load(cover);
+        if (!color && !alpha) return Material::kNoTexture;
+        if (ownAlpha || alpha) material.alphaCutoff = 0.5;
+        const MtlMap& placed = color ? *map : *cover;
+        ImageTexture image;
+        image.file = placed.file;
+        image.image = alpha ? combined(color, alpha) : color;
+        image.wrapU = image.wrapV = placed.clamp ? Wrap::Clamp : Wrap::Repeat;
+        textures_.push_back({std::move(image), placed.scale, placed.offset});
         return static_cast<uint32_t>(textures_.size() - 1);
     }
 
-    void applyAlpha(const MtlMap& map, const std::string& diffuseFile, Material& material) {
-        const uint32_t diffuse = material.diffuseTexture;
-        const Image* color = diffuse == Material::kNoTexture
-                                 ? nullptr
-                                 : std::get<ImageTexture>(textures_[diffuse].source).image.get();
-        const bool own = color && map.file == diffuseFile;
-        if (!(own && color->channels == 4)) {
-            auto cover = load(map);
-            if (!cover) return;
-            auto& image = std::get<ImageTexture>(cover->source);
-            if (color) {
-                cover->scale = textures_[diffuse].scale;
-                cover->offset = textures_[diffuse].offset;
-            }
-            image.image = combined(color, image.image);
-            textures_.push_back(std::move(*cover));
-            const auto combined = static_cast<uint32_t>(textures_.size() - 1);
-            if (material.ambientTexture == diffuse) material.ambientTexture = combined;
-            material.diffuseTexture = combined;
-        }
-        material.alphaCutoff = 0.5;
-    }
-
-    std::shared_ptr<const Image> combined(const Image* color, const std::shared_ptr<const Image>& cover) {
-        std::shared_ptr<const Image>& made = combined_[{color, cover.get()}];
-        if (!made) {
-            const Image& size = color ? *color : *cover;
-            if (static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height) > files_.mostPixels())
-                throw Error(ErrorKind::Scene,
-                            printable(file_.string() + ": its textures take more memory than there is"));
-            made = std::make_shared<const Image>(withAlpha(color, *cover));
-            files_.takePicture(*made);
-        }
+    SharedImage combined(const SharedImage& color, const SharedImage& cover) {
+        SharedImage& made = combined_[{color, cover}];
+        if (made) return made;
+        const Image& size = color ? *color : *cover;
+        if (static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height) > files_.mostPixels())
+            failFile(file_.string(), "its textures take more memory than there is");
+        made = std::make_shared<const Image>(withAlpha(color.get(), *cover));
+        files_.takePicture(*made);
         return made;
     }
 
@@ -149,7 +126,7 @@ class MtlMaps {
     std::vector<std::string>& warnings_;
     std::set<std::string> warned_;
     // Colours with their coverage, by both: many materials may share one.
-    std::map<std::pair<const Image*, const Image*>, std::shared_ptr<const Image>> combined_;
+    std::map<std::pair<SharedImage, SharedImage>, SharedImage> combined_;
 };
 
 // ---- Materials
@@ -157,27 +134,31 @@ class MtlMaps {
 // A material as the file describes it.
 struct MtlMaterial {
     std::string name;
-    std::map<std::string, Color> colors;    // ka, kd, ks, tf
-    std::map<std::string, double> numbers;  // ns, ni, d, tr, illum
+    std::map<std::string, Color> values;  // of kValues; numbers in the first component
+    bool colored = false;                 // has a colour besides ke
     MtlMapTable maps;
 
-    Color color(const char* key) const { return colors.count(key) ? colors.at(key) : Color(0); }
+    Color color(const char* key) const { return values.count(key) ? values.at(key) : Color(0); }
     double number(const char* key, double missing) const {
-        return numbers.count(key) ? numbers.at(key) : missing;
+        return values.count(key) ? values.at(key).x : missing;
     }
 };
 
-struct ValueRange {
-    const char* key;
+struct MtlValue {
+    std::string_view key;
+    int numbers;
     double least, most, otherwise;  // `otherwise` replaces what is not a number
 };
-constexpr ValueRange kNumbers[] = {{"ns", 0, kMaxShininess, 0},
-                                   {"ni", kMinIor, kMaxIor, 1},
-                                   {"d", 0, 1, 1},
-                                   {"tr", 0, 1, 0},
-                                   {"illum", 0, 10, 2}};
-constexpr ValueRange kColors[] = {
-    {"ka", 0, kMaxColor, 0}, {"kd", 0, kMaxColor, 0.8}, {"ks", 0, kMaxColor, 0}, {"tf", 0, kMaxColor, 0}};
+constexpr MtlValue kValues[] = {{"ka", 3, 0, kMaxColor, 0},
+                                {"kd", 3, 0, kMaxColor, 0.8},
+                                {"ks", 3, 0, kMaxColor, 0},
+                                {"ke", 3, 0, kMaxColor, 0},
+                                {"tf", 3, 0, kMaxColor, 0},
+                                {"ns", 1, 0, kMaxShininess, 0},
+                                {"ni", 1, kMinIor, kMaxIor, 1},
+                                {"d", 1, 0, 1, 1},
+                                {"tr", 1, 0, 1, 0},
+                                {"illum", 1, 0, 10, 2}};
 
 bool readNumber(std::string_view word, double& value) {
     const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -206,23 +187,31 @@ class MtlReader {
         if (word.empty()) return;
         const std::string key = lowerCase(word);
         if (key == "newmtl") {
-            materials_.push_back({std::string(scanner_.restOfLine()), {}, {}, {}});
+            materials_.emplace_back().name = scanner_.restOfLine();
             return;
         }
         if (materials_.empty() || scanner_.lineDone()) return ignored_.add(word);
         MtlMaterial& material = materials_.back();
-        for (const ValueRange& range : kColors)
-            if (key == range.key) return readColor(word, range, material.colors);
-        for (const ValueRange& range : kNumbers)
-            if (key == range.key) {
-                if (nextWordIs("-halo")) ignored_.add(word + " -halo");
-                material.numbers[key] = number(word, range);
-                return;
-            }
-        if (key == "map_ka" || key == "map_kd" || key == "map_ks" || key == "map_d")
+        const auto value = std::ranges::find(kValues, key, &MtlValue::key);
+        if (value != std::end(kValues))
+            readValue(word, *value, material);
+        else if (key == "map_ka" || key == "map_kd" || key == "map_ks" || key == "map_d")
             material.maps[key] = readMap(word);
-        else if (key != "ke" || readTriple(word, {"ke", 0, kMaxColor, 0}) != Color(0))
-            ignored_.add(word);  // surfaces do not glow, and exporters write black
+        else
+            ignored_.add(word);
+    }
+
+    // The second and third number are the first where they are missing.
+    void readValue(const std::string& word, const MtlValue& value, MtlMaterial& material) {
+        for (const char* other : {"spectral", "xyz"})
+            if (nextWordIs(other)) return ignored_.add(word + " " + other);
+        if (nextWordIs("-halo")) ignored_.add(word + " -halo");
+        Color color(number(word, value));
+        for (int i = 1; i < value.numbers && !scanner_.lineDone(); i++) color[i] = number(word, value);
+        material.values[std::string(value.key)] = color;
+        const bool glows = value.key == "ke";
+        if (glows && color != Color(0)) ignored_.add(word);  // surfaces do not glow, exporters write black
+        material.colored = material.colored || (value.numbers == 3 && !glows);
     }
 
     bool nextWordIs(std::string_view word) {
@@ -232,7 +221,7 @@ class MtlReader {
         return true;
     }
 
-    double number(const std::string& key, const ValueRange& range) {
+    double number(const std::string& key, const MtlValue& range) {
         const double value = scanner_.number(key.c_str());
         const bool none = std::isnan(value) || (range.least > 0 && value <= 0);
         const double used = none ? range.otherwise : std::clamp(value, range.least, range.most);
@@ -240,19 +229,6 @@ class MtlReader {
             warnOnce(key, key + " " + describe(value) + " in line " + std::to_string(scanner_.line()) +
                               " is out of range, " + describe(used) + " is used");
         return used;
-    }
-
-    // The second and third number are the first where they are missing.
-    Color readTriple(const std::string& key, const ValueRange& range) {
-        Color color(number(key, range));
-        for (int i = 1; i < 3 && !scanner_.lineDone(); i++) color[i] = number(key, range);
-        return color;
-    }
-
-    void readColor(const std::string& key, const ValueRange& range, std::map<std::string, Color>& colors) {
-        for (const char* other : {"spectral", "xyz"})
-            if (nextWordIs(other)) return ignored_.add(key + " " + other);
-        colors[range.key] = readTriple(key, range);
     }
 
     // -s and -o with one to three numbers, -clamp; other options with their values are named, not used.
@@ -289,7 +265,7 @@ Material convert(const MtlMaterial& m) {
     Material material;
     material.name = m.name;
     // A material that gives no colour at all is grey.
-    material.diffuse = m.colors.empty() ? Color(0.8) : m.color("kd");
+    material.diffuse = m.colored ? m.color("kd") : Color(0.8);
     // Exporters without an ambient term write Ka 0 0 0 or leave it out. Both mean the diffuse colour, as a
     // missing "ambient" does in a scene file; otherwise the unlit side of most models would be black.
     const double illum = m.number("illum", 2);

@@ -44,12 +44,20 @@ class ObjReader {
           scanner_(files.context(), text_, path.string(), 1, true) {}
 
     ImportedMesh read() {
-        readLines();
+        {
+            const ProgressPart part(files_, 0, kRead);
+            while (scanner_.nextLine()) readLine();
+        }
         checkIndices();
         resolveMaterials();
         builder_.colorCodes = MeshBuilder::ColorCodes::Srgb;  // as MeshLab, Blender and others mean them
         if (!builder_.colors.empty()) builder_.colors.resize(builder_.positions.size(), kWhite);
-        addFaces();
+        const ProgressPart part(files_, kRead, 1);
+        builder_.reserve(faces_.size());
+        for (size_t i = 0; i < faces_.size(); i++) {
+            files_.context().pace(i, faces_.size());
+            addFace(faces_[i]);
+        }
         ignored_.warn(path_.string(), warnings_);
         ImportedMesh imported = builder_.finish(path_.string(), std::move(materials_), std::move(warnings_));
         imported.textures = std::move(textures_);
@@ -58,19 +66,6 @@ class ObjReader {
 
   private:
     static constexpr double kRead = 0.8;  // part of the time for reading lines
-
-    void readLines() {
-        const ProgressPart part(files_, 0, kRead);
-        while (scanner_.nextLine()) readLine();
-    }
-    void addFaces() {
-        const ProgressPart part(files_, kRead, 1);
-        builder_.reserve(faces_.size());
-        for (size_t i = 0; i < faces_.size(); i++) {
-            files_.context().pace(i, faces_.size());
-            addFace(faces_[i]);
-        }
-    }
 
     void readLine() {
         const std::string_view keyword = scanner_.word();
@@ -90,7 +85,7 @@ class ObjReader {
         } else if (keyword == "usemtl") {
             useMaterial(std::string(scanner_.restOfLine()));
         } else if (keyword == "mtllib") {
-            readLibraries(std::string(scanner_.restOfLine()));
+            readLibraries();
         } else if (!keyword.empty() && keyword != "o" && keyword != "g" && keyword != "s") {
             ignored_.add(keyword);  // lines, curves, and what is no OBJ
         }
@@ -188,37 +183,35 @@ class ObjReader {
         warnings_.push_back(printable(path_.string() + ":" + std::to_string(line) + ": " + what));
     }
 
-    // The name may hold blanks; several names may be listed.
-    void readLibraries(const std::string& names) {
+    // Of one file, whose name may hold blanks, or of several.
+    void readLibraries() {
+        TextScanner words = scanner_;
+        const std::string names(scanner_.restOfLine());
         if (readLibrary(names, names.find_first_of(" \t") == names.npos)) return;
-        TextScanner words(files_.context(), names, path_.string());
-        words.nextLine();
         for (std::string_view name = words.word(); !name.empty(); name = words.word())
             readLibrary(std::string(name), true);
     }
 
-    // Reads a material library. If its file does not exist: a warning with `warns`, otherwise false.
+    // Reads a material library once, under whatever name. If its file does not exist: a warning with `warns`,
+    // otherwise false.
     bool readLibrary(const std::string& name, bool warns) {
-        if (libraryNames_.count(name)) return true;
+        if (libraries_.contains(name)) return true;
         std::string text;
         std::filesystem::path file;
         try {
             file = files_.findOrBeside(path_.parent_path(), name);
-            if (libraries_.count(file.lexically_normal())) return true;
+            if (!warns && !files_.isFile(file)) return false;
+            if (!libraries_.insert(file.lexically_normal()).second) return true;
             text = files_.read(file);
         } catch (const Error& error) {
-            if (!warns && !file.empty() && !files_.isFile(file)) return false;
-            libraryNames_.insert(name);
+            libraries_.insert(name);
             warn(scanner_.line(), error.what() + std::string("; drawn without these materials"));
             return true;
         }
-        libraryNames_.insert(name);
-        libraries_.insert(file.lexically_normal());
         const size_t first = materials_.size();
         readMtl(text, file, files_, materials_, textures_, warnings_);
-        for (size_t i = first; i < materials_.size(); i++)
-            materialIndices_.emplace(materials_[i].name,
-                                     static_cast<uint32_t>(i));  // the first definition counts
+        for (size_t i = first; i < materials_.size(); i++)  // the first definition counts
+            materialIndices_.emplace(materials_[i].name, static_cast<uint32_t>(i));
         return true;
     }
 
@@ -267,8 +260,7 @@ class ObjReader {
     std::vector<Face> faces_;
     std::vector<Material> materials_;
     std::vector<Texture> textures_;
-    std::set<std::string> libraryNames_;         // each is looked for once
-    std::set<std::filesystem::path> libraries_;  // and read once, under whatever name
+    std::set<std::filesystem::path> libraries_;  // that were looked for
     std::map<std::string, uint32_t> materialIndices_;
     std::vector<std::pair<size_t, std::string>> uses_;  // of materials: line of the first one, and name
     std::map<std::string, uint32_t> useOf_;
