@@ -1,6 +1,7 @@
 #include "import/gltf_file.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "core/binary_numbers.h"
@@ -63,13 +64,12 @@ std::optional<std::string> decodeBase64(const Context& context, std::string_view
 std::string percentDecoded(const std::string& text) {
     std::string decoded;
     for (size_t i = 0; i < text.size(); i++) {
-        if (text[i] == '%' && i + 2 < text.size() && std::isxdigit(static_cast<unsigned char>(text[i + 1])) &&
-            std::isxdigit(static_cast<unsigned char>(text[i + 2]))) {
-            decoded += static_cast<char>(std::stoi(text.substr(i + 1, 2), nullptr, 16));
-            i += 2;
-        } else {
-            decoded += text[i];
-        }
+        unsigned byte = 0;
+        const char* const end = text.data() + std::min(i + 3, text.size());
+        const bool isCode =
+            text[i] == '%' && std::from_chars(&text[i] + 1, end, byte, 16).ptr == &text[i] + 3;
+        decoded += isCode ? static_cast<char>(byte) : text[i];
+        if (isCode) i += 2;
     }
     return decoded;
 }
@@ -129,17 +129,13 @@ void GltfFile::checkHeader() {
     if (!version.string().starts_with("2."))
         version.fail("glTF of version " + version.string().substr(0, 20) +
                      " is not supported, only version 2");
-    if (const auto required = root().find("extensionsRequired"))
-        for (size_t i = 0; i < required->size(); i++) {
-            const JsonCursor extension = required->item(i);
-            if (!supported(extension.string()))
-                extension.fail("the extension " + extension.string().substr(0, 60) + " is not supported");
-        }
-    if (const auto used = root().find("extensionsUsed"))
-        for (size_t i = 0; i < used->size(); i++) {
-            const JsonCursor extension = used->item(i);
-            if (!supported(extension.string()))
-                warn("the extension " + extension.string().substr(0, 60) + " is ignored");
+    for (const char* list : {"extensionsRequired", "extensionsUsed"})
+        for (size_t i = 0; i < count(list); i++) {
+            const JsonCursor extension = find(list)->item(i);
+            const std::string text = "the extension " + extension.string().substr(0, 60);
+            if (supported(extension.string())) continue;
+            if (list == std::string_view("extensionsRequired")) extension.fail(text + " is not supported");
+            warn(text + " is ignored");
         }
 }
 

@@ -421,7 +421,10 @@ class PlyReader {
         const bool vertexUvs = !builder_.uvs.empty(), vertexColors = !builder_.colors.empty();
         const size_t firstUv = builder_.uvs.size(), firstColor = builder_.colors.size();
         if (firstUv + faceUvs_.size() >= Mesh::kNoIndex) fail("more than 2^32 - 2 texture coordinates");
-        if (vertexColors && !faceColors_.empty()) ignored_.add("face red, green, blue");
+        if (vertexColors && !faceColors_.empty()) {
+            ignored_.add("face red, green, blue");
+            faceColors_.clear();
+        }
         builder_.uvs.insert(builder_.uvs.end(), faceUvs_.begin(), faceUvs_.end());
         builder_.colors.insert(builder_.colors.end(), faceColors_.begin(), faceColors_.end());
         builder_.reserve(faces_.size());
@@ -441,7 +444,7 @@ class PlyReader {
                 std::iota(ownUvs.begin(), ownUvs.end(), static_cast<uint32_t>(firstUv + begin.uvs));
                 polygon.uvs = ownUvs;
             }
-            if (end.colors != begin.colors && !vertexColors) {
+            if (!faceColors_.empty() && end.colors != begin.colors) {
                 ownColors.assign(count, static_cast<uint32_t>(firstColor + begin.colors));
                 polygon.colors = ownColors;
             }
