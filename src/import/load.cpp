@@ -187,78 +187,70 @@ struct SceneReader::State {
         if (!camera.empty()) chooseCamera(made, camera, name);
         return made;
     }
-    // Updates the cameras; an exception leaves them unchanged.
     void moveCameras(const JsonValue& json) {
-        const Camera own = scene.camera;
-        const std::vector<NamedCamera> named = scene.cameras;
-        try {
-            parseCameras(JsonCursor(json, name), scene);
-            validateCameras(scene, name);
-        } catch (const Error&) {
-            scene.camera = own;
-            scene.cameras = named;
-            throw;
-        }
-        if (!camera.empty()) chooseCamera(scene, camera, name);
+        Scene moved;  // its cameras
+        parseCameras(JsonCursor(json, name), moved);
+        validateCameras(moved, name);
+        if (!camera.empty()) chooseCamera(moved, camera, name);
+        scene.camera = moved.camera;
+        scene.cameras = std::move(moved.cameras);
     }
-    void readDocument(std::optional<double> time);
-    Change show(double time, bool everything);
-    Change showGltf(double time);
-};
 
-// Nodes move; their contents stay the same.
-SceneReader::Change SceneReader::State::showGltf(double time) {
-    GltfPlaces next = gltf->placesAt(time);
-    if (next == places) return Change::Nothing;
-    Scene moved = scene;
-    gltf->show(next, moved);
-    std::erase_if(moved.cameras, [&](const NamedCamera& c) {  // those that were left out
-        return std::ranges::find(scene.cameras, c.name, &NamedCamera::name) == scene.cameras.end();
-    });
-    try {
+    void readDocument(std::optional<double> time) {
+        checkUpIsOpen(files, name);
+        document = readJson(files.read(path), name, files);
+        const ProgressPart part(files, kJsonPart, 1);
+        if (!time) scene = parsed(document);
+        SceneErrors errors(document, name);
+        errors.attempt([&] { animation = parseAnimation(JsonCursor(document, name)); });
+        errors.finish();
+        values.resize(animation.tracks.size());
+        if (time) show(*time, true);
+    }
+
+    // An exception leaves the scene as it was. `everything`: reads also what does not change.
+    Change show(double time, bool everything = false) {
+        try {
+            return gltf ? showNodes(time) : showDocument(time, everything);
+        } catch (const Error& error) {
+            throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));
+        }
+    }
+
+    // Nodes of glTF move; their contents stay the same.
+    Change showNodes(double time) {
+        GltfPlaces next = gltf->placesAt(time);
+        if (next == places) return Change::Nothing;
+        Scene moved = scene;
+        gltf->show(next, moved);
+        std::erase_if(moved.cameras, [&](const NamedCamera& c) {  // those that were left out
+            return std::ranges::find(scene.cameras, c.name, &NamedCamera::name) == scene.cameras.end();
+        });
         if (!camera.empty()) chooseCamera(moved, camera, name);
         validateScene(moved, name);
-    } catch (const Error& error) {
-        throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));
+        places = std::move(next);
+        scene = std::move(moved);
+        return gltf->movesObjects() ? Change::Scene : Change::Camera;
     }
-    places = std::move(next);
-    scene = std::move(moved);
-    return gltf->movesObjects() ? Change::Scene : Change::Camera;
-}
 
-SceneReader::Change SceneReader::State::show(double time, bool everything) {
-    JsonValue moved = document;
-    Change change = everything ? Change::Scene : Change::Nothing;
-    std::vector<std::vector<double>> next = values;  // taken once the scene is known to be one
-    for (size_t i = 0; i < animation.tracks.size(); ++i) {
-        const AnimationTrack& track = animation.tracks[i];
-        std::vector<double> value = valueAt(track.keyframes, time);
-        setValue(moved, track, value);
-        if (value == values[i]) continue;
-        next[i] = std::move(value);
-        change = std::max(change, track.movesCamera() ? Change::Camera : Change::Scene);
-    }
-    try {
+    Change showDocument(double time, bool everything) {
+        JsonValue moved = document;
+        Change change = everything ? Change::Scene : Change::Nothing;
+        std::vector<std::vector<double>> next = values;  // taken once the scene is known to be one
+        for (size_t i = 0; i < animation.tracks.size(); ++i) {
+            const AnimationTrack& track = animation.tracks[i];
+            std::vector<double> value = valueAt(track.keyframes, time);
+            setValue(moved, track, value);
+            if (value == values[i]) continue;
+            next[i] = std::move(value);
+            change = std::max(change, track.movesCamera() ? Change::Camera : Change::Scene);
+        }
         if (change == Change::Camera) moveCameras(moved);
         if (change == Change::Scene) scene = parsed(moved);
         values = std::move(next);
-    } catch (const Error& error) {
-        throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));
+        return change;
     }
-    return change;
-}
-
-void SceneReader::State::readDocument(std::optional<double> time) {
-    checkUpIsOpen(files, name);
-    document = readJson(files.read(path), name, files);
-    const ProgressPart part(files, kJsonPart, 1);
-    if (!time) scene = parsed(document);
-    SceneErrors errors(document, name);
-    errors.attempt([&] { animation = parseAnimation(JsonCursor(document, name)); });
-    errors.finish();
-    values.resize(animation.tracks.size());
-    if (time) show(*time, true);
-}
+};
 
 SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& options,
                          std::optional<double> time)
@@ -285,7 +277,7 @@ SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& o
     }
     s.scene.sources = s.files.sources();
     settleCamera(s.scene, path, options.camera);
-    if (time && s.gltf && s.scene.animation) s.showGltf(*time);
+    if (time && s.scene.animation) s.show(*time);
 }
 
 SceneReader::~SceneReader() = default;
@@ -296,9 +288,7 @@ Scene SceneReader::take() {
 }
 
 SceneReader::Change SceneReader::moveTo(double time) {
-    State& s = *state_;
-    if (!s.gltf) return s.show(time, false);
-    return s.scene.animation ? s.showGltf(time) : Change::Nothing;
+    return state_->gltf && !state_->scene.animation ? Change::Nothing : state_->show(time);
 }
 
 const Scene& SceneReader::scene() const {

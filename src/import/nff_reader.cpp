@@ -43,7 +43,12 @@ class NffReader {
         finishLights();
         const bool hasCamera = view_.has_value();
         if (hasCamera) finishCamera();
-        warn();
+        const auto warn = [this](size_t count, const char* what) {
+            if (count > 0) scene_.warnings.push_back(file_ + ": " + std::to_string(count) + what);
+        };
+        warn(insideOut_, " surfaces with a negative radius are seen from outside too");
+        warn(withoutArea_, " polygons without area left out");
+        warn(notPlanar_, " polygons are not planar and were split into triangles");
         if (scene_.objects.empty()) scanner_.fail("the file holds no objects");
         return {std::move(scene_), hasCamera};
     }
@@ -101,9 +106,10 @@ class NffReader {
     void readLight() {
         PointLight light;
         light.position = vector("a light");
-        const bool colored = !scanner_.lineDone();
-        if (colored) light.intensity = readColor("a light");
-        coloredLights_.push_back(colored);
+        if (scanner_.lineDone())
+            plainLights_.push_back(scene_.lights.size());
+        else
+            light.intensity = readColor("a light");
         scene_.lights.emplace_back(light);
     }
 
@@ -152,19 +158,15 @@ class NffReader {
         scene_.objects.push_back({name, std::move(shape), fill()});
     }
 
-    // Magnitude of a radius. Counts negative radii, for which only the inside should be visible.
-    double radius(double given) {
-        if (given < 0) insideOut_++;
-        return std::abs(given);
-    }
-
     void readSphere() {
         flushPatches();
         const size_t line = scanner_.line();
         SphereShape sphere;
         sphere.center = vector("a sphere");
-        sphere.radius = radius(number("a sphere"));
-        if (sphere.radius == 0) scanner_.fail("the radius of a sphere must not be 0");
+        const double radius = number("a sphere");
+        if (radius < 0) insideOut_++;
+        sphere.radius = std::abs(radius);
+        if (radius == 0) scanner_.fail("the radius of a sphere must not be 0");
         addObject(sphere, line);
     }
 
@@ -179,10 +181,9 @@ class NffReader {
         if (cone.base == cone.apex) scanner_.fail("base and apex of a cone must differ");
         if (cone.radius == 0 && cone.topRadius == 0) scanner_.fail("both radii of a cone are 0");
         if (cone.radius * cone.topRadius < 0) scanner_.fail("the radii of a cone have different signs");
-        const double sign = cone.radius < 0 || cone.topRadius < 0 ? -1 : 1;
-        if (sign < 0) insideOut_++;
-        cone.radius *= sign;
-        cone.topRadius *= sign;
+        if (cone.radius < 0 || cone.topRadius < 0) insideOut_++;
+        cone.radius = std::abs(cone.radius);
+        cone.topRadius = std::abs(cone.topRadius);
         if (cone.topRadius > cone.radius) {
             std::swap(cone.radius, cone.topRadius);
             std::swap(cone.base, cone.apex);
@@ -263,14 +264,9 @@ class NffReader {
     // sqrt(# lights) / (# lights * 2)": SPD.
     void finishLights() {
         const auto count = static_cast<double>(scene_.lights.size());
-        if (count == 0) {
-            scene_.ambient = kModelAmbient;
-            return;
-        }
-        const double relative = std::sqrt(count) / (2 * count);
-        for (size_t i = 0; i < scene_.lights.size(); i++)
-            if (!coloredLights_[i]) std::get<PointLight>(scene_.lights[i]).intensity = Color(relative);
-        scene_.ambient = Color(relative);
+        const Color relative(std::sqrt(count) / (2 * count));
+        for (const size_t i : plainLights_) std::get<PointLight>(scene_.lights[i]).intensity = relative;
+        scene_.ambient = count == 0 ? Color(kModelAmbient) : relative;
     }
 
     void finishCamera() {
@@ -300,26 +296,18 @@ class NffReader {
                                       "bottom and the pixels as square");
     }
 
-    void warn() {
-        const auto add = [this](size_t count, const char* what) {
-            if (count > 0) scene_.warnings.push_back(file_ + ": " + std::to_string(count) + what);
-        };
-        add(insideOut_, " surfaces with a negative radius are seen from outside too");
-        add(withoutArea_, " polygons without area left out");
-        add(notPlanar_, " polygons are not planar and were split into triangles");
-    }
-
     std::string file_;
     std::string text_;
     TextScanner scanner_;
     Scene scene_;
     std::optional<std::map<std::string, std::vector<double>>> view_;  // parts of the last one
-    std::vector<bool> coloredLights_;  // for each light: the file names its colour
+    std::vector<size_t> plainLights_;  // those whose colour the file leaves out
     std::map<Fill, uint32_t> fills_;   // to materials
     uint32_t fill_ = Mesh::kNoIndex;
     std::optional<MeshBuilder> patches_;
     size_t patchLine_ = 0;
-    size_t insideOut_ = 0, withoutArea_ = 0, notPlanar_ = 0;
+    size_t insideOut_ = 0;  // surfaces of which only the inside should be visible
+    size_t withoutArea_ = 0, notPlanar_ = 0;
 };
 
 }  // namespace

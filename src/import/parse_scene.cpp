@@ -331,8 +331,6 @@ std::string SceneErrors::located(const std::string& message) const {
 }
 
 void parseCameras(const JsonCursor& root, Scene& scene) {
-    scene.camera = {};
-    scene.cameras.clear();
     if (const auto camera = root.find("camera")) readCamera(*camera, scene.camera);
     const auto cameras = root.find("cameras");
     if (!cameras) return;

@@ -34,7 +34,7 @@ struct MeshMemory {
 Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files, MeshMemory& memory);
 
-// The document's cameras into `scene`, not yet validated.
+// Adds the document's cameras to `scene`, which has none; not yet validated.
 void parseCameras(const JsonCursor& root, Scene& scene);
 
 // Collects the errors of a scene file with their places in the text, so that it reports up to ten at once.
