@@ -273,21 +273,6 @@ void takeMemory(GltfFile& file, const JsonCursor& accessor, uint64_t count, size
     file.files().take(2 * count * components * sizeof(double), file.name() + ": " + accessor.pointer());
 }
 
-struct Component {
-    NumberType type = NumberType::Float32;
-    bool normalized = false;
-    size_t size() const { return sizeOf(type); }
-};
-
-// Normalised integers: the table of section 3.11.
-double load(const Component& component, const char* bytes) {
-    const double value = loadNumberAs<double>(component.type, bytes);
-    if (!component.normalized || !isInteger(component.type)) return value;
-    const size_t bits = 8 * sizeOf(component.type);
-    const bool isSigned = component.type == NumberType::Int8 || component.type == NumberType::Int16;
-    return std::max(value / (std::ldexp(1.0, static_cast<int>(bits - isSigned)) - 1), -1.0);
-}
-
 size_t componentsOf(const JsonCursor& type) {
     constexpr std::pair<std::string_view, size_t> kTypes[] = {
         {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
@@ -296,32 +281,40 @@ size_t componentsOf(const JsonCursor& type) {
     type.failWanted("must be SCALAR, VEC2, VEC3 or VEC4");
 }
 
-Component componentOf(const JsonCursor& object) {
+NumberType numberTypeOf(const JsonCursor& object) {
     constexpr int kByte = 5120, kFloat = 5126;  // the numbers between follow NumberType
     const JsonCursor type = object.require("componentType");
     const int number = type.integer(kByte, kFloat);
     if (number == 5124) type.fail("there is no component type 5124");
-    return {static_cast<NumberType>(number - kByte)};
+    return static_cast<NumberType>(number - kByte);
 }
 
-// `count` elements of `components` each, `stride` bytes apart, from a buffer view that must hold them all.
+// Elements of numbers, `stride` bytes apart, in a buffer view that holds them all.
 struct Source {
+    NumberType type;
+    bool normalized;
     std::string_view bytes;
     size_t stride = 0;
-    Component component;
 
+    // Normalised integers: the table of section 3.11.
     double at(size_t element, size_t index) const {
-        return load(component, bytes.data() + element * stride + index * component.size());
+        const double value =
+            loadNumberAs<double>(type, bytes.data() + element * stride + index * sizeOf(type));
+        if (!normalized || !isInteger(type)) return value;
+        const size_t bits = 8 * sizeOf(type);
+        const bool isSigned = type == NumberType::Int8 || type == NumberType::Int16;
+        return std::max(value / (std::ldexp(1.0, static_cast<int>(bits - isSigned)) - 1), -1.0);
     }
 };
 
-// `object` is an accessor or one half of a sparse one.
-Source openSource(GltfFile& file, const JsonCursor& object, const Component& component, size_t components,
-                  uint64_t count, bool interleaved) {
+// Completes a source of `count` elements with `components` numbers each. `object` is an accessor or one half
+// of a sparse one, whose elements are not interleaved.
+Source opened(Source source, GltfFile& file, const JsonCursor& object, size_t components, uint64_t count,
+              bool interleaved) {
     const size_t viewIndex = file.index("bufferViews", object.require("bufferView"));
     std::string_view bytes = file.bufferView(viewIndex);
     const uint64_t offset = gltfSize(object, "byteOffset", 0);
-    const uint64_t size = component.size() * components;
+    const uint64_t size = sizeOf(source.type) * components;
     uint64_t stride = size;
     if (interleaved) {
         const JsonCursor view = file.item("bufferViews", viewIndex);
@@ -336,11 +329,12 @@ Source openSource(GltfFile& file, const JsonCursor& object, const Component& com
         object.fail(std::to_string(count) + " elements of " + std::to_string(size) + " bytes from byte " +
                     std::to_string(offset) + " do not fit buffer view " + std::to_string(viewIndex) +
                     ", which has " + std::to_string(bytes.size()) + " bytes");
-    return {bytes.substr(std::min<uint64_t>(offset, bytes.size())), static_cast<size_t>(stride), component};
+    source.bytes = bytes.substr(std::min<uint64_t>(offset, bytes.size()));
+    source.stride = static_cast<size_t>(stride);
+    return source;
 }
 
-void substitute(GltfFile& file, const JsonCursor& accessor, const Component& component,
-                GltfNumbers& numbers) {
+void substitute(GltfFile& file, const JsonCursor& accessor, const Source& kind, GltfNumbers& numbers) {
     const auto sparse = accessor.find("sparse");
     if (!sparse) return;
     sparse->expectObject();
@@ -348,8 +342,8 @@ void substitute(GltfFile& file, const JsonCursor& accessor, const Component& com
     indices.expectObject();
     values.expectObject();
     const uint64_t count = gltfSize(*sparse, "count", 0);
-    const Source from = openSource(file, values, component, numbers.components, count, false);
-    const Source to = openSource(file, indices, componentOf(indices), 1, count, false);
+    const Source from = opened(kind, file, values, numbers.components, count, false);
+    const Source to = opened({numberTypeOf(indices), false, {}}, file, indices, 1, count, false);
     for (size_t i = 0; i < count; i++) {
         const double element = to.at(i, 0);
         if (!(element >= 0 && element < static_cast<double>(numbers.count)) || std::floor(element) != element)
@@ -379,36 +373,30 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
     }
     GltfNumbers numbers;
     numbers.components = componentsOf(type);
-    Component component = componentOf(accessor);
-    component.normalized = accessor.flag("normalized");
+    Source source{numberTypeOf(accessor), accessor.flag("normalized"), {}};
     const uint64_t count = gltfSize(accessor, "count", 0);
     if (count == 0) accessor.fail("count must be 1 or more");
-
-    if (accessor.find("bufferView")) {
-        const Source source = openSource(file, accessor, component, numbers.components, count, true);
-        takeMemory(file, accessor, count, numbers.components);
-        numbers.values.resize(count * numbers.components);
-        for (size_t i = 0; i < count; i++) {
-            file.files().context().pace(i);
-            for (size_t k = 0; k < numbers.components; k++)
-                numbers.values[i * numbers.components + k] = source.at(i, k);
-        }
-    } else {
-        if (count > kMostZeros)
-            accessor.fail(std::to_string(count) + " elements without a buffer view, the limit is " +
-                          std::to_string(kMostZeros));
-        takeMemory(file, accessor, count, numbers.components);
-        numbers.values.resize(count * numbers.components);
-    }
+    const bool hasData = accessor.find("bufferView").has_value();
+    if (hasData) source = opened(source, file, accessor, numbers.components, count, true);
+    if (!hasData && count > kMostZeros)
+        accessor.fail(std::to_string(count) + " elements without a buffer view, the limit is " +
+                      std::to_string(kMostZeros));
+    takeMemory(file, accessor, count, numbers.components);
     numbers.count = count;
-    substitute(file, accessor, component, numbers);
+    numbers.values.resize(count * numbers.components);
+    for (size_t i = 0; hasData && i < count; i++) {
+        file.files().context().pace(i);
+        for (size_t k = 0; k < numbers.components; k++)
+            numbers.values[i * numbers.components + k] = source.at(i, k);
+    }
+    substitute(file, accessor, source, numbers);
     return numbers;
 }
 
 std::vector<uint32_t> readIndexAccessor(GltfFile& file, size_t index) {
     const GltfNumbers numbers = readAccessor(file, index, {"SCALAR"});
     const JsonCursor accessor = file.item("accessors", index);
-    const NumberType type = componentOf(accessor).type;
+    const NumberType type = numberTypeOf(accessor);
     if (type != NumberType::Uint8 && type != NumberType::Uint16 && type != NumberType::Uint32)
         accessor.require("componentType").failWanted("vertex indices must be of an unsigned type");
     std::vector<uint32_t> indices(numbers.values.size());
