@@ -396,23 +396,19 @@ class Materials final : public GltfMaterials {
         if (!picture) return std::nullopt;
         if (const auto known = means_.find(*index); known != means_.end()) return known->second;
         Means means{};
-        const auto pixels = static_cast<size_t>(picture->width) * static_cast<size_t>(picture->height);
         const auto channels = static_cast<size_t>(picture->channels);
-        for (size_t c = 0; c < 3; c++) {
-            double sum = 0, linear = 0;
-            for (size_t i = 0; i < pixels; i++) {
-                const auto value =
-                    static_cast<double>(picture->pixels[i * channels + (channels < 3 ? 0 : c)]);
-                sum += srgbFromLinear(value);
-                linear += value;
+        const auto count = static_cast<double>(picture->pixels.size() / channels);
+        for (size_t i = 0; i < picture->pixels.size(); i += channels) {
+            const float* const pixel = &picture->pixels[i];
+            for (int c = 0; c < 3; c++) {
+                const auto value = static_cast<double>(pixel[channels < 3 ? 0 : c]);
+                means.numbers[c] += srgbFromLinear(value);
+                means.color[c] += value;
             }
-            means.numbers[c] = sum / static_cast<double>(pixels);
-            means.color[static_cast<glm::length_t>(c)] = linear / static_cast<double>(pixels);
+            means.numbers[3] += channels == 4 ? static_cast<double>(pixel[3]) : 1;
         }
-        double alpha = 0;
-        for (size_t i = 0; i < pixels; i++)
-            alpha += channels == 4 ? static_cast<double>(picture->pixels[i * channels + 3]) : 1;
-        means.numbers[3] = alpha / static_cast<double>(pixels);
+        for (double& number : means.numbers) number /= count;
+        means.color /= count;
         return means_.emplace(*index, means).first->second;
     }
 
