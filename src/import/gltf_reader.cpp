@@ -189,7 +189,6 @@ class Reader final : public GltfScene {
     void show(const GltfPlaces& places, Scene& scene) override {
         places_ = places;
         scene_ = {};
-        scene_.image = restImage_;
         instances_.clear();
         cameraNames_.clear();
         sameNames_.clear();
@@ -241,7 +240,7 @@ class Reader final : public GltfScene {
             const JsonCursor node = file_.item("nodes", visit.node);
             if (seen[visit.node]) node.fail("is reached twice: nodes must form trees");
             seen[visit.node] = true;
-            const Affine place = then(placeOf(node, animated(visit.node)), visit.parent);
+            const Affine place = then(placeOf(node, places_[visit.node]), visit.parent);
             const bool moves =
                 visit.moves || std::any_of(channels_.begin(), channels_.end(),
                                            [&](const auto& c) { return c.node == visit.node; });
@@ -412,11 +411,6 @@ class Reader final : public GltfScene {
         spot.penumbra = (outer - inner) * kDegrees;
     }
 
-    GltfPlace animated(size_t node) const {
-        const auto found = places_.find(node);
-        return found == places_.end() ? GltfPlace{} : found->second;
-    }
-
     // To a plane, a line or a point.
     bool flattened(const Instance& instance) {
         const glm::dmat3& m = instance.place.linear;
@@ -476,11 +470,10 @@ class Reader final : public GltfScene {
 
     GltfFile file_;
     Scene scene_;
-    const ImageSettings restImage_;
     std::vector<Channel> channels_;
     bool moves_ = false;         // the animation moves something that is shown
     bool movesObjects_ = false;  // and not only cameras
-    GltfPlaces places_;          // of the time that is shown; empty: the file's
+    GltfPlaces places_;          // of the time that is shown
     std::map<size_t, std::shared_ptr<const Mesh>> meshes_;
     std::vector<Instance> instances_;
     std::set<std::string> cameraNames_;

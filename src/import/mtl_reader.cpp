@@ -292,11 +292,8 @@ bool letThrough(const MtlMaterial& m, Material& material) {
     const Color filter = glm::min(m.color("tf"), Color(1));
     const double through = 1 - m.number("d", 1 - m.number("tr", 0));
     const double ior = refracts ? m.number("ni", 1) : 1;
-    Color transmission(0);
-    if (through > 0)
-        transmission = through * (filter == Color(0) ? Color(1) : filter);
-    else if (clear)
-        transmission = filter;
+    const Color passing = through > 0 && filter == Color(0) ? Color(1) : filter;
+    const Color transmission = (through > 0 ? through : clear ? 1 : 0) * passing;
     if (transmission == Color(0)) return true;
     if (transmission == Color(1) && ior == 1) return false;
     material.transmission = transmission;
