@@ -183,7 +183,7 @@ class ObjReader {
         warnings_.push_back(printable(path_.string() + ":" + std::to_string(line) + ": " + what));
     }
 
-    // Of one file, whose name may hold blanks, or of several.
+    // Reads the libraries of a line: one file, whose name may hold blanks, or several.
     void readLibraries() {
         TextScanner words = scanner_;
         const std::string names(scanner_.restOfLine());
