@@ -1,156 +1,98 @@
 #include "support/packed_scene_maker.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
+
+#include "bvh/flatten.h"
 
 namespace glint::test {
 namespace {
 
 using glm::vec3;
 
-struct Bounds {
-    vec3 lo{std::numeric_limits<float>::max()}, hi{-std::numeric_limits<float>::max()};
-    void include(const vec3& lower, const vec3& upper) {
-        lo = glm::min(lo, lower);
-        hi = glm::max(hi, upper);
-    }
-};
+Box around(std::initializer_list<vec3> points) {
+    Box box;
+    for (const vec3& p : points) box.include(p);
+    return box;
+}
 
-struct Item {
-    uint32_t kind, index;  // into the arrays as added
-    Bounds box;
-};
+Box boxOf(const shared::Triangle& t) {
+    return around({t.v0, t.v1, t.v2});
+}
 
-Bounds sphereBounds(const shared::Sphere& s) {
+Box boxOf(const shared::Sphere& s) {
     const glm::dvec3 n(s.anchorNormal);
     const bool anchored = n != glm::dvec3(0);
     const double r = anchored ? s.radius * glm::length(n) : s.radius;
     const glm::dvec3 center = glm::dvec3(s.point) - static_cast<double>(s.radius) * n;
-    Bounds b;
+    Box box;
     for (int i = 0; i < 3; ++i) {
-        b.lo[i] = std::nextafter(static_cast<float>(center[i] - r), -std::numeric_limits<float>::infinity());
-        b.hi[i] = std::nextafter(static_cast<float>(center[i] + r), std::numeric_limits<float>::infinity());
+        box.lo[i] = std::nextafter(static_cast<float>(center[i] - r), -shared::kInfinity);
+        box.hi[i] = std::nextafter(static_cast<float>(center[i] + r), shared::kInfinity);
     }
-    return b;
+    return box;
 }
 
-// Splits at the median of the widest axis of the centroids, and small mixed sets by kind.
-class TreeMaker {
-  public:
-    TreeMaker(const PackedScene& from, PackedScene& to, uint32_t leafSize)
-        : from_(from), to_(to), leafSize_(leafSize) {}
+Box boxOf(const shared::Disc& d) {
+    const vec3 reach(1.01f * d.radius);
+    return around({d.center - reach, d.center + reach});
+}
 
-    void run() {
-        std::vector<Item> items;
-        for (uint32_t i = 0; i < from_.triangles.size(); ++i) {
-            const shared::Triangle& t = from_.triangles[i];
-            items.push_back({shared::kKindTriangle, i, {}});
-            for (const vec3& v : {t.v0, t.v1, t.v2}) items.back().box.include(v, v);
-        }
-        for (uint32_t i = 0; i < from_.spheres.size(); ++i) {
-            items.push_back({shared::kKindSphere, i, sphereBounds(from_.spheres[i])});
-        }
-        for (uint32_t i = 0; i < from_.discs.size(); ++i) {
-            const shared::Disc& d = from_.discs[i];
-            const vec3 reach(std::nextafter(d.radius, std::numeric_limits<float>::infinity()));
-            items.push_back({shared::kKindDisc, i, {}});
-            items.back().box.include(d.center - 1.01f * reach, d.center + 1.01f * reach);
-        }
-        for (uint32_t i = 0; i < from_.polygons.size(); ++i) {
-            const shared::Polygon& p = from_.polygons[i];
-            items.push_back({shared::kKindPolygon, i, {}});
-            for (uint32_t v = 0; v <= p.trips * shared::kPolygonEdgesPerTrip; ++v) {
-                const vec3 at = from_.polygonVertices[p.firstVertex + v].position;
-                items.back().box.include(at, at);
-            }
-        }
-        if (items.empty()) return;
-        to_.environment.root = 0;
-        if (isLeaf(items.begin(), items.end())) {
-            to_.nodes.resize(1);
-            to_.nodes[0].child1 = shared::kNone;
-            setChild(0, 0, items.begin(), items.end());
+// Gives the children of a node of flattenBvh their boxes as they were built: flattenBvh widens them.
+void tighten(const Bvh& bvh, uint32_t from, std::vector<shared::Node>& nodes, uint32_t to) {
+    shared::Node& node = nodes[to];
+    const BvhNode &left = bvh.nodes[bvh.nodes[from].first], &right = bvh.nodes[bvh.nodes[from].first + 1];
+    node.lo0 = left.box.lo, node.hi0 = left.box.hi;
+    node.lo1 = right.box.lo, node.hi1 = right.box.hi;
+    if (isInnerChild(node.child0)) tighten(bvh, bvh.nodes[from].first, nodes, node.child0);
+    if (isInnerChild(node.child1)) tighten(bvh, bvh.nodes[from].first + 1, nodes, node.child1);
+}
+
+// Orders the primitives by the leaves of a tree over them.
+void makeTree(PackedScene& scene, uint32_t maxLeafSize) {
+    const PackedScene given = scene;
+    std::vector<Box> boxes;
+    std::vector<uint8_t> kinds;
+    const auto add = [&](uint32_t kind, const Box& box) {
+        boxes.push_back(box);
+        kinds.push_back(static_cast<uint8_t>(kind));
+    };
+    for (const shared::Triangle& t : given.triangles) add(shared::kKindTriangle, boxOf(t));
+    for (const shared::Sphere& s : given.spheres) add(shared::kKindSphere, boxOf(s));
+    for (const shared::Disc& d : given.discs) add(shared::kKindDisc, boxOf(d));
+    for (const shared::Polygon& p : given.polygons) {
+        Box box;
+        for (uint32_t v = 0; v <= p.trips * shared::kPolygonEdgesPerTrip; ++v)
+            box.include(given.polygonVertices[p.firstVertex + v].position);
+        add(shared::kKindPolygon, box);
+    }
+    if (boxes.empty()) return;
+    const Bvh bvh = buildBvh(boxes, {.maxLeafSize = maxLeafSize, .groups = &kinds});
+    scene.nodes = flattenBvh(bvh, kinds);
+    scene.environment.root = 0;
+    if (bvh.nodes.size() > 1) {
+        tighten(bvh, 0, scene.nodes, 0);
+    } else {
+        scene.nodes[0].lo0 = bvh.nodes[0].box.lo;
+        scene.nodes[0].hi0 = bvh.nodes[0].box.hi;
+    }
+    // Each kind in the order of its leaves.
+    const size_t spheres = given.triangles.size(), discs = spheres + given.spheres.size(),
+                 polygons = discs + given.discs.size();
+    std::vector<uint32_t> next(4, 0);
+    for (const uint32_t item : bvh.order) {
+        if (item < spheres) {
+            scene.triangles[next[0]] = given.triangles[item];
+            scene.triangleSurfaces[next[0]++] = given.triangleSurfaces[item];
+        } else if (item < discs) {
+            scene.spheres[next[1]++] = given.spheres[item - spheres];
+        } else if (item < polygons) {
+            scene.discs[next[2]++] = given.discs[item - discs];
         } else {
-            makeNode(items.begin(), items.end());
+            scene.polygons[next[3]++] = given.polygons[item - polygons];
         }
     }
-
-  private:
-    using Iterator = std::vector<Item>::iterator;
-
-    bool isLeaf(Iterator first, Iterator last) const {
-        return last - first <= leafSize_ &&
-               std::all_of(first, last, [&](const Item& i) { return i.kind == first->kind; });
-    }
-
-    uint32_t makeNode(Iterator first, Iterator last) {
-        const auto index = static_cast<uint32_t>(to_.nodes.size());
-        to_.nodes.emplace_back();
-        const Iterator middle = split(first, last);
-        setChild(index, 0, first, middle);
-        setChild(index, 1, middle, last);
-        return index;
-    }
-
-    void setChild(uint32_t node, int side, Iterator first, Iterator last) {
-        Bounds box;
-        for (Iterator i = first; i != last; ++i) box.include(i->box.lo, i->box.hi);
-        const uint32_t child = isLeaf(first, last) ? makeLeaf(first, last) : makeNode(first, last);
-        shared::Node& n = to_.nodes[node];
-        (side == 0 ? n.lo0 : n.lo1) = box.lo;
-        (side == 0 ? n.hi0 : n.hi1) = box.hi;
-        (side == 0 ? n.child0 : n.child1) = child;
-    }
-
-    Iterator split(Iterator first, Iterator last) const {
-        if (last - first <= leafSize_) {
-            const Iterator middle =
-                std::partition(first, last, [kind = first->kind](const Item& i) { return i.kind == kind; });
-            if (middle != first && middle != last) return middle;
-        }
-        Bounds centers;
-        for (Iterator i = first; i != last; ++i) {
-            const vec3 c = 0.5f * i->box.lo + 0.5f * i->box.hi;
-            centers.include(c, c);
-        }
-        const vec3 size = centers.hi - centers.lo;
-        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-        const Iterator middle = first + (last - first) / 2;
-        std::nth_element(first, middle, last, [axis](const Item& a, const Item& b) {
-            return a.box.lo[axis] + a.box.hi[axis] < b.box.lo[axis] + b.box.hi[axis];
-        });
-        return middle;
-    }
-
-    uint32_t makeLeaf(Iterator first, Iterator last) {
-        const uint32_t kind = first->kind;
-        const size_t start = kind == shared::kKindTriangle ? to_.triangles.size()
-                             : kind == shared::kKindSphere ? to_.spheres.size()
-                             : kind == shared::kKindDisc   ? to_.discs.size()
-                                                           : to_.polygons.size();
-        for (Iterator i = first; i != last; ++i) {
-            if (kind == shared::kKindTriangle) {
-                to_.triangles.push_back(from_.triangles[i->index]);
-                to_.triangleSurfaces.push_back(from_.triangleSurfaces[i->index]);
-            } else if (kind == shared::kKindSphere) {
-                to_.spheres.push_back(from_.spheres[i->index]);
-            } else if (kind == shared::kKindDisc) {
-                to_.discs.push_back(from_.discs[i->index]);
-            } else {
-                to_.polygons.push_back(from_.polygons[i->index]);
-            }
-        }
-        return shared::kLeafFlag | first->kind << shared::kLeafKindShift |
-               static_cast<uint32_t>(last - first - 1) << shared::kLeafCountShift |
-               static_cast<uint32_t>(start);
-    }
-
-    const PackedScene& from_;
-    PackedScene& to_;
-    uint32_t leafSize_;
-};
+}
 
 }  // namespace
 
@@ -287,16 +229,11 @@ void SceneMaker::spot(const vec3& position, const vec3& axis, double angle, doub
 }
 
 PackedScene SceneMaker::finish(uint32_t maxLeafSize) const {
-    PackedScene scene;
-    scene.planes = scene_.planes;
-    scene.materials = scene_.materials;
-    scene.lights = scene_.lights;
-    scene.vertexNormals = scene_.vertexNormals;
-    scene.polygonVertices = scene_.polygonVertices;
+    PackedScene scene = scene_;
     scene.environment = environment;
     scene.environment.planeCount = static_cast<uint32_t>(scene.planes.size());
     scene.environment.lightCount = static_cast<uint32_t>(scene.lights.size());
-    TreeMaker(scene_, scene, maxLeafSize).run();
+    makeTree(scene, maxLeafSize);
     return scene;
 }
 
@@ -331,10 +268,7 @@ BumpyMesh makeBumpyMesh(uint32_t seed, uint32_t steps) {
 }
 
 reference::Ray makeRay(const glm::dvec3& origin, const glm::dvec3& direction) {
-    reference::Ray ray;
-    ray.origin = origin;
-    ray.direction = direction;
-    return ray;
+    return {origin, direction};
 }
 
 reference::Ray rayTowards(const glm::dvec3& origin, const glm::dvec3& target) {

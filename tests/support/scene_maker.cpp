@@ -53,22 +53,9 @@ void addMesh(Scene& scene, std::vector<glm::dvec3> positions, std::vector<glm::u
 }
 
 void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset, double size) {
-    std::vector<glm::dvec3> positions;
-    std::vector<glm::uvec3> corners;
-    positions.reserve(size_t{n + 1} * (n + 1));
-    corners.reserve(size_t{n} * n * 2);
-    for (uint32_t y = 0; y <= n; ++y) {
-        for (uint32_t x = 0; x <= n; ++x)
-            positions.push_back(offset + size * glm::dvec3(x, y, 0) / double(n));
-    }
-    for (uint32_t y = 0; y < n; ++y) {
-        for (uint32_t x = 0; x < n; ++x) {
-            const uint32_t a = y * (n + 1) + x, d = a + n + 1;
-            corners.emplace_back(a, a + 1, d + 1);
-            corners.emplace_back(a, d + 1, d);
-        }
-    }
-    addMesh(scene, std::move(positions), std::move(corners));
+    const auto mesh = gridMesh(n);
+    for (glm::dvec3& p : mesh->positions) p = offset + size * p / double(n);
+    scene.objects.push_back({"mesh", MeshShape{mesh}});
 }
 
 std::shared_ptr<Mesh> gridMesh(uint32_t cells, const glm::dvec3& offset) {
