@@ -41,23 +41,20 @@ TEST(Builder, HardSetsAreValid) {
     for (const BoxSet& set : hardSets()) {
         SCOPED_TRACE(set.name);
         for (const uint32_t leaf : {1u, 4u, 8u}) {
-            BvhOptions options;
-            options.maxLeafSize = leaf;
+            const BvhOptions options = {.maxLeafSize = leaf};
             expectValid(buildBvh(set.boxes, options), set.boxes, options);
         }
     }
 }
 
-// The least depth that can hold the boxes forces balanced splits all the way; a little more leaves some
-// choice.
+// The least depth that can hold the boxes forces balanced splits; a little more leaves some choice.
 TEST(Builder, TightDepthHolds) {
     for (const BoxSet& set : hardSets()) {
         SCOPED_TRACE(set.name);
         for (const uint32_t leaf : {1u, 3u, 4u}) {
             for (const uint32_t slack : {0u, 1u, 3u}) {
-                BvhOptions options;
-                options.maxLeafSize = leaf;
-                options.maxLevels = halvings(set.boxes.size(), leaf) + slack;
+                const BvhOptions options = {.maxLeafSize = leaf,
+                                            .maxLevels = halvings(set.boxes.size(), leaf) + slack};
                 expectValid(buildBvh(set.boxes, options), set.boxes, options);
             }
         }
@@ -65,9 +62,7 @@ TEST(Builder, TightDepthHolds) {
 }
 
 TEST(Builder, RefusesWhatCannotFit) {
-    BvhOptions options;
-    options.maxLevels = 3;
-    options.maxLeafSize = 4;
+    BvhOptions options = {.maxLeafSize = 4, .maxLevels = 3};
     EXPECT_NO_THROW(buildBvh(randomBoxes(32, 1), options));  // 2^3 leaves of 4
     EXPECT_THROW(buildBvh(randomBoxes(33, 1), options), std::invalid_argument);
     options = {};
@@ -132,8 +127,7 @@ TEST(Builder, ManyBoxesAreValid) {
     const std::vector<Box> boxes = randomBoxes(200000, 8);
     expectValid(buildBvh(boxes), boxes, {});
     const std::vector<Box> same(200000, boxAround({0, 0, 0}, 1));
-    BvhOptions tight;
-    tight.maxLevels = halvings(same.size(), tight.maxLeafSize);
+    const BvhOptions tight = {.maxLevels = halvings(same.size(), BvhOptions().maxLeafSize)};
     expectValid(buildBvh(same, tight), same, tight);
 }
 
@@ -146,8 +140,7 @@ TEST(Builder, LeavesNeverMixGroups) {
         for (const auto& [groupCount, levels] : groupsAndLevels) {
             std::vector<uint8_t> groups(set.boxes.size());
             for (size_t i = 0; i < groups.size(); ++i) groups[i] = static_cast<uint8_t>(i * i % groupCount);
-            BvhOptions options;
-            options.groups = &groups;
+            BvhOptions options = {.groups = &groups};
             expectValid(buildBvh(set.boxes, options), set.boxes, options);
             options.maxLevels = halvings(set.boxes.size(), options.maxLeafSize) + levels;
             expectValid(buildBvh(set.boxes, options), set.boxes, options);
@@ -158,9 +151,7 @@ TEST(Builder, LeavesNeverMixGroups) {
 TEST(Builder, OneGroupIsNoGroup) {
     const std::vector<Box> boxes = randomBoxes(5000, 9);
     const std::vector<uint8_t> groups(boxes.size(), 3);
-    BvhOptions options;
-    options.groups = &groups;
-    expectEqual(buildBvh(boxes), buildBvh(boxes, options));
+    expectEqual(buildBvh(boxes), buildBvh(boxes, {.groups = &groups}));
 }
 
 // The heuristic's choices of cuts and of leaves.
@@ -190,8 +181,7 @@ TEST(BuilderQuality, TraversalCostSetsLeafSize) {
     std::vector<Box> boxes;
     for (int i = 0; i < 64; ++i)
         boxes.push_back(boxAround({static_cast<float>(i % 8), static_cast<float>(i / 8), 0}, 0.25f));
-    BvhOptions options;
-    options.traversalCost = 0;
+    BvhOptions options = {.traversalCost = 0};
     EXPECT_EQ(buildBvh(boxes, options).nodes.size(), 2 * boxes.size() - 1);
     options.traversalCost = 100;
     options.maxLeafSize = 8;

@@ -124,8 +124,7 @@ TEST(Flatten, WalksVisitTheSameLeavesInOrder) {
     }
 }
 
-// Flattening widens boxes, by one ulp or 2^-100, whichever is more: never less than a little, never more than
-// two ulps.
+// Flattening widens boxes by one ulp or 2^-100, whichever is more, and never by more than two ulps.
 void expectWidened(const glm::vec3& lo, const glm::vec3& hi, const Box& tight) {
     for (int i = 0; i < 3; ++i) {
         const auto bound = [](float x) { return std::max(std::abs(x) * 0x1p-22f, 0x1p-99f); };
@@ -190,9 +189,7 @@ TEST(Flatten, KindsHaveArraysOfTheirOwn) {
         kinds.push_back(static_cast<uint8_t>(i % 3 == 0 ? shared::kKindSphere : shared::kKindTriangle));
         spheres += i % 3 == 0;
     }
-    BvhOptions options;
-    options.groups = &kinds;
-    const Bvh bvh = buildBvh(boxes, options);
+    const Bvh bvh = buildBvh(boxes, {.groups = &kinds});
     uint32_t next[2] = {0, 0};
     for (const uint32_t leaf : walk(flattenBvh(bvh, kinds), everything)) {
         ASSERT_LT(kindOf(leaf), 2u);

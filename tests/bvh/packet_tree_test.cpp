@@ -144,11 +144,9 @@ double leastAreas(const std::vector<shared::Node>& nodes) {
 }
 
 TEST(PacketTree, NoOtherCollapseHasLessArea) {
-    BvhOptions options;
-    options.maxLeafSize = 1;
     for (uint32_t seed = 1; seed <= 40; ++seed) {
         const std::vector<shared::Node> nodes =
-            flattenBvh(buildBvh(randomBoxes(9 + seed % 6, seed), options), {});
+            flattenBvh(buildBvh(randomBoxes(9 + seed % 6, seed), {.maxLeafSize = 1}), {});
         const std::vector<shared::PacketCorner> corners = packetTree(nodes);
         double sum = 0;
         for (size_t node = 0; node < corners.size(); node += 2 * kPacketWidth) {

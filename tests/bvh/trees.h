@@ -17,8 +17,7 @@ struct BoxSet {
 Box boxAround(const glm::vec3& center, float halfEdge);
 // Small boxes with centres and sizes drawn uniformly; the same for the same seed.
 std::vector<Box> randomBoxes(size_t count, unsigned seed);
-// Random, identical, exponentially spaced, sorted, duplicated, nested, flat and huge sets, and the smallest
-// ones.
+// Random, identical, exponentially spaced, sorted, duplicated, nested, flat, huge and the smallest sets.
 std::vector<BoxSet> hardSets();
 
 // Levels that halving `count` boxes takes until no part exceeds `leaf`.

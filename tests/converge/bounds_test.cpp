@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <random>
 #include <vector>
 
@@ -30,8 +29,7 @@ struct Trial {
     MeanSquare estimate;
 };
 
-// Two replicates of pixels with means 0 and a distribution of each kind, and the realised error of their
-// mean.
+// Two replicates of pixels of mean 0 with a distribution of each kind, and the realised error of their mean.
 template <class Distribution>
 Trial trialOf(std::mt19937& random, size_t pixels, Distribution&& draw) {
     std::vector<glm::dvec3> a(pixels), b(pixels);

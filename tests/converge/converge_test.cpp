@@ -167,8 +167,7 @@ TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
     EXPECT_EQ(refusalOf(drawOf(film), job).find("--backend"), std::string::npos);
 }
 
-// What lies beyond the depth is known better with every round, and may come to more than the first one
-// showed.
+// Each round knows better what lies beyond the depth, which may be more than the first one showed.
 TEST(ConvergeTest, WhatSamplesDoNotMendEndsItWhenItGrows) {
     const Film film = edgeFilm();
     int calls = 0;

@@ -50,9 +50,7 @@ TEST_F(Decode, Jpeg) {
     EXPECT_EQ(image.height, 8);
     EXPECT_EQ(image.channels, 1);
     const float expected = std::pow((188.0f / 255.0f + 0.055f) / 1.055f, 2.4f);
-    for (float sample : image.pixels) {
-        EXPECT_NEAR(sample, expected, 1e-6);
-    }
+    for (float sample : image.pixels) EXPECT_NEAR(sample, expected, 1e-6);
 }
 
 TEST_F(Decode, TheContentsCountAndNotTheName) {
@@ -121,9 +119,8 @@ void expectEveryPrefixRefused(const std::vector<uint8_t>& whole, Decoder decoder
 
 Image varied(int width, int height) {
     Image image(width, height, 3);
-    for (size_t i = 0; i < image.pixels.size(); ++i) {
+    for (size_t i = 0; i < image.pixels.size(); ++i)
         image.pixels[i] = static_cast<float>(i * 7919 % 256) / 255.0f;
-    }
     return image;
 }
 
@@ -143,9 +140,7 @@ TEST(Truncated, Pfm) {
 TEST(Truncated, Hdr) {
     expectEveryPrefixRefused(encodeHdr(varied(5, 4)), decodeHdr);  // narrow pictures are stored without runs
     Image image = varied(40, 6);
-    for (int x = 10; x < 30; ++x) {
-        image.at(x, 3, 0) = 0.5f;
-    }
+    for (int x = 10; x < 30; ++x) image.at(x, 3, 0) = 0.5f;
     expectEveryPrefixRefused(encodeHdr(image), decodeHdr);
 }
 
@@ -278,8 +273,7 @@ TEST(Damaged, HdrWithoutPixels) {
               "the file is damaged or of a kind that is not supported (no pixels)");
 }
 
-// Pictures that crashed, hung or bloated stb_image 2.27 and tinyexr 1.0.1, found by fuzzing and by hand: each
-// is refused.
+// Pictures that crashed, hung or bloated stb_image 2.27 and tinyexr 1.0.1, found by fuzzing and by hand.
 
 TEST(HostilePictures, AreRefused) {
     size_t count = 0;

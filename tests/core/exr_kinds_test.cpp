@@ -1,5 +1,4 @@
-// EXR files as other programs write them, made by OpenEXR itself: tiles, every compression, sample types,
-// windows, parts.
+// EXR files as other programs write them, made by OpenEXR: tiles, compressions, sample types, windows, parts.
 #include <ImfChannelList.h>
 #include <ImfDeepFrameBuffer.h>
 #include <ImfDeepScanLineOutputFile.h>

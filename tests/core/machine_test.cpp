@@ -25,9 +25,8 @@ TEST(ParallelFor, EveryIndexOnce) {
     for (unsigned threads : {0u, 1u, 2u, 7u}) {
         std::vector<std::atomic<int>> visits(10'000);
         parallelFor({.threads = threads}, visits.size(), [&](size_t i) { ++visits[i]; });
-        for (size_t i = 0; i < visits.size(); ++i) {
+        for (size_t i = 0; i < visits.size(); ++i)
             ASSERT_EQ(visits[i], 1) << i << " with " << threads << " threads";
-        }
     }
 }
 
@@ -38,9 +37,7 @@ TEST(ParallelFor, NothingToDo) {
 TEST(ParallelFor, OneThreadGoesInOrder) {
     std::vector<size_t> order;
     parallelFor({.threads = 1}, 100, [&](size_t i) { order.push_back(i); });
-    for (size_t i = 0; i < order.size(); ++i) {
-        ASSERT_EQ(order[i], i);
-    }
+    for (size_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], i);
     EXPECT_EQ(order.size(), 100u);
 }
 
@@ -51,9 +48,7 @@ TEST(ParallelFor, UsesAsManyThreadsAsAsked) {
     std::set<std::thread::id> ids;
     parallelFor({.threads = 4}, 4, [&](size_t) {
         ++arrived;
-        while (arrived < 4) {
-            std::this_thread::yield();
-        }
+        while (arrived < 4) std::this_thread::yield();
         const std::lock_guard lock(mutex);
         ids.insert(std::this_thread::get_id());
     });
@@ -110,9 +105,7 @@ TEST(DefaultThreadCount, FollowsTheAffinityMask) {
     ASSERT_EQ(sched_getaffinity(0, sizeof(all), &all), 0);
     EXPECT_EQ(defaultThreadCount(), static_cast<unsigned>(CPU_COUNT(&all)));
     int first = 0;
-    while (!CPU_ISSET(first, &all)) {
-        ++first;
-    }
+    while (!CPU_ISSET(first, &all)) ++first;
     cpu_set_t one;
     CPU_ZERO(&one);
     CPU_SET(first, &one);

@@ -87,8 +87,7 @@ TEST(JpegKinds, ScansWithoutEndAreRefused) {
     EXPECT_THROW(decodeJpeg(file), CodecError);
 }
 
-// PNG files as other programs write them: few bits, transparency, interlaced; and damage that a checksum
-// shows.
+// PNG files of other programs: few bits, transparency, interlaced; and damage that a checksum shows.
 
 float linear(double code, double greatest) {
     return static_cast<float>(linearFromSrgb(code / greatest));

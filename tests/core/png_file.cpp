@@ -12,9 +12,7 @@ namespace glint::test {
 namespace {
 
 void append32(std::vector<uint8_t>& bytes, uint32_t value) {
-    for (int shift = 24; shift >= 0; shift -= 8) {
-        bytes.push_back(static_cast<uint8_t>(value >> shift));
-    }
+    for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<uint8_t>(value >> shift));
 }
 
 uint32_t crcOf(const std::string& type, const std::vector<uint8_t>& data) {

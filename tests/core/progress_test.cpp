@@ -2,7 +2,6 @@
 #include "core/progress.h"
 
 #include <atomic>
-#include <cmath>
 #include <limits>
 #include <sstream>
 #include <thread>
@@ -144,9 +143,7 @@ TEST_F(ProgressTest, UpdatesFromManyThreadsGiveWholeLines) {
     };
     {
         std::vector<std::jthread> threads;
-        for (int i = 0; i < 4; ++i) {
-            threads.emplace_back(work);
-        }
+        for (int i = 0; i < 4; ++i) threads.emplace_back(work);
     }
     std::istringstream lines(output());
     std::string line;

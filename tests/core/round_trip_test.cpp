@@ -23,9 +23,8 @@ class RoundTrip : public test::FolderTest {};
 // Values from -0.5 to some 3, different in every sample, so that a transposed or flipped picture is noticed.
 Image ramp(int width, int height, int channels) {
     Image image(width, height, channels);
-    for (size_t i = 0; i < image.pixels.size(); ++i) {
+    for (size_t i = 0; i < image.pixels.size(); ++i)
         image.pixels[i] = -0.5f + 3.5f * static_cast<float>(i) / static_cast<float>(image.pixels.size());
-    }
     return image;
 }
 
@@ -69,8 +68,7 @@ TEST_F(RoundTrip, ExrKeepsAlpha) {
 }
 
 TEST_F(RoundTrip, ExrOfManySizes) {
-    // The format cuts pictures into blocks of scanlines; sizes around them, flat (compresses) and not (does
-    // not).
+    // The format cuts pictures into blocks of scanlines; sizes around them, flat (compresses) and not.
     for (int height : {1, 15, 16, 17, 33}) {
         for (int width : {1, 2, 31}) {
             const Image image = ramp(width, height, 3);
@@ -88,14 +86,10 @@ TEST_F(RoundTrip, PfmBytesAsSpecified) {
     image.pixels = {1, 2, 3, 4, 5, 6};
     writeImage(file("a.pfm"), image);
     std::vector<uint8_t> expected;
-    for (char c : std::string("PF\n1 2\n-1.0\n")) {
-        expected.push_back(static_cast<uint8_t>(c));
-    }
+    for (char c : std::string("PF\n1 2\n-1.0\n")) expected.push_back(static_cast<uint8_t>(c));
     for (float value : {4.0f, 5.0f, 6.0f, 1.0f, 2.0f, 3.0f}) {  // the bottom row comes first
         const auto bits = std::bit_cast<uint32_t>(value);
-        for (int shift : {0, 8, 16, 24}) {
-            expected.push_back(static_cast<uint8_t>(bits >> shift));
-        }
+        for (int shift : {0, 8, 16, 24}) expected.push_back(static_cast<uint8_t>(bits >> shift));
     }
     EXPECT_EQ(readBytes(file("a.pfm")), expected);
 }
@@ -141,8 +135,7 @@ TEST_F(RoundTrip, PngComesBackAsTheNearestOfItsLevels) {
     const Image back = readImage(file("a.png"));
     for (size_t i = 0; i < image.pixels.size(); ++i) {
         const float clamped = std::clamp(image.pixels[i], 0.0f, 1.0f);
-        // Half a level: on the alpha's straight line, on the steepest part of the decoding curve (slope 2.4 /
-        // 1.055).
+        // Half a level of alpha, or where the decoding curve is steepest (slope 2.4 / 1.055).
         const double bound = (i % 4 == 3 ? 1.0 : 2.4 / 1.055) * 0.5 / 255.0 + 1e-7;
         ASSERT_NEAR(back.pixels[i], clamped, bound) << i;
     }
@@ -155,9 +148,7 @@ TEST_F(RoundTrip, HdrStaysWithinItsPrecision) {
     // Widths below 8 are stored flat, others run-length encoded.
     for (int width : {1, 7, 8, 200}) {
         Image image = ramp(width, 9, 3);
-        for (float& sample : image.pixels) {
-            sample = std::abs(sample) * 1000.0f;
-        }
+        for (float& sample : image.pixels) sample = std::abs(sample) * 1000.0f;
         writeImage(file("a.hdr"), image);
         const Image back = readImage(file("a.hdr"));
         ASSERT_EQ(back.pixels.size(), image.pixels.size());
@@ -225,9 +216,8 @@ class Layers : public test::FolderTest {};
 Layer layer(const std::string& name, int channels, float base) {
     Layer result{name, Image(2, 1, channels)};
     for (int x = 0; x < 2; ++x) {
-        for (int c = 0; c < channels; ++c) {
+        for (int c = 0; c < channels; ++c)
             result.image.at(x, 0, c) = base + 10.0f * static_cast<float>(c) + static_cast<float>(x);
-        }
     }
     return result;
 }

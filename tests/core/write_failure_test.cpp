@@ -201,9 +201,7 @@ TEST_F(WriteFiles, RelativeNames) {
 TEST_F(WriteFiles, EmptyAndLargeTextsComeBackWhole) {
     for (size_t size : {size_t{0}, size_t{1}, size_t{65536}, size_t{3'000'000}}) {
         std::string text(size, 'a');
-        for (size_t i = 0; i < size; ++i) {
-            text[i] = static_cast<char>(i * 31 % 251);
-        }
+        for (size_t i = 0; i < size; ++i) text[i] = static_cast<char>(i * 31 % 251);
         writeTextFile(file("a.bin"), text);
         const std::vector<uint8_t> back = readFile(file("a.bin"));
         EXPECT_TRUE(std::equal(back.begin(), back.end(), text.begin(), text.end(),

@@ -23,8 +23,7 @@ class Fallback : public FolderTest {
         return runGlint({"render", "a.json", "-o", "out.pfm"}, more);
     }
 
-    // The reference's image, one warning that says why, and the facts in --stats. False if the device has not
-    // failed.
+    // The reference's image, one warning that says why, and the facts in --stats. False if no device failed.
     static bool expectFallback(const std::string& fault, const std::string& reason) {
         std::filesystem::remove("out.pfm");
         const Ran ran = render(fault, {"--fallback", "cpu", "--stats", "json"});
@@ -52,8 +51,7 @@ class Fallback : public FolderTest {
         EXPECT_FALSE(std::filesystem::exists("out.pfm"));
     }
 
-    // The first call fails, the second one, and so on, until an image needs no more of them; it needs at
-    // least `least`.
+    // The first call fails, the second one, and so on, until an image needs no more, but `least` at least.
     static void expectEachReplaced(const std::string& call, const std::string& reason, int least) {
         expectFailure(call + " 1", reason);
         int calls = 0;

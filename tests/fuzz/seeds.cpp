@@ -1,5 +1,4 @@
 // Writes seeds that need glint's own encoders: fuzz_seeds FOLDER.
-#include <iostream>
 
 #include "core/file_io.h"
 #include "core/image_io.h"

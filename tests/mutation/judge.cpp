@@ -15,9 +15,7 @@
 #include <iostream>
 #include <list>
 #include <map>
-#include <span>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>

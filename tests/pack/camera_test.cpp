@@ -51,8 +51,7 @@ TEST(PackCamera, CornerAndCentreOfTrtcPicture) {
     EXPECT_EQ(packed.halfHeight, 50.5f);
 }
 
-// The book's pixel size 0.01 at unit distance, for 200 x 125 with 90 degrees across and for 125 x 200 with 90
-// degrees in height.
+// The book's pixel size 0.01 at unit distance, for 200 x 125 with 90 degrees across, and turned.
 TEST(PackCamera, PixelSteps) {
     const double wide = 360 / std::numbers::pi * std::atan(125.0 / 200.0);
     for (const auto& [fovY, width, height] : {std::tuple{wide, 200, 125}, std::tuple{90.0, 125, 200}}) {
@@ -110,8 +109,7 @@ TEST(PackCamera, Bounds) {
     EXPECT_EQ(packCamera(camera, 4, 4, glm::dvec3(0)).farT, shared::kInfinity);
 }
 
-// T97: with 1e-4 degrees over 100 pixels each step is 1.7e-8, below fp32's spacing near 1 but exact as a step
-// of its own.
+// T97: with 1e-4 degrees over 100 pixels a step is 1.7e-8, below fp32's spacing near 1 but exact by itself.
 TEST(PackCamera, TelephotoKeepsItsSteps) {
     const shared::Camera packed = packCamera(lookingDownZ(1e-4), 100, 100, glm::dvec3(0));
     const double step = 2 * std::tan(0.5e-4 * std::numbers::pi / 180) / 100;

@@ -1,10 +1,12 @@
 // Scenes packed one after the other: the arrays are those of a scene that is packed by itself.
+#include <cmath>
 #include <cstring>
 
 #include "pack/build_tree.h"
 #include "pack/packed_scene.h"
 #include "pack/scene_arrays.h"
 #include "scene/placement.h"
+#include "support/scene_maker.h"
 #include "support/support.h"
 
 namespace glint::test::frames_test {
@@ -25,16 +27,8 @@ bool sameArrays(const PackedScene& a, const PackedScene& b) {
 
 // A wavy sheet of 2 x n x n triangles.
 std::shared_ptr<const Mesh> sheet(uint32_t n) {
-    auto mesh = std::make_shared<Mesh>();
-    for (uint32_t y = 0; y <= n; ++y)
-        for (uint32_t x = 0; x <= n; ++x) mesh->positions.emplace_back(x, (x * 7 + y * 3) % 5, y);
-    for (uint32_t y = 0; y < n; ++y) {
-        for (uint32_t x = 0; x < n; ++x) {
-            const uint32_t i = y * (n + 1) + x;
-            mesh->corners.emplace_back(i, i + 1, i + n + 1);
-            mesh->corners.emplace_back(i + 1, i + n + 2, i + n + 1);
-        }
-    }
+    auto mesh = gridMesh(n);
+    for (glm::dvec3& p : mesh->positions) p = {p.x, std::fmod(7 * p.x + 3 * p.y, 5), p.y};
     return mesh;
 }
 

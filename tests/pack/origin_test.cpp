@@ -185,8 +185,7 @@ TEST(PlaneAnchor, FarPointIsReplaced) {
     EXPECT_EQ(packed.planes[2].point, glm::vec3(8, -3, -7));
 }
 
-// A slanted one: rounding the given point would move the plane by up to 2^-24 * 1e8 = 6, the stored one lies
-// on it within 1e-6.
+// A slanted one: rounding the given point would move the plane by up to 2^-24 * 1e8 = 6.
 TEST(PlaneAnchor, SlantedPlaneStaysInPlace) {
     const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, 3));
     const glm::dvec3 along = glm::normalize(glm::cross(normal, glm::dvec3(0, 1, 0)));

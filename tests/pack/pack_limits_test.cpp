@@ -51,42 +51,26 @@ TEST(PackFeatures, EmptySceneUsesNothing) {
 }
 
 TEST(PackFeatures, Primitives) {
-    Scene scene;
-    addObject(scene, MeshShape{gridMesh(1)});
-    SceneFeatures expected;
-    expected.triangles = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-
-    auto smooth = gridMesh(1);
+    const auto smooth = gridMesh(1);
     smooth->normals = {{0, 0, 1}};
     smooth->normalCorners.assign(2, {0, 0, 0});
-    addObject(scene, MeshShape{smooth});
-    expected.vertexNormals = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-
-    addObject(scene, SphereShape{{0, 0, 0}, 1});
-    expected.spheres = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-
-    addObject(scene, PlaneShape{});
-    expected.planes = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-
-    addObject(scene, PolygonShape{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}});
-    expected.polygons = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-
-    addObject(scene, DiscShape{});
-    expected.discs = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-
-    addObject(scene, EllipsoidShape{});
-    expected.quadrics = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-
-    addObject(scene, SphereShape{{0, -1000, 0}, 1000});  // eye at (0, 0, 5): 0.0125 above it
-    expected.anchoredSpheres = true;
-    EXPECT_EQ(featuresOf(scene), expected);
+    const std::pair<Shape, bool SceneFeatures::*> steps[] = {
+        {MeshShape{gridMesh(1)}, &SceneFeatures::triangles},
+        {MeshShape{smooth}, &SceneFeatures::vertexNormals},
+        {SphereShape{{0, 0, 0}, 1}, &SceneFeatures::spheres},
+        {PlaneShape{}, &SceneFeatures::planes},
+        {PolygonShape{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}, &SceneFeatures::polygons},
+        {DiscShape{}, &SceneFeatures::discs},
+        {EllipsoidShape{}, &SceneFeatures::quadrics},
+        // The eye at (0, 0, 5) is 0.0125 above it.
+        {SphereShape{{0, -1000, 0}, 1000}, &SceneFeatures::anchoredSpheres}};
+    Scene scene;
+    SceneFeatures expected;
+    for (const auto& [shape, feature] : steps) {
+        addObject(scene, shape);
+        expected.*feature = true;
+        EXPECT_EQ(featuresOf(scene), expected) << scene.objects.size();
+    }
 }
 
 // What the kernels leave out where they are false, and would draw other pictures if they were so by mistake.
@@ -122,43 +106,29 @@ TEST(PackFeatures, DroppedTrianglesDoNotCount) {
 }
 
 TEST(PackFeatures, Lights) {
-    Scene scene;
-    scene.lights.push_back(PointLight{{0, 1, 0}, {1, 1, 1}, Falloff::InverseSquare});
-    SceneFeatures expected;
-    expected.pointLights = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-    scene.lights[0] = DirectionalLight{};
-    expected = {};
-    expected.directionalLights = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-    for (const Falloff falloff : {Falloff::None, Falloff::InverseSquare}) {
-        scene.lights[0] = SpotLight{.falloff = falloff};
-        expected = {};
-        expected.spotLights = true;
-        EXPECT_EQ(featuresOf(scene), expected);
+    const std::pair<Light, SceneFeatures> lights[] = {
+        {PointLight{{0, 1, 0}, {1, 1, 1}, Falloff::InverseSquare}, {.pointLights = true}},
+        {DirectionalLight{}, {.directionalLights = true}},
+        {SpotLight{}, {.spotLights = true}},
+        {SpotLight{.falloff = Falloff::InverseSquare}, {.spotLights = true}}};
+    for (const auto& [light, expected] : lights) {
+        Scene scene;
+        scene.lights = {light};
+        EXPECT_EQ(featuresOf(scene), expected) << light.index();
     }
 }
 
-TEST(PackFeatures, ParallelCamera) {
-    Scene scene;
-    scene.camera.planeNormal = {0, 1, 1};
-    EXPECT_EQ(featuresOf(scene), SceneFeatures{});  // oblique perspective: rays from the eye
-    scene.camera.projection = Projection::Orthographic;
-    SceneFeatures expected;
-    expected.parallelCamera = true;
-    EXPECT_EQ(featuresOf(scene), expected);
+TEST(PackFeatures, Cameras) {
+    Scene parallel, lens;
+    parallel.camera.planeNormal = {0, 1, 1};
+    EXPECT_EQ(featuresOf(parallel), SceneFeatures{});  // oblique perspective: rays from the eye
+    parallel.camera.projection = Projection::Orthographic;
+    EXPECT_EQ(featuresOf(parallel), SceneFeatures{.parallelCamera = true});
+    lens.camera.lensRadius = 0.1;
+    EXPECT_EQ(featuresOf(lens), SceneFeatures{.thinLens = true});
 }
 
-TEST(PackFeatures, ThinLens) {
-    Scene scene;
-    scene.camera.lensRadius = 0.1;
-    SceneFeatures expected;
-    expected.thinLens = true;
-    EXPECT_EQ(featuresOf(scene), expected);
-}
-
-// Only materials that something wears count, however it wears them, and mirrors only if a reflection may be
-// followed.
+// Only materials that something wears count, however it wears them, and mirrors only if paths may reflect.
 TEST(PackFeatures, MaterialsInUse) {
     Scene plain;
     plain.materials.resize(3);

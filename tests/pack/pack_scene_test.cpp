@@ -94,8 +94,7 @@ TEST(PackScene, TrianglesKeepTheirVerticesInOrder) {
     EXPECT_EQ(t->v2, glm::vec3(0, 1, 0));
 }
 
-// Every leaf's run of primitives lies inside the leaf's box, and the leaves together name each primitive
-// once.
+// Every leaf's primitives lie inside the leaf's box, and the leaves together name each primitive once.
 TEST(PackScene, LeavesNameTheirPrimitives) {
     Scene scene = mixedScene();
     for (int i = 0; i < 300; ++i) addObject(scene, SphereShape{{i % 7, i % 11, i % 13}, 0.1 + 0.001 * i}, 1);
@@ -207,8 +206,7 @@ TEST(PackScene, DropsWhatCannotBeHit) {
     EXPECT_TRUE(glm::all(glm::lessThan(glm::abs(packed.boundsHi), glm::vec3(3))));
 }
 
-// Area in double, none in fp32: at 2^24 its spacing is 2, so a height of 0.5 rounds away; the eye's distance
-// keeps the origin at 0.
+// Area in double, none in fp32: at 2^24 its spacing is 2, so a height of 0.5 rounds away.
 TEST(PackScene, AreaIsJudgedAfterRounding) {
     const double far = 16777216;
     Scene scene;

@@ -45,8 +45,7 @@ TEST(QuadricExtent, LeaningParaboloidBulgesBelowItsVertex) {
     EXPECT_NEAR(e.hi.y, 1, 1e-14);
 }
 
-// They keep their transforms and are no instances: the region that the local frame is chosen by holds them,
-// too.
+// They keep their transforms and are no instances: the region that the local frame is chosen by holds them.
 TEST(QuadricExtent, TransformedQuadricsHaveARegion) {
     Scene scene;
     Affine map;

@@ -42,8 +42,7 @@ TEST(AreaVector, CollinearOnIntegerLattice) {
     }
 }
 
-// Coordinates of such different sizes that even edges round in double, on one line: y = x, with 2^40 and
-// 2^-40.
+// Coordinates of so different sizes that even edges round in double, on one line: y = x, with 2^40 and 2^-40.
 TEST(AreaVector, CollinearOverEightyBits) {
     const float big = std::ldexp(1.0f, 40), small = std::ldexp(1.0f, -40);
     EXPECT_EQ(areaVector({small, small, 0}, {big, big, 0}, {3, 3, 0}), glm::dvec3(0));
@@ -55,8 +54,7 @@ TEST(AreaVector, CollinearOverEightyBits) {
     EXPECT_DOUBLE_EQ(n.z, 3.0 * small - 1.0);
 }
 
-// A needle one ulp high far from the axes: base b - a = (1, 1, 1), apex raised by one ulp of z off the
-// middle.
+// A needle one ulp high far from the axes: base b - a = (1, 1, 1), apex an ulp of z off the middle.
 TEST(AreaVector, ThinnestNeedleHasItsNormal) {
     const glm::vec3 a(1, 1, 1), b(2, 2, 2), c(1.5f, 1.5f, 1.5f + kUlp);
     // (1,1,1) x (0.5, 0.5, 0.5 + e) = (e, -e, 0)
@@ -85,8 +83,7 @@ TEST(AreaVector, EndsOfTheRange) {
     EXPECT_EQ(areaVector({-most, 0, 0}, {most, 0, 0}, {-most, most, 0}), glm::dvec3(0, 0, 2 * m * m));
 }
 
-// Triangles cut into boxes: together they hold the triangle, and they are smaller where its own box was
-// mostly empty.
+// Triangles cut into boxes, which hold the triangle and are smaller where its own box was mostly empty.
 
 using namespace test;
 

@@ -30,8 +30,7 @@ std::optional<Hit> hitDisc(const vec3& center, const vec3& normal, float radius,
     return hitOnly(maker, ray);
 }
 
-// A 3-4-5 triangle: (0.6, 0.8) is on the rim in exact arithmetic, but not as floats; (3, 4) of radius 5 is
-// both.
+// A 3-4-5 triangle: (0.6, 0.8) is on the rim, but not as floats; (3, 4) of radius 5 is both.
 TEST(ReferenceDisc, TheRimIsAHit) {
     const vec3 up(0, 0, 1);
     for (const dvec3 p : {dvec3(0, 0, 2), dvec3(3, 4, 2), dvec3(-4, 3, 2), dvec3(5, 0, 2)}) {
@@ -148,8 +147,7 @@ TEST(ReferencePolygon, NeedlessVertices) {
     }
 }
 
-// Of polygons that meet in an edge, any ray through the edge hits exactly one, also where their planes
-// differ.
+// Of polygons that meet in an edge, in one plane or not, any ray through the edge hits exactly one.
 TEST(ReferencePolygon, SharedEdges) {
     Random random(75);
     for (int i = 0; i < 300; ++i) {

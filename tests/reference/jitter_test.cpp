@@ -65,9 +65,8 @@ TEST_F(ReferenceJitter, FindsShadowEdges) {
     const SceneTracer tracer(maker);
     const auto shadowed = [&](double x) {
         int count = 0;
-        for (uint64_t seed = 1; seed <= 64; ++seed) {
+        for (uint64_t seed = 1; seed <= 64; ++seed)
             count += tracer.trace(rayTowards({x - 1, 1, .3}, {x, 0, .3}), {seed, 4}).shadowBits != 0;
-        }
         return count;
     };
     EXPECT_EQ(shadowed(-1e-4), 0);

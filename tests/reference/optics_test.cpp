@@ -1,5 +1,4 @@
-// Dielectrics of the reference: Snell, Fresnel, total reflection, slabs and lists of media, against closed
-// forms.
+// Dielectrics of the reference against closed forms: Snell, Fresnel, total reflection, slabs, lists of media.
 #include "reference/scatter.h"
 
 #include <gtest/gtest.h>

@@ -9,7 +9,6 @@ namespace glint::reference::test::quadric_test {
 using namespace glint::test;
 
 using glm::dvec3;
-using glm::vec3;
 
 PackedScene packed(const Shape& shape, std::optional<Affine> transform = {}) {
     Scene scene;
@@ -57,8 +56,7 @@ TEST(ReferenceQuadric, ConesOfTheRayTracerChallenge) {
     expectHits(hitsOf(cone, {0, 0, -1}, glm::normalize(dvec3(0, 1, 1))), {std::sqrt(0.5)}, 1e-9);
 }
 
-// (t - 2)^2 - z^2 t^2 = 1, solved in decimal arithmetic of 40 digits for the directions (1, 0, z) as rounded
-// to fp32.
+// (t - 2)^2 - z^2 t^2 = 1, solved with 40 decimal digits for the directions (1, 0, z) as rounded to fp32.
 TEST(ReferenceQuadric, HyperboloidAlongItsAsymptote) {
     const Shape shape = general({1, 1, -1, 0, 0, 0, 0, 0, 0, -1}, 0x1p25);
     expectHits(hitsOf(shape, {-2, 0, 0}, {1, 0, 1}), {0.75}, 0);

@@ -3,10 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cmath>
-#include <mutex>
-
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::render_test {

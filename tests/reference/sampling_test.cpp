@@ -1,11 +1,9 @@
-// Sample points, filters, the disc map and the lens: against their papers' formulas and what they must
-// satisfy.
+// Sample points, filters, the disc map and the lens against their papers' formulas.
 #include "reference/sampling.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -17,13 +15,7 @@
 
 namespace glint::reference::sampling_test {
 ImageSettings settingsOf(Sampler sampler, Filter filter, double radius, int spp) {
-    ImageSettings image;
-    image.sampler = sampler;
-    image.filter = filter;
-    image.filterRadius = radius;
-    image.samplesPerPixel = spp;
-    image.seed = 7;
-    return image;
+    return {.samplesPerPixel = spp, .sampler = sampler, .filter = filter, .filterRadius = radius, .seed = 7};
 }
 
 // pcg4d as printed by Jarzynski and Olano (JCGT 9(3), 2020), statement by statement.
@@ -113,8 +105,7 @@ TEST(Sampling, SobolsFirstPoints) {
     EXPECT_EQ(sobolPoint(2), (FixedPoint{quarter, three, three, three}));
 }
 
-// Scrambled or not, 2^m points have one in each elementary interval of the film: 2^a columns and 2^(m-a)
-// rows.
+// Scrambled or not, 2^m points have one in each elementary interval of the film: 2^a columns, 2^(m-a) rows.
 TEST(Sampling, LowDiscrepancyStratifies) {
     constexpr int m = 6;
     const PackedSamples samples =
@@ -153,8 +144,7 @@ TEST(Sampling, CellsFillTheSquare) {
     }
 }
 
-// Places of one sample, film and lens, in a square of pixels, each dimension with mean 0 and variance 1 if it
-// is uniform.
+// Places of one sample, film and lens, in a square of pixels; mean 0 and variance 1 if they are uniform.
 constexpr int kSide = 64;
 // Standard deviations of a mean of products of such numbers.
 constexpr double kSigma = 1.0 / kSide;

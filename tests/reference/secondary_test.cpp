@@ -50,8 +50,7 @@ TEST(ReferenceShadow, OneBitForEachLight) {
     EXPECT_EQ(record.path[0].occluded, (std::vector<uint8_t>{1, 0, 0, 1, 0}));
 }
 
-// A convex body alone never shadows its lit side. Sizes and offsets as of fp32: left out where the size is
-// below the ulp.
+// A convex body alone never shadows its lit side. Left out where a size of fp32 is below the ulp.
 struct Lighting {
     SceneMaker maker;
     Random random{81};
@@ -73,8 +72,7 @@ struct Lighting {
             const dvec3 eye = center + size * (i % 10 == 0 ? 1e5 : 4.0) * random.direction();
             const Ray ray = rayTowards(eye, target());
             const PixelRecord record = tracer.trace(ray);
-            // At an outline's edge the tie of the two faces may go to the far one, which is then seen from
-            // inside.
+            // At an outline's edge the tie of the two faces may go to the far one, seen from inside.
             const bool inside = record.hit && glm::dot(record.surface->geometricNormal, ray.direction) > 0;
             if (solid && inside) continue;
             shadowed += record.shadowBits != 0;
@@ -108,8 +106,7 @@ TEST(ReferenceAcne, PlanesDoNotShadowThemselves) {
     });
 }
 
-// Aimed at faces and, at every second ray, next to the edges, where the neighbouring face would catch a ray
-// that starts too low.
+// Aimed at faces and next to edges, where the neighbouring face would catch a ray that starts too low.
 TEST(ReferenceAcne, CubesDoNotShadowThemselves) {
     for (const double size : {0x1p-10, 1.0, 1024.0}) {
         for (const double offset : {0.0, 1.0, 1024.0, 0x1p20}) {

@@ -70,8 +70,7 @@ TEST(ReferenceShading, LambertAndFalloff) {
         << "seen from the unlit side";
 }
 
-// View and light 45 degrees apart, the light along the normal: n.h = cos(pi/8), whose square is (2 + sqrt 2)
-// / 4.
+// View and light 45 degrees apart, the light along the normal: n.h = cos(pi/8), squared (2 + sqrt 2) / 4.
 TEST(ReferenceShading, HighlightByHand) {
     SceneMaker maker;
     const uint32_t shiny = maker.material(vec3(0), {1, .5f, 0}, 2);
@@ -161,8 +160,7 @@ TEST(ReferenceShading, VertexNormals) {
     }
 }
 
-// Different normals at the vertices: weights (1-u-v), u, v. At the edge's middle of n0 = +x tilted and n1 the
-// sum is along z.
+// Different normals at the vertices: weights (1-u-v), u, v. At an edge's middle the sum is along z.
 TEST(ReferenceShading, VertexNormalsInterpolate) {
     SceneMaker maker;
     shared::VertexNormals normals;
@@ -198,8 +196,7 @@ TEST(ReferenceMirror, CorridorIsAGeometricSeries) {
     }
 }
 
-// A slanted corridor between two triangles, then out into the background; where it reflects follows by
-// unfolding.
+// A slanted corridor between two triangles, then the background; where it reflects follows by unfolding.
 TEST(ReferenceMirror, SlantedCorridorLeavesWithTheBackground) {
     SceneMaker maker;
     const uint32_t mirror = maker.material(vec3(0), vec3(0), 1, vec3(.5f));
@@ -351,9 +348,8 @@ TEST(ReferenceSpot, JitterFindsTheEdge) {
     const SceneTracer tracer(maker);
     const auto lit = [&](double x) {
         int count = 0;
-        for (uint64_t seed = 1; seed <= 64; ++seed) {
+        for (uint64_t seed = 1; seed <= 64; ++seed)
             count += tracer.trace(rayTowards({x, 1, 1}, {x, 0, 0}), {seed, 4}).color.x > 0;
-        }
         return count;
     };
     EXPECT_EQ(lit(2 - 1e-4), 64);

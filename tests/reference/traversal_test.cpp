@@ -46,8 +46,7 @@ TEST(ReferencePlane, SurfaceLiesOnThePlane) {
     }
 }
 
-// One triangle whose vertices and edges lie on the faces of its box [0, 1]^2 x {0.5}, along rays with zeros
-// of either sign.
+// One triangle with vertices and edges on its box, [0, 1]^2 x {0.5}, along rays with zeros of either sign.
 TEST(ReferenceBoxes, AreClosedForParallelRays) {
     SceneMaker maker;
     maker.triangle({0, 0, .5f}, {1, 0, .5f}, {0, 1, .5f});
@@ -85,9 +84,8 @@ TEST(ReferenceBoxes, EmptyBoxIsNeverEntered) {
         scene.nodes[0].hi0 = vec3(-huge);
         const Tracer tracer(scene);
         Random random(43);
-        for (int i = 0; i < 1000; ++i) {
+        for (int i = 0; i < 1000; ++i)
             EXPECT_FALSE(tracer.closest(rayTowards(random.box(2), {.25, .25, .5})));
-        }
         EXPECT_FALSE(tracer.closest(makeRay({.25, .25, 0}, {0, 0, 1})));
     }
 }

@@ -1,7 +1,6 @@
 // The account of lost branches, by itself: how far it may be off.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <functional>
 #include <limits>
 

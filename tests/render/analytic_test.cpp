@@ -11,12 +11,7 @@ constexpr float kUnit = 0x1p-24f;
 
 class AnalyticTest : public RenderTest {
   protected:
-    static RayHit hitOf(const PackedScene& scene, const RayInput& ray) {
-        RayTracer renderer(device(), scene);
-        const RayHit hit = renderer.trace({ray}, false)[0];
-        EXPECT_EQ(renderer.trace({ray}, true)[0].hit, hit.hit) << text(ray);
-        return hit;
-    }
+    using RenderTest::hitOf;
     static RayHit hitOf(const Scene& scene, const RayInput& ray) {
         const PackedScene packed = packScene(scene);
         EXPECT_EQ(packed.origin, dvec3(0));
@@ -132,22 +127,19 @@ TEST_F(AnalyticTest, RimSidesAndEdgeOfADisc) {
                                           rayOf({1, 1, 0}, {0, 0, 1}),   // t = 0
                                           rayOf({1, 1, 1}, {0, 0, 1})};  // behind
     const PackedScene packed = packScene(scene);
-    RayTracer renderer(device(), packed);
-    for (const RayHit& h : renderer.trace(hit, false)) {
+    for (const RayHit& h : hitsOf(packed, hit)) {
         ASSERT_TRUE(h.hit);
         EXPECT_EQ(h.t, 2);
         EXPECT_EQ(h.data.geometricNormal, vec3(0, 0, 1));
         EXPECT_EQ(h.data.u, 0);
     }
-    EXPECT_EQ(misses(renderer.trace(hit, true)), 0u);
-    EXPECT_EQ(misses(renderer.trace(missed, false)), missed.size());
-    EXPECT_EQ(misses(renderer.trace(missed, true)), missed.size());
+    EXPECT_EQ(missesOf(packed, hit), 0u);
+    EXPECT_EQ(missesOf(packed, missed), missed.size());
 }
 
 // ---- intervals, ties, rays that are none ----
 
-// Surfaces that the ray (x, y, 4) + t (0, 0, -1) meets at exactly t = 4; every step of the arithmetic is
-// exact.
+// Surfaces that the ray (x, y, 4) + t (0, 0, -1) meets at exactly t = 4, without any rounding.
 std::vector<void (*)(Scene&)> surfacesAtFour() {
     return {[](Scene& s) {
                 addTriangle(s, {-2, -2, 0}, {2, -2, 0}, {0, 2, 0});
@@ -225,18 +217,14 @@ TEST_F(AnalyticTest, RaysThatAreNoneMiss) {
         rays.push_back(rayOf(vec3(value), vec3(value)));
     }
     const PackedScene packed = packScene(scene);
-    RayTracer renderer(device(), packed);
-    EXPECT_EQ(misses(renderer.trace(rays, false)), rays.size());
-    EXPECT_EQ(misses(renderer.trace(rays, true)), rays.size());
+    EXPECT_EQ(missesOf(packed, rays), rays.size());
     ASSERT_TRUE(hitOf(packed, rayOf({0, 0, 4}, {0, 0, -1})).hit);
 }
 
 TEST_F(AnalyticTest, EmptySceneAndNoRays) {
     const PackedScene packed = packScene(emptyScene());
-    RayTracer renderer(device(), packed);
-    EXPECT_TRUE(renderer.trace({}, false).empty());
-    EXPECT_EQ(misses(renderer.trace({rayOf({0, 0, 4}, {0, 0, -1})}, false)), 1u);
-    EXPECT_EQ(misses(renderer.trace({rayOf({0, 0, 4}, {0, 0, -1})}, true)), 1u);
+    EXPECT_TRUE(hitsOf(packed, {}).empty());
+    EXPECT_FALSE(hitOf(packed, rayOf({0, 0, 4}, {0, 0, -1})).hit);
 }
 
 // More rays than one batch holds, each with a hit of its own.
@@ -246,9 +234,7 @@ TEST_F(AnalyticTest, ManyRaysComeBackInOrder) {
     std::vector<RayInput> rays;
     for (uint32_t i = 0; i < 150000; ++i)
         rays.push_back(rayOf({0, 0, 1.0f + static_cast<float>(i)}, {0, 0, -1}));
-    const PackedScene packed = packScene(scene);
-    RayTracer renderer(device(), packed);
-    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    const std::vector<RayHit> hits = hitsOf(packScene(scene), rays);
     for (uint32_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].t, 1.0f + static_cast<float>(i));
 }
 

@@ -42,8 +42,7 @@ class ArithmeticTest : public RenderTest {
         return {results, results + cases.size()};
     }
 
-    // The greatest `error` of `make`'s operands is within the bound, and no greater than that of GLSL's
-    // function.
+    // The greatest `error` of `make`'s operands is within the bound, and no greater than GLSL's own.
     void expectWithin(double bound, const char* what, const std::function<Operands(std::mt19937&)>& make,
                       const std::function<double(const Operands&, const Result&)>& error) {
         std::mt19937 random(7);

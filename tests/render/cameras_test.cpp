@@ -1,6 +1,5 @@
 // Parallel and oblique cameras: what each pixel must see, by geometry.
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <stdexcept>
 
@@ -83,9 +82,7 @@ TEST_F(CameraTest, AParallelCameraNeedsAPipelineWithOne) {
     Case c = makeCase(scene, kWidth, kHeight);
     c.camera = packCamera(orthographicScene().camera, kWidth, kHeight, c.packed.origin);
     EXPECT_THROW(draw(device(), c), std::invalid_argument);
-    Options full;
-    full.leaveOut = false;
-    EXPECT_NEAR(draw(device(), c, full).at(3, 3).depth, 10, kRounding);
+    EXPECT_NEAR(draw(device(), c, {.leaveOut = false}).at(3, 3).depth, 10, kRounding);
 }
 
 }  // namespace glint::render::test::cameras_test

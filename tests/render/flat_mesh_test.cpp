@@ -2,7 +2,6 @@
 // rounding may take it over an edge, and in a plane through the origin of coordinates no error bound lifts it
 // off.
 #include <cmath>
-#include <filesystem>
 
 #include "mutant_kernels.h"
 #include "support.h"
@@ -12,16 +11,8 @@ namespace glint::render::test::flat_mesh_test {
 using glm::dvec3;
 
 std::shared_ptr<const Mesh> flatGrid(uint32_t count, double cell, const dvec3& from) {
-    auto mesh = std::make_shared<Mesh>();
-    for (uint32_t i = 0; i <= count; ++i)
-        for (uint32_t j = 0; j <= count; ++j) mesh->positions.push_back(from + dvec3(i * cell, 0, j * cell));
-    for (uint32_t i = 0; i < count; ++i) {
-        for (uint32_t j = 0; j < count; ++j) {
-            const uint32_t a = i * (count + 1) + j, b = a + count + 1;
-            mesh->corners.emplace_back(a, a + 1, b);
-            mesh->corners.emplace_back(a + 1, b + 1, b);
-        }
-    }
+    auto mesh = glint::test::gridMesh(count);
+    for (dvec3& p : mesh->positions) p = from + cell * dvec3(p.y, 0, p.x);
     return mesh;
 }
 

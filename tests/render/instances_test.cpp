@@ -2,7 +2,6 @@
 // flattened copies, trips. The parser's tests hold T76 (singular transforms).
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "core/error.h"
@@ -12,25 +11,16 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::instances_test {
-using glm::dmat3;
 using glm::dvec3;
 
 // A closed surface with a bump here and there, of 2 n n triangles; large enough to be worth storing once.
 std::shared_ptr<const Mesh> bumpyBall(uint32_t n = 48) {
-    auto mesh = std::make_shared<Mesh>();
-    for (uint32_t i = 0; i <= n; ++i)
-        for (uint32_t j = 0; j <= n; ++j) {
-            const double a = std::numbers::pi * i / n, b = 2 * std::numbers::pi * (j % n) / n;
-            const double r = 1 + 0.15 * std::sin(5 * b) * std::sin(a) * std::sin(3 * a);
-            const dvec3 p = r * dvec3(std::sin(a) * std::cos(b), std::cos(a), std::sin(a) * std::sin(b));
-            mesh->positions.push_back(dvec3(glm::vec3(p)));
-        }
-    for (uint32_t i = 0; i < n; ++i)
-        for (uint32_t j = 0; j < n; ++j) {
-            const uint32_t p = i * (n + 1) + j, q = p + n + 1;
-            mesh->corners.emplace_back(p, p + 1, q);
-            mesh->corners.emplace_back(p + 1, q + 1, q);
-        }
+    auto mesh = glint::test::gridMesh(n);
+    for (dvec3& p : mesh->positions) {
+        const double a = std::numbers::pi * p.y / n, b = 2 * std::numbers::pi * std::fmod(p.x, n) / n;
+        const double r = 1 + 0.15 * std::sin(5 * b) * std::sin(a) * std::sin(3 * a);
+        p = glm::vec3(r * dvec3(std::sin(a) * std::cos(b), std::cos(a), std::sin(a) * std::sin(b)));
+    }
     return mesh;
 }
 
@@ -60,11 +50,6 @@ double angle(const dvec3& a, const dvec3& b) {
 
 class InstanceTest : public RenderTest {
   protected:
-    static std::vector<RayHit> hitsOf(const PackedScene& packed, const std::vector<RayInput>& rays,
-                                      const Options& options = {}) {
-        RayTracer renderer(device(), packed, options);
-        return renderer.trace(rays, false);
-    }
     // Twelve turned, stretched and mirrored balls, two ellipsoids and an ellipse.
     static Scene crowd() {
         Scene scene = emptyScene();
@@ -337,7 +322,7 @@ TEST_F(InstanceTest, TwoBillionTriangles) {
     const PackedScene packed = packScene(scene);
     ASSERT_EQ(packed.instances.size(), 5005u);
     // From behind the last one.
-    const RayHit hit = hitsOf(packed, {rayOf({0.3f, 0.6f, -60}, {0, 0, 1})})[0];
+    const RayHit hit = hitOf(packed, rayOf({0.3f, 0.6f, -60}, {0, 0, 1}));
     ASSERT_TRUE(hit.hit);
     EXPECT_EQ(hit.data.object, 5004u);
     const reference::Tracer tracer(packed);

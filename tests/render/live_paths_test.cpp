@@ -1,5 +1,4 @@
-// Kernels that run over the list of paths that go on: the rule, what it saves, and that the image stays the
-// same to the bit.
+// Kernels that run over the list of paths that go on: the rule, what it saves, and the same bits.
 #include "render/path_state.h"
 
 #include "render/path_limits.h"
@@ -65,21 +64,9 @@ Request settingsOf(const Case& c) {
 
 class LivePathsImageTest : public RenderTest {
   protected:
-    struct Drawn {
-        Picture picture;
-        StageTimes times;
-        RayCounts rays;
-    };
-    // By default with a kernel for each step: whole.comp keeps no lists.
-    static Drawn drawn(const Case& c, const Request& settings, Options options = {},
-                       WholePaths whole = WholePaths::Off) {
-        options.wholePaths = whole;
-        Renderer renderer(device(), c.packed, options);
-        Drawn result;
-        result.picture = renderer.render(c.camera, settings);
-        result.times = renderer.times();
-        result.rays = renderer.rays();
-        return result;
+    // With a kernel for each step: whole.comp keeps no lists.
+    static Drawn drawn(const Case& c, const Request& settings, const Options& options = {}) {
+        return RenderTest::drawn(c, settings, WholePaths::Off, options);
     }
 };
 
@@ -92,9 +79,7 @@ TEST_F(LivePathsImageTest, UnfinishedRaysOfListedPathsAreResumed) {
             Request settings = settingsOf(c);
             settings.data = settings.cost = settings.ledger = data;
             for (const uint32_t budget : {1u, 6u}) {
-                Options tight;
-                tight.tripBudget = budget;
-                const Drawn listed = drawn(c, settings, tight);
+                const Drawn listed = drawn(c, settings, {.tripBudget = budget});
                 EXPECT_EQ(listed.picture.color.pixels, expected.color.pixels)
                     << name << ", budget " << budget;
                 EXPECT_GT(listed.times.resumes, 0u) << name;
@@ -114,9 +99,7 @@ TEST_F(LivePathsImageTest, SlicesOfRegionsDrawTheSame) {
     const Case c = fileCase("spheres", 65, 63);
     Request settings = settingsOf(c);
     settings.region = {3, 5, 61, 44};
-    Options sliced;
-    sliced.maxSlicePixels = 512;
-    const Drawn one = drawn(c, settings), many = drawn(c, settings, sliced);
+    const Drawn one = drawn(c, settings), many = drawn(c, settings, {.maxSlicePixels = 512});
     EXPECT_GT(many.times.slices, 2u);
     EXPECT_TRUE(sameBits(many.picture, one.picture));
     EXPECT_TRUE(sameLosses(many.picture, one.picture));
@@ -132,7 +115,7 @@ TEST_F(LivePathsImageTest, LeastContributionsAreAccountedForTheSame) {
         Request settings = settingsOf(c);
         settings.limits.minContribution = 0.5;
         settings.data = settings.cost = settings.tally = false;
-        const Drawn listed = drawn(c, settings), whole = drawn(c, settings, {}, WholePaths::On);
+        const Drawn listed = drawn(c, settings), whole = RenderTest::drawn(c, settings, WholePaths::On);
         EXPECT_GT(listed.picture.losses.cut.count, 0u) << name;
         EXPECT_GT(whole.times.kernels.whole, 0) << name;
         EXPECT_TRUE(sameBits(listed.picture, whole.picture)) << name;

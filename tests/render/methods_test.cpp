@@ -1,15 +1,11 @@
 // The textbooks' intersection tests: the same hits where nothing is hard, and their faults where it is.
 #include <cmath>
-#include <limits>
 
 #include "reference/tracer.h"
 #include "support.h"
 
 namespace glint::render::test::methods_test {
 using glm::dvec3;
-using glm::vec3;
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 constexpr TriangleMethod kTriangleMethods[] = {TriangleMethod::Watertight, TriangleMethod::Barycentric,
                                                TriangleMethod::Projection, TriangleMethod::Planar3d};

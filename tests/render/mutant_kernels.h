@@ -7,8 +7,7 @@
 
 namespace glint::render::test {
 
-// The renderer's kernels, some of them with the defect. Throws std::out_of_range for an
-// unknown name.
+// The renderer's kernels with the defect. Throws std::out_of_range for an unknown name.
 KernelCode mutantKernels(const std::string& name);
 
 }  // namespace glint::render::test

@@ -1,5 +1,4 @@
-// Does verify find a defect in a shader? Each mutant of mutants.cmake has one; the shaders themselves have
-// none.
+// Does verify find a defect in a shader? Each mutant of mutants.cmake has one; the shaders have none.
 #include <cmath>
 
 #include "import/load.h"

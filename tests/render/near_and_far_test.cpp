@@ -95,8 +95,7 @@ class FarSceneTest : public RenderTest {
     }
 };
 
-// From 0 the coordinates' last place is a quarter of a pane's thickness: the next ray's origin passes its
-// back.
+// From 0 the coordinates' last place is a quarter of a pane's thickness: the next ray begins behind it.
 TEST_F(FarSceneTest, PanesAFewRoundingsThick) {
     const dvec3 middle(2587, 4, 126);
     Scene scene = emptyScene();

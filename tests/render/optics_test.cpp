@@ -50,20 +50,9 @@ void addBox(Scene& scene, const dvec3& lo, const dvec3& hi, uint32_t material) {
     std::vector<dvec3> corners;
     for (int i = 0; i < 8; ++i)
         corners.push_back({i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z});
-    addMesh(scene, corners,
-            {{0, 2, 3},
-             {0, 3, 1},
-             {4, 5, 7},
-             {4, 7, 6},
-             {0, 1, 5},
-             {0, 5, 4},
-             {2, 6, 7},
-             {2, 7, 3},
-             {0, 4, 6},
-             {0, 6, 2},
-             {1, 3, 7},
-             {1, 7, 5}},
-            material);
+    const std::vector<glm::uvec3> sides = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                           {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    addMesh(scene, corners, sides, material);
 }
 
 // tests/stability/cases.md T91. What is refracted ends on black, so a white sky shows the reflectance alone.
@@ -139,8 +128,7 @@ TEST_F(OpticsTest, SlabShiftsWhatIsBehind) {
         scene.ambient = Color(1);
         const uint32_t glass = addGlass(scene, 1.5), white = addPaint(scene, Color(1));
         addBox(scene, {-10, -1, -10.5}, {10.25, 0, 10}, glass);
-        // In the plane through the unshifted ray, white on the side that the ray is shifted to, beyond the
-        // shift.
+        // In the plane through the unshifted ray, white on the side of the shift, beyond it.
         const dvec3 edge = 4.0 * d + (shift + nudge) * side;
         const dvec3 z(0, 0, 5);
         addPolygon(scene, {edge - z, edge + z, edge + 5.0 * side + z, edge + 5.0 * side - z}, white);
@@ -179,9 +167,7 @@ TEST_F(OpticsTest, ShadowsAreColoured) {
             EXPECT_NEAR(channel(whole, i), std::pow(t, 4) * std::exp(-1.75 * sigma), 2e-6) << i;
         }
         // In pieces: as many dispatches as it takes, in the order of the stackless walk.
-        Options few;
-        few.tripBudget = 2;
-        const Picture pieces = draw(device(), c, few);
+        const Picture pieces = draw(device(), c, {.tripBudget = 2});
         for (int i = 0; i < 3; ++i) EXPECT_NEAR(channel(pieces, i), channel(whole, i), 1e-6) << i;
     }
     Scene full = shadowScene(Light(sun));
@@ -207,9 +193,7 @@ TEST_F(OpticsTest, ShadowsCrossAnEdgeOnce) {
     const Case c = makeCase(scene, 12, 12);
     const double through = 0.25 * std::exp(-0.5 * 0.75);
     const Picture whole = draw(device(), c);
-    Options few;
-    few.tripBudget = 2;
-    const Picture pieces = draw(device(), c, few);
+    const Picture pieces = draw(device(), c, {.tripBudget = 2});
     const reference::Tracer tracer(c.packed);
     int inside = 0, onDiagonals = 0;
     for (int y = 0; y < c.height; ++y) {

@@ -95,9 +95,7 @@ TEST(TraversalRule, ScenesThatPacketsDoNotKnowAreTracedByLanes) {
 // ---- the same bits ----
 
 Options with(Traversal traversal) {
-    Options options;
-    options.traversal = traversal;
-    return options;
+    return {.traversal = traversal};
 }
 
 class PacketTest : public RenderTest {
@@ -113,9 +111,8 @@ class PacketTest : public RenderTest {
     }
     static void expectSameTrace(const PackedScene& packed, const std::vector<RayInput>& rays,
                                 uint32_t tripBudget = 0) {
-        Options packets = with(Traversal::Packet);
-        packets.tripBudget = tripBudget;
-        RayTracer lane(device(), packed, with(Traversal::Lane)), packet(device(), packed, packets);
+        RayTracer lane(device(), packed, with(Traversal::Lane)),
+            packet(device(), packed, {.tripBudget = tripBudget, .traversal = Traversal::Packet});
         ASSERT_TRUE(packet.traversal().packets);
         EXPECT_TRUE(sameBits(packet.trace(rays, false), lane.trace(rays, false), rays));
         const std::vector<RayHit> a = packet.trace(rays, true), b = lane.trace(rays, true);
@@ -234,9 +231,7 @@ TEST_F(PacketTest, AnyHitPacketsThatRunOutOfStackLoseNothing) {
     for (RayInput& ray : rays) ray.tMax = 10;
     const auto resumesOf = [&](const Case& c) {
         // More than all loops make here: not trips run out.
-        Options options = with(Traversal::Packet);
-        options.tripBudget = 7000;
-        RayTracer packet(device(), c.packed, options);
+        RayTracer packet(device(), c.packed, {.tripBudget = 7000, .traversal = Traversal::Packet});
         packet.trace(rays, true);
         return packet.resumes();
     };
@@ -286,9 +281,7 @@ Case needlesBehindAWall() {
 TEST_F(PacketTest, RaysThatLeaveANeedleReachTheWall) {
     const Case c = needlesBehindAWall();
     ASSERT_TRUE(c.packed.features.slivers);
-    Renderer packet(device(), c.packed, with(Traversal::Packet));
-    const Picture picture = draw(packet, c);
-    EXPECT_TRUE(sameBits(picture, draw(device(), c, with(Traversal::Lane))));
+    expectSamePicture(c);
 }
 
 }  // namespace glint::render::test::packet_test

@@ -1,7 +1,6 @@
 // What kernels know of the path they work on: its pixel, listed or not, and its sample's dimensions, which
 // are the reference's in every bit.
 #include <algorithm>
-#include <cstring>
 #include <numeric>
 
 #include "core/device_layout.h"
@@ -116,12 +115,8 @@ std::vector<Probed> PathTest::probe(const Slice& slice, const PackedSamples& sam
 }
 
 PackedSamples samplesOf(Sampler sampler, int count) {
-    ImageSettings image;
-    image.sampler = sampler;
-    image.filter = Filter::Tent;
-    image.filterRadius = 1;
-    image.samplesPerPixel = count;
-    image.seed = 11;
+    const ImageSettings image = {
+        .samplesPerPixel = count, .sampler = sampler, .filter = Filter::Tent, .filterRadius = 1, .seed = 11};
     return packSamples(image, true);
 }
 
@@ -186,8 +181,7 @@ TEST_F(PathTest, DimensionsAreTheReferences) {
     }
 }
 
-// Kernels are first run over these, and their lanes follow the numbers that they read: none may be what was
-// in the memory before.
+// Kernels are first run over these, whose numbers lanes follow: none may be what was in the memory before.
 TEST_F(PathTest, EndedPathsHaveNoNumberToFollow) {
     constexpr uint32_t kRows = shared::kPathRows + 6, kGroup = shared::kWorkgroupSize;
     const PathState state(device(), Access::TexelBuffer, 100, kRows);

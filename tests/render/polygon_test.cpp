@@ -16,10 +16,6 @@ const std::vector<dvec3> kDiamond = {{0, 1, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}}
 
 class PolygonTest : public RenderTest {
   protected:
-    static std::vector<RayHit> hitsOf(const PackedScene& packed, const std::vector<RayInput>& rays) {
-        RayTracer renderer(device(), packed);
-        return renderer.trace(rays, false);
-    }
     static Scene sceneOf(const std::vector<dvec3>& vertices) {
         Scene scene = emptyScene();
         addPolygon(scene, vertices);
@@ -27,8 +23,7 @@ class PolygonTest : public RenderTest {
     }
 };
 
-// tests/stability/cases.md T70 and T71 from above and below; T74 is the last polygon, the L with doubled and
-// collinear vertices.
+// tests/stability/cases.md T70 and T71 from both sides; T74 is the L with doubled and collinear vertices.
 TEST_F(PolygonTest, LevelWithVertices) {
     struct Point {
         float x, y;
@@ -80,7 +75,7 @@ TEST_F(PolygonTest, SharedEdges) {
                 rays.push_back(
                     rayTowards(dvec3(0, 0, 12) + random.box(3), glm::mix(a, b, random.uniform(0.01, 0.99))));
             const PackedScene packed = packScene(scene);
-            EXPECT_EQ(misses(hitsOf(packed, rays)), 0u) << fold << triangle;
+            EXPECT_EQ(missesOf(packed, rays), 0u) << fold << triangle;
             if (triangle) continue;
             // Alone, the two divide the rays among themselves.
             Scene one = emptyScene(), other = emptyScene();
@@ -120,7 +115,7 @@ TEST_F(PolygonTest, ClosedPrism) {
         const auto& edge = ends[random.below(4)];
         rays.push_back(rayTowards(from, glm::mix(edge[0], edge[1], random.uniform(0, 1)), i % 2));
     }
-    EXPECT_EQ(misses(hitsOf(packScene(scene), rays)), 0u);
+    EXPECT_EQ(missesOf(packScene(scene), rays), 0u);
 }
 
 // As many corners as a polygon may have.
@@ -149,17 +144,14 @@ TEST_F(PolygonTest, LongOutlinesHitAndMissed) {
         const double angle = random.uniform(0, 7), radius = nearest.back() + 0.5;
         rays.push_back(rayOf({radius * std::cos(angle), radius * std::sin(angle), 3}, {0, 0, -1}));
     }
-    RayTracer renderer(device(), packed);
-    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    const std::vector<RayHit> hits = hitsOf(packed, rays);
     for (size_t i = 0; i < rays.size(); ++i) {
         ASSERT_TRUE(hits[i].hit) << text(rays[i]);
         ASSERT_EQ(hits[i].data.object, nearest[i]) << text(rays[i]);
         ASSERT_EQ(hits[i].t, 3 + 0.125f * static_cast<float>(nearest[i]));
     }
     // A budget of one trip: every leaf in a dispatch of its own, and the same answers.
-    Options options;
-    options.tripBudget = 1;
-    RayTracer tight(device(), packed, options);
+    RayTracer tight(device(), packed, {.tripBudget = 1});
     const std::vector<RayInput> some(rays.begin(), rays.begin() + 64);
     EXPECT_TRUE(sameBits(tight.trace(some, false), {hits.begin(), hits.begin() + 64}, some));
     EXPECT_GT(tight.resumes(), 0u);

@@ -15,19 +15,15 @@ class RangeTest : public RenderTest {
     static RayHit hitOf(const Scene& scene, const RayInput& ray) {
         const PackedScene packed = packScene(scene);
         EXPECT_EQ(packed.origin, dvec3(0));
-        RayTracer renderer(device(), packed);
-        return renderer.trace({ray}, false)[0];
+        return RenderTest::hitOf(packed, ray);
     }
-    // A triangle, a sphere and a plane that rays down the z axis meet at z = 0; `size` is the triangle's and
-    // the sphere's.
+    // A triangle and a sphere of this size and a plane that rays down the z axis meet at z = 0.
     static std::vector<Scene> surfaces(double size) {
         std::vector<Scene> scenes(3, emptyScene());
         addTriangle(scenes[0], {-size, -size, 0}, {size, -size, 0}, {0, size, 0});
         addSphere(scenes[1], {0, 0, -size}, size);
         addPlane(scenes[2], {0, 0, 0}, {0, 0, 1});
-        for (Scene& scene : scenes) {
-            aim(scene.camera, {0, 0, 3 * size}, {0, 0, 0});
-        }
+        for (Scene& scene : scenes) aim(scene.camera, {0, 0, 3 * size}, {0, 0, 0});
         return scenes;
     }
 };
@@ -65,16 +61,14 @@ TEST_F(RangeTest, PowersOfTwoChangeNoDigit) {
     for (int i = 0; i < 2000; ++i)
         rays.push_back(rayTowards(random.box(2) + dvec3(0, 0, 3),
                                   {random.uniform(-1, 1), random.uniform(-1, 1), 0}, true));
-    RayTracer renderer(device(), unit);
-    const std::vector<RayHit> expected = renderer.trace(rays, false);
+    const std::vector<RayHit> expected = hitsOf(unit, rays);
     EXPECT_GT(rays.size() - misses(expected), 500u);
     for (const int exponent : {-30, -20, -10, -1, 1, 10, 20, 30}) {
         const float scale = std::ldexp(1.0f, exponent);
         const PackedScene packed = packScene(surfaces(scale)[0]);
         std::vector<RayInput> scaled = rays;
         for (RayInput& ray : scaled) ray.origin *= scale;
-        RayTracer other(device(), packed);
-        const std::vector<RayHit> hits = other.trace(scaled, false);
+        const std::vector<RayHit> hits = hitsOf(packed, scaled);
         for (size_t i = 0; i < rays.size(); ++i) {
             ASSERT_EQ(hits[i].hit, expected[i].hit) << exponent << ": " << text(scaled[i]);
             if (!hits[i].hit) continue;

@@ -123,8 +123,7 @@ TEST_F(RayQueriesTest, AnswersAreThoseOfTheSceneAfterAChange) {
     }
 }
 
-// Square sheets over each other, as in LibraryCrossings.ManySheets: along their diagonals rays hit edges, and
-// rays run out of trips.
+// Square sheets over each other, as in LibraryCrossings.ManySheets: rays hit edges and run out of trips.
 TEST_F(RayQueriesTest, CountsManySheets) {
     constexpr uint32_t kSheets = 9000;
     Random random(7);

@@ -60,8 +60,7 @@ TEST_F(RequestTest, OneRendererDrawsWhatOneForEachRequestDraws) {
     for (const char* name : {"corridor", "glass"}) {
         const Case c = fileCase(name, 40, 30);
         for (const Traversal traversal : {Traversal::Auto, Traversal::Lane}) {
-            Options options;
-            options.traversal = traversal;
+            Options options = {.traversal = traversal};
             Renderer renderer(device(), c.packed, options);
             std::vector<Picture> first;
             for (const Wish& wish : kWishes) {

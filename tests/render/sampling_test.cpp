@@ -18,13 +18,7 @@ Request settingsOf(const Case& c, const ImageSettings& image) {
 }
 
 ImageSettings imageOf(Sampler sampler, Filter filter, double radius, int spp) {
-    ImageSettings image;
-    image.sampler = sampler;
-    image.filter = filter;
-    image.filterRadius = radius;
-    image.samplesPerPixel = spp;
-    image.seed = 3;
-    return image;
+    return {.samplesPerPixel = spp, .sampler = sampler, .filter = filter, .filterRadius = radius, .seed = 3};
 }
 
 TEST_F(Sampling, VerifyExplainsEverySamplerAndFilter) {
@@ -65,9 +59,7 @@ TEST_F(Sampling, SlicesCropsAndOrderChangeNothing) {
         if (adaptive) image.adaptive = AdaptiveSampling{16, 0.1};
         const Request settings = settingsOf(c, image);
         Renderer whole(device(), c.packed);
-        Options small;
-        small.maxSlicePixels = 1024;
-        Renderer sliced(device(), c.packed, small);
+        Renderer sliced(device(), c.packed, {.maxSlicePixels = 1024});
         const Picture a = whole.render(c.camera, settings);
         EXPECT_TRUE(sameBits(a, sliced.render(c.camera, settings)));
         Request crop = settings;

@@ -61,10 +61,7 @@ TEST_F(ShadowTest, LightThatAddsNothingTakesNoRay) {
     aim(scene.camera, {0, 1, 0}, {0, 0, 0}, {0, 0, 1});
     const auto resumesOf = [&](const Scene& of, std::vector<float>& pixels) {
         const Case c = makeCase(of, 16, 16);
-        Options options;
-        options.tripBudget = 1;
-        options.traversal = Traversal::Lane;
-        Renderer renderer(device(), c.packed, options);
+        Renderer renderer(device(), c.packed, {.tripBudget = 1, .traversal = Traversal::Lane});
         Request settings;
         settings.width = settings.height = 16;
         const Picture picture = renderer.render(c.camera, settings);
@@ -89,9 +86,7 @@ TEST_F(ShadowTest, LightThatAddsNothingTakesNoRay) {
 class RayCountsTest : public RenderTest {
   protected:
     static RayCounts counted(const Case& c, uint32_t tripBudget = 0) {
-        Options options;
-        if (tripBudget > 0) options.tripBudget = tripBudget;
-        Renderer renderer(device(), c.packed, options);
+        Renderer renderer(device(), c.packed, {.tripBudget = tripBudget});
         Request request = wholeWithData(c);
         request.tally = true;
         renderer.render(c.camera, request);

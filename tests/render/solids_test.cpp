@@ -24,8 +24,7 @@ class SphereTest : public RenderTest {
         addSphere(scene, center, radius);
         const PackedScene packed = packScene(scene);
         EXPECT_EQ(packed.origin, dvec3(0));
-        RayTracer renderer(device(), packed);
-        const RayHit hit = renderer.trace({ray}, false)[0];
+        const RayHit hit = RenderTest::hitOf(packed, ray);
         return hit.hit ? std::optional<float>(hit.t) : std::nullopt;
     }
     static RayInput after(RayInput ray, float tMin) {
@@ -34,8 +33,7 @@ class SphereTest : public RenderTest {
     }
 };
 
-// Shirley and Marschner, Fundamentals of Computer Graphics: (1, 1, 1) - t (1, 1, 1) and the unit sphere, t =
-// 1 -+ 1 / sqrt(3).
+// Shirley and Marschner: (1, 1, 1) - t (1, 1, 1) and the unit sphere, t = 1 -+ 1 / sqrt(3).
 TEST_F(SphereTest, DiagonalThroughTheUnitSphere) {
     const RayInput ray = rayOf({1, 1, 1}, {-1, -1, -1});
     EXPECT_NEAR(hitOf({0, 0, 0}, 1, ray).value(), 1 - 1 / std::sqrt(3.0), 4 * kUnit);
@@ -65,8 +63,7 @@ TEST_F(SphereTest, Tangents) {
     EXPECT_EQ(hit(1.0000001f), std::nullopt);
 }
 
-// A ray that starts on a sphere of radius 1 sees its far side only: r = |2 b / a| with the start taken as
-// exactly on it.
+// A ray that starts on a sphere sees its far side only: r = |2 b / a|, the start taken as exactly on it.
 TEST_F(SphereTest, InsideAndOutside) {
     EXPECT_EQ(hitOf({0, 0, 0}, 1, rayOf({0, 0, 0.5f}, {0, 0, 1})), 0.5f);
     EXPECT_EQ(hitOf({0, 0, 0}, 1, rayOf({0, 0, 0.5f}, {0, 0, -1})), 1.5f);
@@ -85,8 +82,7 @@ class BoxTest : public RenderTest {
     // Of the device and, as a check on the test, of the reference, which must agree about what is hit.
     static std::vector<RayHit> hitsOf(const Scene& scene, const std::vector<RayInput>& rays) {
         const PackedScene packed = packScene(scene);
-        RayTracer renderer(device(), packed);
-        const std::vector<RayHit> hits = renderer.trace(rays, false);
+        const std::vector<RayHit> hits = RenderTest::hitsOf(packed, rays);
         const reference::Tracer tracer(packed);
         for (size_t i = 0; i < rays.size(); ++i) {
             const auto hit = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)});
@@ -164,10 +160,7 @@ TEST_F(BoxTest, NoRayGetsThroughAWall) {
             }
         }
     }
-    const PackedScene packed = packScene(scene);
-    RayTracer renderer(device(), packed);
-    EXPECT_EQ(misses(renderer.trace(rays, false)), 0u);
-    EXPECT_EQ(misses(renderer.trace(rays, true)), 0u);
+    EXPECT_EQ(missesOf(packScene(scene), rays), 0u);
 }
 
 // Quadrics on the device: published hits, rims, lines that touch.
@@ -189,9 +182,7 @@ class QuadricTest : public RenderTest {
         return scene;
     }
     static std::vector<RayHit> hitsOf(const Shape& shape, const std::vector<RayInput>& rays) {
-        const PackedScene packed = packScene(sceneOf(shape));
-        RayTracer renderer(device(), packed);
-        return renderer.trace(rays, false);
+        return RenderTest::hitsOf(packScene(sceneOf(shape)), rays);
     }
     static double hitOf(const Shape& shape, const dvec3& origin, const dvec3& direction, float tMin = 0) {
         RayInput ray = rayOf(vec3(origin), vec3(direction));
@@ -266,8 +257,7 @@ TEST_F(QuadricTest, NoGapAtTheRims) {
 }
 
 // A line along the axis of a hyperboloid that touches its neck is inside: the outward normal looks along it,
-// whichever way the axis and the side lie, though the gradient has one component alone and the line no part
-// along it.
+// though the gradient has one component alone and the line no part along it.
 TEST_F(QuadricTest, ALineThatTouchesANeckIsInside) {
     for (int axis = 0; axis < 3; ++axis) {
         std::array<double, 10> coefficients = {1, 1, 1, 0, 0, 0, 0, 0, 0, -1};
@@ -296,10 +286,9 @@ TEST_F(QuadricTest, HugeCylinderUnderTheEye) {
     scene.objects.push_back({"pipe", CylinderShape{{-1e6, -1e6, 0}, {1e6, -1e6, 0}, 1e6}, 0});
     aim(scene.camera, {0, 1, 0}, {0, 0, 0}, {1, 0, 0});
     const PackedScene packed = packScene(scene);
-    RayTracer renderer(device(), packed);
     for (const double h : {100.0, 1.0, 0.25}) {
         const vec3 eye(dvec3(0, h, 0) - packed.origin);
-        const RayHit hit = renderer.trace({rayOf(eye, {0, -1, 0})}, false)[0];
+        const RayHit hit = RenderTest::hitOf(packed, rayOf(eye, {0, -1, 0}));
         ASSERT_TRUE(hit.hit);
         EXPECT_NEAR(hit.t / h, 1, 1e-6) << h;
     }

@@ -97,8 +97,7 @@ TEST_F(SpotTest, FullSphereIsAPointLight) {
     }
 }
 
-// Sharp cones on a slanted floor, one from far away: their rims hang on rounding, and verify finds that they
-// do.
+// Sharp cones on a slanted floor, one from far away: verify finds that their rims hang on rounding.
 TEST_F(SpotTest, SharpRimsAreExplained) {
     Scene scene = emptyScene();
     scene.ambient = Color(0.1);

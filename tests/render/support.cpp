@@ -1,7 +1,6 @@
 #include "support.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <sstream>
 
@@ -57,6 +56,25 @@ void RenderTest::TearDownTestSuite() {
     device_.reset();
 }
 
+std::vector<RayHit> RenderTest::hitsOf(const PackedScene& scene, const std::vector<RayInput>& rays,
+                                       const Options& options) {
+    return RayTracer(device(), scene, options).trace(rays, false);
+}
+
+RayHit RenderTest::hitOf(const PackedScene& scene, const RayInput& ray) {
+    RayTracer tracer(device(), scene);
+    const RayHit hit = tracer.trace({ray}, false)[0];
+    EXPECT_EQ(tracer.trace({ray}, true)[0].hit, hit.hit) << text(ray);
+    return hit;
+}
+
+size_t RenderTest::missesOf(const PackedScene& scene, const std::vector<RayInput>& rays) {
+    RayTracer tracer(device(), scene);
+    const size_t count = misses(tracer.trace(rays, false));
+    EXPECT_EQ(misses(tracer.trace(rays, true)), count);
+    return count;
+}
+
 PackedScene withOpenBoxes(PackedScene scene) {
     constexpr float kFar = 3e38f;
     for (shared::Node& node : scene.nodes) {
@@ -70,6 +88,14 @@ PackedScene withOpenBoxes(PackedScene scene) {
         }
     }
     return scene;
+}
+
+RenderTest::Drawn RenderTest::drawn(const Case& c, const Request& request, WholePaths whole,
+                                    Options options) {
+    options.wholePaths = whole;
+    Renderer renderer(device(), c.packed, options);
+    Picture picture = renderer.render(c.camera, request);
+    return {std::move(picture), renderer.times(), renderer.rays()};
 }
 
 verify::Report RenderTest::verified(const Case& c, bool besideRead) {

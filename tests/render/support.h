@@ -48,12 +48,35 @@ struct Case {
     int width = 0, height = 0;
 };
 
+// A hit, and the surface as shade.comp computes it (closest hits only).
+struct RayHit {
+    bool hit = false;
+    float t = 0;
+    uint32_t kindAndIndex = shared::kNone;
+    PixelData data;
+};
+
 // One device for the tests of a suite.
 class RenderTest : public testing::Test {
   protected:
     static void SetUpTestSuite();
     static void TearDownTestSuite();
     static const gpu::Device& device() { return *device_; }
+    // What a RayTracer finds: the closest hits of rays, that of one, and how many have none. The latter two
+    // expect that a search for any hit agrees.
+    static std::vector<RayHit> hitsOf(const PackedScene& scene, const std::vector<RayInput>& rays,
+                                      const Options& options = {});
+    static RayHit hitOf(const PackedScene& scene, const RayInput& ray);
+    static size_t missesOf(const PackedScene& scene, const std::vector<RayInput>& rays);
+    // A picture and what a renderer says of its work.
+    struct Drawn {
+        Picture picture;
+        StageTimes times;
+        RayCounts rays;
+        bool whole() const { return times.kernels.whole > 0; }
+        bool stepByStep() const { return times.kernels.primary > 0; }
+    };
+    static Drawn drawn(const Case& c, const Request& request, WholePaths whole, Options options = {});
     // The report of verify about the whole image; besideRead: about the scene as it was read, too.
     static verify::Report verified(const Case& c, bool besideRead = false);
     static verify::Report verified(Renderer& renderer, const Case& c, verify::Options options = {},
@@ -86,14 +109,6 @@ Picture draw(const gpu::Device& device, const Case& c, const Options& options = 
 
 // Renders with the given kernels, which must outlive the renderer.
 Options optionsWith(const KernelCode& code, Traversal traversal = Traversal::Lane);
-
-// A hit, and the surface as shade.comp computes it (closest hits only).
-struct RayHit {
-    bool hit = false;
-    float t = 0;
-    uint32_t kindAndIndex = shared::kNone;
-    PixelData data;
-};
 
 // Finds the hits of a test's own rays by the kernels of images, with their rule for surfaces in one place.
 // (RayQueries answers callers, who want each t as it is.)

@@ -77,8 +77,7 @@ void expectNear(const std::vector<float>& values, const std::vector<double>& exp
 
 TEST_F(TextureTest, BilinearAndWrapOnBothAccesses) {
     for (const gpu::Access access : {gpu::Access::StorageBuffer, gpu::Access::TexelBuffer}) {
-        Options options;
-        options.access = access;
+        const Options options = {.access = access};
         const Texture clamp{ImageTexture{"q", quadImage(), Wrap::Clamp, Wrap::Clamp}};
         const Texture repeat{ImageTexture{"q", quadImage()}};
         const Texture mirror{ImageTexture{"q", quadImage(), Wrap::Mirror, Wrap::Mirror}};
@@ -101,9 +100,8 @@ TEST_F(TextureTest, NearestAndCheckers) {
     expectNear(wall(solid, {{0.25, 0.25}, {0.75, 0.25}}), {5, 1}, 0);
 }
 
-// Of a corner that is 25,000 from the object in its own coordinates fp32 tells no more than 2 x 10^-3; and
-// one out there with its object is as coarse in the world's. Against the scene as it is read, of which
-// nothing is rounded.
+// A corner 25,000 from its object is known to 2 x 10^-3 in fp32, in the object's coordinates or the world's.
+// Against the scene as it is read, of which nothing is rounded.
 TEST_F(TextureTest, SolidCheckersKeepTheirCubesWhereverTheirCornerIs) {
     const std::string moved =
         R"({"type": "sphere", "center": [0, 0, 0], "radius": 2, "transform": [{"translate": [3, 5, -7]}], "material": "m"}],
@@ -165,10 +163,8 @@ TEST_F(TextureTest, AnglesAreGoodToTheirBound) {
         if (i % 4 == 0) d[i / 4 % 3] *= std::exp(random.uniform(-30, 0));  // near the planes between octants
         rays.push_back(rayTowards(2.0 * glm::normalize(d), dvec3(0)));
     }
-    const PackedScene packed = packScene(scene);
-    RayTracer renderer(device(), packed);
     double worstU = 0, worstV = 0;
-    for (const RayHit& hit : renderer.trace(rays, false)) {
+    for (const RayHit& hit : hitsOf(packScene(scene), rays)) {
         ASSERT_TRUE(hit.hit);
         const dvec3 n(hit.data.geometricNormal);
         const double u = 0.5 + std::atan2(n.x, n.z) / (2 * std::numbers::pi);
@@ -180,8 +176,7 @@ TEST_F(TextureTest, AnglesAreGoodToTheirBound) {
     EXPECT_LE(worstV, 8 * kUnit);
 }
 
-// Discs and polygons report where on the image they are hit; triangles their barycentrics, whatever the
-// texture.
+// Discs and polygons report where on the image they are hit, triangles their barycentrics.
 TEST_F(TextureTest, CoordinatesOfFlatObjects) {
     Scene scene = emptyScene();
     const uint32_t material = addTextured(scene, {CheckerTexture{}});
@@ -189,12 +184,9 @@ TEST_F(TextureTest, CoordinatesOfFlatObjects) {
     addPolygon(scene, {{10, 0, 0}, {14, 0, 0}, {14, 2, 0}, {10, 2, 0}}, material);
     addPlane(scene, {0, -5, 0}, {0, 1, 0}, material);
     addTriangle(scene, {20, 0, 0}, {24, 0, 0}, {20, 4, 0}, material);
-    const PackedScene packed = packScene(scene);
-    RayTracer renderer(device(), packed);
     const std::vector<RayHit> hits =
-        renderer.trace({rayOf({1, 0.5f, 5}, {0, 0, -1}), rayOf({13, 0.5f, 5}, {0, 0, -1}),
-                        rayOf({3, 0, 7}, {0, -1, 0}), rayOf({21, 2, 5}, {0, 0, -1})},
-                       false);
+        hitsOf(packScene(scene), {rayOf({1, 0.5f, 5}, {0, 0, -1}), rayOf({13, 0.5f, 5}, {0, 0, -1}),
+                                  rayOf({3, 0, 7}, {0, -1, 0}), rayOf({21, 2, 5}, {0, 0, -1})});
     const dvec2 expected[] = {{0.75, 0.625}, {0.75, 0.25}, {3, -7}, {0.25, 0.5}};
     for (size_t i = 0; i < hits.size(); ++i) {
         ASSERT_TRUE(hits[i].hit);
@@ -247,16 +239,12 @@ TEST_F(TextureTest, CoordinatesOfQuadrics) {
         scene.objects.push_back({"/objects/0", c.shape, material, c.transform});
         scene.camera.eye = c.from;
         const PackedScene packed = packScene(scene);
-        RayTracer renderer(device(), packed);
-        const auto hits =
-            renderer.trace({rayOf(glm::vec3(c.from), glm::vec3(glm::normalize(c.towards)))}, false);
-        ASSERT_TRUE(hits[0].hit);
-        EXPECT_NEAR(hits[0].data.u, c.uv.x, 2e-6) << c.shape.index();
-        EXPECT_NEAR(hits[0].data.v, c.uv.y, 2e-6) << c.shape.index();
+        const RayHit found = hitOf(packed, rayOf(vec3(c.from), vec3(glm::normalize(c.towards))));
+        ASSERT_TRUE(found.hit);
+        EXPECT_NEAR(found.data.u, c.uv.x, 2e-6) << c.shape.index();
+        EXPECT_NEAR(found.data.v, c.uv.y, 2e-6) << c.shape.index();
         const reference::Tracer tracer(packed);
-        reference::Ray ray;
-        ray.origin = c.from;
-        ray.direction = glm::normalize(c.towards);
+        const reference::Ray ray{c.from, glm::normalize(c.towards)};
         const auto hit = tracer.closest(ray);
         ASSERT_TRUE(hit.has_value());
         const dvec2 uv = tracer.surfaceAt(ray, *hit).uv;
@@ -271,8 +259,6 @@ TEST_F(TextureTest, CapsShowOneEndOfTheImage) {
     const Texture rows{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, TexelFilter::Nearest}};
     const dvec3 base(0.3, 0.1, -0.7), axis = glm::normalize(dvec3(0.37, 1, 0.21)), top = base + 1.7 * axis;
     scene.objects.push_back({"/objects/0", CylinderShape{base, top, 1, true}, addTextured(scene, rows), {}});
-    const PackedScene packed = packScene(scene);
-    RayTracer renderer(device(), packed);
     std::vector<RayInput> rays;
     Random random(5);
     for (int i = 0; i < 2000; ++i) {
@@ -280,7 +266,7 @@ TEST_F(TextureTest, CapsShowOneEndOfTheImage) {
         rays.push_back(rayTowards(top + 5.0 * axis + 0.9 * aside, top + 0.9 * aside));
         rays.push_back(rayTowards(base - 5.0 * axis + 0.9 * aside, base + 0.9 * aside));
     }
-    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    const std::vector<RayHit> hits = hitsOf(packScene(scene), rays);
     for (size_t i = 0; i < hits.size(); ++i) {
         ASSERT_TRUE(hits[i].hit);
         EXPECT_NEAR(hits[i].data.v, i % 2 == 0 ? 1 : 0, 1e-6);
@@ -289,8 +275,7 @@ TEST_F(TextureTest, CapsShowOneEndOfTheImage) {
     }
 }
 
-// Opaque below, open above: for camera rays, in a mirror and for shadows, on flat things and for the far side
-// of a ball.
+// Opaque below, open above: for camera rays, in mirrors, for shadows; flat things, the far side of a ball.
 class MaskTest : public TextureTest {
   protected:
     static Scene maskScene() {
@@ -354,9 +339,7 @@ TEST_F(MaskTest, NoRayMeetsAHoleTwice) {
     addSphere(scene, {0, 0, 0}, 1, mask_);
     aim(scene.camera, {0.3, 4, 0.3}, {0, 0, 0});
     const Case c = makeCase(scene, 16, 16);
-    Options options;
-    options.wholePaths = WholePaths::Off;
-    Renderer renderer(device(), c.packed, options);
+    Renderer renderer(device(), c.packed, {.wholePaths = WholePaths::Off});
     draw(renderer, c);
     EXPECT_EQ(renderer.times().resumes, 0u);
 }
@@ -375,17 +358,14 @@ TEST_F(MaskTest, ThousandsOfHolesAreAllPassed) {
     scene.camera.height = 1;
     const Case c = makeCase(scene, 16, 16);
     for (const WholePaths whole : {WholePaths::On, WholePaths::Off}) {
-        Options options;
-        options.wholePaths = whole;
-        const Picture picture = draw(device(), c, options);
+        const Picture picture = draw(device(), c, {.wholePaths = whole});
         for (int y = 0; y < 16; ++y)
             for (int x = 0; x < 16; ++x)
                 ASSERT_EQ(picture.color.at(x, y, 0), y < 8 ? 9 : (x < 8 ? 3 : 4)) << x << ", " << y;
     }
 }
 
-// Verify sees a pixel whose ray meets a checker's edge to within rounding for what it is, and not more than
-// that.
+// Verify excuses pixels whose rays meet a checker's edge to within rounding, and no others.
 TEST_F(TextureTest, CheckerEdgesAreExplained) {
     Scene scene = emptyScene();
     const uint32_t material = addTextured(scene, {CheckerTexture{Color(1), Color(0)}, dvec2(400)});

@@ -30,19 +30,10 @@ void addRandomSpheres(Scene& scene, Random& random, int count) {
 void addGrids(Scene& scene) {
     addGrid(scene, 20, {-2, -2, 0.5}, 4);
     addGrid(scene, 16, {-2, -2, -0.75}, 4);
-    std::vector<dvec3> positions;
-    std::vector<glm::uvec3> corners;
-    for (uint32_t y = 0; y <= 12; ++y) {
-        for (uint32_t x = 0; x <= 12; ++x)
-            positions.push_back(dvec3(-1, -2, -2) + x / 4.0 * dvec3(0.6, 0.8, 0) +
-                                y / 4.0 * dvec3(0.3, -0.2, 1));
-    }
-    for (uint32_t i = 0; i < 12 * 13; ++i) {
-        if (i % 13 == 12) continue;
-        corners.emplace_back(i, i + 1, i + 14);
-        corners.emplace_back(i, i + 14, i + 13);
-    }
-    addMesh(scene, positions, corners);
+    const auto turned = glint::test::gridMesh(12);
+    for (dvec3& p : turned->positions)
+        p = dvec3(-1, -2, -2) + p.x / 4 * dvec3(0.6, 0.8, 0) + p.y / 4 * dvec3(0.3, -0.2, 1);
+    addMesh(scene, turned->positions, turned->corners);
 }
 
 Scene sceneOf(const std::string& kind) {
@@ -185,15 +176,9 @@ class TraversalTest : public RenderTest, public testing::WithParamInterface<Subj
 TEST_P(TraversalTest, TreeAndBruteForceHitTheSame) {
     const std::vector<RayInput> rays = makeRays(4000);
     const PackedScene open = withOpenBoxes(packed_);
-    Options testsAll;
-    testsAll.traversal = Traversal::Lane;
-    RayTracer brute(device(), open, testsAll);
-    const std::vector<RayHit> all = brute.trace(rays, false);
+    const std::vector<RayHit> all = hitsOf(open, rays, {.traversal = Traversal::Lane});
     for (const uint32_t tripBudget : {0u, 1u}) {  // with the stack, without
-        Options options;
-        options.traversal = Traversal::Lane;
-        options.tripBudget = tripBudget;
-        RayTracer tree(device(), packed_, options);
+        RayTracer tree(device(), packed_, {.tripBudget = tripBudget, .traversal = Traversal::Lane});
         SCOPED_TRACE(tripBudget);
         const std::vector<RayHit> hits = tree.trace(rays, false);
         size_t phantoms = 0;
@@ -259,10 +244,7 @@ TEST_F(RenderTest, TheOrderOfTraversalMattersWithinTheBoundAlone) {
         std::vector<Picture> pictures;
         for (const auto& [traversal, budget] :
              {std::pair{Traversal::Lane, 0u}, {Traversal::Lane, 1u}, {Traversal::Packet, 0u}}) {
-            Options options;
-            options.traversal = traversal;
-            options.tripBudget = budget;
-            Renderer renderer(device(), c.packed, options);
+            Renderer renderer(device(), c.packed, {.tripBudget = budget, .traversal = traversal});
             EXPECT_TRUE(verified(renderer, c).passed()) << i;
             pictures.push_back(renderer.render(c.camera, wholeWithData(c)));
         }

@@ -113,16 +113,6 @@ class TreeLeaksTest : public RenderTest {
         addMesh(scene, hull.positions, hull.corners);
         return scene;
     }
-    static bool runsPackets() {
-        const gpu::DeviceLimits& limits = device().info().limits;
-        return limits.subgroupSize == shared::kPacketWidth && limits.subgroupShuffle;
-    }
-    static std::vector<RayHit> hitsOf(const PackedScene& packed, Traversal traversal,
-                                      const std::vector<RayInput>& rays) {
-        Options options;
-        options.traversal = traversal;
-        return RayTracer(device(), packed, options).trace(rays, false);
-    }
     Random random_{36};
 };
 
@@ -137,13 +127,13 @@ TEST_F(TreeLeaksTest, NoRayLeavesAHull) {
     for (const Hull& hull : kHulls) {
         const std::vector<RayInput> rays = raysIn(hull, 100000);
         const std::vector<RayHit> truth =
-            hitsOf(withOpenBoxes(packScene(sceneOf(hull))), Traversal::Lane, rays);
+            hitsOf(withOpenBoxes(packScene(sceneOf(hull))), rays, {.traversal = Traversal::Lane});
         EXPECT_EQ(misses(truth), 0u) << hull.half.z;
         for (const BuildQuality quality : kQualities) {
             const PackedScene packed = packScene(sceneOf(hull), {quality});
             for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
-                if (traversal == Traversal::Packet && !runsPackets()) continue;
-                const std::vector<RayHit> hits = hitsOf(packed, traversal, rays);
+                if (traversal == Traversal::Packet && !runsPackets(device().info())) continue;
+                const std::vector<RayHit> hits = hitsOf(packed, rays, {.traversal = traversal});
                 size_t wrong = 0;
                 for (size_t i = 0; i < rays.size(); ++i)
                     wrong += hits[i].hit != truth[i].hit || hits[i].t != truth[i].t ||
@@ -161,9 +151,9 @@ TEST_F(TreeLeaksTest, TightBoxesLeak) {
     const Hull& hull = std::end(kHulls)[-1];
     const std::vector<RayInput> rays = raysIn(hull, 100000);
     const PackedScene packed = withTightBoxes(packScene(sceneOf(hull)));
-    EXPECT_GT(misses(hitsOf(packed, Traversal::Lane, rays)), 10u);
-    if (runsPackets()) {
-        EXPECT_GT(misses(hitsOf(packed, Traversal::Packet, rays)), 10u);
+    for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
+        if (traversal == Traversal::Packet && !runsPackets(device().info())) continue;
+        EXPECT_GT(misses(hitsOf(packed, rays, {.traversal = traversal})), 10u);
     }
 }
 
@@ -219,8 +209,7 @@ TEST_F(SplitTest, BeamsAreClosed) {
             rays.push_back(rayTowards(from, target, i % 2));
         }
     }
-    RayTracer renderer(device(), packed);
-    EXPECT_EQ(misses(renderer.trace(rays, false)), 0u);
+    EXPECT_EQ(missesOf(packed, rays), 0u);
 }
 
 // A ray that starts on a triangle must not meet it in another of its places.

@@ -47,8 +47,7 @@ TEST_F(TripTest, ALightBeginsWithNothingOfTheOneBefore) {
         lights + "]}";
     const Case c = textCase(text, 32, 24);
     ASSERT_TRUE(c.packed.features.coloredShadows);
-    Options plenty;
-    plenty.traversal = Traversal::Lane;
+    const Options plenty = {.traversal = Traversal::Lane};
     const Picture picture = draw(device(), c, plenty);
     for (const uint32_t budget : {1u, 2u, 3u, 5u}) {
         Options tight = plenty;
@@ -88,8 +87,7 @@ struct Book {
     RayInput rayTo(uint32_t page) const { return rayTowards(at(page - 0.5, 0.9), at(page, 0.9), true); }
 };
 
-// Groups of 8, the width of llvmpipe's subgroups, so that each page of a group is missed should its leaf be
-// cut short.
+// Groups of 8, llvmpipe's subgroups, so that each page of a group is missed should its leaf be cut short.
 std::vector<uint32_t> somePages() {
     std::vector<uint32_t> pages;
     for (uint32_t first = 0; first < kPages; first += 160) {
@@ -110,9 +108,7 @@ TEST_F(TripTest, EveryPageOfALongBookIsFound) {
         for (size_t i = 0; i < pages.size(); ++i) count += hits[i].data.primitive != pages[i];
         return count;
     };
-    Options options;
-    options.traversal = Traversal::Lane;
-    RayTracer renderer(device(), c.packed, options);
+    RayTracer renderer(device(), c.packed, {.traversal = Traversal::Lane});
     EXPECT_EQ(wrong(renderer.trace(rays, false)), 0u);
     EXPECT_GT(renderer.resumes(), 0u);
     const reference::Tracer tracer(c.packed);
@@ -147,11 +143,9 @@ TEST_P(PileTest, LowestIdOfAPileWins) {
     std::vector<RayInput> rays;
     for (int i = 0; i < 64; ++i)
         rays.push_back(rayTowards({0.1 * (i % 8), 0.1 * (i / 8), 3}, {0.01 * (i % 8), -0.02 * (i / 8), 0}));
-    RayTracer renderer(device(), c.packed);
-    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    const std::vector<RayHit> hits = hitsOf(c.packed, rays),
+                              cut = hitsOf(c.packed, rays, naive(naiveKernels_));
     EXPECT_EQ(std::count_if(hits.begin(), hits.end(), lowest), 64);
-    RayTracer ignorant(device(), c.packed, naive(naiveKernels_));
-    const std::vector<RayHit> cut = ignorant.trace(rays, false);
     EXPECT_EQ(std::count_if(cut.begin(), cut.end(), lowest) < 64, endsLoops(device()));
 }
 
@@ -176,13 +170,10 @@ Scene roof() {
 TEST_F(TripTest, ShadowBehindManyBoxesIsFound) {
     const Case c = makeCase(roof(), 24, 24, BuildQuality::Fast);
     // By lanes: packets take a level's children in fewer trips, and do not run out.
-    Options lanes;
-    lanes.traversal = Traversal::Lane;
-    Renderer renderer(device(), c.packed, lanes);
+    Renderer renderer(device(), c.packed, {.traversal = Traversal::Lane});
     const Picture picture = draw(renderer, c);
     EXPECT_GT(renderer.times().resumes, 0u);
-    // The whole roof shades the whole floor in view: up to 1.7 from the centre, seen from the light as up
-    // to 1.7 * 0.8 < 3.
+    // The roof shades the whole floor in view: up to 1.7 from the centre, seen from the light 1.7 * 0.8 < 3.
     const auto lit = [](const Picture& p) {
         return std::count_if(p.data.begin(), p.data.end(),
                              [](const PixelData& d) { return d.shadowBits != 1; });

@@ -13,10 +13,8 @@ TEST_P(ValidationTest, LayerIsSilent) {
     const gpu::Device device(withLayer);
     for (const std::string scene : {"triangles", "spheres", "knot"}) {
         const Case c = fileCase(scene, 33, 25);
-        Options options;
-        options.access = GetParam();
-        options.tripBudget = 40;  // so that rays are resumed
-        options.maxSlicePixels = 512;
+        // So few trips that rays are resumed.
+        const Options options = {.maxSlicePixels = 512, .tripBudget = 40, .access = GetParam()};
         Renderer renderer(device, c.packed, options);
         EXPECT_TRUE(draw(renderer, c).complete);
         Request plain;
@@ -37,9 +35,7 @@ TEST_P(ValidationTest, LayerIsSilent) {
     }
     // The full pipeline binds a stand-in for every array that the scene has not.
     const Case c = fileCase("knot", 16, 16);
-    Options full;
-    full.access = GetParam();
-    full.leaveOut = false;
+    const Options full = {.leaveOut = false, .access = GetParam()};
     EXPECT_TRUE(draw(device, c, full).complete);
     for (const std::string& message : device.validationMessages())
         ADD_FAILURE() << "full pipeline: " << message;

@@ -12,16 +12,12 @@ class VariantTest : public RenderTest, public testing::WithParamInterface<std::s
 };
 
 TEST_P(VariantTest, PrunedAndFullPipelineDrawTheSame) {
-    Options full;
-    full.leaveOut = false;
-    EXPECT_TRUE(sameBits(draw(device(), case_), draw(device(), case_, full)));
+    EXPECT_TRUE(sameBits(draw(device(), case_), draw(device(), case_, {.leaveOut = false})));
 }
 
 TEST_P(VariantTest, BothAccessesDrawTheSame) {
-    Options storage, texel;
-    storage.access = gpu::Access::StorageBuffer;
-    texel.access = gpu::Access::TexelBuffer;
-    EXPECT_TRUE(sameBits(draw(device(), case_, storage), draw(device(), case_, texel)));
+    EXPECT_TRUE(sameBits(draw(device(), case_, {.access = gpu::Access::StorageBuffer}),
+                         draw(device(), case_, {.access = gpu::Access::TexelBuffer})));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, VariantTest, testing::ValuesIn(sceneNames()),
@@ -34,9 +30,7 @@ TEST_F(PictureTest, SlicesAndRepetitionDrawTheSame) {
     Renderer renderer(device(), c.packed);
     const Picture picture = draw(renderer, c);
     EXPECT_TRUE(sameBits(picture, draw(renderer, c))) << "second picture of the same renderer";
-    Options options;
-    options.maxSlicePixels = 1024;
-    Renderer sliced(device(), c.packed, options);
+    Renderer sliced(device(), c.packed, {.maxSlicePixels = 1024});
     EXPECT_TRUE(sameBits(picture, draw(sliced, c)));
     EXPECT_GT(sliced.times().slices, 5u);  // 108 tiles of 64 pixels
 }
@@ -101,9 +95,7 @@ TEST_F(PictureTest, CostIsCountedAndChangesNothing) {
 
 TEST_F(PictureTest, CancelledRenderKeepsFinishedSlices) {
     const Case c = fileCase("triangles", 160, 120);
-    Options options;
-    options.maxSlicePixels = 1024;
-    Renderer renderer(device(), c.packed, options);
+    Renderer renderer(device(), c.packed, {.maxSlicePixels = 1024});
     const Picture whole = draw(renderer, c);
     auto settings = sized<Request>(c);
     settings.data = true;

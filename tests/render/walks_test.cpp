@@ -6,16 +6,10 @@ using glm::dvec3;
 
 class WalkTest : public RenderTest {
   protected:
-    static Options optionsOf(Traversal traversal, uint32_t tripBudget = 0) {
-        Options options;
-        options.traversal = traversal;
-        options.tripBudget = tripBudget;
-        return options;
-    }
     // The stack traversal against the stackless one, which finishes rays from the budget on, and packets.
     static void expectSameTrace(const Case& c, const std::vector<RayInput>& rays, uint32_t tripBudget = 1) {
-        RayTracer lane(device(), c.packed, optionsOf(Traversal::Lane));
-        RayTracer resumed(device(), c.packed, optionsOf(Traversal::Lane, tripBudget));
+        RayTracer lane(device(), c.packed, {.traversal = Traversal::Lane});
+        RayTracer resumed(device(), c.packed, {.tripBudget = tripBudget, .traversal = Traversal::Lane});
         const std::vector<RayHit> expected = lane.trace(rays, false), any = lane.trace(rays, true);
         const auto expectSame = [&](RayTracer& other) {
             EXPECT_TRUE(sameBits(other.trace(rays, false), expected, rays));
@@ -26,12 +20,11 @@ class WalkTest : public RenderTest {
         expectSame(resumed);
         EXPECT_TRUE(c.packed.nodes.size() < 2 || resumed.resumes() > 0);
         if (!runsPackets(device().info())) return;
-        RayTracer packets(device(), c.packed, optionsOf(Traversal::Packet));
+        RayTracer packets(device(), c.packed, {.traversal = Traversal::Packet});
         expectSame(packets);
     }
     static void expectLowestId(const RayCase& tied) {
-        RayTracer renderer(device(), tied.c.packed, optionsOf(Traversal::Lane));
-        const std::vector<RayHit> hits = renderer.trace(tied.rays, false);
+        const std::vector<RayHit> hits = hitsOf(tied.c.packed, tied.rays, {.traversal = Traversal::Lane});
         for (size_t i = 0; i < hits.size(); ++i) {
             ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);
             EXPECT_EQ(hits[i].data.object, 0u) << text(tied.rays[i]);

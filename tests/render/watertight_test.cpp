@@ -1,5 +1,4 @@
-// Closed surfaces have no holes: a ray that meets one hits it. Random rays find nothing here, so the rays aim
-// at edges and vertices.
+// Closed surfaces have no holes. Random rays find nothing here, so the rays aim at edges and vertices.
 #include <functional>
 #include <numbers>
 
@@ -7,15 +6,8 @@
 
 namespace glint::render::test::watertight_test {
 using glm::dvec3;
-using glm::vec3;
 
-class WatertightTest : public RenderTest {
-  protected:
-    size_t missesOf(const PackedScene& scene, const std::vector<RayInput>& rays) {
-        RayTracer renderer(device(), scene);
-        return misses(renderer.trace(rays, false));
-    }
-};
+class WatertightTest : public RenderTest {};
 
 // github.com/Oblikovati issue 2146: leaks along the diagonal of a quad.
 TEST_F(WatertightTest, DiagonalSweep) {
@@ -104,8 +96,7 @@ TEST_F(WatertightTest, NeedlesAreNotMetBeyondTheirEnds) {
     EXPECT_EQ(missesOf(packed, rays), rays.size());
 }
 
-// Unit squares far from the origin of the coordinates: a second grid opposite keeps the packing from moving
-// it there.
+// Unit squares far from the origin; a second grid opposite keeps the packing from moving it there.
 TEST_F(WatertightTest, DistantGrids) {
     constexpr uint32_t kSquares = 16;
     Random random(18);

@@ -88,20 +88,6 @@ TEST(WholePathsRuleTest, BudgetsShrinkWithTheRaysOfAPath) {
 
 class WholePathsTest : public RenderTest {
   protected:
-    struct Drawn {
-        Picture picture;
-        StageTimes times;
-        bool whole() const { return times.kernels.whole > 0; }
-        bool stepByStep() const { return times.kernels.primary > 0; }
-    };
-    static Drawn drawn(const Case& c, const Request& request, WholePaths whole, Options options = {}) {
-        options.wholePaths = whole;
-        Renderer renderer(device(), c.packed, options);
-        Drawn result;
-        result.picture = renderer.render(c.camera, request);
-        result.times = renderer.times();
-        return result;
-    }
     static Request requestOf(const Case& c) {
         auto request = sized<Request>(c);
         request.ledger = true;
@@ -113,10 +99,20 @@ class WholePathsTest : public RenderTest {
         EXPECT_FALSE(off.whole());
         EXPECT_TRUE(on.whole());
         EXPECT_FALSE(on.stepByStep());
-        EXPECT_TRUE(sameBits(on.picture, off.picture));
-        EXPECT_TRUE(sameLosses(on.picture, off.picture));
-        EXPECT_EQ(on.picture.samples, off.picture.samples);
-        EXPECT_EQ(on.times.pathRays, off.times.pathRays);
+        expectEqual(on, off);
+    }
+    static void expectEqual(const Drawn& a, const Drawn& b) {
+        EXPECT_TRUE(sameBits(a.picture, b.picture));
+        EXPECT_TRUE(sameLosses(a.picture, b.picture));
+        EXPECT_EQ(a.picture.samples, b.picture.samples);
+        EXPECT_EQ(a.times.pathRays, b.times.pathRays);
+    }
+    // One kernel that does not finish, and then step by step.
+    static void expectDrawnAgain(const Case& c, const Request& request, const Options& options = {}) {
+        const Drawn again = drawn(c, request, WholePaths::On, options);
+        EXPECT_TRUE(again.whole());
+        EXPECT_TRUE(again.stepByStep());
+        expectEqual(again, drawn(c, request, WholePaths::Off));
     }
 };
 
@@ -133,9 +129,7 @@ INSTANTIATE_TEST_SUITE_P(All, WholePathsSceneTest, testing::ValuesIn(sceneNames(
 TEST_F(WholePathsTest, OtherWaysToReadArraysDrawTheSame) {
     for (const char* name : {"showcase", "textures"}) {
         const Case c = fileCase(name, 24, 16);
-        Options storage;
-        storage.access = gpu::Access::StorageBuffer;
-        expectSame(c, requestOf(c), storage);
+        expectSame(c, requestOf(c), {.access = gpu::Access::StorageBuffer});
     }
 }
 
@@ -146,9 +140,7 @@ TEST_F(WholePathsTest, SamplesOfAllKindsDrawTheSame) {
         request.samples = PackedSamples::fixed({{0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}});
         expectSame(c, request);
         for (const bool adaptive : {false, true}) {
-            ImageSettings image;
-            image.sampler = Sampler::LowDiscrepancy;
-            image.samplesPerPixel = 4;
+            ImageSettings image = {.samplesPerPixel = 4, .sampler = Sampler::LowDiscrepancy};
             if (adaptive) image.adaptive = AdaptiveSampling{12, 0.05};
             request.samples = packSamples(image, c.scene.camera.lensRadius > 0);
             expectSame(c, request);
@@ -172,8 +164,7 @@ TEST_F(WholePathsTest, WithoutShadowsOrLightsDrawsTheSame) {
 TEST_F(WholePathsTest, FewRaysTakeOneKernelInsteadOfPackets) {
     const Case c = fileCase("knot", 40, 30);
     const Request request = requestOf(c);
-    Options few;
-    few.cameraRays = cameraRaysOf(request);
+    const Options few = {.cameraRays = cameraRaysOf(request)};
     EXPECT_EQ(few.cameraRays, 1200u);
     const Drawn once = drawn(c, request, WholePaths::Auto, few), often = drawn(c, request, WholePaths::Auto);
     const bool knowsOne = device().info().llvmpipe;
@@ -220,17 +211,9 @@ TEST_F(WholePathsTest, PathsWithoutTripsAreDrawnStepByStep) {
         const Case c = fileCase(name, 24, 16);
         Request request = requestOf(c);
         request.samples = PackedSamples::fixed({{0.25, 0.75}, {0.75, 0.25}});
-        const Drawn expected = drawn(c, request, WholePaths::Off);
         for (const uint32_t budget : {1u, 6u}) {
             SCOPED_TRACE(name + std::string(", budget ") + std::to_string(budget));
-            Options tight;
-            tight.tripBudget = budget;
-            const Drawn again = drawn(c, request, WholePaths::On, tight);
-            EXPECT_TRUE(again.whole());
-            EXPECT_TRUE(again.stepByStep());
-            EXPECT_TRUE(sameBits(again.picture, expected.picture));
-            EXPECT_TRUE(sameLosses(again.picture, expected.picture));
-            EXPECT_EQ(again.times.pathRays, expected.times.pathRays);
+            expectDrawnAgain(c, request, {.tripBudget = budget});
         }
     }
 }
@@ -248,46 +231,29 @@ TEST_F(WholePathsTest, ASliceInTheMiddleOfThePictureIsDrawnAgain) {
         EXPECT_GE(done, last) << "progress goes backwards";
         last = done;
     };
-    Options sliced;
-    sliced.maxSlicePixels = 16 * 64;
-    sliced.tripBudget = 3;
-    const Drawn again = drawn(c, request, WholePaths::On, sliced);
+    const Drawn again = drawn(c, request, WholePaths::On, {.maxSlicePixels = 16 * 64, .tripBudget = 3});
     EXPECT_EQ(last, 1.0);
     last = 0;
     const Drawn expected = drawn(c, request, WholePaths::Off);
     EXPECT_TRUE(again.whole());
     EXPECT_TRUE(again.stepByStep());
-    EXPECT_TRUE(sameBits(again.picture, expected.picture));
-    EXPECT_EQ(again.times.pathRays, expected.times.pathRays);
+    expectEqual(again, expected);
 }
 
 TEST_F(WholePathsTest, AdaptivePicturesAreDrawnAgainFromTheFirstSample) {
     const Case c = fileCase("corridor", 24, 16);
-    ImageSettings image;
-    image.sampler = Sampler::LowDiscrepancy;
-    image.samplesPerPixel = 4;
+    ImageSettings image = {.samplesPerPixel = 4, .sampler = Sampler::LowDiscrepancy};
     image.adaptive = AdaptiveSampling{12, 0.05};
     Request request = requestOf(c);
     request.samples = packSamples(image, false);
-    const Drawn expected = drawn(c, request, WholePaths::Off);
-    Options tight;
-    tight.tripBudget = 6;
-    const Drawn again = drawn(c, request, WholePaths::On, tight);
-    EXPECT_TRUE(again.stepByStep());
-    EXPECT_TRUE(sameBits(again.picture, expected.picture));
-    EXPECT_EQ(again.picture.samples, expected.picture.samples);
+    expectDrawnAgain(c, request, {.tripBudget = 6});
 }
 
 // More branches than the kernel follows.
 TEST_F(WholePathsTest, TreesWithTooManyBranchesAreDrawnStepByStep) {
     Case c = fileCase("glass", 24, 16);
     c.packed.environment.maxDepth = 12;
-    const Request request = requestOf(c);
-    const Drawn expected = drawn(c, request, WholePaths::Off), again = drawn(c, request, WholePaths::On);
-    EXPECT_TRUE(again.whole());
-    EXPECT_TRUE(again.stepByStep());
-    EXPECT_TRUE(sameBits(again.picture, expected.picture));
-    EXPECT_TRUE(sameLosses(again.picture, expected.picture));
+    expectDrawnAgain(c, requestOf(c));
 }
 
 TEST_F(WholePathsTest, CancelledPicturesAreIncomplete) {

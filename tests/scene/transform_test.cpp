@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "scene/keyframes.h"
 #include "scene/polygon_plane.h"

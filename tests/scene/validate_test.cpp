@@ -1,5 +1,4 @@
-// Scenes built by hand, as a user of the library does: validateScene must catch what the parser cannot have
-// seen.
+// Scenes built by hand, as by users of the library: validateScene finds what no parser has seen.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,6 +40,15 @@ std::string errorAfter(const Change& change) {
     return errorOf(ErrorKind::Scene, [&] { validateScene(scene, "s"); });
 }
 
+template <typename T>
+T& shape(Scene& scene, size_t object) {
+    return std::get<T>(scene.objects[object].shape);
+}
+template <typename T>
+T& light(Scene& scene, size_t index) {
+    return std::get<T>(scene.lights[index]);
+}
+
 TEST(Validate, AcceptsAValidScene) {
     EXPECT_EQ(errorAfter([](Scene&) {}), "no error");
 }
@@ -53,78 +61,69 @@ TEST(Validate, AcceptsTheEndsOfTheRanges) {
                   s.materials[0].shininess = 0;
                   s.materials[0].mirror = Color(1);
                   s.materials[0].diffuse = Color(0);
-                  std::get<SphereShape>(s.objects[0].shape) = {{-9.9e17, 0, 0}, 1e-14};
+                  shape<SphereShape>(s, 0) = {{-9.9e17, 0, 0}, 1e-14};
                   s.camera.fovY = 179.9;
-                  std::get<DirectionalLight>(s.lights[1]).direction = {0, 0, 1e-18};
-                  std::get<SpotLight>(s.lights[2]).angle = 180;
+                  light<DirectionalLight>(s, 1).direction = {0, 0, 1e-18};
+                  light<SpotLight>(s, 2).angle = 180;
               }),
               "no error");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = 1e18; }),
-              "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) { shape<SphereShape>(s, 0).radius = 1e18; }), "no error");
     EXPECT_EQ(errorAfter([](Scene& s) {
                   s.camera.projection = Projection::Orthographic;
                   s.camera.height = 1e-18;
                   s.camera.fovY = 500;  // not used
-                  std::get<SpotLight>(s.lights[2]).angle = 0;
-                  std::get<SpotLight>(s.lights[2]).penumbra = 0.001;
+                  light<SpotLight>(s, 2).angle = 0;
+                  light<SpotLight>(s, 2).penumbra = 0.001;
               }),
               "no error");
     EXPECT_EQ(errorAfter([](Scene& s) { s.objects.clear(); }), "no error");
 }
 
 TEST(Validate, NumbersThatAreNotFinite) {
-    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.eye.x = kNan; }),
-              "s: /camera/eye: must be finite (got [nan, 0, 5])");
-    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up.y = kInf; }),
-              "s: /camera/up: must be finite (got [0, inf, 0])");
-    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.fovY = kNan; }),
-              "s: /camera/fovY: must be between 0 and 180 degrees (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.nearT = kNan; }),
-              "s: /camera/near: must be >= 0 and finite (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.farT = kNan; }),
-              "s: /camera/far: must be greater than near, 0 (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) {
-                  s.camera.window = ViewWindow{-1, kNan, -1, 1};
-              }),
-              "s: /camera/window: edges must be finite and below 1e+18 (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) { s.background.y = kNan; }),
-              "s: /background: must be finite (got [0, nan, 0])");
-    EXPECT_EQ(errorAfter([](Scene& s) { s.ambient = Color(kInf); }), "s: /ambient: must be finite (got inf)");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<PointLight>(s.lights[0]).position.z = kNan; }),
-              "s: /lights/0/position: must be finite (got [0, 0, nan])");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DirectionalLight>(s.lights[1]).intensity.x = kNan; }),
-              "s: /lights/1/intensity: must be finite (got [nan, 1, 1])");
-    EXPECT_EQ(errorAfter([](Scene& s) {
-                  s.camera.planeNormal = {0, kInf, 1};
-              }),
-              "s: /camera/planeNormal: must be finite (got [0, inf, 1])");
-    EXPECT_EQ(errorAfter([](Scene& s) {
-                  s.camera.projection = Projection::Orthographic;
-                  s.camera.height = kNan;
-              }),
-              "s: /camera/height: must be > 0 (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SpotLight>(s.lights[2]).position.x = kInf; }),
-              "s: /lights/2/position: must be finite (got [inf, 0, 0])");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SpotLight>(s.lights[2]).angle = kNan; }),
-              "s: /lights/2/angle: must be from 0 to 180 degrees (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SpotLight>(s.lights[2]).penumbra = kNan; }),
-              "s: /lights/2/penumbra: must be >= 0 degrees (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) { s.materials[0].shininess = kNan; }),
-              "s: /materials/grey/shininess: must be from 0 to 1e+18 (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = kNan; }),
-              "s: /objects/0/radius: must be > 0 (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = kInf; }),
-              "s: /objects/0/radius: must be from 1e-14 to 1e+18 (got inf)");
-    EXPECT_EQ(errorAfter([](Scene& s) {
-                  std::get<PlaneShape>(s.objects[1].shape).normal = {kNan, 0, 0};
-              }),
-              "s: /objects/1/normal: must be finite (got [nan, 0, 0])");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<TriangleShape>(s.objects[2].shape).vertices[1].x = kNan; }),
-              "s: /objects/2/vertices/1: must be finite (got [nan, 0, 0])");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DiscShape>(s.objects[4].shape).radius = kNan; }),
-              "s: /objects/4/radius: must be > 0 (got nan)");
-    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DiscShape>(s.objects[4].shape).normal.z = kInf; }),
-              "s: /objects/4/normal: must be finite (got [0, 1, inf])");
+    const std::pair<void (*)(Scene&), std::string> cases[] = {
+        {[](Scene& s) { s.camera.eye.x = kNan; }, "/camera/eye: must be finite (got [nan, 0, 5])"},
+        {[](Scene& s) { s.camera.up.y = kInf; }, "/camera/up: must be finite (got [0, inf, 0])"},
+        {[](Scene& s) { s.camera.fovY = kNan; }, "/camera/fovY: must be between 0 and 180 degrees (got nan)"},
+        {[](Scene& s) { s.camera.nearT = kNan; }, "/camera/near: must be >= 0 and finite (got nan)"},
+        {[](Scene& s) { s.camera.farT = kNan; }, "/camera/far: must be greater than near, 0 (got nan)"},
+        {[](Scene& s) {
+             s.camera.window = ViewWindow{-1, kNan, -1, 1};
+         },
+         "/camera/window: edges must be finite and below 1e+18 (got nan)"},
+        {[](Scene& s) { s.background.y = kNan; }, "/background: must be finite (got [0, nan, 0])"},
+        {[](Scene& s) { s.ambient = Color(kInf); }, "/ambient: must be finite (got inf)"},
+        {[](Scene& s) { light<PointLight>(s, 0).position.z = kNan; },
+         "/lights/0/position: must be finite (got [0, 0, nan])"},
+        {[](Scene& s) { light<DirectionalLight>(s, 1).intensity.x = kNan; },
+         "/lights/1/intensity: must be finite (got [nan, 1, 1])"},
+        {[](Scene& s) { s.camera.planeNormal = glm::dvec3(0, kInf, 1); },
+         "/camera/planeNormal: must be finite (got [0, inf, 1])"},
+        {[](Scene& s) {
+             s.camera.projection = Projection::Orthographic;
+             s.camera.height = kNan;
+         },
+         "/camera/height: must be > 0 (got nan)"},
+        {[](Scene& s) { light<SpotLight>(s, 2).position.x = kInf; },
+         "/lights/2/position: must be finite (got [inf, 0, 0])"},
+        {[](Scene& s) { light<SpotLight>(s, 2).angle = kNan; },
+         "/lights/2/angle: must be from 0 to 180 degrees (got nan)"},
+        {[](Scene& s) { light<SpotLight>(s, 2).penumbra = kNan; },
+         "/lights/2/penumbra: must be >= 0 degrees (got nan)"},
+        {[](Scene& s) { s.materials[0].shininess = kNan; },
+         "/materials/grey/shininess: must be from 0 to 1e+18 (got nan)"},
+        {[](Scene& s) { shape<SphereShape>(s, 0).radius = kNan; },
+         "/objects/0/radius: must be > 0 (got nan)"},
+        {[](Scene& s) { shape<SphereShape>(s, 0).radius = kInf; },
+         "/objects/0/radius: must be from 1e-14 to 1e+18 (got inf)"},
+        {[](Scene& s) { shape<PlaneShape>(s, 1).normal = glm::dvec3(kNan, 0, 0); },
+         "/objects/1/normal: must be finite (got [nan, 0, 0])"},
+        {[](Scene& s) { shape<TriangleShape>(s, 2).vertices[1].x = kNan; },
+         "/objects/2/vertices/1: must be finite (got [nan, 0, 0])"},
+        {[](Scene& s) { shape<DiscShape>(s, 4).radius = kNan; }, "/objects/4/radius: must be > 0 (got nan)"},
+        {[](Scene& s) { shape<DiscShape>(s, 4).normal.z = kInf; },
+         "/objects/4/normal: must be finite (got [0, 1, inf])"},
+    };
+    for (const auto& [change, message] : cases) EXPECT_EQ(errorAfter(change), "s: " + message);
 }
 
 TEST(Validate, Polygons) {
@@ -144,36 +143,30 @@ TEST(Validate, Polygons) {
 }
 
 TEST(Validate, CameraGeometry) {
-    EXPECT_EQ(errorAfter([](Scene& s) {
-                  s.camera.up = {0, 0, 0};
-              }),
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up = glm::dvec3(0, 0, 0); }),
               "s: /camera/up: must not be zero (got [0, 0, 0])");
     EXPECT_EQ(errorAfter([](Scene& s) {
                   s.camera.window = ViewWindow{-1, 1, 1, 1};
               }),
               "s: /camera/window: bottom must be less than top (got 1 and 1)");
-    EXPECT_EQ(errorAfter([](Scene& s) {
-                  s.camera.up = {1e-10, 0, -1};
-              }),
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up = glm::dvec3(1e-10, 0, -1); }),
               "s: /camera/up: must not be parallel to the view direction [0, 0, -5] (got [1e-10, 0, -1])");
-    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up = {1e-6, 0, -1}; }), "no error");
-    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up = {0, 1e-18, 0}; }), "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up = glm::dvec3(1e-6, 0, -1); }), "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up = glm::dvec3(0, 1e-18, 0); }), "no error");
     EXPECT_EQ(errorAfter([](Scene& s) {
                   s.camera.window = ViewWindow{};
                   s.camera.fovY = 500;  // not used
               }),
               "no error");
     // 1e-6 radians off the plane through the view direction is enough, 1e-10 is not.
-    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.planeNormal = {1, 0, 1e-6}; }), "no error");
-    EXPECT_EQ(errorAfter([](Scene& s) {
-                  s.camera.planeNormal = {1, 0, 1e-10};
-              }),
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.planeNormal = glm::dvec3(1, 0, 1e-6); }), "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.planeNormal = glm::dvec3(1, 0, 1e-10); }),
               "s: /camera/planeNormal: must not be perpendicular to the view direction [0, 0, -5] (got [1, "
               "0, 1e-10])");
     // An oblique camera may look along up.
     EXPECT_EQ(errorAfter([](Scene& s) {
-                  s.camera.up = {0, 0, 1};
-                  s.camera.planeNormal = {0, 1, 1};
+                  s.camera.up = glm::dvec3(0, 0, 1);
+                  s.camera.planeNormal = glm::dvec3(0, 1, 1);
               }),
               "no error");
 }

@@ -67,8 +67,7 @@ struct SphereFamily {
     bool atLimb = false;
 };
 // The band is 1e-3 of the squared radius (docs/design/numerics.md 2.4). At the limb, and farther than 8000
-// radii away, it is 16 u distance / radius from where that is more: rounding o to float arithmetic moves it
-// by u distance.
+// radii away, it is 16 u distance / radius where that is more: float arithmetic moves o by u distance.
 Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t count, uint32_t seed);
 // A planet of radius 1e6 seen from `height` above its surface, downwards.
 Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t seed);
@@ -95,9 +94,8 @@ struct QuadricCount {
 };
 QuadricCount judgeQuadric(const Subject& subject, const QuadricFamily& family, size_t count, uint32_t seed);
 
-// Rays from outside, a hundredth of the way above the side of a quadric around the origin in the direction
-// `from`, towards its limb, as nearly as rounding lets them aim: those that meet it, and that see its inside.
-// Device only.
+// Device only. Rays from outside, a hundredth of the way above the side of a quadric around the origin in the
+// direction `from`, as near to its limb as rounding allows: those that meet it, and see its inside.
 struct GrazingCount {
     size_t hits = 0, insides = 0;
 };

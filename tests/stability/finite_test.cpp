@@ -36,8 +36,7 @@ TEST_F(FiniteTest, TheEndsOfTheRanges) {
             ball,
         R"("materials": {"m": {"specular": 1, "shininess": 1e18}}, "lights": [{"type": "point", "position": [0, 0.5, 3]}], )" +
             ball,
-        // A light in the eye, on a surface, in the middle of the ball; the half vector of light and view is 0
-        // behind the ball.
+        // A light in the eye, on a surface, in the middle of the ball; behind the ball the half vector is 0.
         R"("materials": {"m": {"specular": 1, "shininess": 9}}, "lights": [{"type": "point", "position": [0, 0.5, 3]},
             {"type": "point", "position": [0, 0.5, 0.5], "falloff": "inverseSquare"}, {"type": "point", "position": [0, 0.5, 0]},
             {"type": "point", "position": [0, 0, 2], "falloff": "inverseSquare"}, {"type": "directional", "direction": [0, 0, 1]}], )" +

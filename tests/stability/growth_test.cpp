@@ -1,7 +1,6 @@
 // T85: between convex mirrors every bounce multiplies the error of a ray, by as much as their curvature says.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <iostream>
 #include <numbers>

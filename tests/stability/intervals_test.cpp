@@ -3,8 +3,6 @@
 // (AnalyticTest.IntervalIsOpenBelowAndClosedAbove).
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "../render/support.h"
 #include "probe.h"
 #include "support/packed_scene_maker.h"

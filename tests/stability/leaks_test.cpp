@@ -2,8 +2,6 @@
 // T82). And rays that start on a surface neither hit it again (T81) nor jump over its neighbour (T82).
 #include <gtest/gtest.h>
 
-#include <iostream>
-
 #include "../render/support.h"
 #include "checks.h"
 #include "closed_meshes.h"

@@ -232,8 +232,7 @@ Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t
 
 namespace {
 
-// A point with a normal, an axis in the plane, and a ray that aims at `rim` sizes from the point; every third
-// one grazes.
+// A point with a normal, an axis in the plane, and a ray aimed `rim` sizes from it; every third one grazes.
 struct FlatCase {
     dvec3 point, normal, along;
     Pair pair;
@@ -276,8 +275,7 @@ Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t coun
     return judged;
 }
 
-// The point in the plane is off by 64 u of the way there, over the cosine: that much of the radius, squared,
-// is in doubt.
+// The point in the plane is off by 64 u of the way over the cosine, its squared radius by that much of it.
 Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed) {
     Random random(seed);
     std::vector<FlatCase> cases(count);
@@ -303,8 +301,7 @@ Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count
     return judged;
 }
 
-// The corners as seen are off by gamma_5 of the way to them (docs/design/numerics.md 2.3, delta x): 64 u of
-// it over the size.
+// The corners as seen are off by gamma_5 of the way (docs/design/numerics.md 2.3): 64 u of it over the size.
 Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed) {
     Random random(seed);
     std::vector<FlatCase> cases(count);

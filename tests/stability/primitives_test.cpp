@@ -16,8 +16,7 @@ class PrimitiveTest : public render::test::RenderTest, public testing::WithParam
   protected:
     bool onDevice() const { return GetParam() == Side::Device; }
     Subject subject() const { return {onDevice() ? &device() : nullptr, {}}; }
-    // t of the subject's own arithmetic at the 99th percentile: the bar on the device, a few units of double
-    // in the reference.
+    // t of the subject's own arithmetic, 99th percentile: the bar on the device, else a few units of double.
     void expectRight(const Judged& judged, const std::string& what, double timeBar) const {
         std::cout << "[ measured ] " << what << ": " << judged.text() << '\n';
         const oracle::Tally& a = judged.arithmetic;
@@ -82,8 +81,7 @@ TEST_F(SliverTest, TrianglesBehindARayAreNotMet) {
     }
 }
 
-// Along a needle the weights that are found may be those of a point that is near, though the ray meets the
-// needle far away.
+// Along a needle weights may be those of a point that is near, though the ray meets the needle far away.
 TEST_F(SliverTest, NothingIsLostAlongANeedle) {
     for (const double offset : {0.0, 15.0}) {
         for (const double width : {1e-5, 3e-6}) {

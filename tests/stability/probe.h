@@ -47,8 +47,7 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 // Device only: what rays that leave a surface are taken to meet, less triangles that lie behind them.
 std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
                                const std::vector<shared::Triangle>& triangles);
-// Device only: hits as they are shaded, those of slivers settled. exchanged: as of a mirrored instance, whose
-// corners are.
+// Device only: hits as they are shaded, slivers settled. exchanged: corners as of a mirrored instance.
 std::vector<Answer> probeSettled(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Triangle>& triangles, bool exchanged);
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
@@ -66,8 +65,7 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 // Device only: the normals as t, u, v where rays meet quadrics.
 std::vector<Answer> probeNormals(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Quadric>& quadrics);
-// Answer::hit: the box would be entered. Device only: the reference enters boxes in its own way, and answers
-// for primitives.
+// Device only. Answer::hit: the box would be entered, which the reference decides in its own way.
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<Box>& boxes);
 

@@ -69,8 +69,7 @@ struct Rounding {
     bool fromOrigin = false;  // the equation is set up at the ray's origin, however far away, in long double
 };
 
-// Local coordinates at t: gamma_5 of the magnitudes that make them (a difference, a product and two sums, t d
-// added), as a length.
+// Local coordinates at t: gamma_5 of the magnitudes that make them (a difference, a product, two sums, t d).
 double placeError(const Form& form, const oracle::Ray& world, double t, const Rounding& rounding) {
     const dvec3 from = glm::abs(world.origin - form.point) + std::abs(t) * glm::abs(world.direction);
     const dmat3 magnitudes(glm::abs(form.toLocal[0]), glm::abs(form.toLocal[1]), glm::abs(form.toLocal[2]));

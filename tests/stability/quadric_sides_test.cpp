@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <numbers>
 
 #include "../render/support.h"
 #include "checks.h"
@@ -200,8 +199,7 @@ TEST_F(QuadricSideTest, NearHitsHaveAllTheirDigits) {
     }
     std::cout << "[ measured ] near hits: " << missed << " missed, t within " << worst << " units\n";
     EXPECT_EQ(missed, 0u);
-    // disc errs by three units, its root, q and the quotient by two and a half of their own, Vulkan's
-    // quotient by five.
+    // disc errs by three units, its root, q and the quotient by two and a half, Vulkan's quotient by five.
     EXPECT_LE(worst, 12);
 }
 

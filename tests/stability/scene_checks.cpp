@@ -13,7 +13,6 @@ namespace glint::stability {
 namespace {
 
 using glm::dvec3;
-using glm::vec3;
 using render::Options;
 using render::Renderer;
 using render::test::aim;
@@ -93,8 +92,7 @@ PackedScene packedMesh(const LeakCase& leakCase) {
     for (dvec3& v : mesh.positions) v = leakCase.size * v + dvec3(leakCase.offset);
     Scene scene = render::test::emptyScene();
     render::test::addMesh(scene, mesh.positions, mesh.corners);
-    // Opposite, so that the packing leaves the origin where it is. Small, so that a leaking ray misses it
-    // too.
+    // Opposite, so that the packing leaves the origin where it is, and so small that a leaking ray misses it.
     const dvec3 far(-leakCase.offset);
     const double speck = 1e-3 * leakCase.size + 1e-6 * leakCase.offset;
     if (leakCase.offset > 0)

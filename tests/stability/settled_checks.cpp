@@ -2,8 +2,6 @@
 // triangle.glsl), in arithmetic that has as many digits as this takes.
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 #include "checks.h"
 #include "support/packed_scene_maker.h"

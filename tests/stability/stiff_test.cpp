@@ -92,8 +92,7 @@ TEST_F(PrismTest, TurnsInTheMiddle) {
     }
 }
 
-// A sheet of half a metre with waves of a millimetre, as a survey would give it: an OBJ with its base in its
-// numbers.
+// A sheet of half a metre with waves of a millimetre, as a survey gives it, with its base in its numbers.
 void writeSheet(const std::filesystem::path& path, const glm::dvec3& base) {
     constexpr int kSide = 40;
     std::ofstream file(path);
