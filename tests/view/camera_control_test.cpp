@@ -84,8 +84,7 @@ TEST(CameraControl, AWindowZoomsToo) {
     EXPECT_DOUBLE_EQ(control.camera().window->bottom, -1);
 }
 
-// Half of 60 degrees has the sine 1/2: a ball of radius 2 fills the height from 4 away, and 1.1 times that is
-// kept.
+// Half of 60 degrees has the sine 1/2: a ball of radius 2 fills the height from 4 away; with room, from 4.4.
 TEST(CameraControl, FramesABall) {
     CameraControl control(cameraAt({0, 0, 5}));
     control.frame({{1, 2, 3}, 2});

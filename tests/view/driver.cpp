@@ -69,16 +69,24 @@ Event cursorAt(double x, double y) {
     return {.type = Event::Type::Cursor, .x = x, .y = y};
 }
 
-Event press(bool down, int mods = 0) {
-    return {.type = Event::Type::Button, .code = GLFW_MOUSE_BUTTON_LEFT, .mods = mods, .down = down};
+Event press(bool down) {
+    return {.type = Event::Type::Button, .code = GLFW_MOUSE_BUTTON_LEFT, .down = down};
 }
 
 Event keyEvent(const KeyPress& k, bool down) {
     return {.type = Event::Type::Key, .code = k.key, .mods = k.mods, .down = down};
 }
 
-// Exit code of xdotool. The X server answers the second program after it has delivered the first program's
-// events.
+// As GLFW reports files that a file manager drops onto the window.
+void drop(GLFWwindow* window, const std::vector<std::string>& files) {
+    const GLFWdropfun dropped = glfwSetDropCallback(window, nullptr);
+    glfwSetDropCallback(window, dropped);
+    std::vector<const char*> names;
+    for (const std::string& file : files) names.push_back(file.c_str());
+    dropped(window, static_cast<int>(names.size()), names.data());
+}
+
+// Exit code of xdotool. The X server answers the second program after delivering the first one's events.
 int runHand(const std::string& words) {
     return std::system(("xdotool" + words + " >/dev/null && xdotool getmouselocation >/dev/null").c_str());
 }
@@ -171,15 +179,11 @@ void Driver::start(const ScriptCommand& command) {
 bool Driver::startInput(const ScriptCommand& command) {
     const std::string& name = command.name;
     const double x = m_.left + m_.session->width() / 2, y = m_.session->height() / 2;
-    if (name == "orbit" || name == "pan") {
-        const int mods = name == "pan" ? kShift : 0;
+    if (name == "orbit") {
         input_.push(cursorAt(x, y));
-        input_.push(press(true, mods));
+        input_.push(press(true));
         input_.push(cursorAt(x + numberOf(command, 0), y + numberOf(command, 1)));
-        input_.push(press(false, mods));
-    } else if (name == "dolly") {
-        input_.push(cursorAt(x, y));
-        input_.push({.type = Event::Type::Wheel, .y = numberOf(command, 0)});
+        input_.push(press(false));
     } else if (name == "key") {
         input_.push(keyEvent(keyNamed(command.arguments.at(0)).value(), true));
         input_.push(keyEvent(keyNamed(command.arguments.at(0)).value(), false));
@@ -203,7 +207,7 @@ bool Driver::startInput(const ScriptCommand& command) {
         input_.push(press(false));
         waitFrames(4);
     } else if (name == "drop") {
-        input_.push({.type = Event::Type::Drop, .files = {command.arguments[0]}});
+        drop(viewer_.window().handle(), command.arguments);
     } else if (name == "hand") {
         startHand(command);
     } else {

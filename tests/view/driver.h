@@ -3,14 +3,13 @@
 //
 //   wait N                 let N frames pass
 //   settle                 wait until the image is finished, and saving, verifying and loading are done
-//   orbit DX DY, pan DX DY drag from the middle of the window, pan with Shift
-//   dolly STEPS            turn the wheel; positive is nearer
+//   orbit DX DY            drag from the middle of the window
 //   key K, hold K N        press a key, named as in the list of keys; hold it for N frames
 //   click X Y              pick a pixel
 //   press CONTROL          click on a control of the panel, by its label, with _ for blanks
 //   hand ARGUMENTS...      real mouse and keys: runs `xdotool ARGUMENTS` and waits for it;
 //                          `@X,Y` is a pixel of the image and `@LABEL` a control
-//   drop FILE              drop a file onto the window
+//   drop FILE...           drop files onto the window
 //   resize W H             the window
 //   minimise N             minimise the window for N rounds, then restore it
 //   aov NAME               show a layer

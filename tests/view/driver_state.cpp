@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ostream>
-#include <utility>
 
 #include "core/error.h"
 #include "core/text_file.h"
@@ -88,7 +86,6 @@ std::string Driver::stateOf(const ScriptCommand& command) const {
     if (what == "exposure") return text("%g", m_.display.exposure);
     if (what == "fault") return m_.sceneError.empty() ? "none" : m_.sceneError;
     if (what == "figures") return m_.comparison.figures ? text("%.6g", m_.comparison.figures->rmse) : "none";
-    if (what == "focus") return text("%.6g", camera.focusDistance);
     if (what == "fov") return text("%.6g", camera.fovY);
     if (what == "hints") {
         std::string names;
@@ -118,7 +115,6 @@ std::string Driver::stateOfImage(const ScriptCommand& command) const {
     }
     if (what == "submissions") return std::to_string(m_.session->times().submissions);
     if (what == "time") return m_.time ? describe(*m_.time) : "none";
-    if (what == "progress") return text("%.4f", m_.session->progress());
     if (what == "tip") return viewer_.gui().tip().empty() ? "none" : viewer_.gui().tip();
     if (what == "playing") return onOffText(m_.timeline.playing());
     if (what == "rate") return text("%g", m_.timeline.rate());

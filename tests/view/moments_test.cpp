@@ -54,8 +54,7 @@ TEST_F(MomentsTest, ACameraThatMovesPacksNothing) {
     EXPECT_EQ(m.show(1.5, first.edits, first.edits).scene, nullptr) << "the same moment";
 }
 
-// Where lights and materials change alone, no tree is built; the arrays are those of the file read at that
-// moment.
+// If lights and materials change alone no tree is built; the arrays are those of the file read then.
 TEST_F(MomentsTest, WhatHasNotMovedIsNotBuiltAgain) {
     Moments m = moments();
     const Moment first = m.show();

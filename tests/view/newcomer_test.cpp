@@ -1,9 +1,5 @@
-// What the window is to its surroundings: files dragged onto it, fine screens, people who see it first.
+// The window in its surroundings: fine screens, small windows, people who see it first.
 #include <gtest/gtest.h>
-
-#include <cmath>
-#include <nlohmann/json.hpp>
-#include <thread>
 
 #include "core/image_io.h"
 #include "support.h"
@@ -17,27 +13,7 @@ class Newcomer : public FolderTest {
         size_ = "640x480";
         byHand_ = true;
     }
-    nlohmann::json scene_ = nlohmann::json::parse(sceneText());
 };
-
-// ---- drag and drop ----
-
-// Dragged by another program, with a name that an address cannot hold as it is: a scene is opened, a picture
-// compared with.
-TEST_F(Newcomer, FilesAreDraggedOntoTheWindow) {
-    scene_["maxDepth"] = 1;
-    writeText("an other+scene.json", scene_.dump());
-    render("scene.json", "red picture.png");
-    std::string fault = "nothing was dragged";
-    std::thread manager([&] {
-        fault = dragOnto("glint: scene.json", {std::filesystem::absolute("an other+scene.json").string(),
-                                               std::filesystem::absolute("red picture.png").string()});
-    });
-    const Ran ran = view("set samples 1\nawait depth 1\nexpect fault none\nsettle\nwait 3\nprint figures\n");
-    manager.join();
-    EXPECT_EQ(fault, "");
-    EXPECT_LT(std::stod(printed(ran, "figures").at(0)), 0.1);
-}
 
 // ---- scales ----
 

@@ -1,7 +1,6 @@
 // view_script FILE SCENE [OPTION ...]: a window of the scene, driven by the script in FILE (script.h).
 #include <cstdio>
 #include <string>
-#include <vector>
 
 #include "support.h"
 

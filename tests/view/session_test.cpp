@@ -100,8 +100,7 @@ TEST(Pace, StaysFullWhereThereIsTime) {
     EXPECT_EQ(pace.depth(9, kFull), 9);
 }
 
-// A quarter of the pixels takes a quarter of 0.1 s, which with 5 ms of other work is within 33 ms; a step of
-// 1/16 more is not.
+// A quarter of the pixels takes a quarter of 0.1 s, with 5 ms of other work within 33 ms; 1/16 more is not.
 TEST(Pace, HoldsTheTarget) {
     Pace pace(0.033);
     const double scale = settledScale(pace, 0.1 / kFull, 0.005);

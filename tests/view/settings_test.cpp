@@ -1,7 +1,6 @@
 // What the panel changes is what a scene with those values would draw.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/image_io.h"
@@ -78,8 +77,7 @@ TEST_F(Settings, Exposure) {
     EXPECT_EQ(pixelOf(readImage("s.png"), 3, 3), (Rgb{byte, byte, byte}));
 }
 
-// Without shadows no pixel is darker, the shadow of the first sphere on the floor is lit, and what no shadow
-// touches stays.
+// Without shadows no pixel is darker, the first sphere's shadow is lit, and what no shadow touches stays.
 TEST_F(Settings, Shadows) {
     view("set shadows off\nwait 2\nscreenshot off.png\nset shadows on\nwait 2\nscreenshot on.png\n",
          {"--spp", "1"});

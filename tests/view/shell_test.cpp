@@ -166,6 +166,15 @@ TEST_F(Shell, ADroppedSceneIsOpened) {
     EXPECT_EQ(readBytes("still.png"), readBytes("other.png"));
 }
 
+TEST_F(Shell, ASceneAndAnImageAreDroppedTogether) {
+    scene_["maxDepth"] = 1;
+    writeText("other.json", scene_.dump());
+    render("scene.json", "before.png");
+    const Ran ran =
+        view("set samples 1\ndrop other.json before.png\nawait depth 1\nsettle\nwait 3\nprint figures\n");
+    EXPECT_LT(std::stod(printed(ran, "figures").at(0)), 0.1);
+}
+
 // By its list: the folder of the scene, and what can be opened there.
 TEST_F(Shell, ASceneIsOpenedFromTheList) {
     size_ = "640x480";
@@ -224,8 +233,7 @@ TEST_F(Shell, MessagesGoAwayByThemselves) {
         "toast none\n");
 }
 
-// Letters twice as large are drawn anew: a picture of doubled pixels has no square of two by two that
-// differs within.
+// Letters twice as large are drawn anew: doubled pixels would have no square of two by two that differs.
 TEST_F(Shell, LettersAreSharpAtTwiceTheSize) {
     size_ = "640x480";
     view("set samples 1\nkey F1\nwait 4\nwindow help.png\n", {"--scale", "2"});

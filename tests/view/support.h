@@ -25,8 +25,7 @@ std::string byHand(const std::string& script);
 // A command line, inside this process.
 Ran runGlint(const std::vector<std::string>& args);
 
-// `glint view ARGS` driven by a script. ARGS starts with the scene; of the options those that tests of the
-// window use.
+// `glint view ARGS` driven by a script. ARGS: the scene, and options that tests of the window use.
 Ran runView(const std::vector<std::string>& args, const std::vector<ScriptCommand>& script);
 
 // The cameras that `print camera` and the key C wrote.
@@ -44,8 +43,7 @@ class FolderTest : public glint::test::WorkingFolderTest {
   protected:
     void SetUp() override;
 
-    // runView("scene.json --size SIZE --validation ...") with `script`; fails on a validation message or
-    // another exit code.
+    // runView("scene.json --size SIZE --validation ..."); fails on a validation message or another exit code.
     Ran view(const std::string& script, const std::vector<std::string>& more = {}, int code = 0);
     // What the script's `print WHAT` printed, one for each time.
     static std::vector<std::string> printed(const Ran& ran, const std::string& what);
