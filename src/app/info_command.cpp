@@ -210,14 +210,10 @@ std::string arithmeticText(const gpu::DeviceInfo& device) {
 
 ExitCode printDevices(std::ostream& out) {
     std::vector<gpu::DeviceInfo> devices;
-    try {
-        devices = gpu::listDevices();
-    } catch (const Error& e) {
-        throw withAdvice(e);
-    }
     uint32_t chosen = shared::kNone;
     std::string refusal;
     try {
+        devices = gpu::listDevices();
         chosen = gpu::chooseDevice(devices, "").index;
     } catch (const Error& e) {
         // The list below says more about each device; the error comes after it.
@@ -233,6 +229,7 @@ ExitCode printDevices(std::ostream& out) {
             << d.reason << '\n';
         if (d.usable) out << "   arithmetic: " << arithmeticText(d) << '\n';
     }
+    out << "cpu\n   double precision on the processor, without Vulkan\n   usable: --backend cpu\n";
     if (!refusal.empty()) throw Error(ErrorKind::Device, refusal);
     return ExitCode::Done;
 }

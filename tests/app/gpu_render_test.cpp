@@ -104,6 +104,7 @@ TEST_F(Lavapipe, IsListedAsTheChosenOne) {
     EXPECT_TRUE(ran.out.starts_with("0  llvmpipe")) << ran.out;
     EXPECT_HAS(ran.out, "\n   chosen: ");
     EXPECT_HAS(ran.out, "\n   arithmetic: correctly rounded: ");
+    EXPECT_HAS(ran.out, "\ncpu\n   ");
 }
 
 TEST_F(GpuRender, BlackPictureComesWithAdviceToo) {
