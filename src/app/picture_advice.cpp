@@ -131,6 +131,18 @@ Contents contentsOf(const Picture& picture) {
     return found;
 }
 
+// True if the surfaces in the image have the colour of a plain background, up to rounding.
+bool looksLikeBackground(const Picture& picture, const Scene& scene) {
+    const std::vector<float>& pixels = picture.color.pixels;
+    if (scene.environment) return false;
+    for (size_t i = 0; i < pixels.size(); i += 4)
+        for (int c = 0; c < 3; ++c) {
+            const double background = scene.background[c];
+            if (std::abs(pixels[i + static_cast<size_t>(c)] - background) > 1e-5 * background) return false;
+        }
+    return true;
+}
+
 // A plane through the eye, which is seen edge-on: a floor at y = 0 by the default camera.
 std::optional<std::string> planeThroughEye(const Scene& scene) {
     for (const Object& object : scene.objects) {
@@ -161,6 +173,8 @@ std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& sc
         return "the image shows only background: " + emptyReason(picture, scene, packed, request);
     if (found.brightest == 0)
         return "everything in the image is black: " + blackReason(picture, scene, packed, request);
+    if (looksLikeBackground(picture, scene))
+        return "the image shows only background: the materials let all light through, or mirror all of it";
     if (scale > 0 && srgbByte(found.brightest * scale) == 0) return exposureAdvice("dark", found.brightest);
     if (scale > 0 && found.darkest * scale >= 1 && found.brightest * scale > 1)
         return exposureAdvice("bright", found.brightest);
