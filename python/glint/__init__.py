@@ -533,8 +533,7 @@ class Scene(_native.Owner):
         places = _native.numbers(points, 3, "points")
         arrays = _hit_arrays(want, places.shape[0], dtype)
         given, hits = _native.view(places), _hits_struct(arrays)
-        options = _Options(cancelled, progress, True)
-        options.call("glint_query_closest_point", self._handle, ctypes.byref(given), ctypes.byref(hits))
+        _Options(cancelled, progress, True).call("glint_query_closest_point", self._handle, ctypes.byref(given), ctypes.byref(hits))
         made: Hits = _record("Hits", arrays, _native.shape_before(points))
         return made
 

@@ -9,6 +9,7 @@
 
 bool isAnyHit(Traversal traversal) { return false; }
 bool isShadowRay(Traversal traversal) { return false; }
+bool entersBox(Traversal traversal, vec3 lo, vec3 hi) { return rayEntersBox(traversal, lo, hi); }
 
 // Crossings of the current ray.
 struct CrossingCount {

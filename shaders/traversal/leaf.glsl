@@ -39,6 +39,8 @@ bool passesThrough(inout Traversal traversal, Hit hit) {
     return through;
 }
 
+bool entersBox(Traversal traversal, vec3 lo, vec3 hi) { return rayEntersBox(traversal, lo, hi); }
+
 void handleHit(inout Traversal traversal, Hit hit) {
     if (!passesThrough(traversal, hit)) accept(traversal, hit);
 }

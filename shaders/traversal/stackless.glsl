@@ -7,7 +7,9 @@
 
 #include "traversal/state.glsl"
 
-// Tests the primitives of a leaf, and the planes: traversal/leaf.glsl or traversal/count.glsl.
+// Each query defines: true if a box may hold what it looks for; the test of a leaf's primitives; and of the
+// planes.
+bool entersBox(Traversal traversal, vec3 lo, vec3 hi);
 void testLeaf(inout Traversal traversal, uint leaf);
 void testPlanes(inout Traversal traversal, uint planeCount);
 
@@ -17,10 +19,7 @@ uint stepToLeaf(Traversal traversal, inout uint slot) {
     Node node = loadNode(slot >> 1);
     bool second = (slot & 1u) != 0u;
     uint child = second ? node.child1 : node.child0;
-    precise float tEnd = traversal.ray.tMax * farPad();
-    float near;
-    bool entered = intersectBox(traversal.ray, traversal.frame, second ? node.lo1 : node.lo0,
-                                second ? node.hi1 : node.hi0, tEnd, near);
+    bool entered = entersBox(traversal, second ? node.lo1 : node.lo0, second ? node.hi1 : node.hi0);
     slot = second ? node.escape : slot + 1u;
     if (entered && isNode(child)) slot = child << 1;
     return entered && !isNode(child) ? child : kNone;

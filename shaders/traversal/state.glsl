@@ -39,6 +39,13 @@ void removeRay(inout Traversal traversal) {
     traversal.ray = Ray(vec3(0.0), vec3(0.0), 0.0, -1.0, kNone, kNone);
 }
 
+// True if the ray hits the box in its interval.
+bool rayEntersBox(Traversal traversal, vec3 lo, vec3 hi) {
+    precise float tEnd = traversal.ray.tMax * farPad();
+    float near;
+    return intersectBox(traversal.ray, traversal.frame, lo, hi, tEnd, near);
+}
+
 bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
 
 bool isInstance(uint child) {

@@ -11,8 +11,9 @@ namespace {
 constexpr double kFarthestPoint = 1e18;
 
 void requireKinds(const PackedScene& packed) {
-#define GLINT_REQUIRE(number, Kind, KINDS, kinds, one, many)                               \
-    if (!packed.kinds.empty() && !reference::hasClosestPoint(shared::PrimitiveKind::Kind)) \
+    using Kinds = shared::PrimitiveKind;
+#define GLINT_REQUIRE(number, Kind, KINDS, kinds, one, many)                                     \
+    if (Kinds::Kind != Kinds::Triangle && Kinds::Kind != Kinds::Sphere && !packed.kinds.empty()) \
         refuse("closest points are of triangles and spheres alone: the scene has a " #one);
     GLINT_PRIMITIVES(GLINT_REQUIRE, GLINT_NO_KIND)
 #undef GLINT_REQUIRE
@@ -23,19 +24,19 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
                   const Context& context) {
     const reference::Model& model = part.tracer().model();
     const auto local = [&](uint64_t i) { return points.three(i) - part.packed.origin; };
-    const auto isFar = [](const glm::dvec3& point) {
-        return !glm::all(glm::lessThan(glm::abs(point), glm::dvec3(kFarthestPoint)));
+    const auto isNear = [](const glm::dvec3& point) {
+        return glm::all(glm::lessThan(glm::abs(point), glm::dvec3(kFarthestPoint)));
     };
-    const auto write = [&](uint64_t i, const std::optional<reference::ClosestPoint>& closest) {
-        if (!closest) return hits.write(i, {}, {});
+    const auto write = [&](uint64_t i, const reference::ClosestPoint& closest) {
         LocalRay ray{local(i), glm::dvec3(0, 0, 1)};
-        if (closest->hit.t > 0) ray.direction = (closest->point - ray.origin) / closest->hit.t;
-        hits.write(i, ray, closest->hit);
+        if (closest.hit.t > 0) ray.direction = (closest.point - ray.origin) / closest.hit.t;
+        hits.write(i, ray, closest.hit);
     };
     if (!part.queries) {
         forBlocks(context, points.count(), [&](uint64_t first, uint64_t end) {
             for (uint64_t i = first; i < end; ++i)
-                write(i, isFar(local(i)) ? std::nullopt : reference::closestPoint(model, local(i)));
+                write(i, isNear(local(i)) ? reference::closestPoint(model, local(i))
+                                          : reference::ClosestPoint{});
         });
         return;
     }
@@ -47,18 +48,16 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
         for (size_t i = 0; i < inputs.size(); ++i) {
             const glm::dvec3 point = local(numbers[i]);
-            inputs[i] = {glm::vec3(point), glm::vec3(0, 0, 1), isFar(point) ? shared::kInfinity : 0,
+            inputs[i] = {glm::vec3(point), glm::vec3(0, 0, 1), isNear(point) ? 0 : shared::kInfinity,
                          shared::kInfinity};
         }
     };
     task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
-        for (size_t i = 0; i < found.size(); ++i) {
-            if (found.primitive(i) == shared::kNone)
-                write(numbers[i], std::nullopt);
-            else
-                write(numbers[i], reference::closestPointOn(model, found.primitive(i), found.instance(i),
-                                                            local(numbers[i])));
-        }
+        for (size_t i = 0; i < found.size(); ++i)
+            write(numbers[i], found.primitive(i) == shared::kNone
+                                  ? reference::ClosestPoint{}
+                                  : reference::closestPointOn(model, found.primitive(i), found.instance(i),
+                                                              local(numbers[i])));
     };
     if (!part.queries->run(task)) throw Cancelled();
 }

@@ -2,7 +2,6 @@
 // shaders/traversal/crossings.glsl find, by formulas of their own.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "reference/tracer.h"
@@ -15,15 +14,13 @@ struct ClosestPoint {
     glm::dvec3 point{0};  // local
 };
 
-// True of triangles and spheres: the other kinds have no closest points.
-bool hasClosestPoint(shared::PrimitiveKind kind);
-
-// The point of a primitive, of an instance or none, that is closest to a local point.
+// The point of a triangle or sphere, of an instance or none, that is closest to a local point.
 ClosestPoint closestPointOn(const Model& model, uint32_t primitive, uint32_t instance,
                             const glm::dvec3& point);
 
-// The closest point of all. At the same distance the lowest id counts. Empty if nothing is in the BVH.
-std::optional<ClosestPoint> closestPoint(const Model& model, const glm::dvec3& point);
+// The closest point of a scene of triangles and spheres. At the same distance the lowest id counts.
+// hit.primitive is kNone if nothing is in the BVH.
+ClosestPoint closestPoint(const Model& model, const glm::dvec3& point);
 
 // Crossings of a local ray, nearest first. At a shared edge or corner of triangles it counts only those that
 // it crosses, so a closed surface is entered and left in turns. Each triangle must stand in the BVH once

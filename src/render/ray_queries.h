@@ -56,9 +56,8 @@ struct RayTask {
     ReadRays fill;  // local rays; also called to look at some of them
     std::function<void(const RayNumbers& numbers, const FoundHits& hits)> take;
     // Nearest: the closest hit; Any: FoundHit::primitive of an arbitrary hit, if there is one; Count:
-    // FoundHit::crossings, of a scene packed without split triangles; Point: the primitive that is closest to
-    // the ray's origin, FoundHit::t the square of its distance (kinds: hasClosestPoint in
-    // reference/queries.h).
+    // FoundHit::crossings, of a scene packed without split triangles; Point: the triangle or sphere that is
+    // closest to the ray's origin, FoundHit::t the square of its distance.
     enum class Ask { Nearest, Any, Count, Point } ask = Ask::Nearest;
     Methods methods = {};
     bool leaves = false;                   // rays start on surfaces (docs/design/numerics.md)
