@@ -114,7 +114,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     uint index = leaf & kLeafFirstMask;
     uint end = index + sizeOfLeaf(leaf);
     do {
-        if (index < end) test(traversal, kindOfLeaf(leaf), index);
+        test(traversal, kindOfLeaf(leaf), index);
         ++index;
         ++traversal.trips;
     } while (index < end);
@@ -129,16 +129,15 @@ void main() {
     Traversal traversal;
     traversal.ray = loadRay(path);
     traversal.hit = Hit(uintBitsToFloat(hitRow.x), 0.0, 0.0, hitRow.w, instanceRow.x, hitRow.y);
+    traversal.trips = MODE_RESUME ? 0u : kMaxBvhDepth;  // of the way to the first leaf
     traversal.cost = 0u;
-    bool live = isAlive(traversal.ray) && environment.root != kNone && (!MODE_RESUME || slot != kNone);
-    if (!live) return;
+    if (!isAlive(traversal.ray) || environment.root == kNone || (MODE_RESUME && slot == kNone)) return;
     if (!MODE_RESUME) {
         slot = kSlotFresh;
         prepare(traversal, environment);
         testLeaf(traversal, nearestLeaf(traversal));
         enterSpace(traversal, kNone, traversal.instance != kNone);
     }
-    traversal.trips = MODE_RESUME ? 0u : kMaxBvhDepth;
     slot = resume(traversal, environment, slot, instanceRow.zw);
     storeRow(kRowHit, path,
              uvec4(floatBitsToUint(traversal.hit.t), traversal.hit.id, 0u, traversal.hit.primitive));
