@@ -14,8 +14,7 @@ bool isAnyHit(Traversal traversal) { return false; }
 bool isShadowRay(Traversal traversal) { return false; }
 void testPlanes(inout Traversal traversal, uint planeCount) {}
 
-// At most the square of the distance to the box, in the coordinates of the traversal: the terms, and their
-// product with a stretch, round by 12 u.
+// At most the square of the distance to the box: it and its product with a stretch round by 12 u.
 float squareToBox(Traversal traversal, vec3 lo, vec3 hi) {
     vec3 point = traversal.ray.origin;
     precise vec3 away = max(max(lo - point, point - hi), vec3(0.0));

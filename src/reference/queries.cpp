@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "core/vectors.h"
@@ -21,35 +20,28 @@ using glm::dvec3;
 
 // ---- Closest points
 
-// u and v of the point of a triangle that is closest to 0, by Voronoi regions (Ericson, Real-Time Collision
+// The closest point of a triangle, with its u and v alone, by Voronoi regions (Ericson, Real-Time Collision
 // Detection, 2005, sec. 5.1.5).
-std::pair<double, double> weightsOnTriangle(const dvec3& a, const dvec3& b, const dvec3& c) {
-    const auto part = [](double of, double whole) { return whole > 0 ? of / whole : 0; };
+ClosestPoint closestOnTriangle(const dvec3& point, const dvec3& a, const dvec3& b, const dvec3& c) {
     const dvec3 ab = b - a, ac = c - a;
-    const double d1 = -glm::dot(ab, a), d2 = -glm::dot(ac, a);
-    if (d1 <= 0 && d2 <= 0) return {0, 0};
-    const double d3 = -glm::dot(ab, b), d4 = -glm::dot(ac, b);
-    if (d3 >= 0 && d4 <= d3) return {1, 0};
+    const auto at = [&](double u, double v) { return ClosestPoint{{.u = u, .v = v}, a + u * ab + v * ac}; };
+    const auto part = [](double of, double whole) { return whole > 0 ? of / whole : 0; };
+    const double d1 = glm::dot(ab, point - a), d2 = glm::dot(ac, point - a);
+    if (d1 <= 0 && d2 <= 0) return at(0, 0);
+    const double d3 = glm::dot(ab, point - b), d4 = glm::dot(ac, point - b);
+    if (d3 >= 0 && d4 <= d3) return at(1, 0);
     const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return {part(d1, d1 - d3), 0};
-    const double d5 = -glm::dot(ab, c), d6 = -glm::dot(ac, c);
-    if (d6 >= 0 && d5 <= d6) return {0, 1};
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return at(part(d1, d1 - d3), 0);
+    const double d5 = glm::dot(ab, point - c), d6 = glm::dot(ac, point - c);
+    if (d6 >= 0 && d5 <= d6) return at(0, 1);
     const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return {0, part(d2, d2 - d6)};
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return at(0, part(d2, d2 - d6));
     const double va = d3 * d6 - d5 * d4;
     if (va <= 0 && d4 >= d3 && d5 >= d6) {
         const double w = part(d4 - d3, (d4 - d3) + (d5 - d6));
-        return {1 - w, w};
+        return at(1 - w, w);
     }
-    return {part(vb, va + vb + vc), part(vc, va + vb + vc)};
-}
-
-// The closest point of the triangle with these corners; `hit` has only its u and v.
-ClosestPoint closestOnTriangle(const dvec3& point, const dvec3& a, const dvec3& b, const dvec3& c) {
-    ClosestPoint closest;
-    std::tie(closest.hit.u, closest.hit.v) = weightsOnTriangle(a - point, b - point, c - point);
-    closest.point = a + closest.hit.u * (b - a) + closest.hit.v * (c - a);
-    return closest;
+    return at(part(vb, va + vb + vc), part(vc, va + vb + vc));
 }
 
 // In extended precision, as the centre may lie far from the point.
@@ -76,8 +68,7 @@ void searchClosest(const Model& model, uint32_t root, uint32_t instance, const d
         const dvec3 away = glm::max(glm::max(loOf(node, child) - inside, inside - hiOf(node, child)), 0.0);
         return glm::length(away) / stretch * (1 - 0x1p-40);
     };
-    const auto limit = [&] { return best.hit.t; };
-    traverse(*model.nodes, root, distance, limit, [&](const Leaf& leaf, double) {
+    const auto visit = [&](const Leaf& leaf, double) {
         for (uint32_t i = leaf.first; i < leaf.end; ++i) {
             if (leaf.kind == shared::PrimitiveKind::Instance) {
                 searchClosest(model, model.instances[i].root, i, point, best);
@@ -88,7 +79,9 @@ void searchClosest(const Model& model, uint32_t root, uint32_t instance, const d
             if (std::pair(found.hit.t, found.hit.id) < std::pair(best.hit.t, best.hit.id)) best = found;
         }
         return false;
-    });
+    };
+    traverse(
+        *model.nodes, root, distance, [&] { return best.hit.t; }, visit);
 }
 
 // ---- Points near surfaces
