@@ -528,7 +528,7 @@ class Scene(_native.Owner):
         """The closest point of all surfaces to each of `points` (..., 3), as a hit: `t` is its distance, `point` the closest point.
 
         want: as in `cast`, except sure, t_lower and t_upper. Raises Error if the scene holds other shapes than meshes, spheres and
-        their instances. On a device the distance may exceed the least by 2^-20 of the coordinates' size; device "cpu" is exact.
+        their instances. On a device the distance may exceed the least by 2^-20 of the coordinates' size; device "cpu" computes in double.
         """
         places = _native.numbers(points, 3, "points")
         arrays = _hit_arrays(want, places.shape[0], dtype)
