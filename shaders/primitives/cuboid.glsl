@@ -37,7 +37,7 @@ vec3 cuboidLocal(Cuboid cuboid, vec3 v) {
 float slipOfFace(Cuboid cuboid, RayFrame frame, vec3 reach, vec3 inverse, uint axis, float t) {
     float plane = larger(abs(cuboid.lo[axis]), abs(cuboid.hi[axis]));
     precise float height = kUnit * (2.0 * plane + reach[axis]) + frame.slip;
-    return kSlips ? height * abs(inverse[axis]) + slipOfRound(t) : 0.0;
+    return kSlips ? height * abs(inverse[axis]) + slipOfRounding(t) : 0.0;
 }
 
 // The line is inside from the last plane that it enters through to the first that it leaves through. Both

@@ -125,17 +125,17 @@ struct Candidate {
     bool found;
     float side;
     float before;   // t of the surface before, found or not
-    float slip;     // tSlip
+    float slip;     // of a cap; of a side, the last roundings of t
     float capSlip;  // of the caps, before that of t itself
 };
 
 void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint part, float side) {
     precise float scaled = t * unit;
     float counted = afterT(best.before, scaled);
-    precise float slip = slipOfRound(counted) + (part == kPartSide ? 0.0 : best.capSlip);
+    precise float slip = slipOfRounding(counted) + (part == kPartSide ? 0.0 : best.capSlip);
     precise float near = counted - slip;
     bool ahead = counted > 0.0 && (ray.source == kNone || near > 0.0);
-    if (valid && !best.found && ahead && counted > ray.tMin && near <= ray.tMax)
+    if (valid && !best.found && ahead && counted > ray.tMin)
         best = Candidate(counted, part, true, side, counted, slip, best.capSlip);
     if (kCountsSurfaces && valid) best.before = counted;
 }
@@ -168,6 +168,17 @@ float slipOfCaps(RayFrame frame, Quadric q, vec3 offset, vec3 along) {
     vec3 terms = 2.0 * abs(q.point) + 6.0 * abs(offset);
     precise float height = kUnit * (dot(abs(q.toLocal2), terms) + 2.0 * larger(abs(q.lo.z), abs(q.hi.z)));
     return abs(quotient(height + length(q.toLocal2) * frame.slip, along.z == 0.0 ? 1.0 : along.z));
+}
+
+// tSlip of the side, from half the equation.
+float slipOfSide(Ray ray, RayFrame frame, Quadric q, vec3 offset, vec3 o, vec3 along, float t) {
+    precise vec3 y = o + t * along;
+    QuadricPlace at = placeOf(q, y);
+    vec3 image = bilinear(q.squares, q.products, at.y);
+    vec3 slope = image + at.linear;
+    vec3 spread = abs(slope.x * q.toLocal0) + abs(slope.y * q.toLocal1) + abs(slope.z * q.toLocal2);
+    float sums = dot(abs(at.y), 0.5 * abs(image) + abs(at.linear)) + 0.5 * abs(at.constant);
+    return slipOfRound(frame, spread, dot(slope, along), q.point, offset, ray.direction, t, sums);
 }
 
 // t is the same in local coordinates. The equation is set up where the ray enters the box. If A C exceeds
@@ -212,9 +223,13 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     }
     Crossings c = crossingsOf(A, e.B, e.C, slack, start);
     Candidate best = firstSurface(ray, unit, p, c, slipOfCaps(frame, q, offset, along));
+    bool isHit = best.found && p.enter <= p.leave;
     tSlip = best.slip;
+    if (kSlips && isHit && best.part == kPartSide)
+        tSlip = slipOfSide(ray, frame, q, offset, o, along, best.t);
     hit = Hit(best.t, kTellsSides ? best.side : 0.0, 0.0, primitive | (best.part << kPartShift), kNone, q.id);
-    return best.found && p.enter <= p.leave;
+    precise float near = best.t - tSlip;
+    return isHit && near <= ray.tMax;
 }
 
 // The normal, T^T slope, in steps that do not overflow.

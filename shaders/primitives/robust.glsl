@@ -13,7 +13,7 @@ bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out f
 bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) { return crossesTriangle(ray, frame, triangle); }
 
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {
-    return intersectSphere(ray, sphere, primitive, hit);
+    return intersectSphere(ray, frame, sphere, primitive, hit);
 }
 
 #endif

@@ -8,7 +8,7 @@ vec3 sphereCenter(Sphere sphere) {
     return FEATURE_ANCHORED_SPHERES ? sphere.point - sphere.radius * sphere.anchorNormal : sphere.point;
 }
 
-// Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al.,
+// The first root of a t^2 + 2 b t + c = 0 after tMin, by the form that cancels nothing (Press et al.,
 // Numerical Recipes, sec. 5.6). disc is b^2 - a c, computed by the caller in the way that suits the sphere.
 bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t, out float side) {
     precise float root = squareRoot(max(disc, 0.0));
@@ -17,18 +17,30 @@ bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t, ou
     precise float r1 = quotient(q, a);
     float lower = r0 < r1 ? r0 : r1;
     float upper = afterT(lower, r0 < r1 ? r1 : r0);
-    bool lowerIn = lower > ray.tMin && lower <= ray.tMax;
-    bool upperIn = upper > ray.tMin && upper <= ray.tMax;
+    bool lowerIn = lower > ray.tMin;
     t = lowerIn ? lower : upper;
-    tSlip = slipOfRound(t);
     side = lowerIn ? kComesIn : kLeaves;
-    return disc >= 0.0 && q != 0.0 && (lowerIn || upperIn);
+    return disc >= 0.0 && q != 0.0 && t > ray.tMin;
+}
+
+// tSlip: half the equation sums (|y|^2 + r^2) / 2, or (|y|^2 + 2 r n.y) / 2 from an anchor; its gradient has
+// the length r. o: from sphere.point to the origin.
+float slipOfSphere(Ray ray, RayFrame frame, Sphere sphere, vec3 o, float t) {
+    precise vec3 y = o + t * ray.direction;
+    float constant = sphere.radius * sphere.radius;
+    precise vec3 gradient = y;
+    if (FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0)) {
+        constant = 2.0 * sphere.radius * dot(abs(sphere.anchorNormal), abs(y));
+        gradient += sphere.radius * sphere.anchorNormal;
+    }
+    return slipOfRound(frame, abs(gradient), dot(gradient, ray.direction), sphere.point, o, ray.direction, t,
+                       0.5 * (dot(y, y) + constant));
 }
 
 // Discriminant from the distance of the centre to the ray, as b^2 - a c cancels if the sphere is far away. An
 // anchored sphere measures from a point of its surface, as its radius may exceed all distances
 // (docs/design/numerics.md 2.4).
-bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
+bool intersectSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, out Hit hit) {
     precise vec3 o = ray.origin - sphere.point;
     precise float a = dot(ray.direction, ray.direction);
     precise float b = dot(o, ray.direction);
@@ -52,7 +64,9 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out Hit hit) {
     float t, side;
     bool isHit = nearestRoot(ray, a, b, c, disc, t, side);
     hit = Hit(t, kTellsSides ? side : 0.0, 0.0, primitive, kNone, sphere.id);
-    return isHit;
+    tSlip = isHit ? slipOfSphere(ray, frame, sphere, o, t) : 0.0;
+    precise float near = t - tSlip;
+    return isHit && near <= ray.tMax;
 }
 
 // The test that the traversals call: primitives/robust.glsl or primitives/textbook.glsl.

@@ -138,12 +138,12 @@ bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
 }
 
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {
-    if (SPHERE_FORM == kSphereRobust) return intersectSphere(ray, sphere, primitive, hit);
+    if (SPHERE_FORM == kSphereRobust) return intersectSphere(ray, frame, sphere, primitive, hit);
     bool own = primitive == ray.source;
     float t;
     bool isHit = SPHERE_FORM == kSphereAlgebraic ? sphereByEquation(ray, sphere, own, t)
                                                  : sphereByDistance(ray, sphere, own, t);
-    tSlip = slipOfRound(t);
+    tSlip = slipOfRounding(t);
     hit = Hit(t, 0.0, 0.0, primitive, kNone, sphere.id);
     return isHit;
 }

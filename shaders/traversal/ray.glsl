@@ -158,8 +158,18 @@ float slipOfFlat(RayFrame frame, vec3 n, vec3 anchor, vec3 w, vec3 d, float t, f
     return kSlips ? abs(quotient(slipOfHeight(frame, n, anchor, w, t * d), speed)) : 0.0;
 }
 
-// tSlip of a round surface: the last roundings of t. Two that coincide have the same numbers and the same t.
-float slipOfRound(float t) { return kSlips ? 8.0 * kUnit * abs(t) : 0.0; }
+// The last roundings of t.
+float slipOfRounding(float t) { return kSlips ? 8.0 * kUnit * abs(t) : 0.0; }
+
+// tSlip of a round surface, from the gradient of its equation: `spread` has the magnitudes that the gradient
+// sums, speed is gradient.d, and `sums` the magnitudes that the equation sums. Near a tangent the curvature
+// bounds the slip, and so does the least speed here.
+float slipOfRound(RayFrame frame, vec3 spread, float speed, vec3 anchor, vec3 w, vec3 d, float t,
+                  float sums) {
+    precise float error = slipOfHeight(frame, spread, anchor, w, t * d) + 12.0 * kUnit * sums;
+    float least = 4.8828125e-4 * greatestComponent(spread) * greatestComponent(d);  // 2^-11
+    return kSlips ? quotient(error, larger(larger(abs(speed), least), 1e-37)) : 0.0;
+}
 
 // How far a point moves along the unit normal of its surface to come out of the box of its error.
 float clearance(vec3 error, vec3 n) { return dot(abs(n), error); }

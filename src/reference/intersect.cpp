@@ -29,15 +29,6 @@ auto visitHit(const Model& scene, uint32_t primitive, const Visit& visit) {
                           });
 }
 
-// Without what says whose it is.
-template <class Kind>
-Kind shapeOf(Kind primitive) {
-    primitive.id = 0;
-    if constexpr (requires { primitive.object; })
-        primitive.object = primitive.primitive = primitive.material = 0;
-    return primitive;
-}
-
 uint32_t indexOf(uint32_t primitive) {
     return primitive & shared::kPrimitiveIndexMask;
 }
@@ -99,14 +90,23 @@ double slipOfFlat(const PreparedRay& ray, const dvec3& n, const dvec3& anchor, d
     return height / std::abs(speed);
 }
 
-bool isSameSurface(const Model& scene, const Hit& a, const Hit& b) {
-    const uint32_t ofKindAndPart = ~shared::kLeafFirstMask;
-    if (a.instance != b.instance || ((a.primitive ^ b.primitive) & ofKindAndPart) != 0) return false;
-    return visitHit(scene, a.primitive, [&]<class Kind>(const Kind& one) {
-        const Kind* first = &one - (a.primitive & shared::kLeafFirstMask);
-        const Kind shape = shapeOf(one), other = shapeOf(first[b.primitive & shared::kLeafFirstMask]);
-        return shape == other;
-    });
+double errorOfRound(const PreparedRay& ray, const dvec3& spread, const dvec3& anchor, double t, double sums) {
+    double error = ray.slips * 12 * sums;
+    for (int i = 0; i < 3; ++i) {
+        const double reach = std::abs(anchor[i] - ray.origin[i]) + std::abs(t * ray.direction[i]);
+        error += spread[i] * (2 * std::abs(anchor[i]) + ray.slips * 6 * reach);
+    }
+    return 0x1p-24 * error;
+}
+
+double slipOfRound(const PreparedRay& ray, const dvec3& gradient, const dvec3& spread, double error) {
+    double speed = 0, fastest = 0;
+    for (int i = 0; i < 3; ++i) {
+        speed += gradient[i] * ray.direction[i];
+        fastest = std::max(fastest, std::abs(ray.direction[i]));
+    }
+    const double least = 0x1p-11 * greatestMagnitude(spread) * fastest;
+    return error / std::max({std::abs(speed), least, std::numeric_limits<double>::min()});
 }
 
 Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {

@@ -53,14 +53,24 @@ struct Root {
 // A part of it is the rounding of coordinates, which makes the planes differ. The rest is the arithmetic of
 // the test; PreparedRay::slips scales it.
 double slipOfFlat(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t);
-// The slip of a round surface.
-inline double slipOfRound(const PreparedRay& ray, double t) {
+// How far the equations of round surfaces in one place may differ at t. spread: the magnitudes that the
+// gradient sums; sums: those that the equation sums.
+double errorOfRound(const PreparedRay& ray, const glm::dvec3& spread, const glm::dvec3& anchor, double t,
+                    double sums);
+// The slip of a round surface whose equation may differ by `error`.
+double slipOfRound(const PreparedRay& ray, const glm::dvec3& gradient, const glm::dvec3& spread,
+                   double error);
+// The last roundings of t.
+inline double slipOfRounding(const PreparedRay& ray, double t) {
     return ray.slips * 8 * 0x1p-24 * std::abs(t);
 }
-// True if a surface at t +- slip counts for the ray, whose interval ends at tMax.
+// True if a surface at t +- slip is within the ray's interval, which ends at tMax.
+inline bool isWithin(const PreparedRay& ray, double t, double slip, double tMax) {
+    return t > ray.tMin && t - (ray.ties ? slip : 0) <= tMax && t <= std::numeric_limits<double>::max();
+}
+// True if a flat surface at t +- slip is, too, in front of a ray that leaves a surface.
 inline bool countsAt(const PreparedRay& ray, double t, double slip, double tMax) {
-    return t > ray.tMin && (!ray.leaves || t > slip) && t - (ray.ties ? slip : 0) <= tMax &&
-           t <= std::numeric_limits<double>::max();
+    return (!ray.leaves || t > slip) && isWithin(ray, t, slip, tMax);
 }
 
 // One ray that may hit one primitive.
@@ -183,9 +193,5 @@ glm::dvec3 reachFrom(const glm::dvec3& from, const Solid& solid) {
     const glm::dvec3 size = glm::max(glm::abs(solid.lo), glm::abs(solid.hi));
     return from + glm::abs(back[0]) * size.x + glm::abs(back[1]) * size.y + glm::abs(back[2]) * size.z;
 }
-
-// True if both are hits of the same part of two primitives of one kind with equal numbers, in one instance,
-// so that equal arithmetic gives equal t. False for outlines, which have their own arrays.
-bool isSameSurface(const Model& scene, const Hit& a, const Hit& b);
 
 }  // namespace glint::reference

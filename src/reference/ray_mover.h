@@ -1,8 +1,6 @@
 // Random movements of the size of rounding, see struct Jitter.
 #pragma once
 
-#include <algorithm>
-
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -47,15 +45,8 @@ class RayMover {
 
     double slips() const { return slips_; }
 
-    // Relative uncertainty of a round surface's t: gamma_16 on each side for a jitter of one unit.
-    double tieWidth() const { return 16 * step_; }
+    bool moves() const { return step_ != 0; }
     double shift(double scale) { return step_ == 0 ? 0 : step_ * scale * next(); }
-    bool coin() { return uniform(state_) < 0; }
-    // One of `count`.
-    size_t pick(size_t count) {
-        const double place = (uniform(state_) + 1) / 2;
-        return std::min(count - 1, static_cast<size_t>(place * static_cast<double>(count)));
-    }
     // Something that has gone through `roundings`.
     double sway(double value, double roundings) {
         return step_ == 0 ? value : value * (1 + roundings * step_ * next());

@@ -106,16 +106,6 @@ class PathTracer {
     uint32_t contributions_ = 0;
 };
 
-bool isRound(const Hit& hit) {
-    const shared::PrimitiveKind kind = kindOfPrimitive(hit.primitive);
-    const uint32_t part = hit.primitive >> shared::kPartShift & shared::kPartMask;
-    return kind == shared::PrimitiveKind::Sphere ||
-           (kind == shared::PrimitiveKind::Quadric && part == shared::kPartSide);
-}
-
-// Under jitter, which of two primitives at one t comes first is open too if one is round, as the rule for
-// surfaces in one place has no bound for them: coincident surfaces tie for every moved ray, and double always
-// breaks the tie in the same way. But not if both have the same numbers: fp32 then gives the same t as well.
 std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, RayClass kind) {
     const uint64_t before = record_.cost;
     Ray seen = ray;
@@ -126,15 +116,7 @@ std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, Ray
     if (hit && hit_ != shared::kNone && hit_ != hit->id)
         if (const std::optional<Hit> other = tracer_.possibleHit(ray, source, hit_)) hit = other;
     hit_ = shared::kNone;
-    if (!hit || mover_.tieWidth() == 0 || !mover_.coin()) return hit;
-    Ray narrow = ray;
-    narrow.tMin = std::max(ray.tMin, hit->t * (1 - mover_.tieWidth()));
-    narrow.tMax = std::min(ray.tMax, hit->t * (1 + mover_.tieWidth()));
-    std::vector<Hit> others = tracer_.allHits(narrow, sourceOf(*hit));
-    std::erase_if(others, [&](const Hit& other) {
-        return (!isRound(*hit) && !isRound(other)) || isSameSurface(scene_, *hit, other);
-    });
-    return others.empty() ? hit : others[mover_.pick(others.size())];
+    return hit;
 }
 
 Interaction PathTracer::interactionAt(const Ray& ray, const Hit& hit, const Surface& surface,
@@ -193,7 +175,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     if (!scene_.coloredShadows) {
         const bool occluded = tracer_.occluded(ray, at.source, &record_.cost);
         count(RayClass::Shadow, before);
-        if (occluded && !scene_.instances.empty() && !record_.meetsInstance && mover_.tieWidth() > 0) {
+        if (occluded && !scene_.instances.empty() && !record_.meetsInstance && mover_.moves()) {
             const std::optional<Hit> hit = tracer_.closest(ray, at.source);
             record_.meetsInstance = hit && hit->instance != shared::kNone;
         }

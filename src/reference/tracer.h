@@ -93,8 +93,7 @@ struct Surface {
 // ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
 // cone, and each contribution before it is compared with the least that is followed. Texture coordinates
 // move by up to `ulps` * 2^-24 * max(1, Surface::uvScale), points looked up in a solid checker as origins do.
-// seed 0 and ulps 0: no jitter. Deterministic for a seed. Where two primitives, one of them round, lie at the
-// same t within 16 * `ulps` * 2^-24 * t, either may be taken.
+// seed 0 and ulps 0: no jitter. Deterministic for a seed.
 // `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more
 // than fp32 does (FormulaNoise).
 // `clears`: besides, rays begin `ulps` times as far from the surface that they leave as the device's do

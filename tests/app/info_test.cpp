@@ -58,6 +58,16 @@ TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
         << "without reflections the mirror code is left out";
 }
 
+TEST_F(Info, LeastGapIsInSceneUnits) {
+    const auto gapAt = [](const char* corner) {
+        writeText("a.json", std::string(R"({"objects": [{"type": "box", "min": [-)") + corner +
+                                ", -1, -1], \"max\": [" + corner + ", 1, 1]}]}");
+        return runGlint("info a.json").out;
+    };
+    EXPECT_HAS(gapAt("1"), "  least gap     7.2e-07 along an axis, 2.5e-06 in other directions\n");
+    EXPECT_HAS(gapAt("1000"), "  least gap     0.00072 along an axis, 0.0025 in other directions\n");
+}
+
 TEST_F(Info, KindOfCamera) {
     const auto infoOf = [](const std::string& camera) {
         writeText("a.json", "{\"camera\": {" + camera + "}}");

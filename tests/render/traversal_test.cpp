@@ -271,6 +271,48 @@ TEST_F(RenderTest, TheOrderOfTraversalMattersWithinTheBoundAlone) {
     EXPECT_GE(open, byOrder) << "the reference predicts what the order decides";
 }
 
+// Two objects of one surface, from numbers that round differently: an ulp of the coordinates is 16 times the
+// roundings of t. Balls near 0 keep the origin of coordinates there.
+TEST_F(RenderTest, RoundSurfacesInOnePlaceAreOneWhateverTheirNumbers) {
+    const std::pair<std::string, std::string> pairs[] = {
+        {R"("sphere", "center": [100.1, 60.3, -80.7], "radius": 0.7)",
+         R"("sphere", "center": [100.100005, 60.299998, -80.700004], "radius": 0.7)"},
+        {R"("sphere", "center": [100.1, 60.3, -80.7], "radius": 0.7)",
+         R"("ellipsoid", "center": [0, 0, 0], "radii": [2, 1, 0.5], "transform":
+            [0.21, -0.56, 0, 100.1, 0.28, 0.42, 0, 60.3, 0, 0, 1.4, -80.7, 0, 0, 0, 1])"},
+        {R"("ellipsoid", "center": [100.1, 60.3, -80.7], "radii": [0.56, 0.7, 0.63])",
+         R"("sphere", "center": [143, 43.07142857142857, -89.66666666666667], "radius": 0.5, "transform":
+            [1.12, 0, 0, -60.06, 0, 1.4, 0, 0, 0, 0, 1.26, 32.28, 0, 0, 0, 1])"},
+        {R"("cylinder", "base": [96.5, 59.1, -79.7], "top": [101.4, 61.2, -81.45], "radius": 0.6)",
+         R"("cylinder", "base": [99.3, 60.3, -80.7], "top": [100.7, 60.9, -81.2], "radius": 0.6)"},
+        {R"("cone", "base": [99.3, 60.3, -80.7], "apex": [101.3, 60.9, -81.2], "radius": 0.8)",
+         R"("cone", "base": [99.3, 60.3, -80.7], "apex": [100.9, 60.78, -81.1], "radius": 0.8,
+            "topRadius": 0.16)"}};
+    std::string balls;
+    for (int i = 0; i < 8; ++i)
+        balls += R"(, {"type": "sphere", "center": [0, 0, 0], "radius": 0.001, "material": "red"})";
+    for (const auto& [first, second] : pairs) {
+        const std::string objects = R"({"material": "white", "type": )" + first +
+                                    R"(}, {"material": "red", "type": )" + second + "}" + balls;
+        const Case c = textCase(R"({"camera": {"eye": [100.7, 61, -80], "target": [100.1, 60.3, -80.7]},
+            "lights": [{"type": "point", "position": [103, 66, -78]}],
+            "materials": {"white": {"diffuse": 0.7}, "red": {"diffuse": [0.7, 0, 0]}},
+            "objects": [)" + objects +
+                                    "]}",
+                                32, 24);
+        ASSERT_EQ(c.packed.origin, dvec3(0));
+        Renderer renderer(device(), c.packed);
+        EXPECT_TRUE(verified(renderer, c).passed()) << second;
+        const Picture picture = renderer.render(c.camera, wholeWithData(c));
+        size_t hits = 0;
+        for (int i = 0; i < 32 * 24; ++i) {
+            EXPECT_NE(picture.at(i % 32, i / 32).object, 1u) << second;
+            hits += picture.at(i % 32, i / 32).object == 0;
+        }
+        EXPECT_GT(hits, 150u) << second;
+    }
+}
+
 std::vector<Subject> subjects() {
     std::vector<Subject> all;
     for (const char* scene : {"triangles", "grids", "spheres", "mixed"})

@@ -62,7 +62,7 @@ double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t,
         0x1p-24 * (2 * plane + 2 * place + ray.slips * 6 * static_cast<double>(seen.o[axis].terms)) +
         ray.slips * ray.slip;
     return height / std::abs(static_cast<double>(seen.d[axis].value)) +
-           slipOfRound(ray, static_cast<double>(t));
+           slipOfRounding(ray, static_cast<double>(t));
 }
 
 }  // namespace

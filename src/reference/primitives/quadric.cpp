@@ -116,6 +116,45 @@ bool lineIsOutside(const rows::Quadric& quadric, const PreparedRay& ray) {
     return bound > kLeastProof && e.disc < -bound && e.a > 0;
 }
 
+dmat3 squaresOf(const rows::Quadric& quadric) {
+    return {quadric.squares.x,  quadric.products.z, quadric.products.y, quadric.products.z, quadric.squares.y,
+            quadric.products.x, quadric.products.y, quadric.products.x, quadric.squares.z};
+}
+
+// The magnitudes that add up to the left side of the equation. A cone with a tip is summed at y or, where
+// n(y) is no less than a sixteenth of n(y + a), from its apex, n the form of all magnitudes. NaN: at that
+// bound.
+double termsAt(const rows::Quadric& quadric, const dmat3& squares, const dvec3& y) {
+    const double here = glm::dot(glm::abs(y), glm::abs(squares * y) + 2.0 * glm::abs(quadric.linear)) +
+                        std::abs(quadric.constant);
+    if (!(quadric.caps & shared::kFromApex)) return here;
+    const dmat3 positive(glm::abs(squares[0]), glm::abs(squares[1]), glm::abs(squares[2]));
+    const auto form = [&](const dvec3& v) { return glm::dot(glm::abs(v), positive * glm::abs(v)); };
+    const dvec3 fromApex = y + glm::inverse(squares) * quadric.linear;
+    const double near = 16 * form(y), far = form(fromApex);
+    if (std::abs(near - far) <= 0x1p-10 * far) return std::numeric_limits<double>::quiet_NaN();
+    return near < far ? here : glm::dot(glm::abs(fromApex), glm::abs(squares * fromApex));
+}
+
+// The gradient of half the equation at t, where the local coordinates are `place`, the magnitudes that it
+// sums, and what sides of quadrics in one place may differ by there.
+struct SideRule {
+    dvec3 gradient, spread;
+    double error;
+
+    SideRule(const rows::Quadric& quadric, const PreparedRay& ray, double t, const Vec4<Extended>& place) {
+        const dmat3 squares = squaresOf(quadric), rows = glm::transpose(toLocal(quadric));
+        const dvec3 y(static_cast<double>(place[0]), static_cast<double>(place[1]),
+                      static_cast<double>(place[2]));
+        const dvec3 slope = squares * y + quadric.linear;
+        gradient = rows * slope;
+        spread = glm::abs(slope.x * rows[0]) + glm::abs(slope.y * rows[1]) + glm::abs(slope.z * rows[2]);
+        double terms = termsAt(quadric, squares, y);
+        if (std::isnan(terms)) terms = termsAt(quadric, squares, y * (1 + 0x1p-8));
+        error = errorOfRound(ray, spread, dvec3(quadric.point), t, terms / 2);
+    }
+};
+
 // Tolerance of the clipping planes, so that a plane through the point does not reject it.
 constexpr double kClipSlack = 0x1p-44;
 
@@ -143,7 +182,10 @@ class Search {
   private:
     void sides(bool fromSide) {
         Equation<Extended> e(form_, local_);
-        if (fromSide) {
+        const bool startsHere =
+            fromSide || (ray_.leaves && static_cast<double>(magnitude(e.c)) <=
+                                            2 * SideRule(quadric_, ray_, 0, local_.o).error);
+        if (startsHere) {
             // Taken as on the surface: c = 0, t = 0 is the one root and -2 b / a the other.
             const LocalTerms<Extended> terms(quadric_, ray_);
             if (e.a != 0 && magnitude(e.b) > 0x1p-44L * form_.terms(terms.o, terms.d)) side(-2 * e.b / e.a);
@@ -168,9 +210,9 @@ class Search {
     }
 
     void side(Extended t, bool twice = false) {
-        const double slip = slipOfRound(ray_, static_cast<double>(t));
-        if (!counts(static_cast<double>(t), slip)) return;
         const Vec4<Extended> y = local_.at(t);
+        const double slip = slipOfSide(t, y);
+        if (!isWithin(ray_, static_cast<double>(t), slip, test_.tMax) || !isFirst(t)) return;
         for (int i = 0; i < 3; ++i) {
             const Extended slack = slackAt(y, i);
             if (!(y[i] >= quadric_.lo[i] - slack && y[i] <= quadric_.hi[i] + slack)) return;
@@ -183,7 +225,7 @@ class Search {
         if (local_.d[2] == 0) return;
         const Extended t = (plane - local_.o[2]) / local_.d[2];
         const double slip = slipOfCap(t);
-        if (!counts(static_cast<double>(t), slip)) return;
+        if (!countsAt(ray_, static_cast<double>(t), slip, test_.tMax) || !isFirst(t)) return;
         Vec4<Extended> y = local_.at(t);
         y[2] = plane;
         Vec4<Extended> terms;
@@ -195,9 +237,12 @@ class Search {
         return kClipSlack * (magnitude(y[i]) + magnitude<Extended>(quadric_.hi[i] - quadric_.lo[i]));
     }
 
-    // Within the ray's interval, and before what was found.
-    bool counts(double t, double slip) const {
-        return countsAt(ray_, t, slip, test_.tMax) && !(found_ && root_.t <= t);
+    bool isFirst(Extended t) const { return !found_ || static_cast<double>(t) < root_.t; }
+
+    double slipOfSide(Extended t, const Vec4<Extended>& y) const {
+        if (!ray_.ties) return 0;
+        const SideRule at(quadric_, ray_, static_cast<double>(t), y);
+        return slipOfRound(ray_, at.gradient, at.spread, at.error);
     }
 
     // slipOfFlat for a cap: the third axis, which is no unit vector, is the caps' normal.
@@ -210,7 +255,7 @@ class Search {
                       (2 * std::abs(point[i]) + ray_.slips * 6 * std::abs(ray_.origin[i] - point[i]));
         height = 0x1p-24 * height + glm::length(axis) * ray_.slips * ray_.slip;
         return height / std::abs(static_cast<double>(local_.d[2])) +
-               slipOfRound(ray_, static_cast<double>(t));
+               slipOfRounding(ray_, static_cast<double>(t));
     }
 
     void take(Extended t, double slip, uint32_t part, bool twice) {
@@ -250,21 +295,6 @@ double errorAlong(double terms, const dvec3& slope, const dmat3& rows, const dve
     return (gammaOf(12) * terms + gammaOf(5) * moved) / steepness;
 }
 
-// The magnitudes that add up to the left side of the equation. A cone with a tip is summed at y or, where
-// n(y) is no less than a sixteenth of n(y + a), from its apex, n the form of all magnitudes. NaN: at that
-// bound.
-double termsAt(const rows::Quadric& quadric, const dmat3& squares, const dvec3& y) {
-    const double here = glm::dot(glm::abs(y), glm::abs(squares * y) + 2.0 * glm::abs(quadric.linear)) +
-                        std::abs(quadric.constant);
-    if (!(quadric.caps & shared::kFromApex)) return here;
-    const dmat3 positive(glm::abs(squares[0]), glm::abs(squares[1]), glm::abs(squares[2]));
-    const auto form = [&](const dvec3& v) { return glm::dot(glm::abs(v), positive * glm::abs(v)); };
-    const dvec3 fromApex = y + glm::inverse(squares) * quadric.linear;
-    const double near = 16 * form(y), far = form(fromApex);
-    if (std::abs(near - far) <= 0x1p-10 * far) return std::numeric_limits<double>::quiet_NaN();
-    return near < far ? here : glm::dot(glm::abs(fromApex), glm::abs(squares * fromApex));
-}
-
 // The surface next to a hit point; normal outward, of length 1.
 // bend: bound on the turn of the normal per unit of distance. error: along the normal, of the value of the
 // equation there, in fp32 (rounding.h).
@@ -289,9 +319,7 @@ SurfacePoint pointOnCap(const rows::Quadric& quadric, bool upper, const dvec3& p
 // plane).
 SurfacePoint pointOnSide(const rows::Quadric& quadric, const dvec3& point, const dvec3& direction) {
     const dmat3 local = toLocal(quadric), rows = glm::transpose(local);
-    const dmat3 squares(quadric.squares.x, quadric.products.z, quadric.products.y, quadric.products.z,
-                        quadric.squares.y, quadric.products.x, quadric.products.y, quadric.products.x,
-                        quadric.squares.z);
+    const dmat3 squares = squaresOf(quadric);
     const dvec3 y = local * (point - quadric.point);
     const dvec3 slope = 2.0 * (squares * y + quadric.linear);
     const dvec3 gradient = rows * slope;

@@ -42,6 +42,33 @@ struct SphereEquation {
     }
 };
 
+// The gradient of half the equation at t, and what spheres in one place may differ by there.
+struct SphereRule {
+    dvec3 gradient;
+    double error;
+
+    SphereRule(const rows::Sphere& sphere, const PreparedRay& ray, double t) {
+        const dvec3 n(sphere.anchorNormal);
+        const double r = sphere.radius;
+        dvec3 y;
+        for (int i = 0; i < 3; ++i) y[i] = ray.origin[i] - sphere.point[i] + t * ray.direction[i];
+        gradient = y + r * n;
+        const double constant = isAnchored(sphere) ? 2 * r * glm::dot(glm::abs(n), glm::abs(y)) : r * r;
+        const double sums = (glm::dot(y, y) + constant) / 2;
+        error = errorOfRound(ray, glm::abs(gradient), dvec3(sphere.point), t, sums);
+    }
+};
+
+bool acceptSphere(Extended t, const rows::Sphere& sphere, const RayTest& test, Root& root) {
+    root.t = static_cast<double>(t);
+    root.slip = 0;
+    if (test.ray.ties) {
+        const SphereRule at(sphere, test.ray, root.t);
+        root.slip = slipOfRound(test.ray, at.gradient, glm::abs(at.gradient), at.error);
+    }
+    return isWithin(test.ray, root.t, root.slip, test.tMax);
+}
+
 }  // namespace
 
 bool intersect(const rows::Sphere& sphere, const RayTest& test, Root& root) {
@@ -51,13 +78,14 @@ bool intersect(const rows::Sphere& sphere, const RayTest& test, Root& root) {
     root.twice = false;
     const Vec<Extended> d = toVec<Extended>(ray.direction);
     const Vec<Extended> w = toVec<Extended>(sphere.point) - toVec<Extended>(ray.origin);
-    if (test.fromItself()) {
-        const SphereEquation<Extended> onSurface(sphere, w, d);
-        const Extended t = 2 * onSurface.b / onSurface.a;
-        return accept(t, slipOfRound(ray, static_cast<double>(t)), test, root);
-    }
     const SphereEquation<double> rough(sphere, toVec<double>(sphere.point) - toVec<double>(ray.origin),
                                        toVec<double>(ray.direction));
+    const bool startsHere =
+        test.fromItself() || (ray.leaves && std::abs(rough.c) <= 2 * SphereRule(sphere, ray, 0).error);
+    if (startsHere) {
+        const SphereEquation<Extended> onSurface(sphere, w, d);
+        return acceptSphere(2 * onSurface.b / onSurface.a, sphere, test, root);
+    }
     if (rough.discriminant < -rough.bound) return false;
 
     // Seen from the point of the line nearest to sphere.point, the distance to the sphere no longer enters
@@ -83,8 +111,7 @@ bool intersect(const rows::Sphere& sphere, const RayTest& test, Root& root) {
     Extended t0 = shift + (q == 0 ? 0 : e.c / q), t1 = shift + q / e.a;
     if (t0 > t1) std::swap(t0, t1);
     root.twice = static_cast<double>(t0) == static_cast<double>(t1);
-    return accept(t0, slipOfRound(ray, static_cast<double>(t0)), test, root) ||
-           accept(t1, slipOfRound(ray, static_cast<double>(t1)), test, root);
+    return acceptSphere(t0, sphere, test, root) || acceptSphere(t1, sphere, test, root);
 }
 
 // The point is near the sphere: one step brings it onto the sphere, as far as double goes.
