@@ -4,8 +4,8 @@
     catalogue.py GLINT [--count N] [--first N] [--grid N] [--exact N] [--keep FOLDER] [-v]
 
 Each case is a scene of grid x grid stations in one plane. A station is a pair of flat surfaces (kinds, relation, windings,
-materials), a glass body that stands on a flat surface, or a round body that is doubled, nested, or touches a flat surface. The
-case draws the extent (1e-3 to 1e6), the plane's distance from the origin (0 to 10 extents), its tilt, the light and the order
+materials), a glass body that stands on a flat surface, or a round body that is doubled (by the same or by other numbers), nested,
+or touches a flat surface. The case draws the extent (1e-3 to 1e6), the plane's distance from the origin (0 to 10 extents), its tilt, the light and the order
 of the objects. Both backends render it; a pixel counts as wrong if they differ by more than 1/100 where the reference is smooth
 (its 3 x 3 neighbours agree), that is, away from outlines. In some of these pixels the object hit is also compared with the one
 that rational arithmetic finds (exact.py).
@@ -31,7 +31,7 @@ EXTENTS = [1e-3, 1.0, 1.0, 1.0, 1e3, 1e6]
 HEIGHTS = [0, 0, 0, 1e-3, 0.02, 0.05, 0.25, 1, 10]  # of the plane, in extents
 BODIES = ["box", "cylinder", "cone"]
 ROUNDS = ["sphere", "ellipsoid", "cylinder", "cone", "paraboloid"]
-ROUND_RELATIONS = ["doubled", "nested", "resting", "sunk"]
+ROUND_RELATIONS = ["doubled", "restored", "nested", "resting", "sunk"]
 SHEET_CELLS = 64  # along a side: with fewer triangles the host would not store the sheet once for all its instances
 
 
@@ -151,6 +151,43 @@ class Case:
         else:
             self.add(material, type="paraboloid", vertex=self.at(u, v, w - radius), top=self.at(u, v, w + radius), radius=r)
 
+    def quadric(self, center, radii, material):
+        """An ellipsoid as an equation, measured from another point: the middle of its bounds."""
+        squares = [1 / r**2 for r in radii]
+        constant = sum(a * c * c for a, c in zip(squares, center)) - 1
+        coefficients = squares + [0, 0, 0] + [-2 * a * c for a, c in zip(squares, center)] + [constant]
+        bounds = [[c + side * r for c, r in zip(center, radii)] for side in (-1.3, 1.1)]
+        self.add(material, type="quadric", coefficients=coefficients, bounds=bounds)
+
+    def restored(self, kind, u, v, w, radius, material):
+        """The surface of round(), or a part of it, from other numbers."""
+        rng, r = self.rng, radius * self.extent
+        center = self.at(u, v, w)
+        if kind == "sphere":
+            form = rng.choice(["sphere", "ellipsoid", "quadric", "transform"])
+            if form == "sphere":  # as far as fp32 rounds
+                center = [c * (1 + rng.uniform(-1, 1) * 2.0**-24) for c in center]
+                self.add(material, type="sphere", center=center, radius=r * (1 + rng.uniform(-1, 1) * 2.0**-24))
+            elif form == "ellipsoid":
+                self.add(material, type="ellipsoid", center=center, radii=[r, r, r])
+            elif form == "quadric":
+                self.quadric(center, [r, r, r], material)
+            else:
+                self.add(material, type="ellipsoid", center=[0, 0, 0], radii=[2, 1, 0.5],
+                         transform=self.matrix(center, (radius / 2, radius, 2 * radius)))
+        elif kind == "ellipsoid":
+            self.quadric(center, [0.8 * r, r, 0.9 * r], material)
+        elif kind == "cylinder":
+            self.add(material, type="cylinder", base=self.at(u + 0.8, v, w), top=self.at(u - rng.choice([0.3, 1.1]), v, w), radius=r, capped=True)
+        elif kind == "cone":
+            low, high = rng.choice([(0, 0.5), (0.1, 0.7), (0.5, 0.6)])
+            self.add(material, type="cone", base=self.at(u, v, w + (2 * low - 1) * radius), apex=self.at(u, v, w + (2 * high - 1) * radius),
+                     radius=(1 - low) * r, topRadius=(1 - high) * r, capped=True)
+        else:
+            part = rng.choice([0.25, 1.21])
+            self.add(material, type="paraboloid", vertex=self.at(u, v, w - radius), top=self.at(u, v, w + (2 * part - 1) * radius),
+                     radius=math.sqrt(part) * r)
+
     def station(self, u, v):
         rng = self.rng
         self.centers.append(self.at(u, v))
@@ -172,7 +209,10 @@ class Case:
                 self.round(kind, u, v, 0 if relation == "sunk" else 0.7, 0.7, material)
             else:
                 self.round(kind, u, v, 0.8, 0.7, ground)
-                self.round(kind, u, v, 0.8, 0.7 if relation == "doubled" else 0.7 * (1 + 2.0**-10), material)
+                if relation == "restored":
+                    self.restored(kind, u, v, 0.8, 0.7, material)
+                else:
+                    self.round(kind, u, v, 0.8, 0.7 if relation == "doubled" else 0.7 * (1 + 2.0**-10), material)
                 first = "-"
             self.names.append((first, kind, relation))
             return

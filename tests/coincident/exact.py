@@ -169,6 +169,8 @@ def hits_of(thing, o, d):
         yield from ellipsoid_hits(o, d, fractions(thing["center"]), [Fraction(thing["radius"])] * 3)
     elif kind == "ellipsoid":
         yield from ellipsoid_hits(o, d, fractions(thing["center"]), fractions(thing["radii"]))
+    elif kind == "quadric":
+        yield from quadric_hits(o, d, fractions(thing["coefficients"]), [fractions(b) for b in thing["bounds"]])
     elif kind == "paraboloid":
         yield from revolution_hits(o, d, fractions(thing["vertex"]), fractions(thing["top"]), (0, Fraction(thing["radius"])**2, 0), False)
     else:
@@ -184,6 +186,21 @@ def ellipsoid_hits(o, d, center, radii):
     for t in roots_of(dot(e, e), dot(w, e), dot(w, w) - 1):
         gradient = [(a + t * b) / r for a, b, r in zip(w, e, radii)]
         yield t, abs(dot(gradient, d)) / root(dot(gradient, gradient))
+
+
+def quadric_hits(o, d, coefficients, bounds):
+    xx, yy, zz, xy, yz, xz, x, y, z, constant = coefficients
+    rows = [[2 * xx, xy, xz], [xy, 2 * yy, yz], [xz, yz, 2 * zz]]
+
+    def gradient_at(p):
+        return [dot(row, p) + c for row, c in zip(rows, (x, y, z))]
+    linear = dot(o, (x, y, z)) + constant
+    for t in roots_of(dot(d, [dot(row, d) for row in rows]) / 2, dot(gradient_at(o), d) / 2,
+                      dot(o, [dot(row, o) for row in rows]) / 2 + linear):
+        at = [a + t * b for a, b in zip(o, d)]
+        if all(lo <= c <= hi for lo, c, hi in zip(bounds[0], at, bounds[1])):
+            gradient = gradient_at(at)
+            yield t, abs(dot(gradient, d)) / root(dot(gradient, gradient))
 
 
 def object_at(scene, pixel, bound):
