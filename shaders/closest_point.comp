@@ -8,6 +8,9 @@
 // does, past boxes farther than the bound. Traversal::hit.t is the square of the distance.
 #include "path_rows.glsl"
 #include "primitives/textbook.glsl"
+#include "traversal/state.glsl"
+const uint kMostLeaves = 1u;
+#include "traversal/leaves.glsl"
 #include "traversal/stackless.glsl"
 
 bool isAnyHit(Traversal traversal) { return false; }
@@ -117,6 +120,10 @@ void testLeaf(inout Traversal traversal, uint leaf) {
         ++index;
         ++traversal.trips;
     } while (index < end);
+}
+
+void testLeaves(inout Traversal traversal, Leaves leaves) {
+    if (leaves.list[0] != kNone) testLeaf(traversal, leaves.list[0]);
 }
 
 void main() {

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // How often each ray crosses surfaces in its interval, and with MODE_LIST where. Rows of a ray: kRowHit holds
-// tMax, the number of crossings, 1 if it is doubtful, 0; with MODE_LIST kRowThroughput holds the place of the
-// first crossing in the list and the number of crossings.
+// tMax, the number of crossings, not 0 if it is doubtful, 0; with MODE_LIST kRowThroughput holds the place of
+// the first crossing in the list and the number of crossings.
 #define GLINT_CROSSINGS
 #include "path_rows.glsl"
 #include "traversal/count.glsl"
@@ -19,14 +19,17 @@ void main() {
     traversal.trips = 0u;
     traversal.cost = 0u;
     traversal.nearest = kInfinity;
-    crossings = CrossingCount(hitRow.y, hitRow.z, uvec2(0u));
-    if (MODE_LIST) crossings.list = loadRow(kRowThroughput, path).xy;
+    traversal.crossings = hitRow.y;
+    if (MODE_LIST) listOfRay = loadRow(kRowThroughput, path).xy;
     bool live = isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
     uint slot = resume(traversal, loadEnvironment(0u), MODE_RESUME ? walkRow.x : kSlotFresh, instanceRow.zw);
+    bool again = (doubts & kAtEdge) != 0u;
+    if (again) slot = kSlotFresh;
     bool unfinished = live && slot != kNone;
-    if (live) storeRow(kRowHit, path, uvec4(hitRow.x, crossings.count, crossings.doubtful, 0u));
+    uvec2 counted = again ? uvec2(0u) : uvec2(traversal.crossings, hitRow.z | (doubts & kNearOrigin));
+    if (live) storeRow(kRowHit, path, uvec4(hitRow.x, counted, 0u));
     if (FEATURE_INSTANCES && live && (MODE_RESUME || unfinished))
         storeInstanceRow(path, uvec4(kNone, instanceRow.y, traversal.instance, traversal.worldSlot));
     if (live && (MODE_RESUME || unfinished)) storeRow(kRowWalk, path, uvec4(slot, 0u, 0u, 0u));

@@ -4,7 +4,7 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 // The closest hit of each live path, packet by packet: intersect.comp for subgroups of 8 lanes.
 #include "path_rows.glsl"
-#include "packet/traverse.glsl"
+#include "packet/hits.glsl"
 #ifdef GLINT_ANY_HIT
 const uint kTurns = kPacketTurns;
 bool isAnyHit(Traversal traversal) { return true; }

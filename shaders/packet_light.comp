@@ -4,7 +4,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 // Adds the light of the scene's lights to each hit, packet by packet: light.comp for subgroups of 8 lanes.
 #define GLINT_SHADOW_RAYS
-#include "packet/traverse.glsl"
+#include "packet/hits.glsl"
 #include "shading/light.glsl"
 
 bool isAnyHit(Traversal traversal) { return true; }

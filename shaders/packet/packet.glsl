@@ -12,7 +12,7 @@
 #define GLINT_PACKET_GLSL
 
 #include "primitives/robust.glsl"
-#include "traversal/leaf.glsl"
+#include "traversal/state.glsl"
 
 #define GLINT_EACH_RAY for (uint r = 0u; r < kPacketRays; ++r)
 
@@ -162,13 +162,13 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
     stack.top += pushed ? 1u : 0u;
 }
 
-// Records a hit. Any-hit queries need no more than its primitive: 10 % faster (docs/lab/traversal.md).
-void takeHit(inout Traversal one, Hit hit) {
-    if (isAnyHit(one))
-        one.hit.primitive = hit.primitive;
-    else
-        accept(one, hit);
-}
+// The tests of a query: packet/hits.glsl, or packet_count.comp.
+// a, b, c: the corners as seen from the origin, turned, as v0 and the normal. False `present`: no triangle.
+void testTriangle(inout Traversal one, vec3 a, vec3 b, vec3 c, vec3 v0, vec3 normal, uint primitive, uint id,
+                  bool present);
+// rows: those that enter the leaf's box.
+void testPacketLeaf(uint leaf, uint axis, uint lane, uint rows, inout uint trips);
+void testPlanes(inout Traversal traversal, uint planeCount);
 
 // corners: of triangle `index`, turned, in the lanes from `lane` on.
 // normals: of the triangles of the pair, turned, in lanes 0 and 1.
@@ -182,32 +182,8 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
     precise vec3 a = v0 - turned;
     precise vec3 b = v1 - turned;
     precise vec3 c = v2 - turned;
-    float t, u, v;
-    vec3 normal = fromLane(normals, lane / 3u);
-    if (intersectTurned(one.ray, one.frame, a, b, c, v0, normal, t, u, v) && present)
-        takeHit(one, Hit(t, u, v, primitive, kNone, id));
+    testTriangle(one, a, b, c, v0, fromLane(normals, lane / 3u), primitive, id, present);
 }
-
-// Tests primitives `first` to `end` - 1 against all rays.
-#define GLINT_PACKET_TEST(Kind)                                                                \
-    void testPacket##Kind##s(uint first, uint end, inout uint trips) {                         \
-        uint index = first;                                                                    \
-        do {                                                                                   \
-            if (index < end) {                                                                 \
-                Kind one = load##Kind(index);                                                  \
-                uint primitive = (kKind##Kind << kPrimitiveKindShift) | index;                 \
-                GLINT_EACH_RAY {                                                               \
-                    Hit hit;                                                                   \
-                    if (hit##Kind(packet[r].ray, packet[r].frame, one, primitive, trips, hit)) \
-                        accept(packet[r], hit);                                                \
-                }                                                                              \
-                ++index;                                                                       \
-                ++trips;                                                                       \
-            }                                                                                  \
-        } while (index < end);                                                                 \
-    }
-GLINT_PACKET_TEST(Sphere)
-GLINT_PACKET_TEST(Cuboid)
 
 // Takes the rays of a row out of the packet. `row` has the row's bit alone. By selection: an index that is
 // not constant costs more.
@@ -226,6 +202,7 @@ Traversal takeRow(uint row) {
         one.hit.u = mine ? packet[r].hit.u : one.hit.u;
         one.hit.v = mine ? packet[r].hit.v : one.hit.v;
         one.hit.id = mine ? packet[r].hit.id : one.hit.id;
+        one.crossings = mine ? packet[r].crossings : one.crossings;
     }
     return one;
 }
@@ -241,6 +218,7 @@ void putRow(uint row, Traversal one) {
         packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
         packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
         packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
+        packet[r].crossings = mine ? one.crossings : packet[r].crossings;
     }
 }
 
@@ -270,17 +248,6 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
             ++trips;
         }
     } while (left != 0u);
-}
-
-// rows: those that enter the leaf's box.
-void testPacketLeaf(uint leaf, uint axis, uint lane, uint rows, inout uint trips) {
-    uint kind = kindOfLeaf(leaf);
-    uint first = leaf & kLeafFirstMask;
-    uint end = first + sizeOfLeaf(leaf);
-    if (FEATURE_TRIANGLES)
-        testPacketTriangles(axis, kind == kKindTriangle ? first : end, end, lane, rows, trips);
-    if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : end, end, trips);
-    if (FEATURE_CUBOIDS) testPacketCuboids(kind == kKindCuboid ? first : end, end, trips);
 }
 
 // Traverses with the rays of a group: packet/traverse.glsl. False if the group was given up.

@@ -36,7 +36,10 @@ bool hitPrimitive(Ray ray, RayFrame frame, uint kind, uint index, inout uint tri
 }
 
 // True if a ray may hit a primitive of this kind more than once.
-bool hasFurtherHits(uint kind) { return kind == kKindSphere || kind == kKindQuadric || kind == kKindCuboid; }
+bool hasFurtherHits(uint kind) {
+    return (FEATURE_SPHERES && kind == kKindSphere) || (FEATURE_QUADRICS && kind == kKindQuadric) ||
+           (FEATURE_CUBOIDS && kind == kKindCuboid);
+}
 
 // The ray and the surface are in the coordinates of the primitive; `instance` is the one that holds it, if
 // any.

@@ -12,13 +12,13 @@
 
 // ---- Structs ----
 
-// Two children of a BVH node. child: see kLeafFlag below. `escape` is the slot (2 * node + side) at which a
-// walk in depth-first order goes on once both children are done, kNone at the end.
+// Two children of a BVH node, two rows each. child: see kLeafFlag below. `escape` is the slot (2 * node +
+// side) at which a traversal in depth-first order continues once both children are done, kNone at the end.
 #define GLINT_NODE_ROWS(V3F, V3U, U4, A) \
     V3U(A, lo0, child0)                  \
-    V3U(A, hi0, child1)                  \
-    V3U(A, lo1, escape)                  \
-    V3U(A, hi1, reserved)
+    V3U(A, hi0, reserved)                \
+    V3U(A, lo1, child1)                  \
+    V3U(A, hi1, escape)
 
 // Shading data of a triangle. normal: unit, outward by winding, computed in double from the rounded vertices.
 // vertexNormals: index, or kNone. attributes: the triangle's first VertexAttribute, with the flags
@@ -242,6 +242,7 @@ GLINT_CONST_UINT(kWorkgroupSize, 64u);  // one tile
 GLINT_CONST_UINT(kTileSize, 8u);
 
 GLINT_CONST_UINT(kPacketRays, 4u);   // rays of a lane
+GLINT_CONST_UINT(kCountLeaves, 8u);  // leaves that a ray which counts crossings collects
 GLINT_CONST_UINT(kPacketTurns, 8u);  // any-hit packets that a subgroup traces one after the other
 
 // ---- The model of light and of samples (docs/reference/shading.md, docs/guide/sampling.md) ----

@@ -9,9 +9,6 @@
 
 #include "primitives/triangle.glsl"
 
-// True if the position of a crossing matters, besides that it is in the interval.
-const bool kPlacesMatter = MODE_LIST || FEATURE_ALPHA_MASK;
-
 // The magnitude of x is m 2^(e - 150).
 void takeApart(float x, out uint m, out int e) {
     uint bits = floatBitsToUint(x) & 0x7fffffffu;
@@ -76,58 +73,54 @@ float boundOfSum(SeenTriangle seen, vec3 z) {
     return 16.0 * kUnit * dot(terms, abs(z));
 }
 
-// True if the ray crosses the triangle at a t of its interval, 0 excluded. doubtful: rounding decides whether
-// the crossing is behind the origin or before it. t, u and v are valid only if they are needed.
-bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips, out float t, out float u,
-                   out float v, out bool doubtful) {
-    SeenTriangle seen = seenFrom(ray, frame, triangle);
-    float ea = seen.ea;
-    float eb = seen.eb;
-    float ec = seen.ec;
-    vec3 ts = seen.ts;
-    float nearest = min(ts.x, min(ts.y, ts.z));
-    float farthest = max(ts.x, max(ts.y, ts.z));
-    // The decision in rounded arithmetic. Three nonzero signs are right (a rounded difference of rounded
-    // products has the sign of the exact difference), and t lies between those of the corners.
-    bool crosses = hasOneSign(seen) && farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
-    bool certain =
-        ea != 0.0 && eb != 0.0 && ec != 0.0 && nearest > 0.0 && nearest > ray.tMin && farthest <= ray.tMax;
-    bool closer = crosses && (kPlacesMatter || !certain);
-    t = nearest;
-    u = 0.0;
-    v = 0.0;
-    doubtful = false;
+// True if the ray crosses a triangle that it meets at an edge or a corner. A loop, as this is rare
+// (traversal/lanes.glsl).
+bool crossesExactly(SeenTriangle seen, bool atEdge, inout uint trips) {
+    bool crosses = true;
     do {
-        if (closer) {
-            int sa = ea != 0.0 ? (ea > 0.0 ? 1 : -1) : sideExactly(seen.c, seen.b);
-            int sb = eb != 0.0 ? (eb > 0.0 ? 1 : -1) : sideExactly(seen.a, seen.c);
-            int sc = ec != 0.0 ? (ec > 0.0 ? 1 : -1) : sideExactly(seen.b, seen.a);
+        if (atEdge) {
+            int sa = seen.ea != 0.0 ? (seen.ea > 0.0 ? 1 : -1) : sideExactly(seen.c, seen.b);
+            int sb = seen.eb != 0.0 ? (seen.eb > 0.0 ? 1 : -1) : sideExactly(seen.a, seen.c);
+            int sc = seen.ec != 0.0 ? (seen.ec > 0.0 ? 1 : -1) : sideExactly(seen.b, seen.a);
             crosses = sa != 0 && sa == sb && sa == sc;
-            precise float det = ea + eb + ec;
-            precise float inverse = quotient(1.0, det);
-            precise float wHit = ea * inverse;
-            precise float uHit = eb * inverse;
-            precise float vHit = ec * inverse;
-            precise float tHit = wHit * ts.x + uHit * ts.y + vHit * ts.z;
-            // All three rounded to zero: any point of the triangle will do.
-            bool collapsed = det == 0.0;
-            t = collapsed ? farthest : tHit;
-            u = collapsed ? 0.0 : uHit;
-            v = collapsed ? 0.0 : vHit;
-            float bound = boundOfSum(seen, ts);
-            precise float sum = ea * ts.x + eb * ts.y + ec * ts.z;
-            doubtful = crosses && nearest <= 0.0 && !(abs(sum) > bound);
-            // A certain crossing lies between its corners, and so between the ray's ends, whatever t rounds
-            // to.
-            bool below = kPlacesMatter && certain && t < nearest;
-            bool above = kPlacesMatter && certain && t > farthest;
-            t = below ? nearest : (above ? farthest : t);
-            crosses = crosses && t > 0.0 && t > ray.tMin && t <= ray.tMax;
-            closer = false;
+            atEdge = false;
             ++trips;
         }
-    } while (closer);
+    } while (atEdge);
     return crosses;
+}
+
+// Doubts about the crossings of the lane's rays. kAtEdge: some edge function is zero; only resume dispatches
+// compare exactly, as the code is long, and count the ray again. kNearOrigin: rounding decides whether a
+// crossing is behind the origin or before it; the host counts the ray again.
+const uint kAtEdge = 1u, kNearOrigin = 2u;
+uint doubts = 0u;
+
+// True if the ray crosses the triangle at a t of its interval, 0 excluded. Three nonzero signs are right (a
+// rounded difference of rounded products has the sign of the exact difference), and t lies between those of
+// the corners.
+bool crossTriangle(Ray ray, SeenTriangle seen, inout uint trips, out float t, out float u, out float v) {
+    float nearest = min(seen.ts.x, min(seen.ts.y, seen.ts.z));
+    float farthest = max(seen.ts.x, max(seen.ts.y, seen.ts.z));
+    bool crosses = hasOneSign(seen) && farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
+    bool atEdge = crosses && (seen.ea == 0.0 || seen.eb == 0.0 || seen.ec == 0.0);
+    if (MODE_RESUME)
+        crosses = crosses && crossesExactly(seen, atEdge, trips);
+    else
+        doubts |= atEdge ? kAtEdge : 0u;
+
+    precise float det = seen.ea + seen.eb + seen.ec;
+    precise float inverse = quotient(1.0, det);
+    precise vec3 weights = vec3(seen.ea, seen.eb, seen.ec) * inverse;
+    precise float mean = weights.x * seen.ts.x + weights.y * seen.ts.y + weights.z * seen.ts.z;
+    // All three rounded to zero: any point of the triangle will do.
+    bool collapsed = det == 0.0;
+    u = collapsed ? 0.0 : weights.y;
+    v = collapsed ? 0.0 : weights.z;
+    t = collapsed || mean > farthest ? farthest : (mean > nearest ? mean : nearest);
+    precise float sum = seen.ea * seen.ts.x + seen.eb * seen.ts.y + seen.ec * seen.ts.z;
+    if (crosses && nearest <= 0.0 && !(abs(sum) > boundOfSum(seen, seen.ts))) doubts |= kNearOrigin;
+    return crosses && t > 0.0 && t > ray.tMin && t <= ray.tMax;
 }
 
 #endif

@@ -86,6 +86,13 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     GLINT_PRIMITIVES(GLINT_TEST, GLINT_NO_KIND)
 }
 
+// Hits shorten the ray, so that a ray tests each leaf at once.
+const uint kMostLeaves = 1u;
+#include "traversal/leaves.glsl"
+void testLeaves(inout Traversal traversal, Leaves leaves) {
+    if (leaves.list[0] != kNone) testLeaf(traversal, leaves.list[0]);
+}
+
 // Planes are infinite and in no leaf: every ray tests all of them. Their trips are in the budget already.
 void testPlanes(inout Traversal traversal, uint planeCount) {
     uint trips = traversal.trips;

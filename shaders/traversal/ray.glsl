@@ -97,6 +97,18 @@ float nextTowards(float x, float sense) {
 
 // ---- Boxes of the BVH ----
 
+// One child of a node with its box; the slot of a child is 2 * node + side.
+struct Slot {
+    vec3 lo, hi;
+    uint child;
+    uint next;  // the slot that follows the child's subtree
+};
+Slot loadSlot(uint slot) {
+    uvec4 lo = LOAD4(nodesArray, 2u * slot);
+    uvec4 hi = LOAD4(nodesArray, 2u * slot + 1u);
+    return Slot(uintBitsToFloat(lo.xyz), uintBitsToFloat(hi.xyz), lo.w, (slot & 1u) == 0u ? slot + 1u : hi.w);
+}
+
 // Factor of far planes and of the interval's end: a box whose primitive is hit is never missed. 1 + 38 u:
 // twice gamma_7 for the distance of a plane (docs/design/numerics.md 2.2), and twice 11 u for what the
 // triangle test accepts beside the ray (edgeMargin, src/pack/primitives.h), and 2 u.

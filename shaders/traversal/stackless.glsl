@@ -1,28 +1,30 @@
-// Traverses the BVH in depth-first order without a stack, from any slot (2 * node + side) on: each node has
-// the slot that follows once both of its children are done (Node::escape). The whole state of a ray is one
-// slot, two with instances, so a ray that runs out of trips continues in a further dispatch. Rays that the
-// stack traversal could not finish continue here, and rays that count crossings, which no order helps.
+// Traverses the BVH in depth-first order without a stack, from any slot on: each child has the slot that
+// follows its subtree. The whole state of a ray is one slot, two with instances, so a ray that runs out of
+// trips continues in a further dispatch. Rays that the stack traversal could not finish continue here, and
+// rays that count crossings, which no order helps.
 #ifndef GLINT_STACKLESS_GLSL
 #define GLINT_STACKLESS_GLSL
 
 #include "traversal/state.glsl"
 
-// Each query defines: true if a box may hold what it looks for; the test of a leaf's primitives; and of the
-// planes.
+// Each query defines: true if a box may hold what it looks for; how many leaves a ray collects
+// (traversal/leaves.glsl), and the test of their primitives; and of the planes.
 bool entersBox(Traversal traversal, vec3 lo, vec3 hi);
-void testLeaf(inout Traversal traversal, uint leaf);
+void testLeaves(inout Traversal traversal, Leaves leaves);
 void testPlanes(inout Traversal traversal, uint planeCount);
 
 // Tests the box of a slot. Returns the leaf in it if the ray enters that, else kNone; `slot` becomes the
 // next.
 uint stepToLeaf(Traversal traversal, inout uint slot) {
-    Node node = loadNode(slot >> 1);
-    bool second = (slot & 1u) != 0u;
-    uint child = second ? node.child1 : node.child0;
-    bool entered = entersBox(traversal, second ? node.lo1 : node.lo0, second ? node.hi1 : node.hi0);
-    slot = second ? node.escape : slot + 1u;
-    if (entered && isNode(child)) slot = child << 1;
-    return entered && !isNode(child) ? child : kNone;
+    Slot at = loadSlot(slot);
+    bool entered = entersBox(traversal, at.lo, at.hi);
+    slot = entered && isNode(at.child) ? at.child << 1 : at.next;
+    return entered && !isNode(at.child) ? at.child : kNone;
+}
+
+// True while a ray collects leaves, up to an instance.
+bool collects(uint slot, uint leaf, Leaves leaves) {
+    return slot != kNone && !isFull(leaves) && !isInstance(leaf);
 }
 
 // Returns the slot to continue from, kNone at the end.
@@ -31,14 +33,16 @@ uint traverseFrom(inout Traversal traversal, uint slot) {
     do {
         if (slot != kNone && traversal.trips < budget) {
             uint leaf = kNone;
+            Leaves waiting = noLeaves();
             do {
-                if (slot != kNone && leaf == kNone && traversal.trips < budget) {
+                if (collects(slot, leaf, waiting) && traversal.trips < budget) {
                     leaf = stepToLeaf(traversal, slot);
+                    if (leaf != kNone && !isInstance(leaf)) addLeaf(waiting, leaf);
                     ++traversal.trips;
                     if (MODE_COST) ++traversal.cost;
                 }
-            } while (slot != kNone && leaf == kNone && traversal.trips < budget);
-            if (leaf != kNone && !isInstance(leaf)) testLeaf(traversal, leaf);
+            } while (collects(slot, leaf, waiting) && traversal.trips < budget);
+            testLeaves(traversal, waiting);
             if (settled(traversal)) slot = kNone;
             if (FEATURE_INSTANCES) {
                 bool enters = leaf != kNone && isInstance(leaf);

@@ -22,6 +22,7 @@ struct Traversal {
     uint worldSlot;  // where a stackless traversal continues after the instance
     uint trips;      // loop trips so far, at most dispatch.tripBudget
     uint cost;
+    uint crossings;  // only of count queries: surfaces crossed so far
     // Only any-hit and shadow queries use these.
     bool any;         // in whole.comp: a shadow ray, a constant at each call
     Passage passage;  // light that is left after dielectrics

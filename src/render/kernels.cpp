@@ -25,6 +25,7 @@ const KernelInfo& infoOf(KernelId id) {
 
 KernelId packetKernel(KernelId id) {
     if (id == KernelId::Light) return KernelId::PacketLight;
+    if (id == KernelId::Count) return KernelId::PacketCount;
     return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
 }
 

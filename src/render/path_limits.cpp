@@ -26,11 +26,11 @@ uint32_t loopsOf(const SceneFeatures& features) {
 }
 
 // Loop trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which
-// some lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack =
-// 2 (1 + kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add
-// after the last check, and the way back into an instance before the first. (Also where lanes leave loops
-// together: those that are through count nothing, but the trip is there for one that does.) Besides, lavapipe
-// enters each inner loop once in every trip of the one around it even with no lane live.
+// some lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack is
+// what one pass of the outer loop can add after the last check, and the way back into an instance before the
+// first: for each leaf 2 (1 + kQuadricHits) kMaxLeafSize, then 4 + polygonTripsPerLeaf. (Also where lanes
+// leave loops together: those that are through count nothing, but the trip is there for one that does.)
+// Besides, lavapipe enters each inner loop once in every trip of the one around it even with no lane live.
 // - Where the loops of the nodes and of each kind in leaves stand in the outer loop, its trips are those of
 //   its longest lane: L (B + 2) more, where L counts them (of polygons also their edges', of quadrics their
 //   further hits').
@@ -44,7 +44,9 @@ enum class Kernels { Any, Whole };
 uint32_t budgetOf(Kernels kernels, const gpu::DeviceInfo& device, const SceneFeatures& features,
                   uint32_t polygonTripsPerLeaf, uint64_t rays, uint64_t uncounted) {
     const uint64_t lanes = std::max(device.limits.subgroupSize, 8u);
-    const uint64_t slack = 2 * (1 + shared::kQuadricHits) * shared::kMaxLeafSize + 4 + polygonTripsPerLeaf;
+    const uint64_t leaves = kernels == Kernels::Any ? shared::kCountLeaves : 1;
+    const uint64_t slack =
+        2 * (1 + shared::kQuadricHits) * shared::kMaxLeafSize * leaves + 4 + polygonTripsPerLeaf;
     // pass: of the middle loop for each of its trips, like tripsOfPass in shaders/traversal/leaf.glsl.
     const uint64_t loops = loopsOf(features), pass = loops + 1;
     const auto left = [](uint64_t fixed, uint64_t each) {

@@ -196,9 +196,12 @@ struct RayQueries::State {
     void giveGathered(const RayTask& task, size_t first, const RowEntry* gathered, size_t count) const;
     void givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered, size_t count) const;
     RayOrder orderOf(const RayTask& task, size_t first) const;
+    // Packets count triangles and planes only.
     bool packetsKnow(const RayTask& task) const {
-        return traversal.packets && task.methods == Methods{} &&
-               (task.ask == RayTask::Ask::Nearest || task.ask == RayTask::Ask::Any);
+        const bool isCount = task.ask == RayTask::Ask::Count;
+        if (task.ask == RayTask::Ask::Point || (isCount && (features.spheres || features.cuboids)))
+            return false;
+        return traversal.packets && task.methods == Methods{};
     }
     // While one piece is on a GPU, one thread prepares the next.
     Context hostContext() const { return inPlace ? device.context() : Context{.threads = 1}; }
