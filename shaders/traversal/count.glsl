@@ -16,7 +16,7 @@ bool isAnyHit(Traversal traversal) { return false; }
 bool isShadowRay(Traversal traversal) { return false; }
 bool entersBox(Traversal traversal, vec3 lo, vec3 hi) { return rayEntersBox(traversal, lo, hi); }
 
-// Of MODE_LIST: the place of the ray's first crossing in the list, and how many are listed.
+// The place of the ray's first crossing in the list of MODE_LIST, and how many are listed.
 uvec2 listOfRay = uvec2(0u);
 
 // Counts a crossing. With MODE_LIST it is stored behind the rows of the paths, in two rows.
