@@ -15,7 +15,6 @@
 #include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "report/run.h"
-#include "verify/film.h"
 #include "verify/verify.h"
 
 namespace glint::app {
@@ -54,10 +53,6 @@ void declare(OptionTable& table, VerifyCommand& c) {
     addTraversal(table, c.device);
     addProgress(table, c.progress);
 }
-
-// Both images, the differences by rows and together, and the images of the report; without the sums of
-// samples.
-constexpr uint64_t kBytesPerPixel = sizeof(PixelData) + 17 + 4 + 4 + 3 * 12;
 
 // Schemas may lie beside scenes (scenes/*.json).
 bool isSchema(const std::filesystem::path& path) {
@@ -103,7 +98,8 @@ void verifyScene(const VerifyCommand& command, const gpu::Device& device, const 
     options.cancelled = interrupted;
     options.allowedUnexplained = static_cast<uint64_t>(command.allow);
     if (!command.jsonFile.empty()) options.worstCount = kListedPixels;
-    checkMemory(options.width, options.height, kBytesPerPixel + verify::Film::bytesPerPixel(options.samples),
+    // The images of the report, and each sample's differences.
+    checkMemory(options.width, options.height, sizeof(float) * (3 * 3 + uint64_t{options.samples.round}),
                 availableMemory(), "");
     const verify::Report report = verifyLoaded(command, device, result.scene, loaded, options, err);
     if (report.interrupted)

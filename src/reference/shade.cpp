@@ -62,7 +62,10 @@ class PathTracer {
     std::optional<Light> shadeLight(const Interaction& at, size_t index, bool first);
     std::optional<Passed> lightThrough(const Ray& ray, const Interaction& at, bool directional);
     void follow(const Branch& branch) {
-        for (const Branch& b : visit(branch)) {
+        const uint32_t before = std::exchange(record_.decisions, 0);
+        const std::vector<Branch> next = visit(branch);
+        record_.decisions = addDecisions(before, record_.decisions);
+        for (const Branch& b : next) {
             ++record_.bounces;
             follow(b);
         }

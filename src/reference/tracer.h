@@ -151,7 +151,8 @@ struct PixelRecord {
     // of shading alone (rounding.h).
     glm::dvec3 rounding{0};
     // A hash over all that was decided on the way: primitives hit, lights faced and hidden, cells of
-    // checkers. Between paths of equal decisions the colour changes continuously with the rays.
+    // checkers. Between paths of equal decisions the colour changes continuously with the rays. Of a path it
+    // is addDecisions() over the decisions of its steps.
     uint32_t decisions = 0;
     // True if a ray of the path, or under jitter a blocked shadow ray, hit an instance.
     bool meetsInstance = false;
@@ -159,6 +160,11 @@ struct PixelRecord {
     TreeLosses lost;
     std::vector<Bounce> path;
 };
+
+// Adds the decisions of a step to those of the path so far.
+constexpr uint32_t addDecisions(uint32_t path, uint32_t step) {
+    return (path ^ step) * shared::kHashPrime;
+}
 
 // The media that a ray is inside of, oldest first; numbers as in rows::Material::medium.
 using Media = std::vector<uint32_t>;

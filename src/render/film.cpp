@@ -98,39 +98,16 @@ PixelData AovRows::at(uint32_t path, const glm::dvec3& origin) const {
     return data;
 }
 
-TrailRecorder::TrailRecorder(const std::vector<glm::ivec2>& pixels, const Region& region)
-    : trails_(pixels.size()) {
-    constexpr int kTile = shared::kTileSize;
-    const int tilesX = (region.width() + kTile - 1) / kTile;
-    for (size_t i = 0; i < pixels.size(); ++i) {
-        places_[{pixels[i].x, pixels[i].y}] = i;
-        const int column = (pixels[i].x - region.x0) / kTile, row = (pixels[i].y - region.y0) / kTile;
-        tiles_.insert(static_cast<uint32_t>(row * tilesX + column));
-    }
-}
-
-bool TrailRecorder::narrow(Slice& slice) const {
-    constexpr uint32_t kLongGap = 16;  // tiles that take as long as the overhead of another slice
-    auto tile = tiles_.lower_bound(slice.firstTile);
-    if (tile == tiles_.end()) return false;
-    const uint32_t end = *tile + slice.tileCount;
-    slice.firstTile = *tile;
-    uint32_t last = *tile;
-    while (++tile != tiles_.end() && *tile < std::min(end, last + kLongGap)) last = *tile;
-    slice.tileCount = last + 1 - slice.firstTile;
-    return true;
-}
-
-void TrailRecorder::add(const PathState& paths, const gpu::Device& device, const Slice& slice) {
+void addRays(const PathState& paths, const gpu::Device& device, const Slice& slice,
+             std::vector<PixelRay>& rays) {
     const auto row = [&](uint32_t index) { return paths.readRow(device, index, slice.paths()); };
     const auto origins = row(shared::kRowOrigin), directions = row(shared::kRowDirection),
                hits = row(shared::kRowHit), throughputs = row(shared::kRowThroughput),
                sums = row(shared::kRowRadiance), walks = row(shared::kRowWalk);
     eachPixel(slice, [&](uint32_t path, const glm::ivec2& pixel) {
-        const auto place = places_.find({pixel.x, pixel.y});
         // A path that has ended keeps a ray whose interval is empty.
-        if (place == places_.end() || !(directions[path].f[3] < shared::kInfinity)) return;
-        TrailRay ray;
+        if (!(directions[path].f[3] < shared::kInfinity)) return;
+        TrailRay& ray = rays.emplace_back(PixelRay{slice.indexOf(pixel), {}}).ray;
         ray.origin = vectorOf(origins[path]);
         ray.direction = vectorOf(directions[path]);
         ray.hit = hits[path].u[3] != shared::kNone;
@@ -138,7 +115,6 @@ void TrailRecorder::add(const PathState& paths, const gpu::Device& device, const
         ray.id = walks[path].u[1];
         ray.throughput = vectorOf(throughputs[path]);
         ray.sum = vectorOf(sums[path]);
-        trails_[place->second].push_back(ray);
     });
 }
 

@@ -1,9 +1,6 @@
-// Colours, losses and layers of a slice's pixels, and rays of chosen pixels, from the path state.
+// Colours, losses, layers and rays of a slice's pixels, from the path state.
 #pragma once
 
-#include <map>
-#include <set>
-#include <utility>
 #include <vector>
 
 #include "render/kernels.h"
@@ -32,21 +29,9 @@ struct AovRows {
     PixelData at(uint32_t path, const glm::dvec3& origin) const;
 };
 
-// Reads back the rays of chosen pixels after each bounce.
-class TrailRecorder {
-  public:
-    TrailRecorder(const std::vector<glm::ivec2>& pixels, const Region& region);
-    // Narrows a slice of the region to the next tiles that hold chosen pixels; a tile's rays are the same
-    // packets in each slice. False if no tile is left.
-    bool narrow(Slice& slice) const;
-    // Call after the closest hits of a bounce and before its shading; the rows must hold AOVs.
-    void add(const PathState& paths, const gpu::Device& device, const Slice& slice);
-    std::vector<Trail> take() { return std::move(trails_); }
-
-  private:
-    std::map<std::pair<int, int>, size_t> places_;  // in the trails, of (x, y)
-    std::set<uint32_t> tiles_;                      // tiles that hold the pixels
-    std::vector<Trail> trails_;
-};
+// Adds the rays of a bounce of the region's pixels, after its closest hits and before its shading. The rows
+// must hold AOVs.
+void addRays(const PathState& paths, const gpu::Device& device, const Slice& slice,
+             std::vector<PixelRay>& rays);
 
 }  // namespace glint::render

@@ -38,9 +38,9 @@ struct Renderer::State {
     gpu::Submission submission;
     StageTimes times;
     RayCounts rayCounts;
-    shared::Environment environment;    // of the picture at hand
-    uint32_t sliceTiles = 64;           // of the next slice, of the next picture too
-    TrailRecorder* recorder = nullptr;  // of the image at hand, or null
+    shared::Environment environment;        // of the picture at hand
+    uint32_t sliceTiles = 64;               // of the next slice, of the next picture too
+    std::vector<PixelRay>* rays = nullptr;  // record of the image at hand, or null
     // Longest submission of the current slice, in seconds.
     double longestInSlice = 0;
 
@@ -271,7 +271,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
         const bool packets = choice.packets && dispatch.bounce == 0;
         traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
-        if (recorder) recorder->add(paths, device, slice);
+        if (rays) addRays(paths, device, slice, *rays);
         if (!castShadows(modes, dispatch, groups, packets, cancelled)) return false;
         record(KernelId::Shade, modes, dispatch, groups);
         submit(&KernelTimes::shade);
@@ -384,13 +384,15 @@ uint64_t Renderer::codeBytes() const {
     return state_->pipelines.codeBytes();
 }
 
-Picture Renderer::render(const shared::Camera& camera, const Request& request) {
+Picture Renderer::render(const shared::Camera& camera, const Request& request, std::vector<PixelRay>* rays) {
     State& s = *state_;
     const bool parallel = camera.originStepX != glm::vec3(0) || camera.originStepY != glm::vec3(0);
     if (parallel && !s.features.parallelCamera)
         throw std::invalid_argument("a parallel camera, but the pipeline has no code for one");
     Picture picture = blankPicture(request);
     const size_t pixels = picture.done.size();
+    s.rays = rays;
+    if (rays) rays->clear();
     if (pixels == 0) return picture;
     const PackedSamples& samples = request.samples;
     if (lightsOf(s.scene, request).size() > s.scene.lights.size())
@@ -417,8 +419,7 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     if (!modes.adaptive) s.times.pathRays += pixels * samples.count();
     for (uint32_t first = 0; first < tiles;) {
         const uint32_t sliceTiles = std::clamp(s.sliceTiles, interleave, maxTiles);
-        Slice slice = {picture.region, first, std::min(sliceTiles, tiles - first), interleave};
-        if (s.recorder && !s.recorder->narrow(slice)) break;
+        const Slice slice = {picture.region, first, std::min(sliceTiles, tiles - first), interleave};
         first = slice.firstTile + slice.tileCount;
         const double from = static_cast<double>(slice.firstTile) / tiles;
         const double to = static_cast<double>(first) / tiles;
@@ -436,17 +437,6 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
         s.rayCounts.mirrored -= s.rayCounts.refracted - counted.refracted;
     }
     return picture;
-}
-
-std::vector<Trail> Renderer::trails(const shared::Camera& camera, Request request,
-                                    const std::vector<glm::ivec2>& pixels) {
-    if (pixels.empty()) return {};
-    request.data = true;
-    TrailRecorder recorder(pixels, regionOf(request));
-    state_->recorder = &recorder;
-    render(camera, request);
-    state_->recorder = nullptr;
-    return recorder.take();
 }
 
 PixelData Renderer::pixel(const shared::Camera& camera, Request request, int x, int y) {

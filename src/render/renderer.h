@@ -80,12 +80,10 @@ class Renderer {
     // A cancelled render returns with complete = false and what was finished by then. Throws
     // std::invalid_argument for a parallel camera if the pipeline leaves it out: neither the scene's features
     // nor Options::also have it.
-    Picture render(const shared::Camera& camera, const Request& request);
-
-    // Renders the parts of the image that hold `pixels` again, and reads their rays back bounce by bounce.
-    // The request has one sample and layers.
-    std::vector<Trail> trails(const shared::Camera& camera, Request request,
-                              const std::vector<glm::ivec2>& pixels);
+    // rays: becomes those that the device follows from the eye and from surfaces, each pixel's in their
+    // order, for requests with one sample and layers.
+    Picture render(const shared::Camera& camera, const Request& request,
+                   std::vector<PixelRay>* rays = nullptr);
 
     // Data at the centre of pixel (x, y) of the requested image, as the device computes it.
     PixelData pixel(const shared::Camera& camera, Request request, int x, int y);

@@ -18,4 +18,10 @@ struct TrailRay {
 };
 using Trail = std::vector<TrailRay>;
 
+// A ray of the path of one pixel, an index into arrays of the region's size.
+struct PixelRay {
+    size_t pixel;
+    TrailRay ray;
+};
+
 }  // namespace glint

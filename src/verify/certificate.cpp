@@ -57,7 +57,6 @@ class Certifier {
         Branch camera = tracer_.firstBranch(cameraRay);
         pending_.push_back({camera, nullptr, 0});
         const bool holds = follow();
-        for (const uint64_t key : keys_) result_.decisions = (result_.decisions ^ key) * 0x100000001b3u;
         result_.verdict = holds                         ? Certificate::Verdict::Holds
                           : result_.steps >= mostSteps_ ? Certificate::Verdict::Undecided
                                                         : Certificate::Verdict::Fails;
@@ -107,7 +106,7 @@ class Certifier {
     Certificate result_;
     size_t cursor_ = 0;
     std::vector<Pending> pending_;  // the next ray last
-    std::vector<uint64_t> keys_;    // of the steps so far
+    uint32_t decisions_ = 0;        // of the steps so far
     bool failed_ = false;           // no rounding of a step gives what the device has of it
 };
 
@@ -193,17 +192,21 @@ bool Certifier::advance(const Branch& branch, const std::shared_ptr<Outcome>& ou
     const size_t waiting = pending_.size();
     for (size_t i = outcome->step.next.size(); i-- > 0;)
         pending_.push_back({outcome->step.next[i], outcome, i, branch});
+    const uint32_t before = decisions_;
+    decisions_ = reference::addDecisions(before, outcome->step.record.decisions);
     ++cursor_;
-    keys_.push_back(outcome->key);
     if (follow()) return true;
-    keys_.pop_back();
     --cursor_;
+    decisions_ = before;
     pending_.resize(waiting);
     return false;
 }
 
 bool Certifier::follow() {
-    if (pending_.empty()) return cursor_ == trail_.size();
+    if (pending_.empty()) {
+        result_.decisions = decisions_;
+        return cursor_ == trail_.size();
+    }
     if (cursor_ == trail_.size() || exhausted()) return false;
     Pending& next = pending_.back();
     const TrailRay& ray = trail_[cursor_];
@@ -303,9 +306,9 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
 
 bool isPredicted(const reference::Tracer& tracer, const reference::Ray& cameraRay,
                  const reference::PixelRecord& still, const PackedScene& scene, const Quantities& device) {
-    const Quantities floors = floorsOf(scene, still, cameraRay);
-    Box box(quantitiesOf(still, scene.origin), floors);
-    if (box.contains(0, device, 0)) return true;
+    const Quantities expected = quantitiesOf(still, scene.origin), floors = floorsOf(scene, still, cameraRay);
+    if (areWithin(device, expected, floors)) return true;
+    Box box(expected, floors);
     const double gain = kResponseGain * (still.meetsInstance ? 1 + scene.instanceGain : 1);
     for (uint64_t seed = 1; seed <= kResponseMoves; ++seed) {
         const reference::PixelRecord moved = tracer.trace(cameraRay, {.seed = seed, .ulps = 1});

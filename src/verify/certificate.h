@@ -41,7 +41,7 @@ struct Certificate {
     // Steps at which rounding decided, and the greatest move, in units of 2^-24, that one of them took.
     uint32_t openDecisions = 0;
     double units = 0;
-    uint64_t decisions = 0;  // hash of all that was decided on the way, of a certificate that holds
+    uint32_t decisions = 0;  // of a certificate that holds, as PixelRecord::decisions
     uint64_t steps = 0;      // steps of the reference that this took
 };
 

@@ -21,18 +21,11 @@ PackedSamples firstRounds(const PackedSamples& samples) {
     return few;
 }
 
-Film::Film(const PackedSamples& samples, int width, int height, size_t lights)
-    : samples_(samples), width_(width), lights_(static_cast<double>(lights)) {
+Film::Film(const PackedSamples& samples, const Region& region, size_t lights)
+    : samples_(samples), region_(region), lights_(static_cast<double>(lights)) {
     if (samples.count() == 1) return;
-    first_.resize(static_cast<size_t>(width) * height);
+    first_.resize(static_cast<size_t>(region.width()) * region.height());
     if (samples.threshold) colors_.resize(first_.size());
-}
-
-uint64_t Film::bytesPerPixel(const PackedSamples& samples) {
-    const PackedSamples rounds = firstRounds(samples);
-    if (rounds.count() == 1) return 0;
-    const uint64_t colors = sizeof(colors_[0]) + 2 * samples.round * sizeof(glm::dvec3);
-    return 2 * sizeof(Pixel) + (rounds.threshold ? colors : 0);
 }
 
 void Film::add(uint32_t index, const Picture& sample) {
@@ -47,22 +40,22 @@ void Film::add(uint32_t index, const Picture& sample) {
         // Adaptive: a sample is added whole. Else each light is, and what the hit has of its own.
         pixel.additions += samples_.threshold ? 1 : (sample.data[i].bounces + 1) * (lights_ + 1);
         if (!samples_.threshold || index >= samples_.round) continue;
-        const auto x = static_cast<uint32_t>(i % width_), y = static_cast<uint32_t>(i / width_);
-        colors_[i].push_back(glm::dvec3(taken) / reference::filmSample(samples_, index, x, y).weight);
+        const glm::ivec2 at = pixelAt(region_, i);
+        const double weight = reference::filmSample(samples_, index, at.x, at.y).weight;
+        colors_[i].push_back(glm::dvec3(taken) / weight);
     }
 }
 
-// The device's sums are fp32: a deviation errs by a few units of the greatest colour, and so does their root
-// mean square. A pixel whose standard error is as near to the threshold may take either.
-Film::Further Film::furtherAt(size_t pixel) const {
+// True if a pixel of an adaptive image may take a further round, or end. The device's sums are fp32: a
+// deviation errs by a few units of the greatest colour, and so does their root mean square. A pixel whose
+// standard error is as near to the threshold may do either.
+bool Film::mayTake(size_t pixel, bool further) const {
     double greatest = 0;
     for (const glm::dvec3& color : colors_[pixel])
         greatest = std::max({greatest, std::abs(color.x), std::abs(color.y), std::abs(color.z)});
     const double threshold = *samples_.threshold, least = threshold * shared::kDarkestMean;
     const double slack = 8 * kFloatUnit * samples_.round * (1 + greatest / least);
-    const bool yes = reference::needsMore(colors_[pixel], threshold * (1 + slack));
-    const bool no = !reference::needsMore(colors_[pixel], threshold * (1 - slack));
-    return yes ? Further::Yes : (no ? Further::No : Further::Either);
+    return reference::needsMore(colors_[pixel], threshold * (further ? 1 - slack : 1 + slack)) == further;
 }
 
 // Each addition errs by a unit of the sum so far, on the way to each sample and to all of them; then come the
@@ -79,12 +72,9 @@ std::vector<size_t> Film::differing(const Picture& whole) const {
     for (size_t i = 0; i < first_.size(); ++i) {
         const uint32_t taken = whole.samples.empty() ? whole.samplesPerPixel : whole.samples[i];
         const bool further = taken > samples_.round;
-        bool sound = taken == (further ? samples_.count() : samples_.round);
-        if (samples_.count() > samples_.round) {
-            const Further wanted = furtherAt(i);
-            sound = sound && (wanted == Further::Either || further == (wanted == Further::Yes));
-        }
-        sound = sound && isMean(further ? all_[i] : first_[i], &whole.color.pixels[4 * i], taken);
+        const bool sound = taken == (further ? samples_.count() : samples_.round) &&
+                           (samples_.count() == samples_.round || mayTake(i, further)) &&
+                           isMean(further ? all_[i] : first_[i], &whole.color.pixels[4 * i], taken);
         if (!sound) pixels.push_back(i);
     }
     return pixels;

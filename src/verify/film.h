@@ -12,20 +12,23 @@ namespace glint::verify {
 // round, without all the rounds that a few pixels may take.
 PackedSamples firstRounds(const PackedSamples& samples);
 
+// The pixel of an index into arrays of the region's size.
+inline glm::ivec2 pixelAt(const Region& region, size_t index) {
+    const auto width = static_cast<size_t>(region.width());
+    return {region.x0 + static_cast<int>(index % width), region.y0 + static_cast<int>(index / width)};
+}
+
 // Adds samples up in double precision, pixel by pixel.
 class Film {
   public:
-    // lights: at most so many add to a sample at each of its hits.
-    Film(const PackedSamples& samples, int width, int height, size_t lights);
+    // Holds the pixels of `region`. lights: at most so many add to a sample at each of its hits.
+    Film(const PackedSamples& samples, const Region& region, size_t lights);
 
     // In the order of the indices; samples of the first round with data.
     void add(uint32_t index, const Picture& sample);
 
-    // Bytes per pixel that a film needs, including the colours of adaptive images.
-    static uint64_t bytesPerPixel(const PackedSamples& samples);
-
-    // Pixels of `whole`, rendered with the samples of the constructor, that took another number of samples
-    // than they should, or differ from their mean.
+    // Indices of the pixels of `whole`, rendered with the samples of the constructor, that took another
+    // number of samples than they should, or differ from their mean.
     std::vector<size_t> differing(const Picture& whole) const;
 
   private:
@@ -33,12 +36,11 @@ class Film {
         glm::dvec4 sum{0}, magnitudes{0};
         double additions = 0;  // by which the device came to the sum
     };
-    enum class Further { No, Yes, Either };
-    Further furtherAt(size_t pixel) const;
+    bool mayTake(size_t pixel, bool further) const;
     bool isMean(const Pixel& pixel, const float* color, uint32_t taken) const;
 
     const PackedSamples& samples_;
-    int width_;
+    Region region_;
     double lights_;
     std::vector<Pixel> first_, all_;               // after one round, and after all
     std::vector<std::vector<glm::dvec3>> colors_;  // of the first round, of adaptive pictures

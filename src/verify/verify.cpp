@@ -9,6 +9,7 @@
 #include <mutex>
 #include <span>
 #include <tuple>
+#include <unordered_map>
 
 #include "core/parallel.h"
 #include "core/vectors.h"
@@ -22,11 +23,13 @@ namespace {
 
 constexpr float kDifferenceGain = 64;
 
-// Steps of the reference that certificates of a sample may take: as many times its own, and some for small
-// images.
+// Steps of the reference that certificates may take: as many for each of its rays, and some more for each
+// sample.
 constexpr uint64_t kStepsOfRay = 3, kLeastSteps = 1'000'000;
-// Pixels that are certified between two looks at the steps left, and whose trails are held at a time.
-constexpr size_t kCertifiedAtOnce = 64, kTrailsAtOnce = 256 * kCertifiedAtOnce;
+// Pixels that are certified between two looks at the steps left.
+constexpr size_t kCertifiedAtOnce = 64;
+// Pixels that are compared at a time, whose rays are held.
+constexpr int kPixelsAtOnce = 1 << 15;
 
 // Sums over a row's pixels. Rows are added in order, so that results do not depend on the threads.
 struct Row {
@@ -35,6 +38,15 @@ struct Row {
     double squares = 0, squaresSamePath = 0, maxSamePath = 0;
     uint64_t samePath = 0, rays = 0;
     std::vector<DifferingPixel> differing;
+
+    // Adds the sums alone.
+    void add(const Row& row) {
+        account.add(row.account);
+        squares += row.squares;
+        squaresSamePath += row.squaresSamePath;
+        maxSamePath = std::max(maxSamePath, row.maxSamePath);
+        samePath += row.samePath;
+    }
 };
 
 // True if the pixel's alpha is the sample's weight where the device has hit anything, and 0 elsewhere. The
@@ -77,9 +89,12 @@ class Verification {
           camera_(camera),
           options_(options),
           samples_(options.samples),
+          rounds_(firstRounds(options.samples)),
           context_{.cancelled = options.cancelled},
           tracer_(scene, options),
-          report_(report) {
+          report_(report),
+          sums_(radianceBound()),
+          steps_(kLeastSteps * samples_.round) {
         if (read != nullptr) representation_.emplace(*read, scene, tracer_, camera, options);
     }
 
@@ -87,60 +102,80 @@ class Verification {
     void run();
 
   private:
-    Request requestFor(const PackedSamples& samples) const;
-    Picture rendered(const Request& request) const;
+    double radianceBound() const { return static_cast<double>(tracer_.environment().radianceBound); }
+    Picture rendered(const Region& part, const PackedSamples& samples,
+                     std::vector<PixelRay>* rays = nullptr) const;
     reference::PixelSample sampleAt(uint32_t sample, int x, int y) const {
         return reference::pixelSample(tracer_, camera_, samples_, sample, x, y);
     }
     // True if nothing else matters.
     bool isConvicted() const { return options_.verdictAlone && report_.unexplained > 0; }
 
-    void compareSample(uint32_t sample, const Request& request, const Picture& device);
+    void verifyPart(const Region& part);
+    void compareSample(uint32_t sample, const Picture& device, const std::vector<PixelRay>& rays);
     void comparePixel(int x, int y, uint32_t sample, const Picture& device, Row& row);
     void addColors(const DifferingPixel& pixel, Row& row);
-    void certifyDoubts(std::vector<DifferingPixel>& differing, const Request& request, uint64_t steps) const;
-    std::vector<Trail> trailsOf(std::span<DifferingPixel* const> pixels, const Request& request) const;
-    void certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t& steps) const;
-    bool decidesAlike(const reference::Ray& ray, const Certificate& certificate) const;
+    void certifyDoubts(std::vector<DifferingPixel>& differing, const Picture& device,
+                       const std::vector<PixelRay>& rays);
+    uint64_t certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t mostSteps) const;
     std::vector<size_t> plainDifferences(const Picture& device) const;
-    std::vector<size_t> filmDifferences(const PackedSamples& rounds, Film& film) const;
-    uint64_t countSettled(uint32_t first, uint32_t end, const std::vector<size_t>& pixels) const;
+    uint64_t countSettled(const Region& part, uint32_t end, const std::vector<size_t>& pixels) const;
+    void conclude();
 
     render::Renderer& renderer_;
     const PackedScene& scene_;
     const shared::Camera& camera_;
     const Options& options_;
     const PackedSamples& samples_;
+    const PackedSamples rounds_;
     Context context_;
     reference::Tracer tracer_;
     std::optional<RepresentationCheck> representation_;
     Report& report_;
-    uint64_t samePath_ = 0;  // pixels
+    Row sums_;
+    TreeLosses losses_;  // the device's
+    uint64_t steps_;     // left to certificates
+    size_t finishedRows_ = 0;
     // By sample and pixel: the colour's difference, infinite where the device's is not finite.
     std::vector<float> differences_;
 };
 
 void Verification::run() {
+    const int width = options_.width, height = options_.height;
     for (Image* image : {&report_.device, &report_.reference, &report_.difference})
-        *image = Image(options_.width, options_.height, 3);
+        *image = Image(width, height, 3);
     report_.allowedUnexplained = options_.allowedUnexplained;
-    report_.pixels = static_cast<uint64_t>(options_.width) * options_.height * samples_.round;
-    report_.sensitivity = sensitivityOf(tracer_, camera_, options_.width, options_.height, samples_);
+    report_.pixels = static_cast<uint64_t>(width) * height * samples_.round;
+    report_.sensitivity = sensitivityOf(tracer_, camera_, width, height, samples_);
     differences_.resize(report_.pixels);
-    const PackedSamples rounds = firstRounds(samples_);
-    Film film(rounds, options_.width, options_.height, scene_.lights.size());
+    // Whole tiles: the same packets of rays as in the whole image.
+    constexpr int kTile = shared::kTileSize;
+    const int rows = std::max(1, kPixelsAtOnce / (width * kTile)) * kTile;
+    for (int y = 0; y < height; y += rows) verifyPart({0, y, width, std::min(y + rows, height)});
+    conclude();
+}
+
+void Verification::verifyPart(const Region& part) {
+    Film film(rounds_, part, scene_.lights.size());
+    std::vector<PixelRay> rays;
     for (uint32_t sample = 0; sample < samples_.round; ++sample) {
-        Request request = requestFor(samples_.only(sample));
-        request.data = true;
-        request.ledger = scene_.features.mirrors || scene_.features.transmission;
-        const Picture device = rendered(request);
-        compareSample(sample, request, device);
+        const Picture device = rendered(part, samples_.only(sample), &rays);
+        compareSample(sample, device, rays);
         if (options_.plainToo && sample == 0 && !isConvicted())
-            report_.plainDiffers = countSettled(0, 1, plainDifferences(device));
-        if (rounds.count() > 1) film.add(sample, device);
+            report_.plainDiffers += countSettled(part, 1, plainDifferences(device));
+        if (rounds_.count() > 1) film.add(sample, device);
     }
-    if (rounds.count() > 1 && !isConvicted())
-        report_.filmDiffers = countSettled(0, rounds.count(), filmDifferences(rounds, film));
+    if (rounds_.count() == 1 || isConvicted()) return;
+    for (uint32_t sample = samples_.round; sample < rounds_.count(); ++sample)
+        film.add(sample, rendered(part, samples_.only(sample)));
+    const std::vector<size_t> differing = film.differing(rendered(part, rounds_));
+    report_.filmDiffers += countSettled(part, rounds_.count(), differing);
+}
+
+void Verification::conclude() {
+    // Without secondary rays the device has no code for mirrors, and counts no omitted branches.
+    const bool countsBranches = tracer_.environment().maxDepth > 0;
+    report_.lossesDiffer = countsBranches && !sums_.account.agrees(losses_, report_.allowedExplained());
     // A few thousand pixels tell little of what seldom happens: before they fail an image, ask more.
     const bool tooMany = report_.explained() + report_.undecided > report_.allowedExplained();
     if (tooMany && report_.unexplained == 0)
@@ -151,56 +186,45 @@ void Verification::run() {
     const auto rootOfMean = [](double squares, uint64_t pixels) {
         return std::sqrt(squares / (3.0 * static_cast<double>(std::max<uint64_t>(pixels, 1))));
     };
-    report_.rmse = rootOfMean(report_.rmse, report_.pixels);
-    report_.rmseSamePath = rootOfMean(report_.rmseSamePath, samePath_);
+    report_.rmse = rootOfMean(sums_.squares, report_.pixels);
+    report_.rmseSamePath = rootOfMean(sums_.squaresSamePath, sums_.samePath);
+    report_.maxSamePath = sums_.maxSamePath;
 }
 
-// The whole view, in colour alone.
-Request Verification::requestFor(const PackedSamples& samples) const {
+// Colour alone, or with the record of rays the layers and the branches that are left out too.
+Picture Verification::rendered(const Region& part, const PackedSamples& samples,
+                               std::vector<PixelRay>* rays) const {
     Request request = options_;
-    request.region = {};
+    request.region = part;
     request.samples = samples;
-    request.data = request.ledger = false;
+    request.data = rays != nullptr;
+    request.ledger = rays != nullptr && (scene_.features.mirrors || scene_.features.transmission);
     request.progress = {};
-    return request;
-}
-
-Picture Verification::rendered(const Request& request) const {
-    Picture picture = renderer_.render(camera_, request);
+    Picture picture = renderer_.render(camera_, request, rays);
     if (!picture.complete) throw Cancelled();
     return picture;
 }
 
-void Verification::compareSample(uint32_t sample, const Request& request, const Picture& device) {
-    const auto radianceBound = static_cast<double>(tracer_.environment().radianceBound);
-    std::vector<Row> rows(static_cast<size_t>(options_.height), Row(radianceBound));
+void Verification::compareSample(uint32_t sample, const Picture& device, const std::vector<PixelRay>& rays) {
+    std::vector<Row> rows(static_cast<size_t>(device.region.height()), Row(radianceBound()));
     std::mutex mutex;
-    size_t finished = size_t{sample} * rows.size();
-    parallelFor(context_, rows.size(), [&](size_t y) {
+    parallelFor(context_, rows.size(), [&](size_t row) {
         for (int x = 0; x < options_.width; ++x)
-            comparePixel(x, static_cast<int>(y), sample, device, rows[y]);
+            comparePixel(x, device.region.y0 + static_cast<int>(row), sample, device, rows[row]);
         const std::lock_guard lock(mutex);
-        ++finished;
-        if (options_.progress)
-            options_.progress(static_cast<double>(finished) /
-                              (static_cast<double>(rows.size()) * samples_.round));
+        ++finishedRows_;
+        const double all = static_cast<double>(options_.height) * samples_.round;
+        if (options_.progress) options_.progress(static_cast<double>(finishedRows_) / all);
     });
-    Row all(radianceBound);
+    std::vector<DifferingPixel> differing;
     for (Row& row : rows) {
-        all.account.add(row.account);
-        all.rays += row.rays;
-        samePath_ += row.samePath;
-        report_.rmse += row.squares;
-        report_.rmseSamePath += row.squaresSamePath;
-        report_.maxSamePath = std::max(report_.maxSamePath, row.maxSamePath);
-        std::move(row.differing.begin(), row.differing.end(), std::back_inserter(all.differing));
+        sums_.add(row);
+        steps_ += kStepsOfRay * row.rays;
+        std::move(row.differing.begin(), row.differing.end(), std::back_inserter(differing));
     }
-    certifyDoubts(all.differing, request, kStepsOfRay * all.rays + kLeastSteps);
-    for (DifferingPixel& pixel : all.differing) addDiffering(report_, std::move(pixel));
-    // Without secondary rays the device has no code for mirrors, and counts no omitted branches.
-    const bool countsBranches = tracer_.environment().maxDepth > 0;
-    if (countsBranches && !all.account.agrees(device.losses, report_.allowedExplained()))
-        ++report_.lossesDiffer;
+    losses_.add(device.losses);
+    certifyDoubts(differing, device, rays);
+    for (DifferingPixel& pixel : differing) addDiffering(report_, std::move(pixel));
     const size_t kept = std::min(report_.worst.size(), options_.worstCount);
     const auto end = report_.worst.begin() + static_cast<std::ptrdiff_t>(kept);
     std::partial_sort(report_.worst.begin(), end, report_.worst.end(), worseThan);
@@ -213,7 +237,8 @@ void Verification::comparePixel(int x, int y, uint32_t sample, const Picture& de
         .x = x, .y = y, .sample = sample, .device = device.at(x, y), .reference = tracer_.trace(ray)};
     const reference::PixelRecord& expected = pixel.reference;
     const PixelData& data = pixel.device;
-    for (int c = 0; c < 3; ++c) pixel.deviceColor[c] = device.color.at(x, y, c) / static_cast<float>(weight);
+    const float* color = &device.color.pixels[4 * device.indexOf(x, y)];
+    for (int c = 0; c < 3; ++c) pixel.deviceColor[c] = color[c] / static_cast<float>(weight);
     const glm::dvec3 difference = glm::dvec3(pixel.deviceColor) - expected.color;
     const bool finite = isFinite(difference);
     pixel.difference = finite ? greatestMagnitude(difference) : std::numeric_limits<double>::infinity();
@@ -225,7 +250,7 @@ void Verification::comparePixel(int x, int y, uint32_t sample, const Picture& de
         row.account.addAlike(expected.lost, std::abs(weight));
     else
         row.account.addOther(data.bounces, std::abs(weight));
-    const bool judged = finite && isCovered(device.color.at(x, y, 3), data, weight);
+    const bool judged = finite && isCovered(color[3], data, weight);
     if (judged && alike && isPredicted(tracer_, ray, expected, scene_, quantitiesOf(pixel.deviceColor, data)))
         return;
     pixel.inDoubt = judged && (alike || !samePath);
@@ -256,89 +281,65 @@ void Verification::addColors(const DifferingPixel& pixel, Row& row) {
 }
 
 // Certifies the pixels in doubt, in order, as long as there are steps left; the others are undecided. Drops
-// those that lie within their predicted error after all. Deterministic: the steps are counted between
-// batches.
-void Verification::certifyDoubts(std::vector<DifferingPixel>& differing, const Request& request,
-                                 uint64_t steps) const {
+// those that lie within their predicted error. Deterministic: the steps are counted between batches.
+void Verification::certifyDoubts(std::vector<DifferingPixel>& differing, const Picture& device,
+                                 const std::vector<PixelRay>& rays) {
     std::vector<DifferingPixel*> doubts;
-    for (DifferingPixel& pixel : differing)
-        if (pixel.inDoubt) doubts.push_back(&pixel);
+    std::unordered_map<size_t, Trail> trails;
+    for (DifferingPixel& pixel : differing) {
+        if (!pixel.inDoubt) continue;
+        doubts.push_back(&pixel);
+        trails[device.indexOf(pixel.x, pixel.y)] = {};
+    }
+    for (const PixelRay& one : rays)
+        if (const auto trail = trails.find(one.pixel); trail != trails.end())
+            trail->second.push_back(one.ray);
     uint64_t unexplained = 0;
-    std::vector<Trail> trails;
-    const auto from = [&](size_t first, size_t count) {
-        return std::span(doubts).subspan(first, std::min(count, doubts.size() - first));
-    };
     for (size_t first = 0; first < doubts.size(); first += kCertifiedAtOnce) {
-        const auto batch = from(first, kCertifiedAtOnce);
-        if (steps == 0 || (options_.verdictAlone && unexplained > report_.allowedExplained())) {
-            for (DifferingPixel* pixel : batch) {
-                pixel->inDoubt = false;
-                pixel->reason = Reason::Undecided;
-            }
-            continue;
+        const size_t count = std::min(kCertifiedAtOnce, doubts.size() - first);
+        const bool decided = options_.verdictAlone && unexplained > report_.allowedExplained();
+        const uint64_t most = decided ? 0 : std::min(steps_, kMostStepsOfPixel);
+        std::vector<uint64_t> taken(count);
+        parallelFor(context_, count, [&](size_t i) {
+            DifferingPixel& pixel = *doubts[first + i];
+            taken[i] = certifyPixel(pixel, trails.at(device.indexOf(pixel.x, pixel.y)), most);
+        });
+        for (size_t i = 0; i < count; ++i) {
+            steps_ -= std::min(steps_, taken[i]);
+            const DifferingPixel& pixel = *doubts[first + i];
+            unexplained += !pixel.inDoubt && pixel.reason == Reason::Unexplained;
         }
-        const size_t trail = first % kTrailsAtOnce;
-        if (trail == 0) trails = trailsOf(from(first, kTrailsAtOnce), request);
-        std::vector<uint64_t> taken(batch.size(), std::min(steps, kMostStepsOfPixel));
-        parallelFor(context_, batch.size(),
-                    [&](size_t i) { certifyPixel(*batch[i], trails[trail + i], taken[i]); });
-        for (const uint64_t count : taken) steps -= std::min(steps, count);
-        for (const DifferingPixel* pixel : batch) unexplained += pixel->reason == Reason::Unexplained;
     }
     std::erase_if(differing, [](const DifferingPixel& pixel) { return pixel.inDoubt; });
 }
 
-std::vector<Trail> Verification::trailsOf(std::span<DifferingPixel* const> pixels,
-                                          const Request& request) const {
-    std::vector<glm::ivec2> places;
-    for (const DifferingPixel* pixel : pixels) places.emplace_back(pixel->x, pixel->y);
-    return renderer_.trails(camera_, request, places);
-}
-
-// steps: most that it may take, then those that it took. A pixel stays in doubt if it is within its predicted
-// error after all: each ray of the reference's own path is predicted.
-void Verification::certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t& steps) const {
+// Returns the steps that it took. A pixel stays in doubt if it is within its predicted error after all: each
+// ray of the reference's own path is predicted, and takes the decisions of the reference's own ray.
+uint64_t Verification::certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t mostSteps) const {
     const auto [weight, ray] = sampleAt(pixel.sample, pixel.x, pixel.y);
     const SeenPath seen{&trail, quantitiesOf(pixel.deviceColor, pixel.device), weight};
-    const Certificate certificate = certify(tracer_, scene_, ray, seen, steps);
-    steps = certificate.steps;
+    const Certificate certificate = certify(tracer_, scene_, ray, seen, mostSteps);
+    const bool holds = certificate.verdict == Certificate::Verdict::Holds;
+    const bool open = certificate.openDecisions > 0;
+    const bool samePath = pixel.device.pathHash == pixel.reference.pathHash;
+    pixel.inDoubt = holds && samePath && !open && certificate.decisions == pixel.reference.decisions;
     pixel.ulps = certificate.units;
     pixel.openDecisions = certificate.openDecisions;
-    pixel.inDoubt = false;
-    if (certificate.verdict == Certificate::Verdict::Fails) return;
-    if (certificate.verdict == Certificate::Verdict::Undecided) {
+    if (holds)
+        pixel.reason = samePath && open ? Reason::Rounding : Reason::Edge;
+    else if (certificate.verdict == Certificate::Verdict::Undecided)
         pixel.reason = Reason::Undecided;
-        return;
-    }
-    const bool samePath = pixel.device.pathHash == pixel.reference.pathHash;
-    pixel.inDoubt = samePath && certificate.openDecisions == 0 && decidesAlike(ray, certificate);
-    pixel.reason = samePath && certificate.openDecisions > 0 ? Reason::Rounding : Reason::Edge;
+    return certificate.steps;
 }
 
-// True if the device's path, of this certificate, takes the same decisions as the reference's.
-bool Verification::decidesAlike(const reference::Ray& ray, const Certificate& certificate) const {
-    const reference::PixelRecord still = tracer_.trace(ray, {}, true);
-    const Trail own = trailOf(still);
-    const SeenPath itself{&own, quantitiesOf(still, scene_.origin), 1, false};
-    return certify(tracer_, scene_, ray, itself, kMostStepsOfPixel).decisions == certificate.decisions;
-}
-
-// Pixels of the first sample that have another colour in an image without layers.
+// Pixels of a part's first sample that have another colour in an image without layers.
 std::vector<size_t> Verification::plainDifferences(const Picture& device) const {
-    const Picture plain = rendered(requestFor(samples_.only(0)));
+    const Picture plain = rendered(device.region, samples_.only(0));
     std::vector<size_t> differing;
     for (size_t i = 0; i < device.done.size(); ++i)
         if (std::memcmp(&plain.color.pixels[4 * i], &device.color.pixels[4 * i], 4 * sizeof(float)) != 0)
             differing.push_back(i);
     return differing;
-}
-
-// Pixels of the image of all samples that differ from the mean of their samples. `film` has the first
-// round's.
-std::vector<size_t> Verification::filmDifferences(const PackedSamples& rounds, Film& film) const {
-    for (uint32_t sample = samples_.round; sample < rounds.count(); ++sample)
-        film.add(sample, rendered(requestFor(samples_.only(sample))));
-    return film.differing(rendered(requestFor(rounds)));
 }
 
 // True if some ray as near as roundings move it hits surfaces of which fp32's errors decide whether they are
@@ -352,15 +353,14 @@ bool isOrderOpen(const reference::Tracer& tracer, const reference::Ray& ray) {
     return false;
 }
 
-// How many of these pixels have no such rays in samples `first` to `end` - 1.
-uint64_t Verification::countSettled(uint32_t first, uint32_t end, const std::vector<size_t>& pixels) const {
+// How many of these pixels of a part have no such rays in samples 0 to `end` - 1.
+uint64_t Verification::countSettled(const Region& part, uint32_t end,
+                                    const std::vector<size_t>& pixels) const {
     std::atomic<uint64_t> settled = 0;
     parallelFor(context_, pixels.size(), [&](size_t i) {
-        const auto [y, x] = std::div(static_cast<int64_t>(pixels[i]), static_cast<int64_t>(options_.width));
-        for (uint32_t sample = first; sample < end; ++sample) {
-            const reference::Ray ray = sampleAt(sample, static_cast<int>(x), static_cast<int>(y)).ray;
-            if (isOrderOpen(tracer_, ray)) return;
-        }
+        const glm::ivec2 at = pixelAt(part, pixels[i]);
+        for (uint32_t sample = 0; sample < end; ++sample)
+            if (isOrderOpen(tracer_, sampleAt(sample, at.x, at.y).ray)) return;
         ++settled;
     });
     return settled;

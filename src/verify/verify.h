@@ -66,7 +66,7 @@ struct Report {
     uint64_t edges = 0, roundings = 0, undecided = 0, unexplained = 0;
     uint64_t plainDiffers = 0;  // pixels that the picture without data has with other bits
     uint64_t filmDiffers = 0;   // pixels whose samples, drawn together, are not what they are one by one
-    uint64_t lossesDiffer = 0;  // samples of which other branches were not followed
+    bool lossesDiffer = false;  // other branches were not followed
     double rmse = 0;            // colour, all pixels
     double rmseSamePath = 0;    // colour, pixels whose paths hit the same primitives: pure arithmetic
     double maxSamePath = 0;
@@ -87,7 +87,7 @@ struct Report {
     uint64_t allowedExplained() const;
     bool passed() const {
         return !interrupted && unexplained <= allowedUnexplained && plainDiffers == 0 && filmDiffers == 0 &&
-               lossesDiffer == 0 && explained() + undecided <= allowedExplained() &&
+               !lossesDiffer && explained() + undecided <= allowedExplained() &&
                (!representation || representation->passed());
     }
 };

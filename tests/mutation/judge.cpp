@@ -125,7 +125,7 @@ class Judge {
         if (report.unexplained > 0) return "unexplained";
         if (report.plainDiffers > 0) return "other without layers";
         if (report.filmDiffers > 0) return "wrong sum";
-        if (report.lossesDiffer > 0) return "wrong account";
+        if (report.lossesDiffer) return "wrong account";
         if (report.explained() > report.allowedExplained()) return "too many";
         return "undecided";
     }

@@ -105,7 +105,7 @@ namespace {
 TEST(FilmTest, AMeanErrsByItsAdditionsAlone) {
     const PackedSamples samples = PackedSamples::fixed(std::vector<glm::dvec2>(4, {0.5, 0.5}));
     ASSERT_EQ(samples.round, 4u);
-    Film film(samples, 1, 1, 1);
+    Film film(samples, {0, 0, 1, 1}, 1);
     Picture sample;
     sample.color = Image(1, 1, 4);
     sample.data.resize(1);
@@ -131,7 +131,7 @@ TEST(FilmTest, AMeanErrsByItsAdditionsAlone) {
 // A thousandth of the least normal number, or what a device makes of that: light through thick dark glass.
 TEST(FilmTest, SubnormalMeansErrByMore) {
     const PackedSamples samples = PackedSamples::fixed(std::vector<glm::dvec2>(5, {0.5, 0.5}));
-    Film film(samples, 1, 1, 1);
+    Film film(samples, {0, 0, 1, 1}, 1);
     Picture sample;
     sample.color = Image(1, 1, 4);
     sample.data.resize(1);

@@ -240,8 +240,9 @@ TEST(Report, PassesUpToWhatTheReferencePredicts) {
 
 class VerifyTest : public render::test::RenderTest {};
 
+// The image has more pixels than are compared at a time.
 TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
-    const Case c = render::test::fileCase("triangles", 40, 30);
+    const Case c = render::test::fileCase("triangles", 256, 144);
     render::Renderer renderer(device(), c.packed);
     auto options = sized<Options>(c);
     options.samples = PackedSamples::fixed(sampleOffsets(4));
@@ -251,14 +252,21 @@ TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
         progress = fraction;
     };
     const Report report = verify(renderer, c.packed, c.camera, options);
-    EXPECT_EQ(report.pixels, 4u * 40 * 30);
+    EXPECT_EQ(report.pixels, 4u * 256 * 144);
     EXPECT_EQ(progress, 1.0);
     EXPECT_TRUE(report.passed());
     EXPECT_GT(report.rmse, 0);  // float is not double
     EXPECT_LT(report.rmseSamePath, 1e-4);
     EXPECT_LE(report.rmseSamePath, report.maxSamePath);
     EXPECT_LE(report.worst.size(), options.worstCount);
-    EXPECT_EQ(report.difference.width, 40);
+    EXPECT_EQ(report.difference.width, 256);
+    Request first = options;
+    first.samples = options.samples.only(0);
+    first.progress = {};
+    const Picture whole = renderer.render(c.camera, first);
+    for (int y = 0; y < 144; ++y)
+        for (int x = 0; x < 256; ++x)
+            ASSERT_EQ(report.device.at(x, y, 1), whole.color.at(x, y, 1)) << x << ',' << y;
 }
 
 // Balls with many small mirrors in each other: the device differs in many pixels, as the reference predicts,
