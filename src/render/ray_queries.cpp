@@ -371,7 +371,8 @@ void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first
     trace(slot, placement.places() * kBlock, KernelId::Count, {.list = true}, false);
     checkListed(slot, places);
     std::vector<RowEntry> found(2 * sum);
-    gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)), (rowCount - kCrossingRows) * row);
+    gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)),
+                  (rowCount - kCrossingRows) * row);
     std::vector<FoundHit> hits;
     for (size_t i = 0; i < counts.size(); ++i) {
         hits.clear();

@@ -38,8 +38,8 @@ constexpr auto entriesOf(Filter) {
                                              {Filter::Mitchell, "mitchell"}});
 }
 
-// More samples where a pixel's own samples differ: each round adds `samplesPerPixel`, until the standard error
-// of their mean is within `threshold` or maxSamples are taken.
+// More samples where a pixel's own samples differ: each round adds `samplesPerPixel`, until the standard
+// error of their mean is within `threshold` or maxSamples are taken.
 struct AdaptiveSampling {
     int maxSamples = 64;
     double threshold = 0.05;  // contrast, 0..1

@@ -118,8 +118,8 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     return f;
 }
 
-bool areWithin(const Quantities& a, const Quantities& b, const Quantities& floors, size_t count) {
-    for (size_t i = 0; i < count; ++i)
+bool areWithin(const Quantities& a, const Quantities& b, const Quantities& floors) {
+    for (size_t i = 0; i < kQuantities; ++i)
         if (!(std::abs(a[i] - b[i]) <= floors[i]) && !std::isinf(floors[i])) return false;
     return true;
 }

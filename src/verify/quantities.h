@@ -36,10 +36,8 @@ struct Reach {
 };
 Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray);
 
-// True if the first `count` quantities differ by at most their floors. NaN does not, unless the floor is
-// infinite.
-bool areWithin(const Quantities& a, const Quantities& b, const Quantities& floors,
-               size_t count = kQuantities);
+// True if the quantities differ by at most their floors. NaN does not, unless the floor is infinite.
+bool areWithin(const Quantities& a, const Quantities& b, const Quantities& floors);
 
 // The least bounds of numbers seen, and the rounding error that may be added to each.
 struct Box {

@@ -1,5 +1,5 @@
-// Builds small PackedScenes without the packing code of src/pack: these tests stand on the layouts and the trees
-// of src/bvh.
+// Builds small PackedScenes without the packing code of src/pack: these tests stand on the layouts and the
+// trees of src/bvh.
 #pragma once
 
 #include <cstdint>
