@@ -301,7 +301,7 @@ def traversals(bench):
         for walk in result["walks"]:
             same = walk["picture"] == result["walks"][0]["picture"]
             if not same and result["rays"]["refracted"]["number"] == 0:
-                part.fail(f"{name}, {walk['traversal']}", "the picture has other bits")
+                part.fail(f"{name}, {walk['traversal']}", "the image has other bits")
             part.rows.append([name, arguments[arguments.index("--size") + 1], walk["traversal"],
                               *(rate(walk["perSecond"], kind) for kind in ("primary", "shadow", "mirrored", "all")), "same" if same else "other bits"])
 

@@ -24,7 +24,7 @@ import kernel_code
 import measure
 import scaling
 
-# Without mirrors and further lights: the kernels of a picture of this scene. Those that count rays come after them.
+# Without mirrors and further lights: the kernels of an image of this scene. Those that count rays come after them.
 KERNELS = 4
 
 

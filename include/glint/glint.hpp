@@ -188,7 +188,7 @@ struct Hits {
 struct Camera {
     std::array<double, 3> eye = {};        // where it stands
     std::array<double, 3> target = {};     // what it looks at
-    std::array<double, 3> up = {0, 1, 0};  // what is up in the picture
+    std::array<double, 3> up = {0, 1, 0};  // upward direction in the image
     double fovY = 40;                      // degrees, vertical
 };
 

@@ -40,18 +40,18 @@ void declare(OptionTable& table, BenchCommand& c) {
     addBackend(table, c.backend);
     addDevice(table, c.device);
     table.read("--traversal", alternatives<render::Traversal>() + "|all",
-               "trace each ray alone (lane) or 32 rays together (packet); all: also each in turn",
+               "one ray per lane (lane) or 32 rays together (packet); all: also measure each",
                [&](const std::string& t) {
                    c.options.everyWalk = t == "all";
                    if (t != "all") c.device.traversal = parseNamed<render::Traversal>(t);
                });
-    table.whole("--repeat", "N", "take the median of N images, after the warm-up (default 7)", 1, 1000,
+    table.whole("--repeat", "N", "measure N images after the warm-up (default 7)", 1, 1000,
                 c.options.repeats);
     table.value("--with", "LIST",
-                "compile these features, with commas, into the pipeline too (names: glint info)",
+                "also compile these features, with commas, into the pipeline (names: glint info)",
                 c.options.renderer.also, parseFeatures);
     table.flag("--full", "compile every feature into the pipeline", c.full);
-    table.flag("--whole-paths", "use one kernel for whole paths, not one for each step", c.wholePaths);
+    table.flag("--whole-paths", "use one kernel for whole paths, not one per step", c.wholePaths);
     addStats(table, "print the results as JSON instead of tables", c.json);
     addProgress(table, c.progress);
 }

@@ -51,7 +51,7 @@ constexpr const char* kFooter =
     "  glint verify scenes/spheres.json\n"
     "\n"
     "glint COMMAND --help prints a command's options.\n"
-    "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 the scene is at fault,\n"
+    "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 invalid scene,\n"
     "4 no usable device, 5 difference found, 130 interrupted.";
 
 #if defined(__clang__)
@@ -271,7 +271,7 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
     } catch (const std::bad_alloc&) {
         return failed(
             ExitCode::Failed,
-            "not enough memory; for a large picture, ask for a smaller --size, or for parts with --crop");
+            "not enough memory; for a large image, ask for a smaller --size, or for parts with --crop");
     } catch (const std::exception& e) {
         return failed(ExitCode::Failed, e.what());
     }

@@ -29,17 +29,13 @@ void printJson(const nlohmann::json& json, std::ostream& out);
 // A file's name for the terminal: it may be a stranger's too.
 std::string shown(const std::filesystem::path& file);
 
-// Throws Error(Argument) if the extension names no picture format, and Error(Failed) if `path` cannot be
-// written as things stand: no such folder, no permission, a folder of that name.
+// Throws Error(Argument) if the extension names no image format, and what checkOutputPath() throws.
 void checkPicturePath(const std::filesystem::path& path);
 
-// The same for a file of any kind: only whether it can be written.
+// Throws Error(Failed) if no file can be written there: no such folder, no permission, a folder of that name.
 void checkOutputPath(const std::filesystem::path& path);
 
-// Throws Error(Failed) if `folder` is not a folder that can be written to.
-void checkOutputFolder(const std::filesystem::path& folder);
-
-// Creates the folder and its parents if they do not exist, and checks it.
+// Creates the folder and its parents if they do not exist. Throws Error(Failed) if it cannot be written to.
 void makeFolder(const std::filesystem::path& folder);
 
 // Throws Error(Failed) if `out` is standard output and the system refuses to write there: it is closed, or

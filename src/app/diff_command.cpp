@@ -22,7 +22,7 @@ void declare(OptionTable& table, DiffCommand& c) {
     table.name("A", "", "image: .png .exr .pfm .hdr .jpg", c.a, kRequired);
     table.name("B", "", "image of the same size", c.b, kRequired);
     table.name("-o,--output", "FILE", "write the image |A - B|", c.output);
-    table.value("--tolerance", "X", "greatest difference of linear values that counts as equal (default 0)",
+    table.value("--tolerance", "X", "largest difference of linear values that counts as equal (default 0)",
                 c.tolerance, parseNotNegative);
 }
 

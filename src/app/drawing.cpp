@@ -23,15 +23,6 @@ namespace glint::app {
 
 namespace {
 
-bool anyUsableDevice() {
-    try {
-        const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
-        return std::any_of(devices.begin(), devices.end(), [](const gpu::DeviceInfo& d) { return d.usable; });
-    } catch (const Error&) {
-        return false;
-    }
-}
-
 // Kernels without reflections do not count what is missing.
 void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded, const Request& request) {
     const auto reflects = [](const Material& m) {
@@ -48,7 +39,6 @@ void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded, con
 }  // namespace
 
 Error withAdvice(const Error& error) {
-    if (anyUsableDevice()) return error;
     return {error.kind(), std::string(error.what()) + ", or use --backend cpu"};
 }
 
@@ -56,7 +46,7 @@ gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepProg
     try {
         return gpu::Device({choice.selector, choice.validation, {}, keepPrograms});
     } catch (const Error& error) {
-        if (!hostWould) throw;
+        if (!hostWould || choice.validation || !choice.selector.empty()) throw;
         throw withAdvice(error);
     }
 }
@@ -155,7 +145,7 @@ bool Drawing::fallBack(const Error& error) {
     if (warnings_) {
         // On a terminal in the place of the bar, which is shorter.
         *warnings_ << (isTerminal(*warnings_) ? "\r" : "") << "glint: warning: " << failed_->reason
-                   << "; drawn by the reference instead (--fallback cpu)\n"
+                   << "; rendered by the reference instead (--fallback cpu)\n"
                    << std::flush;
     }
     renderer_.reset();

@@ -20,11 +20,11 @@
 
 namespace glint::app {
 
-// Opens the device that was chosen. If there is none at all and `hostWould` do the same work, the error says
-// so. Throws Error(Device) too if the validation layer was asked for and is not there.
+// Opens the device that was chosen. If none was named and `hostWould` do the same work, an error advises to
+// use it. Throws Error(Device) too if the validation layer was asked for and is not there.
 gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms = true);
 
-// The error with the advice to use --backend cpu, if no device can be used.
+// The error with the advice to use --backend cpu.
 Error withAdvice(const Error& error);
 
 // Prints what the validation layer said; throws Error(Device) if it said anything.
@@ -59,7 +59,7 @@ class Drawing {
     // nowhere.
     Drawing(Backend backend, const DeviceChoice& choice, std::ostream* warnings = nullptr);
 
-    // Uploads the scene, which must outlive its pictures, and translates kernels for `expected`. On the host
+    // Uploads the scene, which must outlive its images, and translates kernels for `expected`. On the host
     // makes the truth of it; and so if the device fails and may be replaced. cameraRays: as in
     // render::Options.
     void load(const LoadedScene& loaded, const Request& expected, uint64_t cameraRays = 0);
@@ -68,7 +68,7 @@ class Drawing {
     // anything. The device keeps the programs of kernels: those that are still needed are not compiled again.
     void reload(const Request& expected, bool cameraAlone);
 
-    // A picture of the scene that was loaded, by its camera.
+    // An image of the scene that was loaded, by its camera.
     Picture draw(const Request& request);
 
     // The same with whole(). With a job it draws as often as the job's error takes, and sets `converged`.

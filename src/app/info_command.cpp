@@ -172,7 +172,7 @@ ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream&
     const Request request = requestOf(loaded, command);
     const ImageSettings& image = request.image;
     out << shown(command.scene) << '\n'
-        << "  picture       " << image.width << " x " << image.height << ", "
+        << "  image         " << image.width << " x " << image.height << ", "
         << counted(static_cast<uint64_t>(image.samplesPerPixel), "sample") << " per pixel"
         << samplerText(image) << ", at most "
         << counted(static_cast<uint64_t>(depthOf(loaded.packed, request)), "reflection") << '\n'

@@ -54,7 +54,7 @@ AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> 
 
 void AnimatedScene::pack() {
     const Stopwatch watch;
-    // To find a tree again costs as much memory as it has, and a picture that stands still has no use for it.
+    // To find a tree again costs as much memory as it has, and an image that stands still has no use for it.
     TreeMemory* const memory = loaded_.scene.animation ? &memory_ : nullptr;
     loaded_.packed = packScene(loaded_.scene, {options_.buildQuality, true, memory});
     loaded_.packSeconds = watch.seconds();

@@ -27,7 +27,7 @@ class AnimatedScene {
     LoadedScene take() && { return std::move(loaded_); }
 
     using Change = SceneReader::Change;
-    // Camera: the arrays are those of before. A picture has the bits that it has if the scene is read at that
+    // Camera: the arrays are those of before. An image has the bits that it has if the scene is read at that
     // moment.
     Change moveTo(double time);
 

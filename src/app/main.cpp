@@ -24,7 +24,7 @@ void quitOn(int signal) {
     if (std::signal(signal, quit) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
-// A stream that the caller has closed would be the next file that is opened, a picture say. Where it was,
+// A stream that the caller has closed would be the next file that is opened, an image say. Where it was,
 // what is written fails like on a full disk.
 void fillClosedStreams() {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd) {

@@ -26,12 +26,10 @@ struct MergeCommand {
 
 void declare(OptionTable& table, MergeCommand& c) {
     table.files("PART", "all parts of one image, in any order", c.parts);
-    table.name("-o,--output", "FILE",
-               "image to write: .png .exr .pfm .hdr (default: the scene's name with .png, here)", c.output);
+    table.name("-o,--output", "FILE", "image to write: .png .exr .pfm .hdr (default: SCENE.png, here)",
+               c.output);
     addExposure(table, c.exposure);
-    table.flag("--in-bands",
-               "write row by row as parts are read (default: if the image does not fit into memory)",
-               c.inBands);
+    table.flag("--in-bands", "write row by row (default: if the image does not fit into memory)", c.inBands);
     addStats(table, "print parts, devices and hash as JSON instead of the summary", c.json);
     table.flag("-q,--quiet", "print only errors, and the output of --stats", c.quiet);
 }
@@ -39,7 +37,7 @@ void declare(OptionTable& table, MergeCommand& c) {
 std::filesystem::path sceneOf(const farm::Identity& identity) {
     for (const auto& [name, value] : identity.facts)
         if (name == "scene") return value;
-    return "picture";
+    return "image";
 }
 
 nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outcome,

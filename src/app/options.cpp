@@ -85,6 +85,40 @@ int64_t wholeWithin(const std::string& text, int64_t least, int64_t greatest) {
     return *value;
 }
 
+uint32_t parseSeed(const std::string& text) {
+    return static_cast<uint32_t>(wholeWithin(text, 0, std::numeric_limits<uint32_t>::max()));
+}
+
+double parseConfidence(const std::string& text) {
+    const auto value = number(text);
+    if (!value || !(*value > 0.5 && *value < 1)) refuse("a number between 0.5 and 1, such as 0.95", text);
+    return *value;
+}
+
+// "NAME" or "NAME,RADIUS"
+FilterChoice parseFilter(const std::string& text) {
+    const std::vector<std::string> parts = split(text, ',');
+    const auto filter = named<Filter>(parts[0]);
+    const std::optional<double> radius = parts.size() == 2 ? number(parts[1]) : std::nullopt;
+    const bool badRadius = parts.size() > 1 && !(radius >= kMinFilterRadius && radius <= kMaxFilterRadius);
+    if (!filter || parts.size() > 2 || badRadius)
+        refuse(choices<Filter>() + ", and perhaps a radius from 0.01 to 8 pixels as in tent,1.5", text);
+    return {*filter, radius};
+}
+
+// "MAX" or "MAX,THRESHOLD"
+AdaptiveSampling parseAdaptive(const std::string& text) {
+    const std::vector<std::string> parts = split(text, ',');
+    const auto most = wholeNumber(parts[0]);
+    const std::optional<double> threshold =
+        parts.size() == 2 ? number(parts[1]) : std::optional(AdaptiveSampling().threshold);
+    if (!(most >= 1 && most <= kMaxSamplesPerPixel && threshold > 0 && threshold <= 1) || parts.size() > 2)
+        refuse("the most samples of a pixel, from 1 to " + std::to_string(kMaxSamplesPerPixel) +
+                   ", and perhaps a threshold above 0, at most 1, as in 64,0.05",
+               text);
+    return {static_cast<int>(*most), *threshold};
+}
+
 }  // namespace
 
 void refuse(const std::string& wanted, const std::string& text) {
@@ -93,10 +127,6 @@ void refuse(const std::string& wanted, const std::string& text) {
 
 int parseWhole(const std::string& text, int least, int greatest) {
     return static_cast<int>(wholeWithin(text, least, greatest));
-}
-
-uint32_t parseSeed(const std::string& text) {
-    return static_cast<uint32_t>(wholeWithin(text, 0, std::numeric_limits<uint32_t>::max()));
 }
 
 Size parseSize(const std::string& text) {
@@ -136,7 +166,7 @@ Region parseCrop(const std::string& text) {
 std::pair<int, int> parsePixel(const std::string& text) {
     const auto v = wholeNumbers(text, ',', 2);
     if (v.empty()) refuse("x,y such as 320,240", text);
-    // So that the message about the picture's size has the numbers that were given.
+    // So that the message about the image's size has the numbers that were given.
     if (std::max(std::abs(int64_t{v[0]}), std::abs(int64_t{v[1]})) > kMaxImageSize)
         refuse("x,y below " + std::to_string(kMaxImageSize), text);
     return {v[0], v[1]};
@@ -193,45 +223,9 @@ double parsePositive(const std::string& text) {
     return *value;
 }
 
-double parseConfidence(const std::string& text) {
-    const double value = parseNotNegative(text);
-    if (!(value > 0.5 && value < 1))
-        throw Error(ErrorKind::Argument, "a confidence lies between 0.5 and 1, such as 0.95");
-    return value;
-}
-
 const std::string& parseName(const std::string& text) {
     if (text.empty()) throw Error(ErrorKind::Argument, "the name is empty");
     return text;
-}
-
-FilterChoice parseFilter(const std::string& text) {
-    const std::vector<std::string> parts = split(text, ',');
-    const auto filter = named<Filter>(parts[0]);
-    FilterChoice choice;
-    if (filter) choice.filter = *filter;
-    if (parts.size() == 2) choice.radius = number(parts[1]);
-    const bool badRadius = parts.size() == 2 && !(choice.radius && *choice.radius >= kMinFilterRadius &&
-                                                  *choice.radius <= kMaxFilterRadius);
-    if (!filter || parts.size() > 2 || badRadius)
-        refuse(choices<Filter>() + ", and perhaps a radius from 0.01 to 8 pixels as in tent,1.5", text);
-    return choice;
-}
-
-AdaptiveSampling parseAdaptive(const std::string& text) {
-    const std::vector<std::string> parts = split(text, ',');
-    AdaptiveSampling adaptive;
-    const auto most = wholeNumber(parts[0]);
-    const std::optional<double> threshold =
-        parts.size() == 2 ? number(parts[1]) : std::optional(adaptive.threshold);
-    if (!most || *most < 1 || *most > kMaxSamplesPerPixel || parts.size() > 2 || !threshold ||
-        !(*threshold > 0 && *threshold <= 1))
-        refuse("the most samples of a pixel, from 1 to " + std::to_string(kMaxSamplesPerPixel) +
-                   ", and perhaps a threshold above 0, at most 1, as in 64,0.05",
-               text);
-    adaptive.maxSamples = static_cast<int>(*most);
-    adaptive.threshold = *threshold;
-    return adaptive;
 }
 
 void OptionTable::read(const std::string& names, const std::string& form, const std::string& help,
@@ -269,8 +263,14 @@ void OptionTable::require(const std::string& needed, const std::vector<std::stri
     for (const std::string& option : options) optionNamed(option).needs(&optionNamed(needed));
 }
 
-void OptionTable::exclude(const std::string& option, const std::vector<std::string>& others) {
-    for (const std::string& other : others) optionNamed(option).excludes(&optionNamed(other));
+// Not by CLI11's excludes(), whose message has no remedy. CLI11 counts all options before it looks at values.
+void OptionTable::exclude(const std::string& option, const std::string& other, const std::string& remedy) {
+    const CLI::Option& first = optionNamed(option);
+    optionNamed(other).check(
+        [&first, line = option + " excludes " + other + ": " + remedy](const std::string&) {
+            if (first.count() > 0) throw Error(ErrorKind::Argument, line);
+            return std::string();
+        });
 }
 
 void OptionTable::flag(const std::string& names, const std::string& help, bool& target) {
@@ -278,10 +278,9 @@ void OptionTable::flag(const std::string& names, const std::string& help, bool& 
 }
 
 void addScene(OptionTable& table, SceneOptions& options) {
-    table.name(
-        "SCENE", "",
-        "a scene (.json .gltf .glb .nff) or a model alone (.obj .ply .stl); - reads JSON from standard input",
-        options.scene, OptionTable::Need::Required);
+    table.name("SCENE", "",
+               "scene (.json .gltf .glb .nff) or model (.obj .ply .stl); - reads JSON from standard input",
+               options.scene, OptionTable::Need::Required);
     table.flag("--allow-outside", kAllowOutside, options.allowOutside);
 }
 
@@ -291,23 +290,20 @@ void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes, b
 }
 
 void addSceneOverrides(OptionTable& table, SceneOptions& options) {
-    table.value("--size", "WxH", "size in pixels instead of the scene's", options.size, parseSize);
-    table.whole("--spp", "N", "samples for each pixel instead of the scene's", 1, kMaxSamplesPerPixel,
+    table.value("--size", "WxH", "size in pixels (default: the scene's)", options.size, parseSize);
+    table.whole("--spp", "N", "samples per pixel (default: the scene's)", 1, kMaxSamplesPerPixel,
                 options.spp);
-    table.whole("--max-depth", "N",
-                "greatest number of reflections and refractions in a row instead of the scene's", 0,
+    table.whole("--max-depth", "N", "most reflections and refractions in a row (default: the scene's)", 0,
                 kMaxBounces, options.limits.depth);
-    table.choice<BuildQuality>("--build-quality",
-                               "time spent on the BVH: " + explainedChoices<BuildQuality>(),
+    table.choice<BuildQuality>("--build-quality", "effort for the BVH: " + explainedChoices<BuildQuality>(),
                                options.buildQuality);
     addCamera(table, options);
-    table.value("--time", "SECONDS",
-                "the scene at this moment of its animation (default: as its file says it)", options.time,
-                parseNotNegative);
+    table.value("--time", "SECONDS", "time in the scene's animation (default: the file as it is)",
+                options.time, parseNotNegative);
 }
 
 void addCamera(OptionTable& table, std::string& name) {
-    table.name("--camera", "NAME", "the scene's camera of this name (glint info lists them)", name);
+    table.name("--camera", "NAME", "camera of the scene (glint info lists them)", name);
 }
 
 void addCamera(OptionTable& table, SceneOptions& options) {
@@ -318,10 +314,10 @@ void addCamera(OptionTable& table, SceneOptions& options) {
 void addMethods(OptionTable& table, SceneOptions& options) {
     table.choice<TriangleMethod>(
         "--intersector",
-        "test for triangles (default watertight); the others are textbook methods, with their faults",
+        "triangle test (default watertight); the others are textbook methods, for comparison",
         options.methods.triangles);
     table.choice<SphereMethod>(
-        "--sphere", "test for spheres (default robust); the others are textbook methods, with their faults",
+        "--sphere", "sphere test (default robust); the others are textbook methods, for comparison",
         options.methods.spheres);
 }
 
@@ -332,12 +328,12 @@ void addMinContribution(OptionTable& table, SceneOptions& options) {
 }
 
 void addSampling(OptionTable& table, SceneOptions& options) {
-    table.choice<Sampler>("--sampler", "placement of samples instead of the scene's", options.sampler);
-    table.value("--filter", "NAME[,RADIUS]", choices<Filter>() + " instead of the scene's; radius in pixels",
+    table.choice<Sampler>("--sampler", "placement of samples (default: the scene's)", options.sampler);
+    table.value("--filter", "NAME[,RADIUS]", choices<Filter>() + "; radius in pixels (default: the scene's)",
                 options.filter, parseFilter);
-    table.value("--seed", "N", "seed of the random samplers instead of the scene's", options.seed, parseSeed);
+    table.value("--seed", "N", "seed of the random samplers (default: the scene's)", options.seed, parseSeed);
     table.value("--adaptive", "MAX[,THRESHOLD]",
-                "take up to MAX samples in pixels whose samples differ, see docs/guide/sampling.md",
+                "take up to MAX samples in pixels whose samples differ (threshold 0 to 1, default 0.05)",
                 options.adaptive, parseAdaptive);
 }
 
@@ -347,10 +343,9 @@ void addExposure(OptionTable& table, std::optional<double>& stops) {
 }
 
 void addError(OptionTable& table, ErrorTarget& target) {
-    table.value(
-        "--error", "E",
-        "take samples until the image's root mean square error is at most E (linear radiance, full scale 1)",
-        target.error, parsePositive);
+    table.value("--error", "E",
+                "take samples until the root mean square error is at most E (linear, full scale 1)",
+                target.error, parsePositive);
     table.value("--confidence", "P", "probability that --error holds, above 0.5 and below 1 (default 0.95)",
                 target.limits.confidence, parseConfidence);
     table.flag("--within-depth", "do not count reflections beyond the scene's depth as error",
@@ -370,14 +365,13 @@ void addErrorTarget(OptionTable& table, ErrorTarget& target) {
 
 void addBackend(OptionTable& table, Backend& backend) {
     table.choice<Backend>("--backend",
-                          "gpu (default), or cpu: the double-precision reference, needs no Vulkan", backend);
+                          "gpu (default), or cpu: the double-precision reference, without Vulkan", backend);
 }
 
 void addDevice(OptionTable& table, DeviceChoice& device) {
-    table.name("--device", "NAME|INDEX", "index or part of the name, see glint devices (default: the best)",
-               device.selector);
-    table.read("--threads", "N",
-               "host threads, of the reference and of lavapipe too (default: one a processor)",
+    table.name("--device", "NAME|INDEX",
+               "part of a device's name, or its index in glint devices (default: the best)", device.selector);
+    table.read("--threads", "N", "host threads, also of lavapipe (default: one per processor)",
                [](const std::string& text) {
                    limitThreads(static_cast<unsigned>(parseWhole(text, 1, 1024)));
                    setenv("LP_NUM_THREADS", text.c_str(), 1);
@@ -387,8 +381,7 @@ void addDevice(OptionTable& table, DeviceChoice& device) {
 
 void addTraversal(OptionTable& table, DeviceChoice& device) {
     table.choice<render::Traversal>(
-        "--traversal",
-        "trace each ray alone (lane) or 32 rays together (packet); default auto: see glint info",
+        "--traversal", "one ray per lane (lane) or 32 rays together (packet); default auto chooses",
         device.traversal);
 }
 
@@ -412,7 +405,7 @@ void addStats(OptionTable& table, const std::string& help, bool& json) {
 void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
     if (device.validation && device.fallback != Fallback::None)
         throw Error(ErrorKind::Argument,
-                    "--fallback: not together with --validation, which is there to see the device fail");
+                    "--fallback excludes --validation: leave out --fallback to see the device fail");
     if (backend == Backend::Gpu) return;
     const std::pair<bool, const char*> given[] = {
         {device.fallback != Fallback::None, "--fallback"},

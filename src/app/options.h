@@ -35,7 +35,7 @@ struct Size {
     int width = 0, height = 0;
 };
 
-// One of several parts of a picture, 1 <= number <= of.
+// One of several parts of an image, 1 <= number <= of.
 struct PartChoice {
     int number = 1, of = 1;
 };
@@ -56,7 +56,6 @@ int parseWhole(const std::string& text, int least, int greatest);
 double parseReal(const std::string& text, double least, double greatest);
 double parsePositive(const std::string& text);            // finite
 double parseNotNegative(const std::string& text);         // finite
-double parseConfidence(const std::string& text);          // above 0.5 and below 1
 Size parseSize(const std::string& text);                  // "640x480"
 PartChoice parsePart(const std::string& text);            // "3/8"
 FrameRange parseFrames(const std::string& text);          // "0:240" or "17"
@@ -65,10 +64,7 @@ std::pair<int, int> parsePixel(const std::string& text);  // "x,y"
 std::vector<Aov> parseAovs(const std::string& text);      // "color, depth": each once
 // "depth,offset": words that names of the settings of `glint report` start with.
 std::vector<std::string> parseFamilies(const std::string& text);
-SceneFeatures parseFeatures(const std::string& text);     // by the names that `glint info` prints
-FilterChoice parseFilter(const std::string& text);        // "NAME" or "NAME,RADIUS"
-AdaptiveSampling parseAdaptive(const std::string& text);  // "MAX" or "MAX,THRESHOLD"
-uint32_t parseSeed(const std::string& text);
+SceneFeatures parseFeatures(const std::string& text);   // by the names that `glint info` prints
 const std::string& parseName(const std::string& text);  // not empty
 
 [[noreturn]] void refuse(const std::string& wanted, const std::string& text);
@@ -138,8 +134,9 @@ class OptionTable {
 
     // Each of `options`, all of them declared before, requires `needed`.
     void require(const std::string& needed, const std::vector<std::string>& options);
-    // None of `others`, all of them declared before, may be given together with `option`.
-    void exclude(const std::string& option, const std::vector<std::string>& others);
+    // `other` must not be given together with `option`; both are declared before. `remedy` says what to do
+    // instead.
+    void exclude(const std::string& option, const std::string& other, const std::string& remedy);
 
   private:
     // CLI11's own look-up is noexcept and ends the program if memory is short.

@@ -86,7 +86,6 @@ Text bashCases(const CLI::App& command) {
            optionNames(arguments) + "' ;;\n";
 }
 
-// Also for zsh, whose bashcompinit has `complete` and `compgen`.
 Text bashCompletion(const CLI::App& program) {
     const Text names = commandNames(program);
     Text made = kMadeBy + Text(R"(_glint() {
@@ -104,16 +103,58 @@ complete -o default -F _glint glint
 )";
 }
 
-// zsh runs the file at the first completion of a session, which the last line answers.
-Text zshCompletion(const CLI::App& program) {
-    return "#compdef glint\nautoload -Uz bashcompinit && bashcompinit\n" + bashCompletion(program) +
-           "_bash_complete -o default -F _glint\n";
-}
-
 Text fishQuoted(const Text& plain) {
     Text made = "'";
     for (const char c : plain) made += (c == '\\' || c == '\'' ? "\\" : "") + Text(1, c);
     return made + "'";
+}
+
+// Text within single quotes of zsh, where brackets and colons end a part of a specification.
+Text zshEscaped(const Text& plain) {
+    Text made;
+    for (const char c : plain) {
+        if (Text("[]:\\").find(c) != Text::npos) made += '\\';
+        made += c == '\'' ? "'\\''" : Text(1, c);
+    }
+    return made;
+}
+
+// A specification of zsh's _arguments for each name.
+Text zshLines(const CLI::App& command) {
+    Text made;
+    for (const Argument& argument : argumentsOf(command)) {
+        const Text values = !argument.choices.empty() ? "(" + joined(argument.choices, " ") + ")"
+                            : argument.file           ? "_files"
+                            : argument.folder         ? "_files -/"
+                                                      : " ";
+        for (const Text& name : argument.names) {
+            made += " \\\n            '";
+            if (argument.positional)
+                made += (argument.many ? "*:" : ":") + name + ":" + values;
+            else
+                made += "(" + joined(argument.names, " ") + ")" + name +
+                        (argument.takesValue && name.starts_with("--") ? "=" : "") + "[" +
+                        zshEscaped(argument.help) + "]" +
+                        (argument.takesValue ? ":" + zshEscaped(argument.form) + ":" + values : "");
+            made += "'";
+        }
+    }
+    return made;
+}
+
+// zsh runs the file as the body of a function.
+Text zshCompletion(const CLI::App& program) {
+    Text commands, cases;
+    for (const CLI::App* command : commandsOf(program)) {
+        commands += "\n    '" + command->get_name() + ":" + zshEscaped(command->get_description()) + "'";
+        cases += "        " + command->get_name() + ") _arguments" + zshLines(*command) + " ;;\n";
+    }
+    return "#compdef glint\n" + Text(kMadeBy) + "local -a commands=(" + commands +
+           "\n)\nif (( CURRENT == 2 )) && [[ $words[2] == -* ]]; then\n    _arguments" + zshLines(program) +
+           "\nelif (( CURRENT == 2 )) || [[ $words[2] == help ]]; then\n    _describe command "
+           "commands\nelse\n"
+           "    shift words\n    (( CURRENT-- ))\n    case $words[1] in\n" +
+           cases + "    esac\nfi\n";
 }
 
 Text fishLine(const Text& condition, const Argument& argument) {
@@ -225,12 +266,11 @@ struct PagesCommand {
 };
 
 void declare(OptionTable& table, PagesCommand& c) {
-    table.name("FOLDER", "", "where man/, bash-completion/, zsh/ and fish/ go, such as ~/.local/share",
-               c.folder, OptionTable::Need::Required);
+    table.name("FOLDER", "", "for man/, bash-completion/, zsh/ and fish/, such as ~/.local/share", c.folder,
+               OptionTable::Need::Required);
 }
 
 ExitCode run(const PagesCommand& command, std::ostream& out, std::ostream&) {
-    checkOutputFolder(command.folder);
     const std::vector<OutputFile> files = pagesIn(command.folder);
     for (const OutputFile& file : files) makeFolder(file.path.parent_path());
     writeFiles(files);

@@ -67,7 +67,7 @@ std::string emptyReason(const Picture& picture, const Scene& scene, const Packed
         return "everything is nearer than the camera's near or farther away than its far";
     if (picture.region.width() < request.width || picture.region.height() < request.height)
         return "there is nothing else in this --crop";
-    return "the camera looks past the objects; glint info tells where they are";
+    return "the camera looks past the objects; glint info prints their bounds";
 }
 
 // The object that surrounds the camera, if all rays hit it from inside and no light of the scene reaches it.

@@ -15,6 +15,7 @@
 #include "core/format.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "scene/limits.h"
 
 namespace glint::app {
@@ -63,7 +64,7 @@ Request requestOf(const RenderCommand& command, const LoadedScene& loaded) {
     Request request = requestOf(loaded, command.scene, command.target.error.has_value());
     request.region = command.crop.value_or(Region{0, 0, request.width, request.height});
     if (request.region.x1 > request.width || request.region.y1 > request.height)
-        throw Error(ErrorKind::Argument, format("--crop: reaches beyond the picture of %dx%d pixels",
+        throw Error(ErrorKind::Argument, format("--crop: reaches beyond the image of %dx%d pixels",
                                                 request.width, request.height));
     request.data = needsData(command.aovs);
     request.cost = std::find(command.aovs.begin(), command.aovs.end(), Aov::Cost) != command.aovs.end();
@@ -78,7 +79,7 @@ void declare(OptionTable& table, RenderCommand& c) {
     addScene(table, c.scene);
     table.name("-o,--output", "FILE",
                "image to write: .png .exr .pfm .hdr, FOLDER/, or - for a PNG on standard output (default: "
-               "SCENE's name with .png, here)",
+               "SCENE.png, here)",
                c.output);
     addExposure(table, c.exposure);
     addSceneOverrides(table, c.scene);
@@ -89,41 +90,42 @@ void declare(OptionTable& table, RenderCommand& c) {
     addDevice(table, c.device);
     addTraversal(table, c.device);
     addFallback(table, c.device);
-    table.flag(
-        "--reproducible",
-        "do not use the device's division and square root, even if a probe finds them correctly rounded",
-        c.device.reproducible);
+    table.flag("--reproducible", "do not use the device's division and square root, even if its probe passes",
+               c.device.reproducible);
     table.value("--aov", "LIST",
                 "write these layers, with commas: " + joinNames(kEnumNames<Aov>) +
-                    "; an EXR holds them all, other formats get a file for each",
+                    "; .exr holds all of them, other formats get a file each",
                 c.aovs, parseAovs);
     table.value("--crop", "x0,y0,x1,y1",
-                "render only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner", c.crop,
-                parseCrop);
-    table.whole(
-        "--band-rows", "N",
-        "write the image in bands of N rows, so that memory holds one band (default: if it does not fit "
-        "into memory)",
-        1, kMaxImageSize, c.bandRows);
-    table.value("--part", "K/N", "render part K of N, K from 1, into a file for glint merge", c.part,
+                "render the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner", c.crop, parseCrop);
+    table.whole("--band-rows", "N",
+                "write in bands of N rows (default: if the image does not fit into memory)", 1, kMaxImageSize,
+                c.bandRows);
+    table.value("--part", "K/N", "render part K of N, from 1, into a file for glint merge", c.part,
                 parsePart);
     table.name("--checkpoint", "FILE",
-               "keep finished units in FILE and resume from them; removed once the image is written",
-               c.checkpoint);
-    table.value(
-        "--frames", "A:B",
-        "render frames A to B of the animation that do not exist yet; each # in -o stands for a digit",
-        c.frames, parseFrames);
-    table.value("--fps", "F", "frames per second of --frames instead of the scene's (24)", c.framesPerSecond,
-                parsePositive);
+               "keep finished units in FILE until the image is written, and resume from them", c.checkpoint);
+    table.value("--frames", "A:B",
+                "render the frames A to B that do not exist yet; each # in -o stands for a digit", c.frames,
+                parseFrames);
+    table.value("--fps", "F", "frames per second of --frames (default: the scene's, or 24)",
+                c.framesPerSecond, parsePositive);
     table.flag("--overwrite", "render existing frames again", c.overwrite);
     addErrorTarget(table, c.target);
     table.require("--frames", {"--fps", "--overwrite"});
-    table.exclude("--error", {"--adaptive", "--part", "--checkpoint", "--band-rows"});
-    // Ways to render an image in pieces.
-    table.exclude("--part", {"--checkpoint", "--frames", "--band-rows"});
-    table.exclude("--checkpoint", {"--frames", "--band-rows"});
-    table.exclude("--frames", {"--band-rows", "--time"});
+    constexpr const char* kExclusions[][3] = {
+        {"--error", "--adaptive", "leave out --adaptive, as --error chooses the samples of all pixels"},
+        {"--error", "--part", "use --spp with --part"},
+        {"--error", "--checkpoint", "use --spp with --checkpoint"},
+        {"--error", "--band-rows", "use --spp with --band-rows"},
+        {"--part", "--checkpoint", "use more parts, each of which is soon repeated"},
+        {"--part", "--frames", "give each machine frames of its own"},
+        {"--part", "--band-rows", "use more parts to need less memory, and merge --in-bands"},
+        {"--checkpoint", "--frames", "leave out --checkpoint, as --frames skips frames that exist"},
+        {"--checkpoint", "--band-rows", "leave out --band-rows, as --checkpoint chooses the rows itself"},
+        {"--frames", "--band-rows", "render the frame alone by --time SECONDS"},
+        {"--frames", "--time", "choose the time by --fps, as frame N shows time N / fps"}};
+    for (const auto& [option, other, remedy] : kExclusions) table.exclude(option, other, remedy);
     addStats(table, "print times and counts as JSON instead of the summary", c.json);
     addProgress(table, c.progress);
     table.flag("-q,--quiet", "print only errors, and the output of --stats", c.quiet);
@@ -133,8 +135,8 @@ void declare(OptionTable& table, RenderCommand& c) {
 void checkComplete(const Outcome& outcome) {
     const std::string start = "interrupted: " + outcome.files.front().string() + " holds the ";
     if (!outcome.picture.complete)
-        throw Error(ErrorKind::Interrupted, start + format("%.3g", 100 * outcome.doneShare()) +
-                                                " % of the picture that was finished");
+        throw Error(ErrorKind::Interrupted,
+                    start + format("%.3g", 100 * outcome.doneShare()) + " % of the image that was finished");
     if (outcome.converged && outcome.converged->stop == converge::Stop::Interrupted)
         throw Error(ErrorKind::Interrupted, start + "samples of all rounds that were finished");
 }
@@ -154,9 +156,11 @@ void check(const RenderCommand& command, const std::ostream& out) {
              "--exposure: parts hold linear floats; give it to glint merge");
     if (command.output == "-") {
         refuseIf(command.part || command.frames || command.bandRows || !command.checkpoint.empty(),
-                 "--output -: not together with --part, --checkpoint, --frames or --band-rows");
-        refuseIf(command.aovs != std::vector{Aov::Radiance}, "--output -: holds the layer color alone");
-        refuseIf(command.json, "--output -: the image is on standard output; not together with --stats");
+                 "--output -: with --part, --checkpoint, --frames or --band-rows name a file");
+        refuseIf(command.aovs != std::vector{Aov::Radiance},
+                 "--output -: holds the layer color alone; write other layers to an .exr file");
+        refuseIf(command.json,
+                 "--output -: standard output holds the image; write it to a file to print --stats");
     }
     if (!command.part) scaleOf(outputOf(command), command.exposure);
     if (!command.quiet || command.json || command.output == "-") checkStandardOutput(out);
@@ -164,7 +168,7 @@ void check(const RenderCommand& command, const std::ostream& out) {
 }
 
 // Bands begin where tiles of the device do, so that packets of rays, and with them the layer "cost", are
-// those of the whole picture.
+// those of the whole image.
 constexpr int kStep = shared::kTileSize;
 constexpr uint64_t kBandBytes = uint64_t{1} << 30;  // enough to keep any device busy
 
@@ -198,12 +202,9 @@ int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output
     const uint64_t fitting = std::min(available / 4, kBandBytes) / row / kStep * kStep;
     const uint64_t rows = command.bandRows ? roundedUp(static_cast<uint64_t>(*command.bandRows))
                                            : std::max<uint64_t>(fitting, kStep);
-    const uint64_t needed = std::min(rows, height) * row;
-    if (needed > available)
-        throw Error(ErrorKind::Failed,
-                    format("a picture of %dx%d pixels takes ", region.width(), region.height()) +
-                        gibibytes(needed) + " of memory in bands of " + std::to_string(rows) + " rows, " +
-                        gibibytes(available) + " are free");
+    requireMemory(format("an image of %dx%d pixels in bands of ", region.width(), region.height()) +
+                      counted(rows, "row"),
+                  std::min(rows, height) * row, available, "use fewer --band-rows or a smaller --size");
     return static_cast<int>(std::min(rows, roundedUp(height)));
 }
 

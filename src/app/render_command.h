@@ -24,7 +24,7 @@ struct RenderCommand {
     DeviceChoice device;
     std::vector<Aov> aovs = {Aov::Radiance};
     std::optional<Region> crop;
-    std::optional<int> bandRows;  // of a picture that is written in bands; empty: if it must be
+    std::optional<int> bandRows;  // of an image that is written in bands; empty: if it must be
     ErrorTarget target;
     std::optional<PartChoice> part;
     std::filesystem::path checkpoint;  // empty: none

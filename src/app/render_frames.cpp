@@ -85,7 +85,7 @@ class FrameRenderer {
         if (!complete)
             throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(there_ + drawn_.size()) +
                                                     " of " + std::to_string(there_ + frames_.size()) +
-                                                    " frames are there; the same command goes on");
+                                                    " frames exist; repeat the command to resume");
         return missed_ && command_.target.strict ? ExitCode::Difference : ExitCode::Done;
     }
 
@@ -101,7 +101,7 @@ class FrameRenderer {
         framesPerSecond_ = command_.framesPerSecond.value_or(animation ? animation->framesPerSecond : 24);
         if (!animation && !command_.quiet && command_.frames->first != command_.frames->last)
             err_ << "glint: warning: " << shown(command_.scene.scene)
-                 << ": has no animation; all frames are the same picture\n";
+                 << ": has no animation; all frames are the same image\n";
         const Region region = requestOf(command_, loaded).region;
         checkMemory(region.width(), region.height(), 2 * bytesPerPixel(command_), availableMemory());
         scene_->moveTo(timeOf(frames_.front().number));
@@ -175,7 +175,7 @@ class FrameRenderer {
                  << (count > 1 ? " to " + fileOf(count - 1) : "") << '\n';
         if (there_ > 0)
             out_ << counted(there_, "frame") << (there_ == 1 ? " was" : " were")
-                 << " there already (--overwrite draws them again)\n";
+                 << " there already (--overwrite renders them again)\n";
         printDevice(drawing_.facts(), out_);
         out_ << "times: " << formatSeconds(total_.seconds()) << " in all";
         if (count > 0)

@@ -23,21 +23,6 @@ namespace glint::app {
 
 namespace {
 
-const char* limitOf(converge::Stop stop) {
-    switch (stop) {
-        case converge::Stop::Samples:
-            return "--max-spp";
-        case converge::Stop::Seconds:
-            return "--max-seconds";
-        case converge::Stop::Fixed:
-            return "more would not help: cuts and rounding alone exceed the target";
-        case converge::Stop::Reached:
-        case converge::Stop::Interrupted:
-            break;
-    }
-    return "";
-}
-
 // Numbers that are not finite become null.
 nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& result) {
     const converge::ErrorBudget& budget = result.budget;
@@ -98,11 +83,11 @@ void warnAboutError(const ErrorTarget& target, const converge::Result& result, c
     const bool bounded = std::isfinite(result.budget.total());
     err << start << format("target %.3g not reached: ", *target.error)
         << (bounded ? format("error is at most %.3g", result.budget.total()) : "the error has no bound")
-        << " after " << counted(result.samplesPerPixel, "sample") << " per pixel (" << limitOf(result.stop)
+        << " after " << counted(result.samplesPerPixel, "sample") << " per pixel (" << helpOf(result.stop)
         << (bounded ? ")" : "); too few pixels show any error") << '\n';
 }
 
-// Below half a step of an 8-bit picture nothing is seen; with the sRGB curve's slope of up to 12.92 the steps
+// Below half a step of an 8-bit image nothing is seen; with the sRGB curve's slope of up to 12.92 the steps
 // of dark colours are smaller, but there a loss of this size is one of a bright branch.
 constexpr double kVisible = 1.0 / 255;
 
@@ -118,7 +103,7 @@ nlohmann::json lostJson(const LostBranches& lost, const Picture& picture) {
 }
 
 std::string boundText(const LostBranches& lost, const Picture& picture) {
-    if (!std::isfinite(lost.greatest)) return "how much light that is, is not known";
+    if (!std::isfinite(lost.greatest)) return "no bound on their light is known";
     return format("a pixel lacks at most %.3g, on average at most %.3g", lost.greatest,
                   lost.sum / pixelsOf(picture));
 }
@@ -144,7 +129,6 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     nlohmann::json json = drawnJson(outcome.drawn);
     json.update({{"scene", command.scene.scene.string()},
                  {"files", filesJson(outcome.files)},
-                 {"hash", outcome.hash},
                  {"complete", picture.complete},
                  {"width", picture.region.width()},
                  {"height", picture.region.height()},
@@ -174,7 +158,11 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     visitKinds(loaded.packed, [&](const KindCount& kind) {
         if (kind.kind != shared::PrimitiveKind::Instance) json[kind.array] = kind.count;
     });
+    if (!outcome.hash.empty()) json["hash"] = outcome.hash;
     if (!outcome.drawn.traversal.empty()) json["traversal"] = outcome.drawn.traversal;
+    if (command.part)
+        json.update(
+            {{"part", command.part->number}, {"parts", command.part->of}, {"pixels", outcome.totals.done}});
     if (outcome.bands > 0) json["bands"] = outcome.bands;
     if (outcome.ranks > 0) json["ranks"] = outcome.ranks;
     if (outcome.converged) json["error"] = errorJson(command.target, *outcome.converged);
@@ -182,16 +170,36 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     return json;
 }
 
+void printTimes(const Outcome& outcome, const LoadedScene& loaded, std::ostream& out) {
+    const render::StageTimes& t = outcome.drawn.times;
+    out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
+        << formatSeconds(loaded.packSeconds);
+    if (t.submissions > 0) {
+        out << ", upload " << formatSeconds(t.upload) << ", compile " << formatSeconds(t.compile);
+    }
+    out << ", trace " << formatSeconds(t.trace);
+    if (t.submissions > 0) out << ", readback " << formatSeconds(t.readback);
+    out << ", write " << formatSeconds(outcome.writeSeconds) << "; " << formatSeconds(outcome.totalSeconds)
+        << " in all\n";
+}
+
 void printSummary(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                   std::ostream& out) {
-    printFiles(outcome, out);
+    if (command.part)
+        out << "wrote " << shown(outcome.files.front())
+            << format(" (part %d of %d, ", command.part->number, command.part->of)
+            << counted(outcome.totals.done, "pixel") << ")\n";
+    else
+        printFiles(outcome, out);
     if (outcome.converged) out << errorSummary(command.target, *outcome.converged);
     printDevice(outcome.drawn, out);
     if (outcome.ranks > 0) out << "ranks: " << outcome.ranks << '\n';
-    out << "hash: " << outcome.hash;
-    if (outcome.drawn.arithmetic && !outcome.drawn.sharesBits())
-        out << " (this device " << outcome.drawn.arithmetic->text() << ')';
-    out << '\n';
+    if (!command.part) {
+        out << "hash: " << outcome.hash;
+        if (outcome.drawn.arithmetic && !outcome.drawn.sharesBits())
+            out << " (this device " << outcome.drawn.arithmetic->text() << ')';
+        out << '\n';
+    }
     printTimes(outcome, loaded, out);
 }
 
@@ -218,8 +226,8 @@ void warnOfLosses(const Picture& picture, const std::string& start, std::ostream
             << " beyond maxDepth not followed (increase --max-depth); " << boundText(losses.depth, picture)
             << '\n';
     if (losses.room.count > 0)
-        err << start << branches(losses.room.count) << " dropped, as " << shared::kMaxWaiting
-            << " others were waiting already; " << boundText(losses.room, picture) << '\n';
+        err << start << "dropped " << branches(losses.room.count) << ", as at most " << shared::kMaxWaiting
+            << " can wait; " << boundText(losses.room, picture) << '\n';
     if (losses.crowdedMedia > 0)
         err << start << "ignored " << counted(losses.crowdedMedia, "surface")
             << ": a ray can be inside at most " << shared::kMaxMedia << " dielectrics\n";
@@ -263,19 +271,6 @@ void printFiles(const Outcome& outcome, std::ostream& out) {
 
 void printDevice(const DrawingFacts& drawn, std::ostream& out) {
     if (!drawn.device.empty()) out << "device: " << drawn.device << ", " << drawn.driver << '\n';
-}
-
-void printTimes(const Outcome& outcome, const LoadedScene& loaded, std::ostream& out) {
-    const render::StageTimes& t = outcome.drawn.times;
-    out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
-        << formatSeconds(loaded.packSeconds);
-    if (t.submissions > 0) {
-        out << ", upload " << formatSeconds(t.upload) << ", compile " << formatSeconds(t.compile);
-    }
-    out << ", trace " << formatSeconds(t.trace);
-    if (t.submissions > 0) out << ", readback " << formatSeconds(t.readback);
-    out << ", write " << formatSeconds(outcome.writeSeconds) << "; " << formatSeconds(outcome.totalSeconds)
-        << " in all\n";
 }
 
 void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err) {
@@ -368,7 +363,7 @@ void RowFile::finish(Outcome& outcome) {
 
 void throwNothingDone() {
     throw Error(ErrorKind::Interrupted,
-                "interrupted before any part of the picture was finished; nothing written");
+                "interrupted before any part of the image was finished; nothing written");
 }
 
 void writeLayersOf(Outcome& outcome, std::vector<Layer> layers, float scale, const PictureNotes& notes) {

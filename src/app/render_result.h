@@ -31,11 +31,11 @@ struct Outcome {
     SampleTotals totals;
     int bands = 0;                              // 0: written at once
     std::optional<std::string> advice;          // pictureAdvice()
-    std::optional<converge::Result> converged;  // its picture is `picture`
+    std::optional<converge::Result> converged;  // its image is moved to `picture`
     DrawingFacts drawn;
     std::filesystem::path output;              // the file asked for
     std::vector<std::filesystem::path> files;  // that were written
-    std::string hash;                          // of the picture, as it is written
+    std::string hash;                          // of the image, as it is written; empty for a part
     double writeSeconds = 0, totalSeconds = 0;
     int ranks = 0;  // of MPI; 0: rendered by one process
 
@@ -93,7 +93,7 @@ void writeLayersOf(Outcome& outcome, std::vector<Layer> layers, float scale, con
 // Sets the advice on a whole image.
 void adviseOn(Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded);
 
-// Warnings about what the picture shows or lacks, unless --quiet.
+// Warnings about what the image shows or lacks, unless --quiet.
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err);
 
@@ -104,7 +104,6 @@ void printResult(const Outcome& outcome, const RenderCommand& command, const Loa
 // Parts of the summary, and of the JSON for --stats: the backend and its device, the files.
 void printFiles(const Outcome& outcome, std::ostream& out);
 void printDevice(const DrawingFacts& drawn, std::ostream& out);
-void printTimes(const Outcome& outcome, const LoadedScene& loaded, std::ostream& out);
 nlohmann::json drawnJson(const DrawingFacts& drawn);
 nlohmann::json filesJson(const std::vector<std::filesystem::path>& files);
 

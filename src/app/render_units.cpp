@@ -100,6 +100,11 @@ std::vector<std::vector<Region>> cutToHold(const farm::CostMap& costs, int parts
     return cut;
 }
 
+SampleTotals totalsOf(uint64_t pixels, const Request& request) {
+    const uint32_t samples = request.samples.count();
+    return {pixels, pixels * samples, samples, samples};
+}
+
 // Version, files, settings; not the device, nor where files lie. `request` is the whole image's.
 farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loaded, const Request& request) {
     const Scene& scene = loaded.scene;
@@ -134,6 +139,7 @@ class UnitRenderer {
     const farm::UnitHeader& header() const { return header_; }
     const LoadedScene& loaded() const { return loaded_; }
     const Drawing& drawing() const { return drawing_; }
+    const Request& request() const { return request_; }
     uint64_t pixelsOf(int part) const { return app::pixelsOf(cut_[static_cast<size_t>(part) - 1]); }
     // Bytes of the largest unit.
     uint64_t mostBytes() const { return unitBytes(command_.aovs, mostPixelsOf(cut_)); }
@@ -149,7 +155,7 @@ class UnitRenderer {
     const RenderCommand& command_;
     Drawing drawing_;
     const LoadedScene loaded_;
-    Request request_;  // of the whole picture
+    Request request_;  // of the whole image
     farm::UnitHeader header_;
     std::vector<std::vector<Region>> cut_;
     bool uploaded_ = false;
@@ -184,7 +190,7 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function
                               cut_[static_cast<size_t>(part) - 1], command_.aovs);
     });
     if (!result) return result;
-    // Losses are told where a picture drawn at once would tell them.
+    // Losses are told where an image drawn at once would tell them.
     if (!loaded_.packed.features.transmission && command_.scene.limits.minContribution == 0)
         result->losses = {};
     const DrawingFacts facts = drawing_.facts();
@@ -198,8 +204,7 @@ Outcome UnitRenderer::complete(UnitPicture& picture, std::ostream& err) const {
     Outcome outcome = picture.write();
     outcome.drawn = drawing_.facts();
     outcome.request = request_;
-    const uint32_t samples = request_.samples.count();
-    outcome.totals = {outcome.totals.done, outcome.totals.done * samples, samples, samples};
+    outcome.totals = totalsOf(outcome.totals.done, request_);
     if (!picture.goesByRows()) adviseOn(outcome, command_, loaded_);
     warnAboutPicture(outcome, command_, loaded_, err);
     if (!command_.quiet)
@@ -221,38 +226,11 @@ std::filesystem::path partPath(const RenderCommand& command) {
     return path;
 }
 
-void print(const Outcome& outcome, uint64_t pixels, const RenderCommand& command, const LoadedScene& loaded,
-           std::ostream& out) {
-    const PartChoice& part = *command.part;
-    if (command.json) {
-        nlohmann::json json = {{"scene", command.scene.scene.string()},
-                               {"files", filesJson(outcome.files)},
-                               {"part", part.number},
-                               {"parts", part.of},
-                               {"pixels", pixels},
-                               {"seconds",
-                                {{"load", loaded.loadSeconds},
-                                 {"pack", loaded.packSeconds},
-                                 {"trace", outcome.drawn.times.trace},
-                                 {"total", outcome.totalSeconds}}}};
-        json.update(drawnJson(outcome.drawn));
-        printJson(json, out);
-    } else if (!command.quiet) {
-        out << "wrote " << shown(outcome.files.front()) << " (" << farm::namesOfParts({part.number}, part.of)
-            << ", " << counted(pixels, "pixel") << ")\n";
-        printDevice(outcome.drawn, out);
-        printTimes(outcome, loaded, out);
-    }
-}
-
 // Reserves 58 bytes a pixel, or 282 with depth and normal; 36 and 134 were measured.
 void checkRoom(const RenderCommand& command, uint64_t pixels) {
-    const uint64_t needed = 2 * pixels * bytesPerPixel(command);
-    const uint64_t available = availableMemory();
-    if (needed <= available) return;
-    throw Error(ErrorKind::Failed, farm::namesOfParts({command.part->number}, command.part->of) + " has " +
-                                       counted(pixels, "pixel") + ", which take " + gibibytes(needed) +
-                                       " of memory, " + gibibytes(available) + " are free; use more parts");
+    requireMemory(
+        farm::namesOfParts({command.part->number}, command.part->of) + " (" + counted(pixels, "pixel") + ")",
+        2 * pixels * bytesPerPixel(command), availableMemory(), "use more parts");
 }
 
 // Enough units for each rank that all ranks finish at about the same time.
@@ -279,7 +257,7 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     const Stopwatch total;
     checkPicturePath(outputOf(command));
     installInterruptHandler();
-    // Both outlive the thread of `ranks`, which adds results to the picture.
+    // Both outlive the thread of `ranks`, which adds results to the image.
     std::optional<UnitRenderer> units;
     std::optional<UnitPicture> picture;
     farm::FirstRank ranks(transport);
@@ -351,14 +329,20 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
     }
     if (!result)
         throw Error(ErrorKind::Interrupted, "interrupted before the part was finished; nothing written");
-    Outcome outcome;
     const Stopwatch writing;
     writeFile(file, farm::encodePart(units.header(), *result));
+    Outcome outcome;
+    outcome.request = units.request();
+    outcome.picture.region = units.header().region;
+    outcome.picture.losses = result->losses;
+    outcome.picture.notFinite = result->notFinite;
+    outcome.picture.firstNotFinite = result->firstNotFinite;
+    outcome.totals = totalsOf(pixels, outcome.request);
     outcome.files = {file};
     outcome.writeSeconds = writing.seconds();
     outcome.drawn = units.drawing().facts();
     outcome.totalSeconds = total.seconds();
-    print(outcome, pixels, command, units.loaded(), out);
+    printResult(outcome, command, units.loaded(), out);
     units.drawing().reportValidation(err);
     return ExitCode::Done;
 }

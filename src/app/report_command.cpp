@@ -49,30 +49,27 @@ std::vector<std::string> parseDevices(const std::string& text) {
 void declare(OptionTable& table, ReportCommand& c) {
     addScenes(table, c.scenes, c.allowOutside);
     addCamera(table, c.camera);
-    table.name("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
+    table.name("-o,--output", "FOLDER", "folder for report.html, report.csv, report.json and the diagrams",
                c.options.folder, OptionTable::Need::Required);
-    table.whole("--size", "WIDTH", "width of the images in pixels (default 256); the height follows", 4, 4096,
-                c.options.width);
+    table.whole("--size", "WIDTH", "width of the images in pixels (default 256)", 4, 4096, c.options.width);
     table.whole("--repeats", "N", "most runs of each setting (default 10)", 1, 1000, c.options.repeats);
     table.whole("--truth-spp", "N",
-                "samples per pixel of the converged image (default: as many as a third of the time allows)",
-                2, kMaxSamplesPerPixel, c.options.truthSamples);
-    table.choice<Backend>(
-        "--truth",
-        "render the converged image with the double-precision reference (cpu, default) or the device",
-        c.options.truth);
-    table.whole("--budget", "SECONDS", "time to use for the whole report (default: 60 for each scene)", 1,
-                10'000'000, c.budget);
+                "samples per pixel of the converged image (default: what a third of the time allows)", 2,
+                kMaxSamplesPerPixel, c.options.truthSamples);
+    table.choice<Backend>("--truth",
+                          "render the converged image with the reference (cpu, default) or the device",
+                          c.options.truth);
+    table.whole("--budget", "SECONDS", "time for the whole report (default 60 per scene)", 1, 10'000'000,
+                c.budget);
     const auto& families = report::familyStarts();
     table.value("--only", "LIST",
-                "with commas, the settings to measure: " +
+                "settings to measure, with commas: " +
                     joinNames(std::vector<std::string_view>(families.begin(), families.end())),
                 c.options.only, parseFamilies);
     addDevice(table, c.device);
-    table.value(
-        "--devices", "LIST",
-        "with commas, devices to compare with that one, each as --device takes it; cpu is the reference",
-        c.devices, parseDevices);
+    table.value("--devices", "LIST",
+                "devices to compare with that of --device, with commas; cpu is the reference", c.devices,
+                parseDevices);
     addProgress(table, c.progress);
 }
 

@@ -29,12 +29,12 @@ struct TraceCommand {
 void declare(OptionTable& table, TraceCommand& c) {
     addScene(table, c.scene);
     table.name("--rays", "FILE.csv",
-               "read rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", c.rays);
+               "read rays, one per line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; -: standard input", c.rays);
     table.value("--pixel", "x,y", "trace the camera ray of a pixel, from the top left corner", c.pixel,
                 parsePixel);
-    table.exclude("--rays", {"--pixel"});
-    table.flag("--any", "report only whether a ray hits anything", c.any);
-    table.value("--size", "WxH", "image size for --pixel instead of the scene's", c.scene.size, parseSize);
+    table.exclude("--rays", "--pixel", "give one of them");
+    table.flag("--any", "test only whether a ray hits anything", c.any);
+    table.value("--size", "WxH", "image size for --pixel (default: the scene's)", c.scene.size, parseSize);
     addCamera(table, c.scene);
     addMethods(table, c.scene);
     addBackend(table, c.backend);
@@ -82,7 +82,7 @@ std::vector<WorldHit> traceOnHost(const TraceCommand& command, const LoadedScene
 void checkPixel(const Request& image, std::pair<int, int> pixel) {
     const auto [x, y] = pixel;
     if (x < 0 || y < 0 || x >= image.width || y >= image.height)
-        throw Error(ErrorKind::Argument, format("--pixel: %d,%d is outside the picture of %dx%d pixels", x, y,
+        throw Error(ErrorKind::Argument, format("--pixel: %d,%d is outside the image of %dx%d pixels", x, y,
                                                 image.width, image.height));
 }
 
@@ -90,7 +90,7 @@ ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) 
     if (command.rays.empty() && !command.pixel)
         throw Error(ErrorKind::Argument, "trace: give either --rays FILE.csv or --pixel x,y");
     if (command.rays == "-" && command.scene.scene == "-")
-        throw Error(ErrorKind::Argument, "--rays: SCENE reads standard input already");
+        throw Error(ErrorKind::Argument, "--rays -: SCENE reads standard input; read the rays from a file");
     checkDeviceOptions(command.backend, command.device);
     const LoadedScene loaded = loadAndPack(command.scene, err);
     const Request request = command.pixel ? requestOf(loaded, command.scene) : Request();

@@ -20,13 +20,9 @@ bool needsRows(const farm::UnitHeader& header, const std::filesystem::path& outp
     if (!goesByRows(output, header.aovs, region, unitBytes(header.aovs, 1), heldBytes, wanted)) return false;
     const uint64_t needed = heldBytes + unitBytes(header.aovs, static_cast<uint64_t>(4 * shared::kTileSize) *
                                                                    static_cast<uint64_t>(region.width()));
-    const uint64_t available = availableMemory();
-    if (needed > available)
-        throw Error(ErrorKind::Failed,
-                    format("a picture of %dx%d pixels takes ", region.width(), region.height()) +
-                        gibibytes(needed) + " of memory in " +
-                        counted(static_cast<uint64_t>(header.parts), "unit") + ", " + gibibytes(available) +
-                        " are free");
+    requireMemory(format("an image of %dx%d pixels in ", region.width(), region.height()) +
+                      counted(static_cast<uint64_t>(header.parts), "unit"),
+                  needed, availableMemory(), "use more parts (--part K/N) or a smaller --size");
     return true;
 }
 
@@ -48,7 +44,7 @@ void UnitPicture::add(const farm::UnitResult& result) {
 
 Outcome UnitPicture::write() {
     if (!assembly_.complete())
-        throw Error(ErrorKind::Failed, "the parts leave some of the picture's pixels out");
+        throw Error(ErrorKind::Failed, "the parts leave some of the image's pixels out");
     Outcome outcome;
     outcome.output = output_;
     outcome.picture.region = assembly_.region();

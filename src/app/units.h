@@ -26,7 +26,7 @@ class UnitPicture {
     const farm::Assembly& assembly() const { return assembly_; }
     bool goesByRows() const { return file_.has_value(); }
 
-    // Call once the image is complete: names the file, and sets files, hash, picture and time of writing.
+    // Call once the image is complete: names the file, and sets files, hash, image and time of writing.
     Outcome write();
 
   private:

@@ -36,15 +36,15 @@ struct VerifyCommand {
 void declare(OptionTable& table, VerifyCommand& c) {
     addScenes(table, c.scenes, c.common.allowOutside);
     table.name("--artifacts", "FOLDER",
-               "write NAME.device.png, NAME.reference.png and NAME.difference.png of each scene that fails",
+               "write NAME.device.png, NAME.reference.png, NAME.difference.png of scenes that fail",
                c.artifacts);
     table.name("--json", "FILE",
-               "write verdicts, figures and differing pixels as JSON; - for standard output, instead of text",
+               "write verdicts, figures and differing pixels; -: on standard output, instead of text",
                c.jsonFile);
-    table.name("--junit", "FILE", "write one JUnit test case a scene", c.junitFile);
+    table.name("--junit", "FILE", "write one JUnit test case per scene", c.junitFile);
     table.whole("--allow", "N", "pass scenes with at most N unexplained pixels (default 0)", 0,
                 std::numeric_limits<int>::max(), c.allow);
-    table.flag("--brief", "print one line a scene, and a summary", c.brief);
+    table.flag("--brief", "print one line per scene, and a summary", c.brief);
     addSceneOverrides(table, c.common);
     addMethods(table, c.common);
     addMinContribution(table, c.common);
@@ -132,7 +132,7 @@ void print(const VerifyCommand& command, const SceneResult& result, std::ostream
 
 void checkFiles(const VerifyCommand& command) {
     if (!command.jsonFile.empty() && command.jsonFile == command.junitFile)
-        throw Error(ErrorKind::Argument, "--junit: names the file of --json");
+        throw Error(ErrorKind::Argument, "--junit: --json writes this file; name another one");
     if (!command.artifacts.empty()) makeFolder(command.artifacts);
     if (!command.jsonFile.empty() && !command.printsJson()) checkOutputPath(command.jsonFile);
     if (!command.junitFile.empty()) checkOutputPath(command.junitFile);

@@ -75,8 +75,9 @@ void printPixel(const verify::DifferingPixel& pixel, bool manySamples, const glm
 }
 
 void printRepresentation(const verify::Representation& r, const glm::dvec3& origin, std::ostream& out) {
-    out << "    rounding the scene, by the reference alone: " << r.asked
-        << format(" pixels, RMSE %.3g, 99th percentile %.3g, max %.3g", r.rmse, r.p99, r.greatest)
+    out << "    rounding the scene: " << r.asked
+        << format(" pixels of the reference, RMSE %.3g, 99th percentile %.3g, max %.3g", r.rmse, r.p99,
+                  r.greatest)
         << "; beyond what moved numbers predict: " << r.explained << " explained, " << r.unexplained
         << " unexplained\n";
     for (const verify::RepresentedPixel& pixel : r.worst) {
@@ -138,13 +139,12 @@ std::string verdict(const verify::Report& report) {
                    std::to_string(report.allowedUnexplained) + " allowed";
         return "ok";
     }
-    if (report.unexplained > report.allowedUnexplained)
-        return "FAILED: pixels differ for no reason that rounding explains";
+    if (report.unexplained > report.allowedUnexplained) return "FAILED: unexplained pixels";
     if (report.plainDiffers > 0) return "FAILED: the image without layers has other bits";
-    if (report.filmDiffers > 0) return "FAILED: the image of all samples is not their mean";
-    if (report.lossesDiffer) return "FAILED: other branches are left out than the reference leaves out";
+    if (report.filmDiffers > 0) return "FAILED: the image is not the mean of its samples";
+    if (report.lossesDiffer) return "FAILED: device and reference leave out different branches";
     if (report.representation && report.representation->unexplained > 0)
-        return "FAILED: the packed scene shows what the scene does not, for no reason that rounding explains";
+        return "FAILED: the packed scene differs from the scene by more than rounding";
     if (report.explained() <= report.allowedExplained())
         return "FAILED: more pixels are undecided than may differ: their paths take too many steps to "
                "examine";
@@ -159,19 +159,16 @@ void printReport(const std::string& scene, const verify::Report& report, const v
         << " rounding, " << report.undecided << " undecided (at most " << report.allowedExplained() << "), "
         << report.unexplained << " unexplained\n    sensitivity: " << format("%.3g", s.changedByOne())
         << " of " << s.tried << " pixels change when rays move by 2^-24, " << s.changedWidely
-        << " by 32 times that, " << s.open << " by errors in the order of surfaces in one place\n"
+        << " by 32 times that, " << s.open << " by the order of surfaces in one place\n"
         << format("    RMSE %.3g; where the paths agree: RMSE %.3g, max %.3g\n", report.rmse,
                   report.rmseSamePath, report.maxSamePath);
     if (report.plainDiffers > 0)
-        out << "    without layers " << report.plainDiffers << " pixels have other bits than with them\n";
+        out << "    " << report.plainDiffers << " pixels have other bits without layers\n";
     if (report.filmDiffers > 0)
-        out << "    " << report.filmDiffers
-            << " pixels take other samples than they need, or are not their mean\n";
-    if (report.lossesDiffer)
-        out << "    other reflections and refractions are not followed, or another bound is given of what "
-               "they could bring\n";
-    out << format("    kappa %.2g (%s): fp32 may err by %.2g, errs by %.2g (99th percentile of the pixels)\n",
-                  s.kappa, nameOf(verify::classOf(s.kappa)).data(), s.kappa * verify::kFloatUnit, report.p99);
+        out << "    " << report.filmDiffers << " pixels are not the mean of the samples that they need\n";
+    if (report.lossesDiffer) out << "    other branches are left out, or bounded otherwise\n";
+    out << format("    kappa %.2g (%s): expected fp32 error %.2g, measured %.2g (99th percentile)\n", s.kappa,
+                  nameOf(verify::classOf(s.kappa)).data(), s.kappa * verify::kFloatUnit, report.p99);
     if (report.representation) printRepresentation(*report.representation, origin, out);
     for (size_t i = 0; i < std::min(report.worst.size(), kPrintedPixels); ++i)
         printPixel(report.worst[i], options.samples.round > 1, origin, out);

@@ -25,7 +25,7 @@ namespace {
 
 // A part of a second of the reference, and its counts a ray repeat within a percent.
 constexpr int kCountedPixels = 1 << 14;
-// The renderer sizes its slices by the pictures before, and the driver compiles on first use.
+// The renderer sizes its slices by the images before, and the driver compiles on first use.
 constexpr int kMinWarmUps = 2, kMaxWarmUps = 8;
 constexpr double kWarmUpSeconds = 0.3;
 constexpr int kApartRepeats = 3;
@@ -152,7 +152,7 @@ void summarize(const std::vector<Timing>& timings, Result& result) {
     result.processors = quartiles([](const Timing& t) { return t.processors; });
 }
 
-// The rays of a picture, and where they are of both kinds, what each takes for itself.
+// The rays of an image, and where they are of both kinds, what each takes for itself.
 void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, Request request,
                    Result& result) {
     request.tally = true;

@@ -39,13 +39,13 @@ struct Result {
     size_t lights = 0, triangles = 0, primitives = 0;
     std::vector<std::string> used, also;  // features of the scene; further ones that there is code for
 
-    render::RayCounts rays;  // of one picture
+    render::RayCounts rays;  // of one image
     // Seconds for one image. The reference does not separate ray classes and fills `trace` only.
     Quartiles generate, primary, shadow, secondary, shade, trace, readback;
     // Processor seconds of all threads for one image with its readback. On a software device they depend less
     // than `trace` on other work of the machine.
     Quartiles processors;
-    Quartiles mirrored, refracted;  // where a picture has both: in dispatches of their own
+    Quartiles mirrored, refracted;  // where an image has both: in dispatches of their own
     // The reference's rays, by RayClass: of the first sample of a grid of pixels; on the host, of all.
     std::array<reference::RayTally, reference::kRayClasses> counted;
     uint64_t countedPixels = 0;
@@ -66,7 +66,7 @@ struct Result {
 struct Options {
     Request request;           // without adaptivity, see measure()
     render::Options renderer;  // `profile` is on in any case but WholePaths::On
-    int repeats = 7;           // pictures that are timed
+    int repeats = 7;           // images that are timed
     bool everyWalk = false;    // each way to find hits in turn besides: Result::walks
     std::function<void(double)> progress = [](double) {};  // 0..1
     std::function<bool()> cancelled = [] { return false; };

@@ -145,7 +145,7 @@ std::string walkTable(const std::vector<Result>& walks) {
     std::string text = format("  %-9s", "traversal");
     for (const char* name : {"primary", "shadow", "mirrored", "refracted", "all"})
         text += format(" %9s", name);
-    text += format(" %9s %9s %9s  %s\n", "trace, ms", "upload", "MiB", "picture");
+    text += format(" %9s %9s %9s  %s\n", "trace, ms", "upload", "MiB", "image");
     for (const Result& r : walks) {
         text += format("  %-9s", r.traversal.c_str());
         for (const Rate& rate : ratesOf(r)) {
@@ -205,7 +205,7 @@ std::string table(const Result& r, const Program& program) {
     if (r.backend == Backend::Gpu)
         text += format(", device buffers %.1f MiB, SPIR-V %.1f KiB",
                        static_cast<double>(r.deviceBytes) / 1048576, static_cast<double>(r.codeBytes) / 1024);
-    text += "\n  picture      " + r.picture + "\n";
+    text += "\n  image        " + r.picture + "\n";
     return r.walks.empty() ? text : text + "\n" + walkTable(r.walks);
 }
 

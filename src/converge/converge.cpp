@@ -44,7 +44,7 @@ class Loop {
     }
 
     // Takes `count` more samples of both replicates, so that both weigh the same. AOVs come from the first
-    // picture.
+    // image.
     bool take(uint32_t count) {
         const Draw counted = [&](const Request& request) {
             Picture picture = draw_(request);

@@ -42,11 +42,12 @@ struct ErrorBudget {
 // The reason to stop. Fixed: after the first round, ErrorBudget::fixed() grew above the target.
 enum class Stop { Reached, Samples, Seconds, Fixed, Interrupted };
 constexpr auto entriesOf(Stop) {
-    return std::to_array<EnumEntry<Stop>>({{Stop::Reached, "reached"},
-                                           {Stop::Samples, "samples"},
-                                           {Stop::Seconds, "seconds"},
-                                           {Stop::Fixed, "fixed"},
-                                           {Stop::Interrupted, "interrupted"}});
+    return std::to_array<EnumEntry<Stop>>(
+        {{Stop::Reached, "reached"},
+         {Stop::Samples, "samples", "--max-spp"},
+         {Stop::Seconds, "seconds", "--max-seconds"},
+         {Stop::Fixed, "fixed", "more would not help: cuts and rounding alone exceed the target"},
+         {Stop::Interrupted, "interrupted"}});
 }
 
 struct State {

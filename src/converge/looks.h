@@ -1,4 +1,4 @@
-// When a picture of two replicates is good enough: what a look at them says, and when to look again.
+// When an image of two replicates is good enough: what a look at them says, and when to look again.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 namespace glint::converge {
 
 // The chance of error that a target leaves is spent in two ways: nine tenths by claims that the error is at
-// most what was asked for, which end the picture, and one tenth by bounds that are shown meanwhile. A false
+// most what was asked for, which end the image, and one tenth by bounds that are shown meanwhile. A false
 // claim needs a mean square close to the target's, so only looks at about that are paid for.
 // docs/design/error-targets.md says why, and what is left to trials.
 class Looks {

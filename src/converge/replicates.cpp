@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "core/error.h"
+#include "core/format.h"
 #include "core/stopwatch.h"
 #include "scene/limits.h"
 
@@ -39,9 +39,7 @@ static_assert(kDeepestAdvice <= kMaxBounces);
 constexpr double kAdviceSeconds = 2;
 
 std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.2g", value);
-    return text;
+    return format("%.2g", value);
 }
 
 // Finds a depth that leaves out less than `allowed`, by one sample of each pixel.

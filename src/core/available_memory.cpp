@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <limits>
 
 #include "core/error.h"
+#include "core/format.h"
 
 namespace glint {
 
@@ -91,9 +91,13 @@ uint64_t availableMemory(const fs::path& root) {
 }
 
 std::string gibibytes(uint64_t bytes) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.1f GiB", static_cast<double>(bytes) / (1024.0 * 1024.0 * 1024.0));
-    return text;
+    return format("%.1f GiB", static_cast<double>(bytes) / (1024.0 * 1024.0 * 1024.0));
+}
+
+void requireMemory(const std::string& what, uint64_t needed, uint64_t available, const std::string& remedy) {
+    if (needed > available)
+        throw Error(ErrorKind::Failed, what + " takes " + gibibytes(needed) + " of memory, " +
+                                           gibibytes(available) + " are free; " + remedy);
 }
 
 void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available, const char* advice) {
@@ -104,10 +108,8 @@ void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t availab
     const auto fitting = [scale](int side) {
         return std::to_string(std::max(static_cast<int>(scale * side), 1));
     };
-    throw Error(ErrorKind::Failed, "a picture of " + std::to_string(width) + "x" + std::to_string(height) +
-                                       " pixels takes " + gibibytes(needed) + " of memory, " +
-                                       gibibytes(available) + " are free; ask for a smaller --size (" +
-                                       fitting(width) + "x" + fitting(height) + " fits)" + advice);
+    requireMemory(format("an image of %dx%d pixels", width, height), needed, available,
+                  "ask for a smaller --size (" + fitting(width) + "x" + fitting(height) + " fits)" + advice);
 }
 
 }  // namespace glint

@@ -15,6 +15,10 @@ uint64_t availableMemory(const std::filesystem::path& root = "/");
 // "1.5 GiB"
 std::string gibibytes(uint64_t bytes);
 
+// Throws Error(Failed) "WHAT takes 3.0 GiB of memory, 1.0 GiB are free; REMEDY" if `needed` bytes are more
+// than `available`.
+void requireMemory(const std::string& what, uint64_t needed, uint64_t available, const std::string& remedy);
+
 // Throws Error(Failed) if `width` x `height` pixels of `bytesPerPixel` need more than `available` bytes.
 // `advice`: what there is beside a smaller --size.
 void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available,

@@ -1,5 +1,5 @@
-// Encoders and decoders between pictures and the bytes of a file; core/image_io.h is the public face.
-// Encoders take pictures whose sizes have been checked. Everything here throws CodecError with the bare
+// Encoders and decoders between images and the bytes of a file; core/image_io.h is the public face.
+// Encoders take images whose sizes have been checked. Everything here throws CodecError with the bare
 // reason.
 #pragma once
 
@@ -68,7 +68,7 @@ const Layer* findLayer(const std::vector<Layer>& layers, std::string_view name);
 Bytes pngSamples(const std::vector<Layer>& layers);
 int pngChannels(const std::vector<Layer>& layers);
 
-// Encodes a picture of any size as its rows arrive from the top.
+// Encodes an image of any size as its rows arrive from the top.
 class RowEncoder {
   public:
     RowEncoder() = default;
@@ -77,7 +77,7 @@ class RowEncoder {
     RowEncoder& operator=(const RowEncoder&) = delete;
 
     virtual void add(const std::vector<Layer>& rows) = 0;
-    // The last `rows` rows of the picture, all like the one given, which is encoded once.
+    // The last `rows` rows of the image, all like the one given, which is encoded once.
     virtual void fill(int rows, const std::vector<Layer>& row) = 0;
     virtual void finish() = 0;
 };
@@ -92,7 +92,7 @@ std::unique_ptr<RowEncoder> pngRows(ByteSink& sink, int width, int height, const
 // bytes of them.
 std::unique_ptr<RowEncoder> pfmRows(ByteSink& sink, int width, int height, const Layer& shape);
 
-// The largest picture that is decoded: 16,384 x 16,384 pixels, 4 GiB of RGBA floats.
+// The largest image that is decoded: 16,384 x 16,384 pixels, 4 GiB of RGBA floats.
 inline constexpr uint64_t kMostPicturePixels = kMostPixels;
 inline constexpr uint64_t kMostPictureSide = 65536;
 

@@ -5,8 +5,9 @@
 
 #include <array>
 #include <bit>
-#include <cstdio>
 #include <vector>
+
+#include "core/format.h"
 
 namespace glint {
 
@@ -19,9 +20,7 @@ uint64_t contentHash(std::string_view text) {
 }
 
 std::string hashText(uint64_t hash) {
-    char text[17];
-    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
-    return text;
+    return format("%016llx", static_cast<unsigned long long>(hash));
 }
 
 static_assert(std::endian::native == std::endian::little, "the hash is of floats with the lowest byte first");

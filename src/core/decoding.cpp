@@ -17,7 +17,7 @@ void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double
     const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
     if (width == 0 || height == 0) failDamaged("no pixels");
     if (width > kMostPictureSide || height > kMostPictureSide || width * height > mostPixels)
-        throw CodecError("the picture has " + size + ", the limit is " + std::to_string(mostPixels) +
+        throw CodecError("the image has " + size + ", the limit is " + std::to_string(mostPixels) +
                          " pixels, and " + std::to_string(kMostPictureSide) + " along a side");
     if (static_cast<double>(width * height) > pixelsPerByte * static_cast<double>(fileBytes))
         throw CodecError("the file is truncated or damaged (" + size + " cannot be in " +
@@ -55,7 +55,7 @@ Image decodeWebp(ByteView file, uint64_t mostPixels, const Context&) {
     if (WebPGetFeatures(file.data(), file.size(), &features) != VP8_STATUS_OK || features.has_animation)
         failDamaged("WebP");
     const auto width = static_cast<uint64_t>(features.width), height = static_cast<uint64_t>(features.height);
-    // A picture of one colour may be 256 x 256 pixels a byte, so the other limits count.
+    // An image of one colour may be 256 x 256 pixels a byte, so the other limits count.
     checkDeclaredSize(width, height, file.size(), 65536, mostPixels);
     const int channels = features.has_alpha ? 4 : 3;
     const size_t stride = width * static_cast<size_t>(channels);

@@ -32,7 +32,7 @@ namespace {
 //   RLE      34,  85,  63 ms    12.0, 12.0,  8.2 MiB
 //   ZIP     386, 361, 206 ms    11.2, 12.0,  5.8 MiB
 //   PIZ     381, 448, 258 ms     9.1, 12.0,  5.4 MiB
-// Full float pictures hardly shrink, and a file with every layer has some 20 channels: RLE takes what is to
+// Full float images hardly shrink, and a file with every layer has some 20 channels: RLE takes what is to
 // be had (flat background, indices) for little time.
 constexpr Imf::Compression kCompression = Imf::RLE_COMPRESSION;
 
@@ -233,7 +233,7 @@ void checkHeaders(ByteView file, uint64_t mostPixels) {
     } while (Imf::isMultiPart(flags));
 }
 
-// Which of the file's channels become those of the picture.
+// Which of the file's channels become those of the image.
 std::vector<std::string> chooseChannels(const Imf::Header& header) {
     const Imf::ChannelList& list = header.channels();
     std::vector<std::string> names;
@@ -384,7 +384,7 @@ class ExrRows : public RowEncoder {
         for (const ExrChannel& channel : exrChannels(rows)) {
             const size_t xStride = static_cast<size_t>(channel.image->channels) * sizeof(float);
             const size_t yStride = xStride * static_cast<size_t>(width_);
-            // The library asks for row y of the picture at base + y * stride.
+            // The library asks for row y of the image at base + y * stride.
             const auto first = reinterpret_cast<intptr_t>(channel.image->pixels.data() + channel.index);
             const auto base = first - written_ * static_cast<intptr_t>(yStride);
             source.insert(channel.name,

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/text_file.h"
 
 namespace glint {
 namespace {
@@ -18,14 +19,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kOwnFiles = "/proc/self/fd";
 
-[[noreturn]] void fail(const fs::path& path, const char* what, int errorNumber) {
-    throw Error(ErrorKind::Failed, path.string() + what + std::generic_category().message(errorNumber));
-}
-[[noreturn]] void failReading(const fs::path& path, int errorNumber) {
-    fail(path, ": cannot read: ", errorNumber);
-}
 [[noreturn]] void failWriting(const fs::path& path, int errorNumber) {
-    fail(path, ": cannot write: ", errorNumber);
+    throw Error(ErrorKind::Failed,
+                path.string() + ": cannot write: " + std::generic_category().message(errorNumber));
 }
 
 // False with errno set if not every byte could be written. Without an offset for what has none.
@@ -74,6 +70,7 @@ bool Descriptor::close() {
 StagedFile::StagedFile(const fs::path& path) : path_(path), target_(followLinks(path)) {
     struct stat status {};
     existed_ = ::stat(target_.c_str(), &status) == 0;
+    if (!existed_ && errno != ENOENT) failWriting(path_, errno);
     if (existed_ && S_ISDIR(status.st_mode)) failWriting(path_, EISDIR);
     if (existed_ && ::access(target_.c_str(), W_OK) != 0) failWriting(path_, errno);
     isDevice_ = existed_ && !S_ISREG(status.st_mode);
@@ -88,6 +85,9 @@ StagedFile::~StagedFile() {
 // gets a name by way of /proc, which a bare chroot may lack.
 void StagedFile::makeTemporary(const struct stat& status) {
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    if (std::error_code unknown; !fs::exists(folder, unknown) && !unknown)
+        throw Error(ErrorKind::Failed,
+                    path_.string() + ": cannot write: there is no folder " + folder.string());
     if (::access(kOwnFiles, X_OK) == 0)
         file_ = Descriptor(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
     nameless_ = file_.isOpen();
@@ -171,34 +171,12 @@ void commitAll(const std::vector<StagedFile*>& files, const std::vector<std::spa
 }
 
 std::vector<uint8_t> readFile(const fs::path& path) {
-    // Without O_NONBLOCK, opening a pipe waits for a writer.
-    Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
-    struct stat status {};
-    if (!file.isOpen() || ::fstat(file.get(), &status) != 0) {
-        failReading(path, errno);
+    try {
+        const std::string bytes = readWholeFile(path);
+        return {bytes.begin(), bytes.end()};
+    } catch (const Error& error) {
+        throw Error(ErrorKind::Failed, error.what());
     }
-    if (S_ISDIR(status.st_mode)) {
-        failReading(path, EISDIR);
-    }
-    if (!S_ISREG(status.st_mode)) {
-        throw Error(ErrorKind::Failed, path.string() + ": cannot read: not a regular file");
-    }
-    std::vector<uint8_t> bytes;
-    size_t size = 0;
-    for (;;) {
-        // One byte more shows the end. The files of /proc have size 0, whatever they hold.
-        bytes.resize(std::max({static_cast<size_t>(status.st_size) + 1, size + size / 2, size_t{4096}}));
-        const ssize_t count = ::read(file.get(), bytes.data() + size, bytes.size() - size);
-        if (count < 0 && errno != EINTR) {
-            failReading(path, errno);
-        }
-        if (count == 0) {
-            break;
-        }
-        size += count > 0 ? static_cast<size_t>(count) : 0;
-    }
-    bytes.resize(size);
-    return bytes;
 }
 
 void writeFiles(const std::vector<OutputFile>& files) {

@@ -12,8 +12,7 @@
 
 namespace glint {
 
-// Throws Error(Failed), e.g. "sky.hdr: cannot read: No such file or directory". Pipes and devices, which may
-// wait or go on for ever, are refused.
+// As readWholeFile (core/text_file.h), but throws Error(Failed).
 std::vector<uint8_t> readFile(const std::filesystem::path& path);
 
 struct OutputFile {
@@ -24,8 +23,8 @@ struct OutputFile {
 // Writes every file whole before the first gets its name, and renames them then: a reader sees the old file
 // or the new one. Where the file system can (O_TMPFILE) the files have no name while they are written, so
 // that nothing stays behind whatever ends the process. If anything fails, the temporary files are removed,
-// new files of this call are removed again, and Error(Failed) is thrown, e.g. "out/x.png: cannot write: No
-// such file or directory". A link is followed, even where there is no file yet; a device or pipe (/dev/null)
+// new files of this call are removed again, and Error(Failed) is thrown, e.g. "out/x.png: cannot write: there
+// is no folder out". A link is followed, even where there is no file yet; a device or pipe (/dev/null)
 // is written to and stays what it is; a file without write permission is not replaced.
 void writeFiles(const std::vector<OutputFile>& files);
 

@@ -1,4 +1,4 @@
-// Radiance pictures (G. Ward, "Real Pixels", Graphics Gems II, 1991; the Radiance reference manual, "File
+// Radiance images (G. Ward, "Real Pixels", Graphics Gems II, 1991; the Radiance reference manual, "File
 // Formats"): a text header that an empty line ends, a line with the size, then scanlines of RGBE pixels,
 // either with each byte of the four in runs of its own, or plain with runs of whole pixels.
 #include <algorithm>

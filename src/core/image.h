@@ -1,4 +1,4 @@
-// A picture in memory: linear float samples, row 0 at the top.
+// An image in memory: linear float samples, row 0 at the top.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ struct Image {
     }
 };
 
-// A named image, e.g. the AOV "normal" with three channels. All layers of one picture have the same size.
+// A named image, e.g. the AOV "normal" with three channels. All layers of one image have the same size.
 struct Layer {
     std::string name;
     Image image;

@@ -19,15 +19,15 @@ std::string sizeText(const Image& image) {
     return std::to_string(image.width) + "x" + std::to_string(image.height);
 }
 
-// The channels to compare; throws if the two pictures cannot be compared at all.
+// The channels to compare; throws if the two images cannot be compared at all.
 int comparedChannels(const Image& a, const Image& b) {
     if (a.width != b.width || a.height != b.height) {
-        throw Error(ErrorKind::Failed, "the pictures differ in size: " + sizeText(a) + " and " + sizeText(b));
+        throw Error(ErrorKind::Failed, "the images differ in size: " + sizeText(a) + " and " + sizeText(b));
     }
     const int channelsA = std::min(3, a.channels);
     const int channelsB = std::min(3, b.channels);
     if (channelsA != channelsB && channelsA != 1 && channelsB != 1) {
-        throw Error(ErrorKind::Failed, "the pictures differ in channels: " + std::to_string(a.channels) +
+        throw Error(ErrorKind::Failed, "the images differ in channels: " + std::to_string(a.channels) +
                                            " and " + std::to_string(b.channels));
     }
     return std::max(channelsA, channelsB);
@@ -201,7 +201,7 @@ double sumOverWindows(const Image& a, const Image& b, int y0, int y1) {
 
 double structuralSimilarity(const Image& a, const Image& b) {
     if (b.width != a.width || b.height != a.height)
-        throw Error(ErrorKind::Failed, "the pictures differ in size");
+        throw Error(ErrorKind::Failed, "the images differ in size");
     const int across = a.width - kWindow + 1, down = a.height - kWindow + 1;
     if (across < 1 || down < 1) return std::numeric_limits<double>::quiet_NaN();
     constexpr int kBand = 64;  // rows at a time, for little memory

@@ -34,18 +34,6 @@ bool isAlpha(const Layer& layer) {
     return layer.name == "alpha";
 }
 
-void checkImage(const Image& image, const std::string& what, bool isColorImage) {
-    const bool channelsFit = image.channels == 1 || image.channels == 3 ||
-                             (isColorImage ? image.channels == 4 : image.channels == 2);
-    const bool sizeFits =
-        image.width > 0 && image.height > 0 && channelsFit &&
-        image.pixels.size() == static_cast<size_t>(image.width) * image.height * image.channels;
-    if (!sizeFits) {
-        throw CodecError(what + " of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
-                         " pixels with " + std::to_string(image.channels) + " channels cannot be written");
-    }
-}
-
 // Runs an encoder or decoder; its failures get the file's name.
 template <typename Function>
 auto withPath(const std::filesystem::path& path, Function function) {
@@ -54,7 +42,7 @@ auto withPath(const std::filesystem::path& path, Function function) {
     } catch (const CodecError& error) {
         throw Error(ErrorKind::Failed, printable(path.string() + ": " + error.what()));
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::Failed, path.string() + ": not enough memory for the picture");
+        throw Error(ErrorKind::Failed, path.string() + ": not enough memory for the image");
     }
 }
 
@@ -66,7 +54,7 @@ Format writableFormat(const fs::path& path) {
     const std::string extension = path.extension().string();
     throw Error(ErrorKind::Argument,
                 path.string() + ": " +
-                    (extension.empty() ? "no file name extension" : "unknown picture format " + extension) +
+                    (extension.empty() ? "no file name extension" : "unknown image format " + extension) +
                     " (use .png, .exr, .pfm or .hdr)");
 }
 
@@ -76,7 +64,14 @@ void checkLayers(const std::vector<Layer>& layers) {
         throw CodecError("there is no layer to write");
     }
     for (const Layer& layer : layers) {
-        checkImage(layer.image, "a layer \"" + layer.name + "\"", isColor(layer));
+        const Image& image = layer.image;
+        const bool channelsFit =
+            image.channels == 1 || image.channels == 3 || image.channels == (isColor(layer) ? 4 : 2);
+        if (image.width <= 0 || image.height <= 0 || !channelsFit ||
+            image.pixels.size() != static_cast<size_t>(image.width) * image.height * image.channels)
+            throw CodecError("a layer \"" + layer.name + "\" of " + std::to_string(image.width) + "x" +
+                             std::to_string(image.height) + " pixels with " + std::to_string(image.channels) +
+                             " channels cannot be written");
         if (layer.image.width != layers[0].image.width || layer.image.height != layers[0].image.height) {
             throw CodecError("the layers \"" + layers[0].name + "\" and \"" + layer.name +
                              "\" differ in size");
@@ -87,7 +82,7 @@ void checkLayers(const std::vector<Layer>& layers) {
     }
 }
 
-// The picture with `channels` channels: missing ones are 0, surplus ones are left out.
+// The image with `channels` channels: missing ones are 0, surplus ones are left out.
 Image withChannels(const Image& image, int channels) {
     Image result(image.width, image.height, channels);
     const auto from = static_cast<size_t>(image.channels);
@@ -174,7 +169,7 @@ Image decode(ByteView file, uint64_t mostPixels, const Context& context) {
     if (startsWith(file, "RIFF") && file.size() > 12 && startsWith(file.subspan(8), "WEBP"))
         return decodeWebp(file, mostPixels, context);
     if (startsWith(file, "PF") || startsWith(file, "Pf")) return decodePfm(file, mostPixels, context);
-    throw CodecError("not a picture of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)");
+    throw CodecError("not an image of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)");
 }
 
 }  // namespace
@@ -227,14 +222,7 @@ std::vector<fs::path> layerPaths(const fs::path& path, const std::vector<std::st
 }
 
 void writeImage(const fs::path& path, const Image& image) {
-    const Format format = writableFormat(path);
-    std::vector<OutputFile> files(1);
-    files[0].path = path;
-    files[0].bytes = withPath(path, [&] {
-        checkImage(image, "a picture", true);
-        return encodeImage(format, image);
-    });
-    writeFiles(files);
+    writeLayers(path, {{"color", image}});
 }
 
 std::vector<fs::path> writeLayers(const fs::path& path, const std::vector<Layer>& layers,
@@ -258,7 +246,7 @@ class RowFile : public ByteSink {
     explicit RowFile(const fs::path& path) : staged(path) {
         if (staged.isDevice())
             throw Error(ErrorKind::Failed,
-                        path.string() + ": is no regular file, which a picture in bands goes into");
+                        path.string() + ": is no regular file, which an image in bands goes into");
     }
     void write(ByteView bytes, uint64_t offset) override { staged.write(bytes, offset); }
 

@@ -41,12 +41,12 @@ std::vector<std::filesystem::path> writeLayers(const std::filesystem::path& path
 std::vector<std::filesystem::path> layerPaths(const std::filesystem::path& path,
                                               const std::vector<std::string>& names);
 
-// True if a picture with layers of these names can be written so: .png, .exr and .pfm can, but for layers of
+// True if an image with layers of these names can be written so: .png, .exr and .pfm can, but for layers of
 // a PNG that are scaled by their smallest and greatest value. Throws Error(Argument) for an unknown
 // extension.
 bool canWriteRows(const std::filesystem::path& path, const std::vector<std::string>& layers);
 
-// The files and pixels of writeLayers, written as their rows arrive from the top: for pictures larger than
+// The files and pixels of writeLayers, written as their rows arrive from the top: for images larger than
 // memory. They appear, all or none, with finish().
 class RowFile;
 class PictureRows {
@@ -59,7 +59,7 @@ class PictureRows {
     PictureRows& operator=(const PictureRows&) = delete;
 
     void add(const std::vector<Layer>& rows);
-    // All rows that are left, each like the one given: for the end of a picture that stays empty, in a time
+    // All rows that are left, each like the one given: for the end of an image that stays empty, in a time
     // that hardly depends on its pixels, but for layers of a PFM that are not 0 there.
     void fill(const std::vector<Layer>& row);
     std::vector<std::filesystem::path> finish();
@@ -71,7 +71,7 @@ class PictureRows {
 
 // Reads a PNG, EXR, PFM, HDR or JPEG into 1, 3 or 4 linear channels. Throws Error(Failed) with the path and
 // the reason if it is missing, truncated or of an unknown kind.
-// Pictures of more pixels than `mostPixels`, or than codecs.h allows, are refused before memory is taken.
+// Images of more pixels than `mostPixels`, or than codecs.h allows, are refused before memory is taken.
 Image readImage(const std::filesystem::path& path, uint64_t mostPixels = kMostPixels);
 
 // Decodes the bytes of such a file; `name` stands for it in messages.

@@ -19,7 +19,7 @@ namespace {
 // Huffman codes have a bit at least for each block of 64 samples. Blocks are fewest where one component is
 // sampled four times as finely along rows and another along columns: 8 for 32 x 32 pixels.
 constexpr double kMostPixelsPerByte = 8 * 128;
-// Progressive files may go over the picture again and again in a few bytes each. Encoders write 10.
+// Progressive files may go over the image again and again in a few bytes each. Encoders write 10.
 constexpr int kMostScans = 100;
 constexpr long kMostMemory = 2L << 30;
 
@@ -40,7 +40,7 @@ Failure& failureOf(j_common_ptr info) {
     std::longjmp(failureOf(info).back, 1);
 }
 
-// Level -1 is a warning. Of a file that is damaged a picture remains, of which some part is wrong: refused.
+// Level -1 is a warning. Of a file that is damaged an image remains, of which some part is wrong: refused.
 // What real files are warned of, a colour marker or bytes between segments that mean nothing, is let pass.
 void onMessage(j_common_ptr info, int level) {
     if (level >= 0) return;

@@ -121,7 +121,7 @@ Image decodePfm(ByteView file, uint64_t mostPixels, const Context&) {
     if (data.size() / sizeof(float) / rowSamples < static_cast<size_t>(height))
         throw CodecError("the file is truncated");
     if (static_cast<uint64_t>(width) * static_cast<uint64_t>(height) > mostPixels)
-        throw CodecError("the picture has " + std::to_string(width) + " x " + std::to_string(height) +
+        throw CodecError("the image has " + std::to_string(width) + " x " + std::to_string(height) +
                          " pixels, the limit is " + std::to_string(mostPixels));
     Image image(width, height, channels);
     const char* next = reinterpret_cast<const char*>(data.data());

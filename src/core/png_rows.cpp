@@ -1,4 +1,4 @@
-// PNG row by row, by zlib: stb_image_write, which writes whole pictures, counts their bytes in an int.
+// PNG row by row, by zlib: stb_image_write, which writes whole images, counts their bytes in an int.
 #include <zlib.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ constexpr std::array<uint8_t, 5> kColorTypes = {0, 0, 4, 2, 6};
 struct Deflater {
     Deflater() {
         if (deflateInit2(&stream, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-            throw CodecError("not enough memory to compress the picture");
+            throw CodecError("not enough memory to compress the image");
     }
     ~Deflater() { deflateEnd(&stream); }
     Deflater(const Deflater&) = delete;

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 
-#include "core/error.h"
+#include "core/format.h"
 #include "core/stopwatch.h"
 
 namespace glint {
@@ -19,25 +18,16 @@ constexpr int kBarWidth = 20;
 
 std::string timeText(double seconds) {
     const auto total = static_cast<long>(seconds);
-    char text[48];
-    if (total >= 3600) {
-        std::snprintf(text, sizeof(text), "%ld:%02ld:%02ld", total / 3600, total / 60 % 60, total % 60);
-    } else {
-        std::snprintf(text, sizeof(text), "%ld:%02ld", total / 60, total % 60);
-    }
-    return text;
+    return total < 3600 ? format("%ld:%02ld", total / 60, total % 60)
+                        : format("%ld:%02ld:%02ld", total / 3600, total / 60 % 60, total % 60);
 }
 
 // "47 %  0:12 elapsed, 0:14 left"
 std::string statusText(double fraction, double elapsed) {
-    char percentage[16];
-    std::snprintf(percentage, sizeof(percentage), "%2d %%", static_cast<int>(fraction * 100.0));
-    std::string text = std::string(percentage) + "  " + timeText(elapsed) + " elapsed";
-    // Below 0.1 % the estimate is noise.
-    if (fraction >= 0.001) {
-        text += ", " + timeText(std::round(elapsed * (1.0 - fraction) / fraction)) + " left";
-    }
-    return text;
+    const std::string done =
+        format("%2d %%  ", static_cast<int>(fraction * 100.0)) + timeText(elapsed) + " elapsed";
+    if (fraction < 0.001) return done;  // the estimate would be noise
+    return done + ", " + timeText(std::round(elapsed * (1.0 - fraction) / fraction)) + " left";
 }
 
 }  // namespace
@@ -57,18 +47,12 @@ Progress::~Progress() {
 }
 
 void Progress::update(double fraction) {
-    if (mode_ == ProgressMode::None) {
-        return;
-    }
+    if (mode_ == ProgressMode::None) return;
     const double elapsed = clock_() - start_;
-    if (elapsed < due_.load(std::memory_order_relaxed)) {
-        return;
-    }
+    if (elapsed < due_.load(std::memory_order_relaxed)) return;
     const std::unique_lock lock(mutex_, std::try_to_lock);
     // Another thread is at it, or has just been.
-    if (!lock.owns_lock() || elapsed < due_.load(std::memory_order_relaxed) || finished_) {
-        return;
-    }
+    if (!lock.owns_lock() || elapsed < due_.load(std::memory_order_relaxed) || finished_) return;
     due_.store(elapsed + kRedraw, std::memory_order_relaxed);
     fraction_ = std::max(fraction_, std::isnan(fraction) ? 0.0 : std::clamp(fraction, 0.0, 1.0));
     show(fraction_, elapsed);

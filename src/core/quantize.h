@@ -22,7 +22,7 @@ double srgbFromLinear(double linear);
 // sRGB curve.
 uint8_t linearByte(double value);
 
-// Bytes of a colour picture: the first three channels sRGB-encoded, a fourth (alpha) linear.
+// Bytes of a colour image: the first three channels sRGB-encoded, a fourth (alpha) linear.
 std::vector<uint8_t> quantizeColor(const Image& image);
 
 // Bytes of a data layer: all channels together scaled from [min, max] of the finite samples to [0, 255].

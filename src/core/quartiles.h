@@ -1,6 +1,8 @@
 // The quartiles of what was measured several times.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace glint {
@@ -11,6 +13,16 @@ struct Quartiles {
 
 // By linear interpolation between order statistics (Hyndman, Fan, "Sample Quantiles in Statistical Packages",
 // The American Statistician 50(4), 1996, definition 7). All 0 of nothing.
-Quartiles quartilesOf(std::vector<double> values);
+inline Quartiles quartilesOf(std::vector<double> values) {
+    if (values.empty()) return {};
+    std::sort(values.begin(), values.end());
+    const auto quantile = [&](double share) {
+        const double place = share * static_cast<double>(values.size() - 1);
+        const auto below = static_cast<size_t>(place);
+        const size_t above = std::min(below + 1, values.size() - 1);
+        return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+    };
+    return {quantile(0.25), quantile(0.5), quantile(0.75)};
+}
 
 }  // namespace glint

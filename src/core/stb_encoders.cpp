@@ -11,7 +11,7 @@
 
 namespace {
 
-// stb's own deflate is replaced by zlib at level 1. Measured on one core, 1024x1024 RGB, three pictures
+// stb's own deflate is replaced by zlib at level 1. Measured on one core, 1024x1024 RGB, three images
 // (smooth; the same with noise of +-4; flat squares), filter Up:
 //   stb level 8 (its default)   107, 149, 47 ms    740, 2645, 31 KiB
 //   stb level 1                  84, 137, 35 ms    761, 2652, 31 KiB
@@ -55,12 +55,12 @@ void appendBytes(void* context, void* data, int size) {
 Bytes encodePng(int width, int height, int channels, const Bytes& samples) {
     // stb counts the bytes before and after compression in an int.
     if ((static_cast<double>(width) * channels + 1) * height > 2.0e9) {
-        throw CodecError("the picture is too large for PNG (2 GB), use EXR or PFM");
+        throw CodecError("the image is too large for PNG (2 GB), use EXR or PFM");
     }
     Bytes file;
     if (stbi_write_png_to_func(appendBytes, &file, width, height, channels, samples.data(),
                                width * channels) == 0) {
-        throw CodecError("not enough memory to compress the picture");
+        throw CodecError("not enough memory to compress the image");
     }
     return file;
 }
@@ -79,7 +79,7 @@ Bytes encodeHdr(const Image& image) {
     }
     Bytes file;
     if (stbi_write_hdr_to_func(appendBytes, &file, image.width, image.height, kept, samples.data()) == 0) {
-        throw CodecError("not enough memory to encode the picture");
+        throw CodecError("not enough memory to encode the image");
     }
     return file;
 }

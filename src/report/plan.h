@@ -57,7 +57,8 @@ std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int 
 // The first words of all families, for --only: "grid", ..., "default", "triangles" ...
 const std::vector<std::string>& familyStarts();
 
-// Over the pixels that count and are finite in both; all 0 if there is none. Differences are picture - truth.
+// Over the pixels that count and are finite in both; all 0 if there is none. Differences are `picture` -
+// truth.
 struct ErrorMeasures {
     uint64_t pixels = 0;
     uint64_t notFinite = 0;  // pixels left out because a channel is not finite
@@ -73,7 +74,7 @@ struct ErrorMeasures {
 ErrorMeasures measureError(const Image& picture, std::span<const glm::dvec3> truth,
                            std::span<const uint8_t> counts = {});
 
-// Against the double-precision picture of the same samples.
+// Against the double-precision image of the same samples.
 struct ArithmeticError {
     ErrorMeasures all, samePath, otherPath;  // by the path of the pixel's first sample
 };

@@ -113,10 +113,7 @@ bool measureAll(const Sweeps& sweeps, Report& report, const Options& options) {
 void checkMemory(const Sweeps& sweeps, uint64_t available) {
     uint64_t needed = 0;
     for (const auto& sweep : sweeps) needed += sweep->memory();
-    if (needed > available)
-        throw Error(ErrorKind::Failed, "the images may need " + gibibytes(needed) + " of memory, " +
-                                           gibibytes(available) +
-                                           " are free: use a smaller --size or fewer scenes");
+    requireMemory("the report", needed, available, "use a smaller --size or fewer scenes");
 }
 
 }  // namespace

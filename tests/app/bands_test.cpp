@@ -90,9 +90,11 @@ TEST_F(Bands, WhereThereCanBeNone) {
     const std::string where = ": bands go into .png (layers color and alpha alone), .exr and .pfm\n";
     EXPECT_EQ(message("-o a.hdr"), "glint: a.hdr" + where);
     EXPECT_EQ(message("-o a.png --aov color,depth"), "glint: a.png" + where);
-    const std::string see = "; see glint render --help\n";
-    EXPECT_EQ(message("-o a.png --error 0.1"), "glint: render: --band-rows excludes --error" + see);
-    EXPECT_EQ(message("--part 1/2"), "glint: render: --band-rows excludes --part" + see);
+    EXPECT_EQ(message("-o a.png --error 0.1"),
+              "glint: --error excludes --band-rows: use --spp with --band-rows\n");
+    EXPECT_EQ(
+        message("--part 1/2"),
+        "glint: --part excludes --band-rows: use more parts to need less memory, and merge --in-bands\n");
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
@@ -165,7 +167,7 @@ TEST_F(Bands, WhatIsNotFinishedLeavesNoFile) {
                       [] {
                           PictureRows("null.pfm", 8, 8, {{"color", Image(0, 0, 3)}});
                       }),
-              "null.pfm: is no regular file, which a picture in bands goes into");
+              "null.pfm: is no regular file, which an image in bands goes into");
 }
 
 }  // namespace glint::app::test::bands_test

@@ -65,10 +65,10 @@ TEST_F(Diff, FaultsAreOneLine) {
     writeText("text.png", "not a picture");
     std::filesystem::create_directory("folder.png");
     const std::pair<std::string, std::string> cases[] = {
-        {"c.pfm", "a.pfm, c.pfm: the pictures differ in size: 2x2 and 3x2"},
-        {"no.png", "no.png: cannot read: No such file or directory"},
-        {"folder.png", "folder.png: cannot read: Is a directory"},
-        {"text.png", "text.png: not a picture of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)"}};
+        {"c.pfm", "a.pfm, c.pfm: the images differ in size: 2x2 and 3x2"},
+        {"no.png", "no.png: no such file"},
+        {"folder.png", "folder.png: is a folder, not a file"},
+        {"text.png", "text.png: not an image of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)"}};
     for (const auto& [file, line] : cases) {
         const Ran ran = runGlint({"diff", "a.pfm", file, "-o", "d.png"});
         EXPECT_EQ(ran.err, "glint: " + line + "\n");

@@ -85,7 +85,7 @@ TEST_F(Frames, ThoseThatAreThereStay) {
     const Ran more = frames("1:3");
     EXPECT_EQ(more.code, 0);
     EXPECT_TRUE(more.out.starts_with(
-        "wrote 1 frame, f.03.pfm\n2 frames were there already (--overwrite draws them again)\ndevice: "))
+        "wrote 1 frame, f.03.pfm\n2 frames were there already (--overwrite renders them again)\ndevice: "))
         << more.out;
     EXPECT_EQ(glint::test::readText("f.01.pfm"), "mine");
     const Ran none = frames("1:3");
@@ -123,18 +123,19 @@ TEST_F(Frames, RateAndNames) {
               "such as frame.####.png\n");
     EXPECT_EQ(error(frames("3:2")),
               "glint: --frames: expected A:B with 0 <= A <= B, such as 0:240, or one number, got \"3:2\"\n");
-    const std::string see = "; see glint render --help\n";
-    EXPECT_EQ(error(frames("0:2", "--time 1")), "glint: render: --time excludes --frames" + see);
-    EXPECT_EQ(error(frames("0:2", "--part 1/2")), "glint: render: --part excludes --frames" + see);
+    EXPECT_EQ(error(frames("0:2", "--time 1")),
+              "glint: --frames excludes --time: choose the time by --fps, as frame N shows time N / fps\n");
+    EXPECT_EQ(error(frames("0:2", "--part 1/2")),
+              "glint: --part excludes --frames: give each machine frames of its own\n");
     EXPECT_EQ(error(runGlint("render a.json --overwrite")),
-              "glint: render: --overwrite requires --frames" + see);
+              "glint: render: --overwrite requires --frames; see glint render --help\n");
 }
 
 TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {
     writeSmallScene("a.json");
     const Ran ran = frames("0:1", "--size 8x6");
     EXPECT_EQ(ran.code, 0);
-    EXPECT_EQ(ran.err, "glint: warning: a.json: has no animation; all frames are the same picture\n");
+    EXPECT_EQ(ran.err, "glint: warning: a.json: has no animation; all frames are the same image\n");
     EXPECT_EQ(readBytes("f.00.pfm"), readBytes("f.01.pfm"));
     const Ran one = runGlint("render a.json --backend cpu --size 8x6 --time 1");
     EXPECT_EQ(one.code, 0);

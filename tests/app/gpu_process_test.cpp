@@ -32,7 +32,7 @@ TEST_F(GpuProcess, InterruptBeforeAnythingIsFinishedWritesNoFile) {
         child.send(signal);
         EXPECT_EQ(child.wait(), 130);
         EXPECT_TRUE(child.err().ends_with(
-            "glint: interrupted before any part of the picture was finished; nothing written\n"))
+            "glint: interrupted before any part of the image was finished; nothing written\n"))
             << child.err();
         EXPECT_EQ(child.out(), "");
         EXPECT_EQ(names(), std::set<std::string>{"a.json"});

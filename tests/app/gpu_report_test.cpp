@@ -275,8 +275,7 @@ TEST_F(GpuReport, ImagesThatDoNotFitAreRefused) {
     report::Options options;
     options.folder = "out";
     options.memory = [] { return uint64_t{1}; };
-    EXPECT_HAS(errorOf(ErrorKind::Failed, [&] { runReport(gpu::Device(), options); }),
-               "the images may need ");
+    EXPECT_HAS(errorOf(ErrorKind::Failed, [&] { runReport(gpu::Device(), options); }), "the report takes ");
 }
 
 TEST_F(GpuReport, RefusesAFolderThatHoldsSomethingElse) {

@@ -18,7 +18,7 @@ TEST_F(Info, EmptyScene) {
     EXPECT_EQ(ran.err, "");
     EXPECT_TRUE(ran.out.starts_with(
         "a.json\n"
-        "  picture       800 x 600, 1 sample per pixel, at most 5 reflections\n"
+        "  image         800 x 600, 1 sample per pixel, at most 5 reflections\n"
         "  camera        perspective\n"
         "  objects       0 (0 triangles, 0 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics, 0 boxes)\n"
         "  materials     0\n"
@@ -42,7 +42,7 @@ TEST_F(Info, PlaneOnly) {
 TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
     writeSmallScene("a.json");
     const std::string out = runGlint("info a.json --size 10x20 --spp 4 --max-depth 1").out;
-    EXPECT_HAS(out, "  picture       10 x 20, 4 samples per pixel (grid, auto), at most 1 reflection\n");
+    EXPECT_HAS(out, "  image         10 x 20, 4 samples per pixel (grid, auto), at most 1 reflection\n");
     EXPECT_HAS(runGlint("info a.json --spp 16").out, ", 16 samples per pixel (lowDiscrepancy, auto), ")
         << "the rule goes by --spp, not by the file's number";
     EXPECT_HAS(

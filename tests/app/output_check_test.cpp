@@ -22,9 +22,8 @@ TEST_F(OutputCheck, SaysWhatIsInTheWay) {
     std::filesystem::create_directory("folder.png");
     EXPECT_EQ(messageOf([] { checkPicturePath("no/a.png"); }),
               "no/a.png: cannot write: there is no folder no");
-    EXPECT_EQ(messageOf([] { checkPicturePath("file/a.png"); }),
-              "file/a.png: cannot write: file is not a folder");
-    EXPECT_EQ(messageOf([] { checkPicturePath("folder.png"); }), "folder.png: cannot write: it is a folder");
+    EXPECT_EQ(messageOf([] { checkPicturePath("file/a.png"); }), "file/a.png: cannot write: Not a directory");
+    EXPECT_EQ(messageOf([] { checkPicturePath("folder.png"); }), "folder.png: cannot write: Is a directory");
     const std::string longName = std::string(300, 'a') + ".png";
     EXPECT_EQ(messageOf([&] { checkPicturePath(longName); }),
               longName + ": cannot write: File name too long");
@@ -32,8 +31,7 @@ TEST_F(OutputCheck, SaysWhatIsInTheWay) {
     EXPECT_EQ(messageOf([] { checkPicturePath("round.png"); }),
               "round.png: cannot write: Too many levels of symbolic links");
     std::filesystem::remove("round.png");
-    EXPECT_EQ(messageOf([] { checkOutputFolder("no"); }), "no: cannot write: there is no such folder");
-    EXPECT_EQ(messageOf([] { checkOutputFolder("file"); }), "file: cannot write: not a folder");
+    EXPECT_EQ(messageOf([] { makeFolder("file"); }), "file: cannot write: Not a directory");
     EXPECT_EQ(names(), (std::set<std::string>{"file", "folder.png"}));
 }
 
@@ -46,7 +44,7 @@ TEST_F(OutputCheck, AllowsWhatCanBeWritten) {
          {"new.png", "new.EXR", "old.png", "sub/a.pfm", "./a.hdr", "null.png", "dangling.png"}) {
         EXPECT_EQ(messageOf([&] { checkPicturePath(path); }), "no error") << path;
     }
-    EXPECT_EQ(messageOf([] { checkOutputFolder("sub"); }), "no error");
+    EXPECT_EQ(messageOf([] { makeFolder("sub"); }), "no error");
 }
 
 TEST_F(OutputCheck, ReadOnlyFolderAndFile) {
@@ -59,7 +57,7 @@ TEST_F(OutputCheck, ReadOnlyFolderAndFile) {
         EXPECT_EQ(messageOf([] { checkPicturePath("sub/a.png"); }),
                   "sub/a.png: cannot write: Permission denied");
         EXPECT_EQ(messageOf([] { checkPicturePath("old.png"); }), "old.png: cannot write: Permission denied");
-        EXPECT_EQ(messageOf([] { checkOutputFolder("sub"); }), "sub: cannot write: Permission denied");
+        EXPECT_EQ(messageOf([] { makeFolder("sub"); }), "sub: cannot write: Permission denied");
     });
     std::filesystem::permissions("sub", std::filesystem::perms::owner_all);
 }
@@ -79,7 +77,7 @@ TEST_F(OutputCheck, ComesBeforeTheSceneIsRead) {
     EXPECT_EQ(ran.err, "glint: no/a.png: cannot write: there is no folder no\n");
     EXPECT_EQ(ran.code, 1);
     EXPECT_EQ(runGlint("verify a.json --artifacts a.json").err,
-              "glint: a.json: cannot write: not a folder\n");
+              "glint: a.json: cannot write: Not a directory\n");
     EXPECT_EQ(runGlint("diff no.png no.png -o no/d.png").err,
               "glint: no/d.png: cannot write: there is no folder no\n");
 }
@@ -88,7 +86,7 @@ TEST_F(OutputCheck, MemoryIsComparedWithWhatIsFree) {
     constexpr uint64_t kGibibyte = uint64_t{1} << 30;
     EXPECT_EQ(messageOf([] { checkMemory(1024, 1024, 1024, kGibibyte); }), "no error");
     EXPECT_EQ(messageOf([] { checkMemory(1024, 1024, 1025, kGibibyte); }),
-              "a picture of 1024x1024 pixels takes 1.0 GiB of memory, 1.0 GiB are free; ask for a smaller "
+              "an image of 1024x1024 pixels takes 1.0 GiB of memory, 1.0 GiB are free; ask for a smaller "
               "--size (1023x1023 fits), or for parts with glint render --crop");
     EXPECT_EQ(messageOf([] { checkMemory(65536, 65536, 1000, std::numeric_limits<uint64_t>::max()); }),
               "no error");
@@ -103,7 +101,7 @@ TEST_F(OutputCheck, HugePictureIsRefused) {
     const Ran ran = runGlint(
         "render a.json --size 65536x65536 --backend cpu --aov "
         "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost");
-    EXPECT_TRUE(ran.err.starts_with("glint: a picture of 65536x65536 pixels takes ")) << ran.err;
+    EXPECT_TRUE(ran.err.starts_with("glint: an image of 65536x65536 pixels takes ")) << ran.err;
     EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1);
     EXPECT_EQ(ran.code, 1);
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});

@@ -1,5 +1,5 @@
 // Man pages and completions, which are made from the option table: every command and option is in each, and
-// bash completes by them.
+// bash completes by them; zsh and fish show their descriptions.
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
@@ -77,17 +77,26 @@ TEST_F(Pages, BashCompletes) {
     EXPECT_EQ(offered("devices ''"), "\n");
 }
 
-// The first completion, which loads the file, also returns an answer.
-TEST_F(Pages, ZshCompletesTheFirstTime) {
+TEST_F(Pages, ZshDescribesCommandsAndOptions) {
     const std::string text = readText("zsh/vendor-completions/_glint");
-    EXPECT_TRUE(text.ends_with("complete -o default -F _glint glint\n_bash_complete -o default -F _glint\n"));
+    EXPECT_TRUE(text.starts_with("#compdef glint\n"));
+    for (const char* part :
+         {"'render:render a scene to an image'",
+          "'(--size)--size=[size in pixels (default\\: the scene'\\''s)]:WxH: '",
+          "'(-o --output)-o[image to write\\: .png .exr", "]:FILE:_files'", "]:gpu|cpu:(gpu cpu)'",
+          "'(-q --quiet)--quiet[print only errors, and the output of --stats]'", "':SCENE:_files'",
+          "'*:PART:_files'", "':FOLDER:_files -/'"})
+        EXPECT_HAS(text, part);
 }
 
-TEST_F(Pages, GoIntoAFolderThatIsThere) {
-    const Ran ran = runGlint("pages nowhere");
+TEST_F(Pages, GoIntoAFolder) {
+    EXPECT_EQ(runGlint("pages new/share").code, 0);
+    EXPECT_TRUE(std::filesystem::exists("new/share/man/man1/glint.1"));
+    writeText("file", "x");
+    const Ran ran = runGlint("pages file");
     EXPECT_EQ(ran.code, 1);
     EXPECT_EQ(ran.out, "");
-    EXPECT_EQ(ran.err.find("glint: nowhere"), 0u) << ran.err;
+    EXPECT_EQ(ran.err.find("glint: file/"), 0u) << ran.err;
 }
 
 TEST(Version, SaysWhatWasBuiltIn) {

@@ -77,7 +77,7 @@ TEST_F(Part, OptionsThatMakeNoSense) {
     EXPECT_EQ(errorOfRun(part("1/2", "-o a.png"), 2),
               "glint: a.png: the name of a part ends in .part; glint merge makes an image from the parts\n");
     EXPECT_EQ(errorOfRun(part("1/2", "--error 0.1"), 2),
-              "glint: render: --part excludes --error; see glint render --help\n");
+              "glint: --error excludes --part: use --spp with --part\n");
     EXPECT_EQ(errorOfRun(part("1/2", "-o no/a.part"), 1),
               "glint: no/a.part: cannot write: there is no folder no\n");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json"}));

@@ -85,7 +85,7 @@ TEST_F(Process, StandardStreams) {
 }
 
 TEST_F(Process, FilesThatGrowBeyondTheLimitAreNotLeft) {
-    // The size that `ulimit -f` takes is in blocks of 512 or 1024 bytes; the picture has 3 MB.
+    // The size that `ulimit -f` takes is in blocks of 512 or 1024 bytes; the image has 3 MB.
     EXPECT_EQ(shell("ulimit -f 8; '" GLINT_PROGRAM
                     "' render a.json --backend cpu --size 500x500 -o a.pfm 2> err.txt"),
               1);
@@ -101,7 +101,7 @@ TEST_F(Process, PicturesBeyondTheLimitOfAddressSpaceAreRefused) {
                     "' render a.json --backend cpu --size 20000x20000 -o a.hdr 2> err.txt"),
               1);
     const std::string message = readText("err.txt");
-    EXPECT_TRUE(message.starts_with("glint: a picture of 20000x20000 pixels takes ")) << message;
+    EXPECT_TRUE(message.starts_with("glint: an image of 20000x20000 pixels takes ")) << message;
     EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1);
 }
 
@@ -196,7 +196,7 @@ TEST_F(Process, InterruptBeforeAnythingIsFinishedWritesNoFile) {
         child.send(signal);
         EXPECT_EQ(child.wait(), 130);
         EXPECT_EQ(child.err(),
-                  "glint: interrupted before any part of the picture was finished; nothing written\n");
+                  "glint: interrupted before any part of the image was finished; nothing written\n");
         EXPECT_EQ(child.out(), "");
         EXPECT_EQ(names(), std::set<std::string>{"a.json"});
     }

@@ -87,30 +87,29 @@ const Case kOptions[] = {
     {"traversal", "verify a.json --traversal packets",
      "--traversal: expected auto, lane or packet, got \"packets\""},
     {"traceNeither", "trace a.json", "trace: give either --rays FILE.csv or --pixel x,y"},
-    {"traceBoth", "trace a.json --rays r.csv --pixel 1,2",
-     "trace: --rays excludes --pixel; see glint trace --help"},
-    {"oneFileTwice", "verify a.json --json r --junit r", "--junit: names the file of --json"},
-    {"unknownFormat", "render a.json -o a.jpg",
-     "a.jpg: unknown picture format (use .png, .exr, .pfm or .hdr)"},
-    {"diffFormat", "diff a b -o d.txt", "d.txt: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"traceBoth", "trace a.json --rays r.csv --pixel 1,2", "--rays excludes --pixel: give one of them"},
+    {"oneFileTwice", "verify a.json --json r --junit r",
+     "--junit: --json writes this file; name another one"},
+    {"unknownFormat", "render a.json -o a.jpg", "a.jpg: unknown image format (use .png, .exr, .pfm or .hdr)"},
+    {"diffFormat", "diff a b -o d.txt", "d.txt: unknown image format (use .png, .exr, .pfm or .hdr)"},
 };
 INSTANTIATE_TEST_SUITE_P(Options, Usage, ::testing::ValuesIn(kOptions),
                          [](const auto& test) { return test.param.name; });
 
 const Case kLateValues[] = {
     {"cropBeyond", "render a.json --backend cpu --crop 0,0,65,48",
-     "--crop: reaches beyond the picture of 64x48 pixels"},
+     "--crop: reaches beyond the image of 64x48 pixels"},
     {"cropFarBeyond", "render a.json --backend cpu --crop 0,0,99999999999999999999,48",
-     "--crop: reaches beyond the picture of 64x48 pixels"},
+     "--crop: reaches beyond the image of 64x48 pixels"},
     {"cropOutside", "render a.json --backend cpu --crop 64,48,65,49",
-     "--crop: reaches beyond the picture of 64x48 pixels"},
+     "--crop: reaches beyond the image of 64x48 pixels"},
     {"pixelBeyond", "trace a.json --backend cpu --pixel 64,0",
-     "--pixel: 64,0 is outside the picture of 64x48 pixels"},
+     "--pixel: 64,0 is outside the image of 64x48 pixels"},
     {"pixelFarBeyond", "trace a.json --backend cpu --pixel 99999999999999999999,0",
      "--pixel: expected x,y below 65536, got \"99999999999999999999,0\""},
     {"pixelNegative", "trace a.json --backend cpu --pixel 0,-1",
-     "--pixel: 0,-1 is outside the picture of 64x48 pixels"},
-    {"pixelOfGpu", "trace a.json --pixel 0,48", "--pixel: 0,48 is outside the picture of 64x48 pixels"},
+     "--pixel: 0,-1 is outside the image of 64x48 pixels"},
+    {"pixelOfGpu", "trace a.json --pixel 0,48", "--pixel: 0,48 is outside the image of 64x48 pixels"},
 };
 INSTANTIATE_TEST_SUITE_P(LateValues, Usage, ::testing::ValuesIn(kLateValues),
                          [](const auto& test) { return test.param.name; });
@@ -134,10 +133,9 @@ TEST(Help, IsTheSameWhereverItIsAskedFor) {
 
 TEST(Help, NamesEveryCommandAndExitCode) {
     const std::string help = runGlint("--help").out;
-    for (const char* word :
-         {"render", "view", "verify", "report", "bench", "trace", "diff", "info", "devices", "0 done",
-          "1 could not render or write", "2 usage", "3 the scene is at fault", "4 no usable device",
-          "5 difference found", "130 interrupted"}) {
+    for (const char* word : {"render", "view", "verify", "report", "bench", "trace", "diff", "info",
+                             "devices", "0 done", "1 could not render or write", "2 usage", "3 invalid scene",
+                             "4 no usable device", "5 difference found", "130 interrupted"}) {
         EXPECT_HAS(help, word) << word;
     }
 }

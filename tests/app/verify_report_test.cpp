@@ -29,10 +29,11 @@ verify::Report cleanReport() {
 // 16 pixels of 1000 at 32 units: no more than 31.4 on average, one unit 32 times fewer, the device twice as
 // many: a mean of 1.96, which 8 exceed with a chance of 3e-4.
 const char* const kCleanLines =
-    "    sensitivity: 0 of 1000 pixels change when rays move by 2^-24, 16 by 32 times that, 0 by errors in "
-    "the order of surfaces in one place\n"
+    "    sensitivity: 0 of 1000 pixels change when rays move by 2^-24, 16 by 32 times that, 0 by the order "
+    "of "
+    "surfaces in one place\n"
     "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
-    "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06 (99th percentile of the pixels)\n";
+    "    kappa 32 (non-stiff): expected fp32 error 1.9e-06, measured 3e-06 (99th percentile)\n";
 
 TEST(VerifyReport, Ok) {
     EXPECT_EQ(reportText(cleanReport()),
@@ -55,15 +56,14 @@ TEST(VerifyReport, VerdictsNameTheirReason) {
          "FAILED: too many pixels differ, though rounding explains each: the method loses digits", ""},
         // The limit rises with the scene's sensitivity.
         {[](verify::Report& r) { r.edges = 9, r.sensitivity.open = 50; }, "ok\n", ""},
-        {[](verify::Report& r) { r.filmDiffers = 7; }, "FAILED: the image of all samples is not their mean\n",
-         "\n    7 pixels take other samples than they need, or are not their mean\n"},
+        {[](verify::Report& r) { r.filmDiffers = 7; }, "FAILED: the image is not the mean of its samples\n",
+         "\n    7 pixels are not the mean of the samples that they need\n"},
         {[](verify::Report& r) { r.lossesDiffer = true; },
-         "FAILED: other branches are left out than the reference leaves out\n",
-         "\n    other reflections and refractions are not followed"},
+         "FAILED: device and reference leave out different branches\n", "\n    other branches are left out"},
         {[](verify::Report& r) { r.unexplained = r.allowedUnexplained = 2; },
          "ok: 2 unexplained, 2 allowed\n", ""},
-        {[](verify::Report& r) { r.unexplained = 3, r.allowedUnexplained = 2; }, "FAILED: pixels differ",
-         ""}};
+        {[](verify::Report& r) { r.unexplained = 3, r.allowedUnexplained = 2; },
+         "FAILED: unexplained pixels\n", ""}};
     for (const Verdict& c : cases) {
         verify::Report report = cleanReport();
         c.change(report);
@@ -91,7 +91,7 @@ TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
     pixel.reference.pathHash = 0xdef;
     report.worst.push_back(pixel);
     EXPECT_EQ(reportText(report),
-              "a.json: FAILED: pixels differ for no reason that rounding explains\n"
+              "a.json: FAILED: unexplained pixels\n"
               "    1000 pixels; beyond their predicted error: 0 edge, 0 rounding, 0 undecided (at most 8), 1 "
               "unexplained\n" +
                   std::string(kCleanLines) +
@@ -129,7 +129,7 @@ TEST(VerifyReport, RoundingOfTheSceneHasFiguresOfItsOwn) {
     verify::Report report = cleanReport();
     report.representation = verify::Representation{250, 3, 0, 1e-8, 2e-8, 3e-8, {}};
     const char* const kLine =
-        "    rounding the scene, by the reference alone: 250 pixels, RMSE 1e-08, 99th percentile 2e-08, max "
+        "    rounding the scene: 250 pixels of the reference, RMSE 1e-08, 99th percentile 2e-08, max "
         "3e-08; beyond what moved numbers predict: 3 explained, 0 unexplained\n";
     EXPECT_TRUE(reportText(report).starts_with("a.json: ok\n"));
     EXPECT_TRUE(reportText(report).ends_with(kLine)) << reportText(report);
@@ -142,7 +142,7 @@ TEST(VerifyReport, RoundingOfTheSceneHasFiguresOfItsOwn) {
     pixel.x = 4;
     pixel.truth.color = {0.5, 0, 0};
     report.representation->worst.push_back(pixel);
-    EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: the packed scene shows what the scene does"));
+    EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: the packed scene differs from the scene"));
     EXPECT_HAS(reportText(report), "pixel 4,0 sample 0: difference 0 by packing, unexplained");
     EXPECT_HAS(reportText(report), "read       color (0.5 0 0)  miss");
     EXPECT_EQ(reportJson(report)["passed"], false);

@@ -98,7 +98,7 @@ TEST(Bench, WalksHaveALineEach) {
     const std::string table = bench::table(r, kProgram);
     const std::string line =
         "  lane          0.600     0.600     0.100         -     0.300      7.00    500.00       3.0  0123\n";
-    EXPECT_TRUE(table.ends_with("MiB  picture\n" + line + line)) << table;
+    EXPECT_TRUE(table.ends_with("MiB  image\n" + line + line)) << table;
     const nlohmann::json json = nlohmann::json::parse(bench::json({r}, kProgram))["scenes"][0]["walks"];
     ASSERT_EQ(json.size(), 2u);
     EXPECT_EQ(json[1]["traversal"], "lane");

@@ -142,7 +142,7 @@ TEST(LooksTest, AnErrorThatFallsNoFurtherIsNotClaimedAway) {
         for (const double floor : {0.9, 0.97, 1.05}) expectKept(pixels, 0.7, floor);
 }
 
-// And little is given away: in a picture of many pixels, of which two replicates of half the samples err by
+// And little is given away: in an image of many pixels, of which two replicates of half the samples err by
 // 2^0.2 more than one sequence, 1.22 times the samples are needed.
 TEST(LooksTest, FewSamplesMoreThanTheFewestAreTaken) {
     const Trials trials = trialsOf(5000, 0.7, 0, 32);

@@ -131,11 +131,11 @@ TEST(CompareImages, WorstPixelsAreOrderedByDifferenceThenRowThenColumn) {
 
 TEST(CompareImages, PicturesThatDoNotFit) {
     EXPECT_EQ(test::errorOf(ErrorKind::Failed, [] { compareImages(Image(4, 3, 3), Image(5, 3, 3), 0.0); }),
-              "the pictures differ in size: 4x3 and 5x3");
+              "the images differ in size: 4x3 and 5x3");
     EXPECT_EQ(test::errorOf(ErrorKind::Failed, [] { differenceImage(Image(4, 3, 3), Image(4, 2, 3)); }),
-              "the pictures differ in size: 4x3 and 4x2");
+              "the images differ in size: 4x3 and 4x2");
     EXPECT_EQ(test::errorOf(ErrorKind::Failed, [] { compareImages(Image(1, 1, 2), Image(1, 1, 3), 0.0); }),
-              "the pictures differ in channels: 2 and 3");
+              "the images differ in channels: 2 and 3");
 }
 
 TEST(DifferenceImage, IsTheScaledMagnitude) {

@@ -190,7 +190,7 @@ TEST_F(RoundTrip, UnknownExtensionsAreUsageErrors) {
     const Image image(1, 1, 3);
     const std::string bmp = file("a.bmp").string();
     EXPECT_EQ(errorOf(ErrorKind::Argument, [&] { writeImage(bmp, image); }),
-              bmp + ": unknown picture format .bmp (use .png, .exr, .pfm or .hdr)");
+              bmp + ": unknown image format .bmp (use .png, .exr, .pfm or .hdr)");
     const std::string bare = file("a").string();
     EXPECT_EQ(errorOf(ErrorKind::Argument, [&] { writeImage(bare, image); }),
               bare + ": no file name extension (use .png, .exr, .pfm or .hdr)");
@@ -200,9 +200,9 @@ TEST_F(RoundTrip, UnknownExtensionsAreUsageErrors) {
 TEST_F(RoundTrip, PicturesThatCannotBeWritten) {
     const std::string path = file("a.png").string();
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(0, 4, 3)); }),
-              path + ": a picture of 0x4 pixels with 3 channels cannot be written");
+              path + ": a layer \"color\" of 0x4 pixels with 3 channels cannot be written");
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(4, 4, 2)); }),
-              path + ": a picture of 4x4 pixels with 2 channels cannot be written");
+              path + ": a layer \"color\" of 4x4 pixels with 2 channels cannot be written");
     EXPECT_TRUE(names().empty());
 }
 

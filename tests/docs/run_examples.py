@@ -143,6 +143,7 @@ def check_help_page(glint):
     help_text = subprocess.run([glint, "--help"], capture_output=True, text=True, check=True).stdout
     commands = re.findall(r"(?m)^  (\w+) ", help_text.split("\nCommands:\n")[-1].split("\n\n")[0])
     faults = [] if len(commands) >= 9 else [f"only {commands} were found in glint --help"]
+    shared = re.search(r"(?ms)^## Options that several commands share$(.*?)^## ", page)[1]
     for command in commands:
         section = re.search(rf"(?ms)^## {command}$(.*?)(?=^## |\Z)", page)
         if command == "help":
@@ -151,7 +152,7 @@ def check_help_page(glint):
             faults.append(f"docs/reference/command-line.md has no section on '{command}'")
             continue
         for option in sorted(options_of(glint, command) - {"-h", "--help"}):
-            if not re.search(rf"(?<![\w-]){re.escape(option)}\b", section[1]):
+            if not re.search(rf"(?<![\w-]){re.escape(option)}\b", section[1] + shared):
                 faults.append(f"docs/reference/command-line.md, {command}: '{option}' is not named")
     return faults
 

@@ -31,7 +31,7 @@ class Fallback : public FolderTest {
         if (ran.code != 0 || !fellBack(ran)) return false;
         EXPECT_TRUE(ran.err.starts_with("glint: warning: ")) << ran.err;
         EXPECT_NE(ran.err.find(reason), std::string::npos) << ran.err;
-        EXPECT_TRUE(ran.err.ends_with("; drawn by the reference instead (--fallback cpu)\n")) << ran.err;
+        EXPECT_TRUE(ran.err.ends_with("; rendered by the reference instead (--fallback cpu)\n")) << ran.err;
         EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
         EXPECT_EQ(readBytes("out.pfm"), readBytes("cpu.pfm")) << fault;
         const auto json = nlohmann::json::parse(ran.out);

@@ -122,7 +122,7 @@ TEST_F(SceneFolder, AMaterialFileIsReadOnce) {
     EXPECT_EQ(loadScene(file("own/t.obj")).materials.size(), 4000u);
 }
 
-// Each would be a picture of its own: 200 materials in 7 KB made 20 GB of one of 2 KB.
+// Each would be an image of its own: 200 materials in 7 KB made 20 GB of one of 2 KB.
 TEST_F(SceneFolder, AMapWithItsCoverageIsMadeOnce) {
     writeImage(file("own/p.png"), Image(64, 64, 1));
     writeImage(file("own/q.png"), Image(8, 8, 1, 1.0f));

@@ -92,7 +92,7 @@ def main():
         print(f"{size}: {peak / GIB:.2f} GiB, at once {whole / GIB:.2f} GiB")
         for found in (png_size(folder / "all.png"), exr_size(folder / "all.exr")):
             if found != (width, height):
-                sys.exit(f"big_picture.py: a picture of {found}")
+                sys.exit(f"big_picture.py: an image of {found}")
         for y in (0, height // 3 // 8 * 8, height - 8):
             crop = f"0,{y},{width},{y + 8}"
             subprocess.run([*command, "--crop", crop, "-o", folder / "crop.pfm"], check=True)

@@ -13,7 +13,7 @@ IMAGES = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg"}
 
 
 class NeedsChannels(Refused):
-    """A coloured highlight: POV-Ray's `specular` is a number, so each channel takes a picture of its own."""
+    """A coloured highlight: POV-Ray's `specular` is a number, so each channel takes an image of its own."""
 
 
 def affine(rows):

@@ -40,7 +40,7 @@ using glint::test::emptyScene;
 using glint::test::Random;
 using glint::test::SceneMaker;
 
-// A scene, and a picture of it.
+// A scene, and an image of it.
 struct Case {
     Scene scene;
     PackedScene packed;

@@ -125,7 +125,7 @@ TEST(Pace, RecoversWhenThingsGetCheaper) {
 TEST(Pace, HasAFloor) {
     Pace pace(0.033);
     EXPECT_EQ(settledScale(pace, 100 / kFull, 0.005), Pace::kLeast);
-    // Even when everything else takes all the time, a part of it is for the picture.
+    // Even when everything else takes all the time, a part of it is for the image.
     EXPECT_GT(settledScale(pace, 0.02 / kFull, 1.0), Pace::kLeast);
 }
 

@@ -272,7 +272,7 @@ TEST_F(Window, PicturesBeyondMemoryAreRefused) {
         }
         return "opened";
     };
-    EXPECT_EQ(answer(needed / 4), "a picture of 640x480 pixels takes " + gibibytes(needed) + " of memory, " +
+    EXPECT_EQ(answer(needed / 4), "an image of 640x480 pixels takes " + gibibytes(needed) + " of memory, " +
                                       gibibytes(needed / 4) +
                                       " are free; ask for a smaller --size (320x240 fits)");
     EXPECT_EQ(answer(needed), "opened");
@@ -281,7 +281,7 @@ TEST_F(Window, PicturesBeyondMemoryAreRefused) {
     options.width = 64;
     options.height = 48;
     script = "wait 2\nresize 640 480\nwait 2\n";
-    EXPECT_EQ(answer(needed / 4).rfind("a picture of 640x480 pixels takes ", 0), 0u);
+    EXPECT_EQ(answer(needed / 4).rfind("an image of 640x480 pixels takes ", 0), 0u);
     EXPECT_EQ(answer(needed - 64 * 48 * Session::bytesPerPixel()), "opened");
 }
 
