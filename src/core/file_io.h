@@ -12,7 +12,7 @@
 
 namespace glint {
 
-// As readWholeFile (core/text_file.h), but throws Error(Failed).
+// Like readWholeFile (core/text_file.h), but throws Error(Failed).
 std::vector<uint8_t> readFile(const std::filesystem::path& path);
 
 struct OutputFile {
