@@ -1,10 +1,10 @@
-#include "app/picture_advice.h"
-
+// Explains images that show nothing.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <variant>
 
+#include "app/render_result.h"
 #include "core/format.h"
 #include "core/quantize.h"
 #include "pack/request_environment.h"

@@ -7,7 +7,6 @@
 #include "app/common.h"
 #include "app/drawing.h"
 #include "app/loading.h"
-#include "app/picture_advice.h"
 #include "app/render_result.h"
 #include "core/available_memory.h"
 #include "core/enum_names.h"

@@ -7,7 +7,6 @@
 
 #include "app/common.h"
 #include "app/loading.h"
-#include "app/picture_advice.h"
 #include "core/available_memory.h"
 #include "core/codecs.h"
 #include "core/error.h"

@@ -90,6 +90,12 @@ void writeLayersOf(Outcome& outcome, std::vector<Layer> layers, float scale, con
 
 [[noreturn]] void throwNothingDone();
 
+// One line with the likely reason if a complete image shows only background, only black, only white, or only
+// the unlit inside of one object; empty for any other. Traces a few camera rays to find the reason.
+// `request`: of the whole image. `scale`: see scaleOf().
+std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
+                                         const PackedScene& packed, const Request& request, float scale);
+
 // Sets the advice on a whole image.
 void adviseOn(Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded);
 

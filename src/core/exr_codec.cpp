@@ -41,9 +41,8 @@ constexpr double kMostBytesPerByte = 1032 * 4.0 / 3;
 // DWA deflates runs of a discrete cosine transform's coefficients: there is no such bound.
 constexpr double kNoBound = 1e30;
 constexpr double kMostChunkBytes = 512.0 * 1024 * 1024;
-constexpr size_t kFirstHeader = 8;        // behind magic number and version
-constexpr int kBand = 64;                 // rows that are asked for at once
-constexpr size_t kRepeatBytes = 1 << 20;  // of rows alike that are written at once
+constexpr size_t kFirstHeader = 8;  // behind magic number and version
+constexpr int kBand = 64;           // rows that are asked for at once
 
 // The library makes its pool of threads, which has none, when it first hands out a task. Where memory runs
 // out just then, it waits for that task for ever (3.1.5); so the pool is made before there are any.
@@ -402,21 +401,16 @@ class ExrRows : public RowEncoder {
     // Layout").
     void fill(int rows, const std::vector<Layer>& row) override {
         if (rows == 0) return;
-        Bytes chunk, chunks;
+        Bytes chunk;
         stream_.copyTo(&chunk);
         add(row);
         stream_.copyTo(nullptr);
         uint64_t position = stream_.tellp();
-        for (int y = written_; y < height_; ++y) {
+        for (int y = written_; y < height_; ++y, position += chunk.size()) {
             const auto* const place = reinterpret_cast<const uint8_t*>(&position);
             lastRows_.insert(lastRows_.end(), place, place + sizeof(position));
-            const size_t at = chunks.size();
-            chunks.insert(chunks.end(), chunk.begin(), chunk.end());
-            std::memcpy(chunks.data() + at, &y, sizeof(y));
-            position += chunk.size();
-            if (chunks.size() < kRepeatBytes && y + 1 < height_) continue;
-            sink_.write(chunks, position - chunks.size());
-            chunks.clear();
+            std::memcpy(chunk.data(), &y, sizeof(y));
+            sink_.write(chunk, position);
         }
     }
 

@@ -3,11 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <deque>
 #include <system_error>
+#include <utility>
 
 #include "core/error.h"
 #include "core/text_file.h"
@@ -59,14 +59,6 @@ fs::path followLinks(const fs::path& path) {
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-}
-
-bool Descriptor::close() {
-    return ::close(std::exchange(fd_, -1)) == 0;
-}
-
 StagedFile::StagedFile(const fs::path& path) : path_(path), target_(followLinks(path)) {
     struct stat status {};
     existed_ = ::stat(target_.c_str(), &status) == 0;
@@ -78,6 +70,7 @@ StagedFile::StagedFile(const fs::path& path) : path_(path), target_(followLinks(
 }
 
 StagedFile::~StagedFile() {
+    close();
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
@@ -89,35 +82,32 @@ void StagedFile::makeTemporary(const struct stat& status) {
         throw Error(ErrorKind::Failed,
                     path_.string() + ": cannot write: there is no folder " + folder.string());
     if (::access(kOwnFiles, X_OK) == 0)
-        file_ = Descriptor(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
-    nameless_ = file_.isOpen();
-    if (!nameless_) {
-        file_ = Descriptor(tryNames([](const fs::path& name) {
+        file_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    nameless_ = file_ >= 0;
+    if (!nameless_)
+        file_ = tryNames([](const fs::path& name) {
             return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        }));
-    }
-    if (!file_.isOpen()) failWriting(path_, errno);
+        });
+    if (file_ < 0) failWriting(path_, errno);
     if (existed_) {
         // Without success the new file has the mode of any other new file.
-        [[maybe_unused]] const int ignored = ::fchmod(file_.get(), status.st_mode & 07777);
+        [[maybe_unused]] const int ignored = ::fchmod(file_, status.st_mode & 07777);
     }
 }
 
 void StagedFile::write(std::span<const uint8_t> bytes, uint64_t offset) {
-    if (!writeBytes(file_.get(), bytes, &offset)) failWriting(path_, errno);
+    if (!writeBytes(file_, bytes, &offset)) failWriting(path_, errno);
 }
 
 void StagedFile::finish() {
     if (isDevice_) return;
-    if (!sync(file_.get())) failWriting(path_, errno);
-    if (!nameless_ && !file_.close()) failWriting(path_, errno);
+    if (!sync(file_) || (!nameless_ && !close())) failWriting(path_, errno);
 }
 
 void StagedFile::commit(std::span<const uint8_t> bytes) {
     if (isDevice_) {
-        Descriptor device(::open(target_.c_str(), O_WRONLY | O_CLOEXEC));
-        if (!device.isOpen() || !writeBytes(device.get(), bytes, nullptr) || !device.close())
-            failWriting(path_, errno);
+        file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+        if (file_ < 0 || !writeBytes(file_, bytes, nullptr) || !close()) failWriting(path_, errno);
         return;
     }
     if (nameless_) giveName();
@@ -131,11 +121,17 @@ void StagedFile::revoke() const {
 
 // Nothing replaces a file but a rename, so the file has another name for a moment.
 void StagedFile::giveName() {
-    const std::string self = std::string(kOwnFiles) + "/" + std::to_string(file_.get());
+    const std::string self = std::string(kOwnFiles) + "/" + std::to_string(file_);
     const int failed = tryNames([&](const fs::path& name) {
         return ::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW);
     });
-    if (failed < 0 || !file_.close()) failWriting(path_, errno);
+    if (failed < 0 || !close()) failWriting(path_, errno);
+}
+
+// False with errno set if the file was open and has failed: network file systems report a full disk only
+// here.
+bool StagedFile::close() {
+    return file_ < 0 || ::close(std::exchange(file_, -1)) == 0;
 }
 
 // Calls make(name) with names beside the target until there is no such file yet; `temporary_` is then the

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace glint {
@@ -36,26 +35,6 @@ void writeTextFile(const std::filesystem::path& path, const std::string& text);
 
 // ---- A file from its temporary to its final name
 
-// A file descriptor that is closed on every way out.
-class Descriptor {
-  public:
-    explicit Descriptor(int fd) : fd_(fd) {}
-    ~Descriptor();
-    Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-    Descriptor& operator=(Descriptor&& other) noexcept {
-        std::swap(fd_, other.fd_);
-        return *this;
-    }
-
-    bool isOpen() const { return fd_ >= 0; }
-    int get() const { return fd_; }
-    // Network file systems report a full disk only here.
-    bool close();
-
-  private:
-    int fd_;
-};
-
 // Write in any order, then name the file (see writeFiles). All members throw Error(Failed).
 class StagedFile {
   public:
@@ -80,12 +59,13 @@ class StagedFile {
   private:
     void makeTemporary(const struct stat& status);
     void giveName();
+    bool close();
     template <typename Make>
     int tryNames(Make make);
 
     std::filesystem::path path_, target_;
     std::filesystem::path temporary_;  // empty before it has a name, and once it is renamed
-    Descriptor file_{-1};
+    int file_ = -1;                    // descriptor; open until it is committed
     bool nameless_ = false;
     bool existed_ = false;
     bool isDevice_ = false;

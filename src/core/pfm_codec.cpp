@@ -12,8 +12,6 @@
 namespace glint {
 namespace {
 
-constexpr size_t kMostBlockBytes = 1 << 20;  // of rows alike that are written at once
-
 static_assert(std::endian::native == std::endian::little, "encodePfm copies floats in the host's byte order");
 
 // The next word of the header at `position`, which then follows the word. White space separates words.
@@ -75,14 +73,9 @@ class PfmRows : public RowEncoder {
         add(row);  // by which the file has its size, even if it is the first
         Bytes bytes;
         appendRow(row, 0, kept_, bytes);
+        // A file is 0 where nothing was written.
         if (std::all_of(bytes.begin(), bytes.end(), [](uint8_t byte) { return byte == 0; })) left_ = 0;
-        const int inBlock = std::min(left_, static_cast<int>(kMostBlockBytes / rowBytes_) + 1);
-        for (int y = 1; y < inBlock; ++y) appendRow(row, 0, kept_, bytes);
-        while (left_ > 0) {
-            const int rows = std::min(left_, inBlock);
-            left_ -= rows;
-            sink_.write(ByteView(bytes).first(static_cast<size_t>(rows) * rowBytes_), positionOf(left_));
-        }
+        while (left_ > 0) sink_.write(bytes, positionOf(--left_));
     }
     void finish() override {}
 

@@ -1,9 +1,7 @@
 // One page with everything in it, without scripts and references. Each scene's first screen shows its image,
 // the settings to use and the error curve; the tables follow.
 #include <map>
-#include <sstream>
 
-#include "core/text_file.h"
 #include "report/write.h"
 
 namespace glint::report {
@@ -19,12 +17,8 @@ constexpr const char* kHead =
     ".top img{max-width:320px;border:1px solid #ddd}.use{font-size:17px}</style></head><body>\n"
     "<h1>Error against run time</h1>\n";
 
-std::string cells(const std::string& line, const std::string& tag) {
-    const std::vector<std::string> parts = split(line, '|');  // empty before the first bar and after the last
-    std::string out = "<tr>";
-    for (size_t i = 1; i + 1 < parts.size(); ++i)
-        out += "<" + tag + ">" + escapeMarkup(trimmed(parts[i])) + "</" + tag + ">";
-    return out + "</tr>\n";
+std::string element(const std::string& tag, const std::string& text) {
+    return "<" + tag + ">" + escapeMarkup(text) + "</" + tag + ">";
 }
 
 std::string firstScreen(const SceneReport& scene) {
@@ -32,49 +26,25 @@ std::string firstScreen(const SceneReport& scene) {
     if (!scene.thumbnail.empty())
         out += "<img alt=\"the converged image\" src=\"data:image/png;base64," + scene.thumbnail + "\"/>\n";
     out += "<div><h3>Use these settings</h3>\n<ul class=\"use\">\n";
-    for (const std::string& line : useTheseSettings(scene)) out += "<li>" + escapeMarkup(line) + "</li>\n";
+    for (const std::string& line : useTheseSettings(scene)) out += element("li", line) + "\n";
     return out + "</ul></div></div>\n" + precisionDiagram(scene);
 }
 
-// Converts the Markdown of toMarkdown: headings, tables, lists, paragraphs.
-class Page {
-  public:
-    std::string convert(const std::string& markdown) {
-        std::istringstream lines(markdown);
-        for (std::string line; std::getline(lines, line);) add(line);
-        end();
-        return out_;
-    }
-
-  private:
-    // `block`: the element that the next line belongs to, or nothing.
-    void end(const char* block = "") {
-        if (block_ == block) return;
-        if (!block_.empty()) out_ += "</" + block_ + ">\n";
-        block_ = block;
-        rows_ = 0;
-        if (!block_.empty()) out_ += "<" + block_ + ">\n";
-    }
-    void add(const std::string& line) {
-        if (line.starts_with("|---")) return;
-        if (line.starts_with("|")) {
-            end("table");
-            out_ += cells(line, rows_++ == 0 ? "th" : "td");
-        } else if (line.starts_with("- ")) {
-            end("ul");
-            out_ += "<li>" + escapeMarkup(line.substr(2)) + "</li>\n";
-        } else {
-            end();
-            if (line.starts_with("## "))
-                out_ += "<h2>" + escapeMarkup(line.substr(3)) + "</h2>\n";
-            else if (!line.empty())
-                out_ += "<p>" + escapeMarkup(line) + "</p>\n";
+std::string blockText(const Block& block) {
+    std::string out;
+    if (block.kind == Block::Table) {
+        for (const std::vector<std::string>& row : block.rows) {
+            out += "<tr>";
+            for (const std::string& cell : row)
+                out += element(&row == &block.rows.front() ? "th" : "td", cell);
+            out += "</tr>\n";
         }
+        return "<table>\n" + out + "</table>\n";
     }
-
-    std::string out_, block_;
-    int rows_ = 0;
-};
+    const char* const tag = block.kind == Block::List ? "li" : block.kind == Block::Heading ? "h2" : "p";
+    for (const std::vector<std::string>& row : block.rows) out += element(tag, row[0]) + "\n";
+    return block.kind == Block::List ? "<ul>\n" + out + "</ul>\n" : out;
+}
 
 }  // namespace
 
@@ -106,7 +76,7 @@ std::string toHtml(const Report& report) {
     std::string out = kHead;
     if (!report.complete) out += "<p><b>Interrupted: the results so far.</b></p>\n";
     for (const SceneReport& scene : report.scenes) out += firstScreen(scene);
-    out += Page().convert(toMarkdown(report));
+    for (const Block& block : textOf(report)) out += blockText(block);
     for (const SceneReport& scene : report.scenes) out += truncationDiagram(scene) + devicesDiagram(scene);
     return out + "</body></html>\n";
 }

@@ -12,20 +12,6 @@ namespace glint::report {
 
 namespace {
 
-std::string row(const std::vector<std::string>& cells) {
-    std::string line = "|";
-    for (const std::string& cell : cells) line += " " + cell + " |";
-    return line + "\n";
-}
-
-// A blank line and the table; empty without rows.
-std::string table(const std::vector<std::string>& heading, const std::string& rows) {
-    if (rows.empty()) return "";
-    std::string rule = "|";
-    for (size_t i = 0; i < heading.size(); ++i) rule += "---|";
-    return "\n" + row(heading) + rule + "\n" + rows;
-}
-
 std::string milliseconds(double seconds) {
     return shortNumber(seconds * 1e3);
 }
@@ -44,17 +30,18 @@ std::string errorOf(const SceneReport& scene, const Measured& m) {
     return m.hidden ? "< " + shortNumber(scene.truthError) : shortNumber(m.error);
 }
 
-std::string samplingTable(const SceneReport& scene) {
-    std::string rows;
+Block samplingTable(const SceneReport& scene) {
+    Block table = {Block::Table,
+                   {{"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "SSIM", "max",
+                     "> 1/255 %", "Mrays/s"}}};
     for (const Sampler s : kSamplers)
         for (const Measured* m : familyOf(scene, std::string(nameOf(s))))
-            rows += row({m->family, std::to_string(m->spp), wallOf(*m),
-                         milliseconds(quartilesOf(m->deviceSeconds).median), errorOf(scene, *m),
-                         shortNumber(m->total.relMse), m->ssim ? format("%.5f", *m->ssim) : "-",
-                         shortNumber(m->total.max), shortNumber(m->total.percentVisible), rateOf(*m)});
-    return table({"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "SSIM", "max", "> 1/255 %",
-                  "Mrays/s"},
-                 rows);
+            table.rows.push_back({m->family, std::to_string(m->spp), wallOf(*m),
+                                  milliseconds(quartilesOf(m->deviceSeconds).median), errorOf(scene, *m),
+                                  shortNumber(m->total.relMse), m->ssim ? format("%.5f", *m->ssim) : "-",
+                                  shortNumber(m->total.max), shortNumber(m->total.percentVisible),
+                                  rateOf(*m)});
+    return table;
 }
 
 bool isTruncated(const Measured& m) {
@@ -62,75 +49,75 @@ bool isTruncated(const Measured& m) {
 }
 
 // At one sample, where a pixel is one path: rounding errors, by method.
-std::string methodTable(const SceneReport& scene) {
-    std::string rows;
+Block methodTable(const SceneReport& scene) {
+    Block table = {Block::Table,
+                   {{"at 1 spp", "ms (q1..q3)", "compile ms", "RMSE, same path", "max, same path",
+                     "other path, pixels", "RMSE, all", "> 1/255 %", "bias"}}};
     for (const Measured& m : scene.measured) {
         if (m.spp != 1 || !m.arithmetic || isTruncated(m) || isSampler(m.family) ||
             m.family.starts_with(kOnDevice))
             continue;
         const ArithmeticError& a = *m.arithmetic;
-        rows += row({m.family, wallOf(m), milliseconds(m.compile), shortNumber(a.samePath.rmse),
-                     shortNumber(a.samePath.max), std::to_string(a.otherPath.pixels), shortNumber(a.all.rmse),
-                     shortNumber(a.all.percentVisible), shortNumber(a.all.bias)});
+        table.rows.push_back({m.family, wallOf(m), milliseconds(m.compile), shortNumber(a.samePath.rmse),
+                              shortNumber(a.samePath.max), std::to_string(a.otherPath.pixels),
+                              shortNumber(a.all.rmse), shortNumber(a.all.percentVisible),
+                              shortNumber(a.all.bias)});
     }
-    return table({"at 1 spp", "ms (q1..q3)", "compile ms", "RMSE, same path", "max, same path",
-                  "other path, pixels", "RMSE, all", "> 1/255 %", "bias"},
-                 rows);
+    return table;
 }
 
-std::string truncationTable(const SceneReport& scene) {
-    std::string rows;
+Block truncationTable(const SceneReport& scene) {
+    Block table = {Block::Table,
+                   {{"at 4 spp", "ms (q1..q3)", "RMSE, same samples", "bound", "max", "> 1/255 %", "bias"}}};
     for (const Measured& m : scene.measured) {
         if (!isTruncated(m) || !m.arithmetic) continue;
         const ErrorMeasures& e = m.arithmetic->all;
-        rows += row({m.family == "cut" ? "cut below " + shortNumber(m.minContribution)
-                                       : "depth " + std::to_string(m.depth),
-                     wallOf(m), shortNumber(e.rmse), shortNumber(m.bound), shortNumber(e.max),
-                     shortNumber(e.percentVisible), shortNumber(e.bias)});
+        table.rows.push_back({m.family == "cut" ? "cut below " + shortNumber(m.minContribution)
+                                                : "depth " + std::to_string(m.depth),
+                              wallOf(m), shortNumber(e.rmse), shortNumber(m.bound), shortNumber(e.max),
+                              shortNumber(e.percentVisible), shortNumber(e.bias)});
     }
-    return table({"at 4 spp", "ms (q1..q3)", "RMSE, same samples", "bound", "max", "> 1/255 %", "bias"},
-                 rows);
+    return table;
 }
 
 // Adaptive sampling, --error and the reference.
-std::string otherWaysTable(const SceneReport& scene) {
-    std::string rows;
+Block otherWaysTable(const SceneReport& scene) {
+    Block table = {Block::Table, {{"in another way", "samples", "ms (q1..q3)", "RMSE", "RMSE / --error"}}};
     for (const Measured& m : scene.measured)
         if (m.family.starts_with("adaptive") || m.family.starts_with("error") || m.family == "reference")
-            rows += row({m.family, shortNumber(m.samples), wallOf(m), errorOf(scene, m),
-                         m.asked > 0 ? shortNumber(m.error / m.asked) : std::string("-")});
-    return table({"in another way", "samples", "ms (q1..q3)", "RMSE", "RMSE / --error"}, rows);
+            table.rows.push_back({m.family, shortNumber(m.samples), wallOf(m), errorOf(scene, m),
+                                  m.asked > 0 ? shortNumber(m.error / m.asked) : std::string("-")});
+    return table;
 }
 
-std::string devicesTable(const SceneReport& scene) {
-    std::string rows;
+Block devicesTable(const SceneReport& scene) {
+    Block table = {Block::Table,
+                   {{"device", "spp", "ms (q1..q3)", "time / the first one's", "RMSE",
+                     "rounding (at most 4 spp, same path)", "Mrays/s"}}};
     for (const Measured& m : scene.measured) {
         if (!m.family.starts_with(kOnDevice)) continue;
         const auto first = std::find_if(
             scene.measured.begin(), scene.measured.end(),
             [&](const Measured& other) { return other.family.starts_with(kOnDevice) && other.spp == m.spp; });
-        rows += row({m.family.substr(std::string_view(kOnDevice).size()), std::to_string(m.spp), wallOf(m),
-                     shortNumber(m.median() / first->median()), errorOf(scene, m),
-                     m.arithmetic ? shortNumber(m.arithmetic->samePath.rmse) : "-", rateOf(m)});
+        table.rows.push_back({m.family.substr(std::string_view(kOnDevice).size()), std::to_string(m.spp),
+                              wallOf(m), shortNumber(m.median() / first->median()), errorOf(scene, m),
+                              m.arithmetic ? shortNumber(m.arithmetic->samePath.rmse) : "-", rateOf(m)});
     }
-    return table({"device", "spp", "ms (q1..q3)", "time / the first one's", "RMSE",
-                  "rounding (at most 4 spp, same path)", "Mrays/s"},
-                 rows);
+    return table;
 }
 
 // The arithmetic error that the condition of each scene predicts, and the measured one.
-std::string stabilityTable(const Report& report) {
-    std::string rows;
+Block stabilityTable(const Report& report) {
+    Block table = {Block::Table,
+                   {{"scene", "kappa", "class", "expected kappa u", "RMSE, same path", "RMSE, all"}}};
     for (const SceneReport& scene : report.scenes)
         for (const Measured* m : familyOf(scene, "lowDiscrepancy"))
             if (m->spp == 1 && m->arithmetic)
-                rows +=
-                    row({scene.name, shortNumber(scene.kappa), scene.stiffness,
-                         shortNumber(scene.kappa * verify::kFloatUnit),
-                         shortNumber(m->arithmetic->samePath.rmse), shortNumber(m->arithmetic->all.rmse)});
-    const std::string all =
-        table({"scene", "kappa", "class", "expected kappa u", "RMSE, same path", "RMSE, all"}, rows);
-    return all.empty() ? "" : "\n## Stability\n" + all;
+                table.rows.push_back({scene.name, shortNumber(scene.kappa), scene.stiffness,
+                                      shortNumber(scene.kappa * verify::kFloatUnit),
+                                      shortNumber(m->arithmetic->samePath.rmse),
+                                      shortNumber(m->arithmetic->all.rmse)});
+    return table;
 }
 
 // The fastest sampler and count that reach an error.
@@ -149,12 +136,6 @@ std::string sceneLine(const SceneReport& scene) {
            shortNumber(scene.kappa) + " (" + scene.stiffness + "); converged image of " +
            std::to_string(scene.truthSamples) + " samples, whose own error, " +
            shortNumber(scene.truthError) + ", is taken out of the others'.";
-}
-
-std::string list(const std::vector<std::string>& lines) {
-    std::string out;
-    for (const std::string& line : lines) out += "- " + line + "\n";
-    return out;
 }
 
 }  // namespace
@@ -206,23 +187,59 @@ std::vector<std::string> useTheseSettings(const SceneReport& scene) {
     return lines;
 }
 
+std::vector<Block> textOf(const Report& report) {
+    std::vector<Block> text;
+    const auto add = [&](Block::Kind kind, const std::vector<std::string>& lines) {
+        text.push_back({kind, {}});
+        for (const std::string& line : lines) text.back().rows.push_back({line});
+    };
+    for (const SceneReport& scene : report.scenes) {
+        add(Block::Heading, {scene.name + ": use these settings"});
+        add(Block::List, useTheseSettings(scene));
+    }
+    add(Block::Paragraph, {"Errors are RMSE of linear color (full scale 1). Times are of an image without "
+                           "loading and compiling, "
+                           "the median of at most " +
+                           std::to_string(report.repeats) + " runs."});
+    add(Block::Paragraph, {"device: " + report.device + ", " + report.driver + ", Vulkan " + report.api +
+                           "; " + std::to_string(report.cores) + " cores; glint " + report.version +
+                           "; converged images: " + report.truthBackend + ", lowDiscrepancy, other seeds"});
+    for (const SceneReport& scene : report.scenes) {
+        add(Block::Heading, {scene.name});
+        add(Block::Paragraph, {sceneLine(scene)});
+        for (const auto table : {samplingTable, methodTable, truncationTable, otherWaysTable, devicesTable})
+            text.push_back(table(scene));
+        if (scene.leftOut.empty()) continue;
+        add(Block::Paragraph, {"Not measured in the time (repeat the command to resume):"});
+        add(Block::List, scene.leftOut);
+    }
+    const Block stability = stabilityTable(report);
+    if (stability.rows.size() > 1) add(Block::Heading, {"Stability"});
+    text.push_back(stability);
+    std::erase_if(text, [](const Block& b) { return b.kind == Block::Table && b.rows.size() < 2; });
+    return text;
+}
+
 std::string toMarkdown(const Report& report) {
     std::string out;
-    for (const SceneReport& scene : report.scenes)
-        out += "## " + scene.name + ": use these settings\n\n" + list(useTheseSettings(scene)) + "\n";
-    out +=
-        "Errors are RMSE of linear color (full scale 1). Times are of an image without loading and "
-        "compiling, the median of at most " +
-        std::to_string(report.repeats) + " runs.\n\n" + "device: " + report.device + ", " + report.driver +
-        ", Vulkan " + report.api + "; " + std::to_string(report.cores) + " cores; glint " + report.version +
-        "; converged images: " + report.truthBackend + ", lowDiscrepancy, other seeds\n";
-    for (const SceneReport& scene : report.scenes) {
-        out += "\n## " + scene.name + "\n\n" + sceneLine(scene) + "\n" + samplingTable(scene) +
-               methodTable(scene) + truncationTable(scene) + otherWaysTable(scene) + devicesTable(scene);
-        if (!scene.leftOut.empty())
-            out += "\nNot measured in the time (repeat the command to resume):\n" + list(scene.leftOut);
+    for (const Block& block : textOf(report)) {
+        if (!out.empty()) out += "\n";
+        for (const std::vector<std::string>& row : block.rows) {
+            if (block.kind == Block::Table) {
+                for (const std::string& cell : row) out += "| " + cell + " ";
+                out += "|\n";
+                if (&row != &block.rows.front()) continue;
+                for (size_t i = 0; i < row.size(); ++i) out += "|---";
+                out += "|\n";
+            } else {
+                out += (block.kind == Block::Heading ? "## "
+                        : block.kind == Block::List  ? "- "
+                                                     : "") +
+                       row[0] + "\n";
+            }
+        }
     }
-    return out + stabilityTable(report);
+    return out;
 }
 
 }  // namespace glint::report
