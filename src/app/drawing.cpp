@@ -1,7 +1,5 @@
 #include "app/drawing.h"
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <ostream>
 #include <utility>
@@ -20,23 +18,6 @@
 #include "verify/stiffness.h"
 
 namespace glint::app {
-
-namespace {
-
-// Kernels without reflections do not count what is missing.
-void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded, const Request& request) {
-    const auto reflects = [](const Material& m) {
-        return m.mirror != Color(0) || m.transmission != Color(0);
-    };
-    const auto& materials = loaded.scene.materials;
-    if (target.withinDepth || depthOf(loaded.packed, request) > 0 ||
-        std::none_of(materials.begin(), materials.end(), reflects))
-        return;
-    throw Error(ErrorKind::Argument,
-                "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
-}
-
-}  // namespace
 
 Error withAdvice(const Error& error) {
     return {error.kind(), std::string(error.what()) + ", or use --backend cpu"};
@@ -58,40 +39,25 @@ void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std
     if (!messages.empty()) throw Error(ErrorKind::Device, "the validation layer found faults (listed above)");
 }
 
-converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request,
-                    Progress& progress) {
-    checkDepthIsKnown(target, loaded, request);
+converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request) {
+    if (!target.withinDepth && converge::missesReflections(loaded.scene, depthOf(loaded.packed, request)))
+        throw Error(ErrorKind::Argument,
+                    "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
     if (regionOf(request).width() * regionOf(request).height() == 1)
         throw Error(ErrorKind::Argument,
                     "--error cannot bound the error of a single pixel: use a larger --crop");
-    converge::Job job;
-    job.image = request.image;
-    job.image.adaptive.reset();
-    if (job.image.sampler == Sampler::Grid) job.image.sampler = Sampler::LowDiscrepancy;
-    job.target = target.limits;
-    job.target.error = *target.error;
-    job.target.depthCounts = !target.withinDepth;
+    converge::Target wanted = target.limits;
+    wanted.error = *target.error;
+    wanted.depthCounts = !target.withinDepth;
+    converge::Job job = converge::jobFor(loaded.packed, request, wanted);
+    request = job.request;
     job.radianceBound =
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));
-    request.limits.depth = depthOf(loaded.packed, request);
     job.inDouble = backend == Backend::Cpu;
     // The condition number times the ulp of the arithmetic, and the rounding error of storing as fp32.
     job.rounding =
         verify::roundingError(reference::Tracer(loaded.packed, request), cameraOf(loaded, request),
                               request.width, request.height, job.inDouble ? 0x1p-53 : verify::kFloatUnit);
-    // Batches are many, and each would count from 0 to 1.
-    request.progress = {};
-    request.ledger = true;
-    request.samples = SampleSequence(job.image).next(leastSamples(job.image.filter));
-    job.request = request;
-    const double wanted = *target.error;
-    job.report = [&progress, wanted, last = 0.0](const converge::State& state) mutable {
-        // Work grows with about the error's -5/3rd power. The bound is far from the error at first.
-        const double error = state.estimate > 0 ? state.estimate : state.budget.sampling;
-        const double left = std::max(error / wanted, 1.0);
-        last = std::max(last, std::min(std::pow(left, -5.0 / 3), 0.99));
-        progress.update(last);
-    };
     return job;
 }
 

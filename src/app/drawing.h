@@ -47,9 +47,8 @@ struct DrawingFacts {
 };
 
 // The job for the scene's image; `request` becomes like those of its batches. `backend`: for the rounding
-// error. `progress` must outlive the job.
-converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request,
-                    Progress& progress);
+// error.
+converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request);
 
 class Drawing {
   public:

@@ -257,7 +257,7 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
         Progress progress = progressOf("render", command.shownProgress(), err);
         request.progress = [&](double fraction) { progress.update(fraction); };
         std::optional<converge::Job> job;
-        if (command.target.error) job = jobOf(command.target, loaded, command.backend, request, progress);
+        if (command.target.error) job = jobOf(command.target, loaded, command.backend, request);
         // The number of samples for an error target is unknown.
         drawing.load(loaded, request, job ? 0 : cameraRaysOf(request));
         if (bandRows > 0)

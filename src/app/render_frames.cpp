@@ -117,12 +117,12 @@ class FrameRenderer {
             const auto show = [&](double done) {
                 progress.update((static_cast<double>(i) + done) / static_cast<double>(frames_.size()));
             };
-            if (interrupted() || !drawOne(frames_[i], show, progress)) return false;
+            if (interrupted() || !drawOne(frames_[i], show)) return false;
         }
         return true;
     }
 
-    bool drawOne(const Frame& frame, const std::function<void(double)>& show, Progress& progress) {
+    bool drawOne(const Frame& frame, const std::function<void(double)>& show) {
         const Stopwatch watch;
         const LoadedScene& loaded = scene_->loaded();
         using Change = AnimatedScene::Change;
@@ -133,7 +133,7 @@ class FrameRenderer {
         Request request = outcome.request = requestOf(command_, loaded);
         request.progress = show;
         std::optional<converge::Job> job;
-        if (command_.target.error) job = jobOf(command_.target, loaded, command_.backend, request, progress);
+        if (command_.target.error) job = jobOf(command_.target, loaded, command_.backend, request);
         if (first)
             drawing_.load(loaded, request);
         else if (change != Change::Nothing)

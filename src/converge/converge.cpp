@@ -1,11 +1,14 @@
 #include "converge/converge.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <utility>
 
-#include "converge/looks.h"
 #include "converge/replicates.h"
 #include "core/stopwatch.h"
+#include "pack/pack_samples.h"
+#include "pack/request_environment.h"
 
 namespace glint::converge {
 
@@ -13,10 +16,13 @@ namespace {
 
 class Loop {
   public:
-    Loop(const Draw& draw, const Job& job) : draw_(draw), job_(job) {}
+    Loop(const Draw& draw, const Job& job) : draw_(draw), job_(job) {
+        job_.request.ledger = true;
+        progress_ = std::exchange(job_.request.progress, {});  // each batch would count from 0 to 1
+    }
 
     Result run() {
-        const uint32_t least = leastSamples(job_.image.filter);
+        const uint32_t least = leastSamples(job_.request.image.filter);
         for (uint32_t count = least;; count = std::max(least, both_.looks.next() - both_.first.count())) {
             if (const auto stop = limit(count)) return finished(*stop);
             if (!take(count)) return finished(Stop::Interrupted);
@@ -31,7 +37,7 @@ class Loop {
     // The reason not to begin a round of `count` more samples; reduces `count` to the samples that are left.
     std::optional<Stop> limit(uint32_t& count) const {
         if (state_.rounds == 0) return std::nullopt;
-        const uint32_t least = leastSamples(job_.image.filter);
+        const uint32_t least = leastSamples(job_.request.image.filter);
         count = std::min(count, (job_.target.maxSamples - state_.samplesPerPixel) / 2);
         if (count < least) return Stop::Samples;
         const double each = watch_.seconds() / both_.first.count();
@@ -63,8 +69,16 @@ class Loop {
         state_.unseen =
             job_.radianceBound *
             unseenBound(both_.first.means().size(), 2.0 * both_.first.count(), 1 - job_.target.confidence);
-        if (job_.report) job_.report(state_);
+        report();
         return reached;
+    }
+
+    // Work grows with about the error's -5/3rd power. The bound is far from the error at first.
+    void report() {
+        const double error = state_.estimate > 0 ? state_.estimate : state_.budget.sampling;
+        const double left = std::max(error / job_.target.error, 1.0);
+        done_ = std::max(done_, std::min(std::pow(left, -5.0 / 3), 0.99));
+        if (progress_) progress_(done_);
     }
 
     Result finished(Stop stop) const {
@@ -83,8 +97,10 @@ class Loop {
     }
 
     const Draw& draw_;
-    const Job& job_;
-    Replicates both_{job_.image, job_.target};
+    Job job_;
+    std::function<void(double)> progress_;
+    double done_ = 0;
+    Replicates both_{job_.request.image, job_.target};
     State state_;
     Stopwatch watch_;
 };
@@ -92,9 +108,25 @@ class Loop {
 }  // namespace
 
 Result converge(const Draw& draw, const Job& job) {
-    Job asked = job;
-    asked.request.ledger = true;
-    return Loop(draw, asked).run();
+    return Loop(draw, job).run();
+}
+
+Job jobFor(const PackedScene& packed, const Request& wanted, const Target& target) {
+    Job job;
+    job.target = target;
+    Request& request = job.request = wanted;
+    request.image.adaptive.reset();
+    if (request.image.sampler == Sampler::Grid) request.image.sampler = Sampler::LowDiscrepancy;
+    request.limits.depth = depthOf(packed, request);
+    request.ledger = true;
+    request.samples = SampleSequence(request.image).next(leastSamples(request.image.filter));
+    return job;
+}
+
+bool missesReflections(const Scene& scene, uint32_t depth) {
+    return depth == 0 && std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+               return m.mirror != Color(0) || m.transmission != Color(0);
+           });
 }
 
 }  // namespace glint::converge

@@ -12,6 +12,10 @@
 #include "trace/picture.h"
 #include "trace/request.h"
 
+namespace glint {
+struct PackedScene;
+}
+
 namespace glint::converge {
 
 struct Target {
@@ -71,15 +75,24 @@ struct Result : State {
 using Draw = std::function<Picture(const Request&)>;
 
 struct Job {
-    Request request;      // of the image, with a depth; its samples are ignored
-    ImageSettings image;  // sampler (no grid), filter, seed
+    // Of the image, with a depth; its samples are ignored. Its sampler is no grid. `progress` gets an
+    // estimate after each round.
+    Request request;
     Target target;
     double rounding = 0;    // ErrorBudget::rounding
     bool inDouble = false;  // the tracer computes in double precision; for advice
     // No channel of a pixel exceeds it; for State::unseen.
     double radianceBound = std::numeric_limits<double>::infinity();
-    std::function<void(const State&)> report;  // after each round; may be empty
 };
+
+// The job of an image that is requested as for one render. Its request is like those of its batches: not
+// adaptive, no grid, with losses and the depth of the scene. `rounding` and what follows is left to the
+// caller.
+Job jobFor(const PackedScene& packed, const Request& wanted, const Target& target);
+
+// True if an image at this depth may lack reflections that its losses do not count: kernels without
+// reflections do not know of them.
+bool missesReflections(const Scene& scene, uint32_t depth);
 
 // Throws Error(Argument), with advice, if no number of samples can reach the target. That is known after one
 // sample of each pixel.

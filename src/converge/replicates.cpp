@@ -55,13 +55,13 @@ std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
         depth = std::min<uint32_t>(2 * depth + 1, kDeepestAdvice);
         request.limits.depth = depth;
         Ledger ledger;
-        const uint32_t count = leastSamples(job.image.filter);
+        const uint32_t count = leastSamples(job.request.image.filter);
         const Draw counted = [&](const Request& r) {
             Picture picture = draw(r);
             ledger.add(picture, count);
             return picture;
         };
-        if (!Replicate(job.image, 0).take(counted, request, count))
+        if (!Replicate(job.request.image, 0).take(counted, request, count))
             return "maxDepth " + std::to_string(depth) + " takes too long to try";
         if (ledger.depth() < allowed) return "--max-depth " + std::to_string(depth) + " would do";
     }

@@ -11,7 +11,6 @@
 #include "library/status.h"
 #include "library/views.h"
 #include "pack/pack_samples.h"
-#include "pack/request_environment.h"
 #include "scene/cameras.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"
@@ -124,39 +123,17 @@ converge::Target targetOf(const glint_picture& wanted) {
     return target;
 }
 
-// An image at depth 0 has no code for reflections, and hence no account of missing ones.
-void checkDepthIsKnown(const Scene& scene, uint32_t depth) {
-    const auto reflects = [](const Material& m) {
-        return m.mirror != Color(0) || m.transmission != Color(0);
-    };
-    if (depth == 0 && std::any_of(scene.materials.begin(), scene.materials.end(), reflects))
-        refuse("picture.error cannot bound reflections at depth 0: set max_depth to at least 1");
-}
-
 Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, const glint_picture& wanted,
-                    const ImageSettings& image, Request request) {
-    converge::Job job;
-    job.target = targetOf(wanted);
-    request.limits.depth = depthOf(snapshot.part().packed, request);
-    checkDepthIsKnown(snapshot.scene(), *request.limits.depth);
-    job.image = image;
-    job.image.adaptive.reset();
-    if (job.image.sampler == Sampler::Grid) job.image.sampler = Sampler::LowDiscrepancy;
+                    const Request& request) {
+    const PackedScene& packed = snapshot.part().packed;
+    converge::Job job = converge::jobFor(packed, request, targetOf(wanted));
+    if (converge::missesReflections(snapshot.scene(), *job.request.limits.depth))
+        refuse("picture.error cannot bound reflections at depth 0: set max_depth to at least 1");
     // Rounding error of fp32 or double arithmetic, and of storing the image.
-    const double kappa = verify::conditionNumber(reference::Tracer(snapshot.part().packed, request), camera,
+    const double kappa = verify::conditionNumber(reference::Tracer(packed, job.request), camera,
                                                  request.width, request.height, 1);
     job.rounding = kappa * (snapshot.onDevice() ? verify::kFloatUnit : 0x1p-53) + verify::kFloatUnit;
     job.inDouble = !snapshot.onDevice();
-    // Work grows with about the error's -5/3rd power.
-    job.report = [told = std::exchange(request.progress, {}), error = wanted.error,
-                  last = 0.0](const converge::State& state) mutable {
-        last =
-            std::max(last, std::min(std::pow(std::max(state.budget.sampling / error, 1.0), -5.0 / 3), 0.99));
-        if (told) told(last);
-    };
-    request.ledger = true;
-    request.samples = SampleSequence(job.image).next(leastSamples(job.image.filter));
-    job.request = request;
     converge::Result result =
         converge::converge([&](const Request& r) { return snapshot.render(camera, r); }, job);
     if (wanted.bound != nullptr) *wanted.bound = result.budget.total();
@@ -180,8 +157,8 @@ void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_opt
     request.progress = context.progress;
     const shared::Camera packed =
         packCamera(camera, image.width, image.height, snapshot.part().packed.origin);
-    const Picture picture = wanted.error == 0 ? snapshot.render(packed, request)
-                                              : drawToError(snapshot, packed, wanted, image, request);
+    const Picture picture =
+        wanted.error == 0 ? snapshot.render(packed, request) : drawToError(snapshot, packed, wanted, request);
     layers.write(picture);
     if (!picture.complete) throw Cancelled();
 }

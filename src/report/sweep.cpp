@@ -147,16 +147,12 @@ Picture SceneSweep::draw(const Setting& s, uint32_t seed) {
     if (s.onReference) return reference::render(loaded_.packed, camera_, request);
     render::Renderer& renderer = *rendererOf(s);
     if (!s.error) return renderer.render(camera_, request);
-    converge::Job job;
-    job.image = image_;
-    job.image.sampler = s.sampler;
-    job.image.seed = seed;
-    job.request = request;
-    job.request.limits.depth = depthOf(loaded_.packed, request);
-    job.target.error = *s.error;
+    converge::Target target;
+    target.error = *s.error;
+    target.depthCounts = false;  // the converged image has the same depth
+    target.maxSamples = static_cast<uint32_t>(kMostErrorSamples);
+    converge::Job job = converge::jobFor(loaded_.packed, request, target);
     job.rounding = (kappa_ + 1) * verify::kFloatUnit;
-    job.target.depthCounts = false;  // the converged image has the same depth
-    job.target.maxSamples = static_cast<uint32_t>(kMostErrorSamples);
     converge::Result result =
         converge::converge([&](const Request& part) { return renderer.render(camera_, part); }, job);
     if (result.stop == converge::Stop::Interrupted) result.picture.complete = false;

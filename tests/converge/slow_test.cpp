@@ -19,7 +19,7 @@ Drift driftOf(Job job) {
     const Film film = edgeFilm();
     double sum = 0, squares = 0;
     for (uint32_t seed = 0; seed < kSeeds; ++seed) {
-        job.image.seed = seed;
+        job.request.image.seed = seed;
         const Result result = converge(drawOf(film), job);
         EXPECT_TRUE(result.reached());
         double mean = 0;  // of this picture's pixels, which share its stopping
@@ -38,7 +38,7 @@ Drift driftOf(Job job) {
 // darker ones. It comes to a fiftieth of the error asked for at most: nobody stops on the sight of the error
 // itself.
 void expectLittle(Job job, int side) {
-    job.request.width = job.request.height = job.image.width = job.image.height = side;
+    job.request.width = job.request.height = job.request.image.width = job.request.image.height = side;
     const Drift drift = driftOf(job);
     const double asked = job.target.error;
     std::printf("drift over the error asked for: %.4f +- %.4f\n", drift.mean / asked,

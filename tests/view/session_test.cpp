@@ -24,7 +24,7 @@ void passOver(ErrorGoal& goal, const converge::Film& film, double depth = 0) {
 }
 
 ErrorGoal goalOf(double error, uint32_t seed = 0, bool knowsDepth = true) {
-    return {{.error = error}, converge::jobOf(error, seed).image, {0, 0, kSide, kSide}, knowsDepth};
+    return {{.error = error}, converge::jobOf(error, seed).request.image, {0, 0, kSide, kSide}, knowsDepth};
 }
 
 TEST(ErrorGoal, EndsWhereRenderDoes) {
