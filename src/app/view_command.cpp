@@ -40,7 +40,9 @@ void declare(OptionTable& table, ViewCommand& c) {
 #ifdef GLINT_WINDOW
 ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     if (command.scene.scene == "-")
-        throw Error(ErrorKind::Argument, "SCENE: the window needs a file, which it watches for changes");
+        throw Error(
+            ErrorKind::Argument,
+            "SCENE: the window needs a file, which it watches for changes; save standard input to one");
     const SceneOptions& scene = command.scene;
     view::Options options = {.scene = scene.scene,
                              .loading = {.allowOutside = scene.allowOutside,

@@ -96,7 +96,7 @@ T getRecord(ByteReader& in) {
 void checkRegion(const Region& r, const Region& whole) {
     if (r.x0 < whole.x0 || r.y0 < whole.y0 || r.x1 > whole.x1 || r.y1 > whole.y1 || r.x0 >= r.x1 ||
         r.y0 >= r.y1)
-        damaged("a region lies outside of the picture");
+        damaged("a region lies outside the image");
 }
 
 void checkImage(const Image& image, const Region& region, int channels) {
@@ -120,18 +120,18 @@ UnitHeader getHeader(ByteReader& in) {
         if (static_cast<size_t>(aov) >= kEnumEntries<Aov>.size())
             damaged("it has a layer that this version does not know");
     if (header.parts < 1 || header.parts > kMostParts)
-        damaged("it says that the picture has " + std::to_string(header.parts) + " parts");
+        damaged("it says that the image has " + std::to_string(header.parts) + " parts");
     return header;
 }
 
 UnitResult getUnit(ByteReader& in, const UnitHeader& header) {
     auto result = getRecord<UnitResult>(in);
-    if (result.part < 1 || result.part > header.parts) damaged("a unit is no part of the picture");
+    if (result.part < 1 || result.part > header.parts) damaged("a unit is no part of the image");
     const LayerShapes shapes = layerShapes(header.aovs);
     for (const Block& block : result.blocks) {
         checkRegion(block.region, header.region);
         checkImage(block.color, block.region, 4);
-        if (block.layers.size() != shapes.size()) damaged("a unit has other layers than the picture");
+        if (block.layers.size() != shapes.size()) damaged("a unit has other layers than the image");
         for (size_t i = 0; i < shapes.size(); ++i)
             checkImage(block.layers[i].image, block.region, shapes[i].second);
     }

@@ -154,7 +154,7 @@ PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, ui
     }
     if (device.timestampBits == 0) info.limits.timestampPeriod = 0;
     info.reason = refusal(properties.apiVersion, computes, info.limits);
-    if (info.reason.empty() && !family) info.reason = "cannot show pictures in this window";
+    if (info.reason.empty() && !family) info.reason = "cannot show images in this window";
     info.usable = info.reason.empty();
     if (info.usable) info.reason = "has all that glint needs";
     return device;

@@ -40,9 +40,8 @@ VkSurfaceFormatKHR chooseFormat(const DeviceState& device) {
             format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM;
         if (known && format.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) return format;
     }
-    throw Error(
-        ErrorKind::Device,
-        "the window takes no picture of 8 bits a channel on this device; glint render draws to files");
+    throw Error(ErrorKind::Device,
+                "the window takes no image of 8 bits a channel on this device: use glint render");
 }
 
 std::vector<VkPresentModeKHR> modesOf(const DeviceState& device) {
@@ -107,8 +106,7 @@ void SwapchainState::waitUntilIdle() {
 VkSwapchainCreateInfoKHR SwapchainState::describe(const VkSurfaceCapabilitiesKHR& capabilities, int width,
                                                   int height) {
     if ((capabilities.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT) == 0)
-        throw Error(ErrorKind::Device,
-                    "the window takes no copied pictures on this device; glint render draws to files");
+        throw Error(ErrorKind::Device, "the window takes no copied images on this device: use glint render");
     const VkSurfaceFormatKHR chosen = chooseFormat(state);
     format = chosen.format;
     extent = capabilities.currentExtent;
@@ -256,7 +254,7 @@ bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, in
     if (got == VK_ERROR_OUT_OF_DATE_KHR) return false;
     check(got, "vkAcquireNextImageKHR");
     if (got == VK_TIMEOUT || got == VK_NOT_READY)
-        throw Error(ErrorKind::Device, "the window system gives no picture to draw on for 5 s");
+        throw Error(ErrorKind::Device, "the window system gave no image to draw on within 5 s");
     fillPixels(source, width, height);
     recordCopy(images[index]);
     submitCopy(index);

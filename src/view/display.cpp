@@ -236,7 +236,7 @@ void measure(Comparison& comparison, const Image* a) {
     if (!comparison.linear || a == nullptr) {
         comparison.fault = "no colours to compare";
     } else if (a->width != comparison.linear->width || a->height != comparison.linear->height) {
-        comparison.fault = "the pictures differ in size";
+        comparison.fault = "the images differ in size";
     } else {
         comparison.figures = compareImages(*a, *comparison.linear, 0, 1);
     }

@@ -123,7 +123,7 @@ gpu::WindowSystem Window::system() {
         VkSurfaceKHR surface = VK_NULL_HANDLE;
         if (glfwCreateWindowSurface(static_cast<VkInstance>(instance), window_, nullptr, &surface) !=
             VK_SUCCESS)
-            fail("the window takes no pictures from Vulkan");
+            fail("the window takes no images from Vulkan");
         return (uint64_t)surface;  // a pointer or a number, see gpu/swapchain.h
     };
     return result;

@@ -88,7 +88,7 @@ TEST_F(UnitFiles, NobodyHasSoManyParts) {
         header.parts = parts;
         writeBytes("a.part", encodePart(header, result()));
         EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readPart("a.part"); }),
-                  "a.part: damaged: it says that the picture has " + std::to_string(parts) + " parts");
+                  "a.part: damaged: it says that the image has " + std::to_string(parts) + " parts");
     }
 }
 
@@ -105,9 +105,9 @@ TEST_F(UnitFiles, ImagesFitTheirRegions) {
     EXPECT_EQ(errorWith([](Block& b) { b.color.width = 2; }), size);
     EXPECT_EQ(errorWith([](Block& b) { b.layers[0].image.channels = 3; }), size);
     EXPECT_EQ(errorWith([](Block& b) { b.layers.clear(); }),
-              "a.part: damaged: a unit has other layers than the picture");
+              "a.part: damaged: a unit has other layers than the image");
     EXPECT_EQ(errorWith([](Block& b) { b.region.x1 = 9; }),
-              "a.part: damaged: a region lies outside of the picture");
+              "a.part: damaged: a region lies outside the image");
 }
 
 // Units that were appended until the process ended, whenever that was.
