@@ -124,7 +124,7 @@ ExitCode run(const BenchCommand& command, std::ostream& out, std::ostream& err) 
                                                 counted(command.scenes.size(), "scene") + " measured");
     }
     finish();
-    if (device) reportValidation(*device, command.device, err);
+    if (device) checkValidation(*device, command.device);
     return ExitCode::Done;
 }
 

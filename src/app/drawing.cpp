@@ -32,11 +32,12 @@ gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepProg
     }
 }
 
-void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {
+void checkValidation(const gpu::Device& device, const DeviceChoice& choice) {
     if (!choice.validation) return;
     const auto messages = device.validationMessages();
-    for (const std::string& message : messages) err << "glint: validation: " << message << '\n';
-    if (!messages.empty()) throw Error(ErrorKind::Device, "the validation layer found faults (listed above)");
+    std::string text = "the validation layer found faults:";
+    for (const std::string& message : messages) text += "\n  " + message;
+    if (!messages.empty()) throw Error(ErrorKind::Device, text);
 }
 
 converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request) {
@@ -61,7 +62,7 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
     return job;
 }
 
-Drawing::Drawing(Backend backend, const DeviceChoice& choice, std::ostream* warnings)
+Drawing::Drawing(Backend backend, const DeviceChoice& choice, std::ostream& warnings)
     : backend_(backend), choice_(choice), warnings_(warnings) {
     if (backend == Backend::Cpu) return;
     opening_ = std::async(std::launch::async | std::launch::deferred, [&choice] {
@@ -108,12 +109,10 @@ bool Drawing::fallBack(const Error& error) {
         return false;
     backend_ = Backend::Cpu;
     failed_ = {device_ ? device_->info().name : "", error.what()};
-    if (warnings_) {
-        // On a terminal in the place of the bar, which is shorter.
-        *warnings_ << (isTerminal(*warnings_) ? "\r" : "") << "glint: warning: " << failed_->reason
-                   << "; rendered by the reference instead (--fallback cpu)\n"
-                   << std::flush;
-    }
+    // On a terminal in the place of the bar, which is shorter.
+    warnings_ << (isTerminal(warnings_) ? "\r" : "") << "glint: warning: " << failed_->reason
+              << "; rendered by the reference instead (--fallback cpu)\n"
+              << std::flush;
     renderer_.reset();
     device_.reset();
     loadTruth();
@@ -169,8 +168,8 @@ DrawingFacts Drawing::facts() const {
     return facts;
 }
 
-void Drawing::reportValidation(std::ostream& err) const {
-    if (device_) app::reportValidation(*device_, choice_, err);
+void Drawing::checkValidation() const {
+    if (device_) app::checkValidation(*device_, choice_);
 }
 
 }  // namespace glint::app

@@ -27,8 +27,8 @@ gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepProg
 // The error with the advice to use --backend cpu.
 Error withAdvice(const Error& error);
 
-// Prints what the validation layer said; throws Error(Device) if it said anything.
-void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err);
+// Throws Error(Device) with the messages of the validation layer, if there are any.
+void checkValidation(const gpu::Device& device, const DeviceChoice& choice);
 
 // A device that failed, where --fallback had the reference draw on.
 struct FailedDevice {
@@ -54,9 +54,8 @@ class Drawing {
   public:
     // Starts to open the device, which needs nothing of the scene (50 ms for lavapipe, whose libraries are
     // large). What is wrong with it is thrown by load(), so that faults of the scene come first. `choice`
-    // must outlive the object. `warnings`: where it is said that the reference draws on, see whole(); null:
-    // nowhere.
-    Drawing(Backend backend, const DeviceChoice& choice, std::ostream* warnings = nullptr);
+    // must outlive the object. `warnings`: gets one if the reference takes over, see whole().
+    Drawing(Backend backend, const DeviceChoice& choice, std::ostream& warnings);
 
     // Uploads the scene, which must outlive its images, and translates kernels for `expected`. On the host
     // makes the truth of it; and so if the device fails and may be replaced. cameraRays: as in
@@ -92,8 +91,7 @@ class Drawing {
     // Facts of all images so far.
     DrawingFacts facts() const;
 
-    // Prints what the validation layer said; throws Error(Device) if it said anything.
-    void reportValidation(std::ostream& err) const;
+    void checkValidation() const;
 
   private:
     void loadDevice(const Request& expected, uint64_t cameraRays);
@@ -103,7 +101,7 @@ class Drawing {
 
     Backend backend_;
     const DeviceChoice& choice_;
-    std::ostream* warnings_;
+    std::ostream& warnings_;
     std::future<gpu::Device> opening_;
     std::optional<gpu::Device> device_;
     std::optional<render::Renderer> renderer_;

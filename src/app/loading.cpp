@@ -34,9 +34,8 @@ class StandardInput : public FileSource {
 
 }  // namespace
 
-AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err,
-                             bool quiet)
-    : options_(options), err_(quiet ? nullptr : &err) {
+AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err)
+    : options_(options), err_(err) {
     const Stopwatch watch;
     std::shared_ptr<FileSource> files = options.files;
     if (options.scene == "-")
@@ -61,7 +60,6 @@ void AnimatedScene::pack() {
 }
 
 void AnimatedScene::warn() {
-    if (!err_) return;
     constexpr size_t kMost = 50;  // a file may name 20,000 others that are not there
     size_t hidden = 0;
     const auto say = [&](const std::string& line) {
@@ -69,14 +67,14 @@ void AnimatedScene::warn() {
         if (warned_.size() > kMost)
             ++hidden;
         else
-            *err_ << "glint: warning: " << line << '\n';
+            err_ << "glint: warning: " << line << '\n';
     };
     const std::string scene = options_.scene.string();
     if (options_.time && !loaded_.scene.animation)
         say(printable(scene + ": has no animation; --time changes nothing"));
     for (const std::string& w : loaded_.scene.warnings) say(printable(w));
     for (const std::string& w : loaded_.packed.warnings) say(printable(scene + ": " + w));
-    if (hidden > 0) *err_ << "glint: warning: " << printable(scene) << ": " << hidden << " warnings more\n";
+    if (hidden > 0) err_ << "glint: warning: " << printable(scene) << ": " << hidden << " warnings more\n";
 }
 
 AnimatedScene::Change AnimatedScene::moveTo(double time) {
@@ -98,8 +96,8 @@ AnimatedScene::Change AnimatedScene::moveTo(double time) {
     return Change::Scene;
 }
 
-LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet) {
-    return AnimatedScene(options, options.time, err, quiet).take();
+LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err) {
+    return AnimatedScene(options, options.time, err).take();
 }
 
 void checkScene(const std::filesystem::path& scene) {

@@ -18,9 +18,8 @@ namespace glint::app {
 class AnimatedScene {
   public:
     // Reads and packs the scene as it is at that moment, in seconds; without one, as its file says it.
-    // Warnings go to `err`, one line each and each once, unless quiet. `options` and `err` must outlive the
-    // object.
-    AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err, bool quiet);
+    // Warnings go to `err`, one line each and each once. `options` and `err` must outlive the object.
+    AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err);
 
     // The scene of the current frame; its arrays change in place.
     const LoadedScene& loaded() const { return loaded_; }
@@ -39,16 +38,15 @@ class AnimatedScene {
     void warn();
 
     const SceneOptions& options_;
-    std::ostream* err_;  // null: quiet
+    std::ostream& err_;
     std::set<std::string> warned_;
     LoadedScene loaded_;
     std::optional<SceneReader> reader_;
     TreeMemory memory_;
 };
 
-// Loads, at a moment of the animation if one is given, and packs; warnings go to `err`, one line each, unless
-// quiet.
-LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet = false);
+// Loads, at a moment of the animation if one is given, and packs; warnings go to `err`, one line each.
+LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err);
 
 // Throws Error(Scene) if there is no such file, and names one that is called alike.
 void checkScene(const std::filesystem::path& scene);

@@ -78,12 +78,12 @@ ExitCode run(const MergeCommand& command, std::ostream& out, std::ostream& err) 
     Outcome outcome = picture->write();
     outcome.totalSeconds = watch.seconds();
     const std::vector<farm::Producer>& producers = picture->assembly().producers();
-    if (!command.quiet) {
-        const std::string start = "glint: warning: " + scene.string() + ": ";
-        warnOfNotFinite(outcome.picture, start, err);
-        warnOfLosses(outcome.picture, start, err);
-        warnOfMixedBits(producers, start, err);
-    }
+    std::ostream silence(nullptr);
+    std::ostream& warnings = command.quiet ? silence : err;
+    const std::string start = "glint: warning: " + scene.string() + ": ";
+    warnOfNotFinite(outcome.picture, start, warnings);
+    warnOfLosses(outcome.picture, start, warnings);
+    warnOfMixedBits(producers, start, warnings);
     if (command.json) {
         printJson(mergeJson(scene, outcome, command, producers), out);
     } else if (!command.quiet) {

@@ -245,8 +245,8 @@ void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene
 ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     if (command.output != "-") checkPicturePath(outputOf(command));
-    Drawing drawing(command.backend, command.device, command.quiet ? nullptr : &err);
-    const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
+    Drawing drawing(command.backend, command.device, err);
+    const LoadedScene loaded = loadAndPack(command.scene, err);
     Request request = requestOf(command, loaded);
     Outcome outcome;
     outcome.request = request;
@@ -254,7 +254,7 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
     const int bandRows = bandRowsOf(command, outcome.output, request.region);
     installInterruptHandler();
     {
-        Progress progress = progressOf("render", command.shownProgress(), err);
+        Progress progress = progressOf("render", command.progress, err);
         request.progress = [&](double fraction) { progress.update(fraction); };
         std::optional<converge::Job> job;
         if (command.target.error) job = jobOf(command.target, loaded, command.backend, request);
@@ -271,7 +271,7 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
     if (bandRows == 0) writePicture(outcome, command, out);
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, loaded, out);
-    drawing.reportValidation(err);
+    drawing.checkValidation();
     checkComplete(outcome);
     const bool missed = outcome.converged && !outcome.converged->reached();
     return missed && command.target.strict ? ExitCode::Difference : ExitCode::Done;
@@ -279,12 +279,14 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
 
 ExitCode run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     check(command, out);
+    std::ostream silence(nullptr);
+    std::ostream& warnings = command.quiet ? silence : err;
     const bool forRanks = isForRanks(command);
-    if (command.frames) return renderFrames(command, out, err);
-    if (command.part) return renderPart(command, out, err);
-    if (!command.checkpoint.empty()) return renderFromCheckpoint(command, out, err);
-    if (forRanks) return renderAmongRanks(command, out, err);
-    return renderPicture(command, out, err);
+    if (command.frames) return renderFrames(command, out, warnings);
+    if (command.part) return renderPart(command, out, warnings);
+    if (!command.checkpoint.empty()) return renderFromCheckpoint(command, out, warnings);
+    if (forRanks) return renderAmongRanks(command, out, warnings);
+    return renderPicture(command, out, warnings);
 }
 
 }  // namespace

@@ -34,8 +34,6 @@ struct RenderCommand {
     bool json = false;       // --stats
     ProgressMode progress = ProgressMode::Auto;
     bool quiet = false;
-
-    ProgressMode shownProgress() const { return quiet ? ProgressMode::None : progress; }
 };
 
 // The image file to write; "-" for standard output.

@@ -73,7 +73,7 @@ class FrameRenderer {
           err_(err),
           frames_(framesToDraw(command)),
           there_(static_cast<size_t>(command.frames->last - command.frames->first + 1) - frames_.size()),
-          drawing_(command.backend, command.device, command.quiet ? nullptr : &err) {}
+          drawing_(command.backend, command.device, err) {}
 
     ExitCode run() {
         const bool complete = frames_.empty() || drawAll();
@@ -81,7 +81,7 @@ class FrameRenderer {
             printStats();
         else if (!command_.quiet)
             printSummary();
-        drawing_.reportValidation(err_);
+        drawing_.checkValidation();
         if (!complete)
             throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(there_ + drawn_.size()) +
                                                     " of " + std::to_string(there_ + frames_.size()) +
@@ -95,11 +95,11 @@ class FrameRenderer {
     // The frame rate may be the scene's own, so the scene is read before the time of the first frame is
     // known.
     void open() {
-        scene_.emplace(command_.scene, std::nullopt, err_, command_.quiet);
+        scene_.emplace(command_.scene, std::nullopt, err_);
         const LoadedScene& loaded = scene_->loaded();
         const auto& animation = loaded.scene.animation;
         framesPerSecond_ = command_.framesPerSecond.value_or(animation ? animation->framesPerSecond : 24);
-        if (!animation && !command_.quiet && command_.frames->first != command_.frames->last)
+        if (!animation && command_.frames->first != command_.frames->last)
             err_ << "glint: warning: " << shown(command_.scene.scene)
                  << ": has no animation; all frames are the same image\n";
         const Region region = requestOf(command_, loaded).region;
@@ -111,8 +111,7 @@ class FrameRenderer {
     bool drawAll() {
         open();
         installInterruptHandler();
-        Progress progress =
-            progressOf("render " + counted(frames_.size(), "frame"), command_.shownProgress(), err_);
+        Progress progress = progressOf("render " + counted(frames_.size(), "frame"), command_.progress, err_);
         for (size_t i = 0; i < frames_.size(); ++i) {
             const auto show = [&](double done) {
                 progress.update((static_cast<double>(i) + done) / static_cast<double>(frames_.size()));

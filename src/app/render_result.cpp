@@ -288,7 +288,6 @@ void adviseOn(Outcome& outcome, const RenderCommand& command, const LoadedScene&
 
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err) {
-    if (command.quiet) return;
     const Picture& picture = outcome.picture;
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
     warnOfNotFinite(picture, start, err);

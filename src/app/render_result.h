@@ -96,10 +96,10 @@ void writeLayersOf(Outcome& outcome, std::vector<Layer> layers, float scale, con
 std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
                                          const PackedScene& packed, const Request& request, float scale);
 
-// Sets the advice on a whole image.
+// Sets the advice on a whole image, unless --quiet.
 void adviseOn(Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded);
 
-// Warnings about what the image shows or lacks, unless --quiet.
+// Warnings about what the image shows or lacks.
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err);
 

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <optional>
 #include <ostream>
-#include <sstream>
 #include <vector>
 
 #include "app/cli.h"
@@ -163,8 +162,8 @@ class UnitRenderer {
 
 UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts)
     : command_(command),
-      drawing_(command.backend, command.device, command.quiet ? nullptr : &err),
-      loaded_(loadAndPack(command.scene, err, command.quiet)) {
+      drawing_(command.backend, command.device, err),
+      loaded_(loadAndPack(command.scene, err)) {
     constexpr int kLikelyParts = 64;  // to know how many before they are cut
     request_ = requestOf(command, loaded_);
     const auto costs =
@@ -207,9 +206,8 @@ Outcome UnitRenderer::complete(UnitPicture& picture, std::ostream& err) const {
     outcome.totals = totalsOf(outcome.totals.done, request_);
     if (!picture.goesByRows()) adviseOn(outcome, command_, loaded_);
     warnAboutPicture(outcome, command_, loaded_, err);
-    if (!command_.quiet)
-        warnOfMixedBits(picture.assembly().producers(),
-                        "glint: warning: " + command_.scene.scene.string() + ": ", err);
+    warnOfMixedBits(picture.assembly().producers(), "glint: warning: " + command_.scene.scene.string() + ": ",
+                    err);
     return outcome;
 }
 
@@ -272,7 +270,7 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     ranks.begin(header, windowOf(header, unit, picture->goesByRows()),
                 [&](const farm::UnitResult& result) { picture->add(result); });
     {
-        Progress progress = progressOf("render", command.shownProgress(), err);
+        Progress progress = progressOf("render", command.progress, err);
         while (const auto part = ranks.next([&] { progress.update(ranks.share()); })) {
             const auto show = [&](double done) { progress.update(ranks.share() + done / header.parts); };
             const auto result = units->draw(*part, show, [&] { return ranks.failed(); });
@@ -286,7 +284,7 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     outcome.ranks = transport.size();
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units->loaded(), out);
-    units->drawing().reportValidation(err);
+    units->drawing().checkValidation();
     return ExitCode::Done;
 }
 
@@ -295,10 +293,9 @@ ExitCode renderAsOther(const RenderCommand& command, farm::Transport& transport)
     farm::OtherRank rank(transport);
     RenderCommand mine = command;
     mine.scene.files = rank.files();
-    mine.quiet = true;
     installInterruptHandler();
     try {
-        std::ostringstream silence;
+        std::ostream silence(nullptr);
         UnitRenderer units(mine, 0, silence, leastUnits(transport));
         rank.begin(units.header());
         while (const auto part = rank.next())
@@ -324,7 +321,7 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
     installInterruptHandler();
     std::optional<farm::UnitResult> result;
     {
-        Progress progress = progressOf("render", command.shownProgress(), err);
+        Progress progress = progressOf("render", command.progress, err);
         result = units.draw(command.part->number, [&](double share) { progress.update(share); });
     }
     if (!result)
@@ -343,7 +340,7 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
     outcome.drawn = units.drawing().facts();
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units.loaded(), out);
-    units.drawing().reportValidation(err);
+    units.drawing().checkValidation();
     return ExitCode::Done;
 }
 
@@ -363,7 +360,7 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
     farm::Checkpoint checkpoint(command.checkpoint, header, add);
     installInterruptHandler();
     {
-        Progress progress = progressOf("render", command.shownProgress(), err);
+        Progress progress = progressOf("render", command.progress, err);
         const double pixels = static_cast<double>(header.region.width()) * header.region.height();
         for (int part = 1; part <= header.parts; ++part) {
             if (there[static_cast<size_t>(part)]) continue;
@@ -385,7 +382,7 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
     checkpoint.remove();
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units.loaded(), out);
-    units.drawing().reportValidation(err);
+    units.drawing().checkValidation();
     return ExitCode::Done;
 }
 

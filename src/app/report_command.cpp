@@ -155,7 +155,7 @@ ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err)
     progress.finish();
     out << report::toMarkdown(report) << "\nwrote " << shown(options.folder / "report.html")
         << ", report.csv, report.json and the diagrams\n";
-    for (const gpu::Device& each : devices.open) reportValidation(each, command.device, err);
+    for (const gpu::Device& each : devices.open) checkValidation(each, command.device);
     if (!report.complete)
         throw Error(ErrorKind::Interrupted, "interrupted: " + (options.folder / "report.json").string() +
                                                 " holds the results so far; repeat the command to resume");

@@ -102,7 +102,7 @@ ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) 
     out << kHitCsvHeading;
     for (const WorldHit& hit : hits)
         out << hitCsv(hit, device ? kDeviceDigits : kReferenceDigits, command.any);
-    if (device) reportValidation(*device, command.device, err);
+    if (device) checkValidation(*device, command.device);
     return ExitCode::Done;
 }
 

@@ -189,7 +189,7 @@ class Verification {
             out_ << counted(results_.size(), "scene") << ": " << count(SceneStatus::Passed) << " passed, "
                  << count(SceneStatus::Failed) << " failed, " << count(SceneStatus::Error) << " unreadable, "
                  << count(SceneStatus::Skipped) << " skipped, " << formatSeconds(secondsOf(results_)) << '\n';
-        reportValidation(device, command_.device, err_);
+        checkValidation(device, command_.device);
     }
 
     // An invalid scene is a result; other errors end the run.
