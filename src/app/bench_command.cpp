@@ -56,15 +56,6 @@ void declare(OptionTable& table, BenchCommand& c) {
     addProgress(table, c.progress);
 }
 
-void checkOptions(const BenchCommand& c) {
-    checkDeviceOptions(c.backend, c.device);
-    if (c.backend == Backend::Gpu) return;
-    if (c.options.everyWalk) throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
-    if (c.full || c.options.renderer.also != SceneFeatures{})
-        throw Error(ErrorKind::Argument, "--full, --with: need --backend gpu");
-    if (c.wholePaths) throw Error(ErrorKind::Argument, "--whole-paths: needs --backend gpu");
-}
-
 // Measure the first compilation: switch the drivers' caches off, unless the user set these variables.
 void switchShaderCachesOff() {
     setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
@@ -94,7 +85,11 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
 }
 
 ExitCode run(const BenchCommand& command, std::ostream& out, std::ostream& err) {
-    checkOptions(command);
+    checkDeviceOptions(command.backend, command.device);
+    requireGpu(command.backend, {{command.options.everyWalk, "--traversal"},
+                                 {command.full, "--full"},
+                                 {command.options.renderer.also != SceneFeatures{}, "--with"},
+                                 {command.wholePaths, "--whole-paths"}});
     switchShaderCachesOff();
     installInterruptHandler();
     std::optional<gpu::Device> device;

@@ -51,10 +51,7 @@ std::string shown(const std::filesystem::path& file) {
 }
 
 void checkPicturePath(const fs::path& path) {
-    if (!isWritableImagePath(path)) {
-        throw Error(ErrorKind::Argument,
-                    path.string() + ": unknown image format (use .png, .exr, .pfm or .hdr)");
-    }
+    layerPaths(path, {});
     checkOutputPath(path);
 }
 

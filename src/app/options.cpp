@@ -402,19 +402,21 @@ void addStats(OptionTable& table, const std::string& help, bool& json) {
     });
 }
 
+void requireGpu(Backend backend, std::initializer_list<std::pair<bool, const char*>> options) {
+    for (const auto& [given, option] : options)
+        if (given && backend != Backend::Gpu)
+            throw Error(ErrorKind::Argument, std::string(option) + ": needs --backend gpu");
+}
+
 void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
     if (device.validation && device.fallback != Fallback::None)
         throw Error(ErrorKind::Argument,
                     "--fallback excludes --validation: leave out --fallback to see the device fail");
-    if (backend == Backend::Gpu) return;
-    const std::pair<bool, const char*> given[] = {
-        {device.fallback != Fallback::None, "--fallback"},
-        {!device.selector.empty(), "--device"},
-        {device.validation, "--validation"},
-        {device.traversal != render::Traversal::Auto, "--traversal"},
-        {device.reproducible, "--reproducible"}};
-    for (const auto& [is, option] : given)
-        if (is) throw Error(ErrorKind::Argument, std::string(option) + ": needs --backend gpu");
+    requireGpu(backend, {{device.fallback != Fallback::None, "--fallback"},
+                         {!device.selector.empty(), "--device"},
+                         {device.validation, "--validation"},
+                         {device.traversal != render::Traversal::Auto, "--traversal"},
+                         {device.reproducible, "--reproducible"}});
 }
 
 }  // namespace glint::app

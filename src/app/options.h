@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -205,7 +206,9 @@ void addError(OptionTable& table, ErrorTarget& target);
 // The same, and the limits.
 void addErrorTarget(OptionTable& table, ErrorTarget& target);
 
-// Throws Error(Argument) for options of a device that --backend cpu would ignore.
+// Throws Error(Argument) for an option that is given though --backend cpu would ignore it.
+void requireGpu(Backend backend, std::initializer_list<std::pair<bool, const char*>> options);
+// The same for options of a device.
 void checkDeviceOptions(Backend backend, const DeviceChoice& device);
 
 }  // namespace glint::app

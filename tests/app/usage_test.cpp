@@ -54,7 +54,7 @@ const Case kOptions[] = {
     {"benchStats", "bench a.json --stats csv", "--stats: expected json, got \"csv\""},
     {"benchWith", "bench a.json --with quadrics,mirors",
      "--with: unknown feature \"mirors\" (did you mean \"mirrors\"?)"},
-    {"benchFullOnHost", "bench a.json --backend cpu --full", "--full, --with: need --backend gpu"},
+    {"benchFullOnHost", "bench a.json --backend cpu --full", "--full: needs --backend gpu"},
     {"unknown", "render a.json --foo", "render: unknown option \"--foo\"; see glint render --help"},
     {"unknownWithoutScene", "render --foo", "render: unknown option \"--foo\"; see glint render --help"},
     {"misspelt", "render a.json --siez 3x3",
@@ -90,8 +90,9 @@ const Case kOptions[] = {
     {"traceBoth", "trace a.json --rays r.csv --pixel 1,2", "--rays excludes --pixel: give one of them"},
     {"oneFileTwice", "verify a.json --json r --junit r",
      "--junit: --json writes this file; name another one"},
-    {"unknownFormat", "render a.json -o a.jpg", "a.jpg: unknown image format (use .png, .exr, .pfm or .hdr)"},
-    {"diffFormat", "diff a b -o d.txt", "d.txt: unknown image format (use .png, .exr, .pfm or .hdr)"},
+    {"unknownFormat", "render a.json -o a.jpg",
+     "a.jpg: unknown image format .jpg (use .png, .exr, .pfm or .hdr)"},
+    {"diffFormat", "diff a b -o d.txt", "d.txt: unknown image format .txt (use .png, .exr, .pfm or .hdr)"},
 };
 INSTANTIATE_TEST_SUITE_P(Options, Usage, ::testing::ValuesIn(kOptions),
                          [](const auto& test) { return test.param.name; });
