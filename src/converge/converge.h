@@ -75,8 +75,8 @@ struct Result : State {
 using Draw = std::function<Picture(const Request&)>;
 
 struct Job {
-    // Of the image, with a depth; its samples are ignored. Its sampler is no grid. `progress` gets an
-    // estimate after each round.
+    // The image, with a depth and a sampler that is no grid. Its samples are ignored, and its progress gets
+    // an estimate after each round.
     Request request;
     Target target;
     double rounding = 0;    // ErrorBudget::rounding
