@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "converge/replicates.h"
 #include "core/error.h"
@@ -41,6 +43,23 @@ TEST(ConvergeTest, TheErrorIsWhatWasAskedFor) {
     EXPECT_LE(above, 7);     // 3 expected; P(more than 7 of 60) is below 1 %
     EXPECT_GE(ratios, 0.7);  // and not far more samples than that took
     EXPECT_NEAR(drift, 0, 4 * 0.02 * std::sqrt(8.0) / std::sqrt(kSeeds * kSide));  // stopping does not bias
+}
+
+// Batches do not report: each would begin at 0.
+TEST(ConvergeTest, ProgressRisesFromRoundToRound) {
+    Job job = jobOf(0.02);
+    std::vector<double> told;
+    job.request.progress = [&](double done) { told.push_back(done); };
+    const Film film = edgeFilm();
+    const Draw batch = [&](const Request& request) {
+        EXPECT_FALSE(request.progress);
+        return drawn(film, request);
+    };
+    const Result result = converge(batch, job);
+    EXPECT_EQ(told.size(), result.rounds);
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    EXPECT_GT(told.front(), 0);
+    EXPECT_LE(told.back(), 0.99);
 }
 
 // All that there is to see covers three tenths of one pixel: samples that all miss it agree, and so do those
