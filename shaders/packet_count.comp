@@ -3,7 +3,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // How often each ray crosses triangles and planes in its interval, packet by packet: count.comp for subgroups
-// of 8 lanes. Doubts are of all rays of a lane.
+// of 8 lanes. A ray's doubts stand in its hit's id.
 #define GLINT_CROSSINGS
 #include "path_rows.glsl"
 #include "packet/traverse.glsl"
@@ -15,7 +15,10 @@ void testTriangle(inout Traversal one, vec3 a, vec3 b, vec3 c, vec3 v0, vec3 nor
                   bool present) {
     float t, u, v;
     uint trips = 0u;
-    if (present && crossTriangle(one.ray, seenAlong(one.frame, a, b, c), trips, t, u, v)) ++one.crossings;
+    doubts = 0u;
+    bool live = present && one.ray.tMax > one.ray.tMin;
+    if (live && crossTriangle(one.ray, seenAlong(one.frame, a, b, c), trips, t, u, v)) ++one.crossings;
+    one.hit.id |= doubts;
 }
 
 void testPacketLeaf(uint leaf, uint axis, uint lane, uint rows, inout uint trips) {
@@ -40,10 +43,11 @@ void main() {
     }
     packetTrips = 0u;
     bool complete = tracePacket(loadEnvironment(0u));
-    bool again = !complete || (doubts & kAtEdge) != 0u;
     uint unfinished = 0u;
     GLINT_EACH_RAY {
-        uvec2 counted = again ? uvec2(0u) : uvec2(packet[r].crossings, doubts & kNearOrigin);
+        uint unsure = packet[r].hit.id;
+        bool again = !complete || (unsure & kAtEdge) != 0u;
+        uvec2 counted = again ? uvec2(0u) : uvec2(packet[r].crossings, unsure & kNearOrigin);
         if (live[r]) storeRow(kRowHit, paths[r], uvec4(floatBitsToUint(tMax[r]), counted, 0u));
         if (live[r] && again) storeRow(kRowWalk, paths[r], uvec4(kSlotFresh, 0u, 0u, 0u));
         unfinished += live[r] && again ? 1u : 0u;

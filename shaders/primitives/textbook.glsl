@@ -143,8 +143,8 @@ bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uin
     float t;
     bool isHit = SPHERE_FORM == kSphereAlgebraic ? sphereByEquation(ray, sphere, own, t)
                                                  : sphereByDistance(ray, sphere, own, t);
-    tSlip = slipOfRounding(t);
     hit = Hit(t, 0.0, 0.0, primitive, kNone, sphere.id);
+    tSlip = isHit ? slipOfSphere(ray, frame, sphere, ray.origin - sphere.point, t) : 0.0;
     return isHit;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/vectors.h"
@@ -20,33 +21,40 @@ using glm::dvec3;
 
 // ---- Closest points
 
-// The closest point of a triangle, with its u and v alone, by Voronoi regions (Ericson, Real-Time Collision
-// Detection, 2005, sec. 5.1.5).
+// In extended precision: a point far from a small triangle cancels squares of its distance.
+using Wide = glm::vec<3, Extended>;
+
+// The closest point of a triangle, with its u and v alone: the nearest of the closest points of its edges, or
+// the foot of the perpendicular where that lies inside (barycentric coordinates: Ericson, Real-Time Collision
+// Detection, 2005, sec. 5.1.5). Of a needle rounding decides where it lies, but the edges' points stay close.
 ClosestPoint closestOnTriangle(const dvec3& point, const dvec3& a, const dvec3& b, const dvec3& c) {
-    const dvec3 ab = b - a, ac = c - a;
-    const auto at = [&](double u, double v) { return ClosestPoint{{.u = u, .v = v}, a + u * ab + v * ac}; };
-    const auto part = [](double of, double whole) { return whole > 0 ? of / whole : 0; };
-    const double d1 = glm::dot(ab, point - a), d2 = glm::dot(ac, point - a);
-    if (d1 <= 0 && d2 <= 0) return at(0, 0);
-    const double d3 = glm::dot(ab, point - b), d4 = glm::dot(ac, point - b);
-    if (d3 >= 0 && d4 <= d3) return at(1, 0);
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return at(part(d1, d1 - d3), 0);
-    const double d5 = glm::dot(ab, point - c), d6 = glm::dot(ac, point - c);
-    if (d6 >= 0 && d5 <= d6) return at(0, 1);
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return at(0, part(d2, d2 - d6));
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 >= d3 && d5 >= d6) {
-        const double w = part(d4 - d3, (d4 - d3) + (d5 - d6));
-        return at(1 - w, w);
-    }
-    return at(part(vb, va + vb + vc), part(vc, va + vb + vc));
+    const Wide ab = Wide(b) - Wide(a), ac = Wide(c) - Wide(a), bc = Wide(c) - Wide(b);
+    const Wide fromA = Wide(point) - Wide(a), fromB = Wide(point) - Wide(b), fromC = Wide(point) - Wide(c);
+    const auto along = [](const Wide& from, const Wide& edge) {
+        const Extended square = glm::dot(edge, edge);
+        return square > 0 ? glm::clamp(glm::dot(from, edge) / square, Extended{0}, Extended{1}) : Extended{0};
+    };
+    Extended u = 0, v = 0, least = std::numeric_limits<Extended>::infinity();
+    const auto offer = [&](Extended atU, Extended atV) {
+        const Wide away = fromA - atU * ab - atV * ac;
+        if (!(glm::dot(away, away) < least)) return;
+        least = glm::dot(away, away);
+        u = atU;
+        v = atV;
+    };
+    offer(along(fromA, ab), 0);
+    offer(0, along(fromA, ac));
+    const Extended w = along(fromB, bc);
+    offer(1 - w, w);
+    const Extended d1 = glm::dot(ab, fromA), d2 = glm::dot(ac, fromA), d3 = glm::dot(ab, fromB),
+                   d4 = glm::dot(ac, fromB), d5 = glm::dot(ab, fromC), d6 = glm::dot(ac, fromC);
+    const Extended va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+    if (va > 0 && vb > 0 && vc > 0) offer(vb / (va + vb + vc), vc / (va + vb + vc));
+    return {{.u = static_cast<double>(u), .v = static_cast<double>(v)}, dvec3(Wide(a) + u * ab + v * ac)};
 }
 
 // In extended precision, as the centre may lie far from the point.
 dvec3 closestOnSphere(const rows::Sphere& sphere, const dvec3& point) {
-    using Wide = glm::vec<3, Extended>;
     const Wide center = Wide(sphere.point) - Extended{sphere.radius} * Wide(sphere.anchorNormal);
     const Wide away = Wide(point) - center;
     const Extended length = glm::length(away);

@@ -11,7 +11,7 @@ using GpuProcess = SmallSceneTest;
 TEST_F(GpuProcess, InterruptSavesTheFinishedPart) {
     for (const int signal : {SIGINT, SIGTERM}) {
         Child child("render a.json --size 2000x2000 --spp 32 -o out.png --progress plain");
-        // The first slice has 256 tiles of 64 of the four million pixels, less than 1 %.
+        // The first slice has 64 tiles of 64 of the four million pixels, less than 1 %.
         ASSERT_TRUE(child.waitForPercent(1)) << child.err();
         child.send(signal);
         EXPECT_EQ(child.wait(), 130);

@@ -140,7 +140,6 @@ TEST_F(RayQueriesTest, CountsManySheets) {
     }
     addMesh(scene, std::move(positions), std::move(corners));
     const PackedScene packed = packScene(scene);
-    RayQueries queries(device(), packed);
     std::vector<RayInput> rays;
     std::vector<Answer> expected;
     for (uint32_t i = 0; i < 400; ++i) {
@@ -152,7 +151,12 @@ TEST_F(RayQueriesTest, CountsManySheets) {
         for (uint32_t k = 0; k < kSheets; ++k) crossed += sizes[k] > std::max(x, y) && k + 1 <= end;
         expected.emplace_back(crossed, 0.0f, 0.0f, 0.0f);
     }
-    EXPECT_TRUE(ask(queries, RayTask::Ask::Count, rays) == expected);
+    for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
+        SCOPED_TRACE(nameOf(traversal));
+        if (traversal == Traversal::Packet && !runsPackets(device().info())) continue;
+        RayQueries queries(device(), packed, traversal);
+        EXPECT_TRUE(ask(queries, RayTask::Ask::Count, rays) == expected);
+    }
 }
 
 }  // namespace glint::render::test::ray_queries_test
