@@ -116,6 +116,8 @@ GLINT_PRIMITIVES(GLINT_PRIMITIVE, GLINT_NO_KIND)
 // The textbooks' tests, in double, which the shader can use instead of the sound tests (Methods).
 bool textbookTriangle(const rows::Triangle& triangle, const RayTest& test, Root& root);
 bool textbookSphere(const rows::Sphere& sphere, const RayTest& test, Root& root);
+// Fills root.t and root.slip. True if the sphere at t counts for the ray.
+bool acceptSphere(Extended t, const rows::Sphere& sphere, const RayTest& test, Root& root);
 
 // ---- Triangles: the filter is inline because it takes most of the time.
 

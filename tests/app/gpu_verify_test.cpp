@@ -40,7 +40,7 @@ TEST_F(GpuVerify, TakesACameraByItsName) {
               "glint: a.json: no camera \"x\" (there are \"up\")\n");
 }
 
-// Two spheres of different colours, one 3.4e-6 in front of the other, seen from distance 4: nearly as far as
+// Two spheres of different colours, one 1e-5 in front of the other, seen from distance 4: nearly as far as
 // surfaces that count as one may be apart, so rounding decides which of them a ray meets. Every pixel is
 // explained, and as many as the scene demands. The second scene does not pass: a textbook's sphere test on a
 // planet.
@@ -49,7 +49,7 @@ TEST_F(GpuVerify, SurfacesInOnePlacePassAndAMethodThatLosesDigitsFails) {
               R"({"image": {"width": 64, "height": 64}, "ambient": 1, "camera": {"eye": [0.3, 0.2, 5]},
         "materials": {"red": {"diffuse": [1, 0, 0]}, "green": {"diffuse": [0, 1, 0]}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "red"},
-                    {"type": "sphere", "center": [0, 0, 3.4e-6], "radius": 1, "material": "green"}]})");
+                    {"type": "sphere", "center": [0, 0, 1e-5], "radius": 1, "material": "green"}]})");
     writeText("empty.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
     writeText("planet.json",
               R"({"image": {"width": 64, "height": 48}, "ambient": 0.1, "camera": {"eye": [0, 2, 5]},

@@ -152,7 +152,7 @@ TEST_F(RayQueriesTest, CountsManySheets) {
         expected.emplace_back(crossed, 0.0f, 0.0f, 0.0f);
     }
     for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
-        SCOPED_TRACE(nameOf(traversal));
+        SCOPED_TRACE(traversal == Traversal::Lane ? "lane" : "packet");
         if (traversal == Traversal::Packet && !runsPackets(device().info())) continue;
         RayQueries queries(device(), packed, traversal);
         EXPECT_TRUE(ask(queries, RayTask::Ask::Count, rays) == expected);

@@ -59,6 +59,8 @@ struct SphereRule {
     }
 };
 
+}  // namespace
+
 bool acceptSphere(Extended t, const rows::Sphere& sphere, const RayTest& test, Root& root) {
     root.t = static_cast<double>(t);
     root.slip = 0;
@@ -68,8 +70,6 @@ bool acceptSphere(Extended t, const rows::Sphere& sphere, const RayTest& test, R
     }
     return isWithin(test.ray, root.t, root.slip, test.tMax);
 }
-
-}  // namespace
 
 bool intersect(const rows::Sphere& sphere, const RayTest& test, Root& root) {
     if (test.methods.spheres != SphereMethod::Robust) return textbookSphere(sphere, test, root);

@@ -130,7 +130,7 @@ bool textbookSphere(const rows::Sphere& sphere, const RayTest& test, Root& root)
         if (disc < 0) return false;
         half = std::sqrt(disc) / (2 * a);
     }
-    return accept(middle - half, 0, test, root) || accept(middle + half, 0, test, root);
+    return acceptSphere(middle - half, sphere, test, root) || acceptSphere(middle + half, sphere, test, root);
 }
 
 }  // namespace glint::reference
