@@ -65,6 +65,16 @@ TEST_F(LibraryClosestPoint, IsRightOnACube) {
     }
 }
 
+// Rounding decides where in a triangle this thin the foot lies, but not how far away.
+TEST_F(LibraryClosestPoint, IsRightOnANeedle) {
+    addMesh<float>({{-0.747425318f, -0.685778677f, -0.0796350986f},
+                    {0.942118704f, 0.723072708f, 0.977566719f},
+                    {-0.316627562f, -0.326551557f, 0.189928859f}},
+                   {{0, 1, 2}});
+    commit();
+    EXPECT_NEAR(closest({{0.236269922f, 0.256795378f, 1.25504672f}}).t[0], 0.6213997933345172, slack(2));
+}
+
 TEST_F(LibraryClosestPoint, IsRightOnSpheres) {
     addSpheres(scene(), {{0, 0, 0}, {5, 0, 0}}, {1, 2});
     commit();
