@@ -103,7 +103,7 @@ TEST_F(GpuVerify, FilesAndImagesForOtherPrograms) {
         "materials": {"red": {"diffuse": [1, 0, 0]}, "green": {"diffuse": [0, 1, 0]}},
         "lights": [{"type": "directional", "direction": [-1, -1, -1]}],
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "red"},
-                    {"type": "sphere", "center": [0, 0, 3.4e-6], "radius": 1, "material": "green"},
+                    {"type": "sphere", "center": [0, 0, 1e-5], "radius": 1, "material": "green"},
                     {"type": "sphere", "center": [0, -1000001.2, 0], "radius": 1000000}]})");
     const Ran ran = runGlint(
         "verify --sphere algebraic planet.json empty.json x/planet.json --json r.json --junit r.xml "
