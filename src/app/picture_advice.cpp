@@ -174,7 +174,9 @@ std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& sc
     if (found.brightest == 0)
         return "everything in the image is black: " + blackReason(picture, scene, packed, request);
     if (looksLikeBackground(picture, scene))
-        return "the image shows only background: the materials let all light through, or mirror all of it";
+        return "the image shows only background: the surfaces have its colour, by what they let through, "
+               "mirror "
+               "or reflect; change a material or the background";
     if (scale > 0 && srgbByte(found.brightest * scale) == 0) return exposureAdvice("dark", found.brightest);
     if (scale > 0 && found.darkest * scale >= 1 && found.brightest * scale > 1)
         return exposureAdvice("bright", found.brightest);

@@ -139,13 +139,17 @@ void GltfFile::checkHeader() {
         }
 }
 
-std::optional<JsonCursor> GltfFile::find(std::string_view list) const {
-    const auto parent = list == "lights" ? extensionOf(root(), "KHR_lights_punctual") : root();
-    return parent ? parent->find(list) : std::nullopt;
+const std::optional<JsonCursor>& GltfFile::find(std::string_view list) const {
+    const auto [at, isNew] = lists_.try_emplace(std::string(list));
+    if (isNew) {
+        const auto parent = list == "lights" ? extensionOf(root(), "KHR_lights_punctual") : root();
+        if (parent) at->second = parent->find(list);
+    }
+    return at->second;
 }
 
 size_t GltfFile::count(std::string_view list) const {
-    const auto found = find(list);
+    const auto& found = find(list);
     return found ? found->size() : 0;
 }
 

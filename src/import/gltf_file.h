@@ -64,7 +64,7 @@ class GltfFile {
 
   private:
     void openBinary();
-    std::optional<JsonCursor> find(std::string_view list) const;
+    const std::optional<JsonCursor>& find(std::string_view list) const;
     void checkHeader();
     std::string_view buffer(size_t index);
     std::string_view range(const JsonCursor& object);  // bytes of a buffer, as a view or extension gives them
@@ -79,6 +79,8 @@ class GltfFile {
     std::vector<std::shared_ptr<const std::string>> buffers_;
     std::map<std::string, std::shared_ptr<const std::string>> byUri_;  // several buffers may share one
     std::map<size_t, std::string> views_;                              // those that were compressed
+    // Lists by name: a file may have many keys that glint does not know.
+    mutable std::map<std::string, std::optional<JsonCursor>> lists_;
     std::map<size_t, GltfNumbers> decoded_;
     std::set<std::string> said_;
     std::vector<std::string> warnings_;

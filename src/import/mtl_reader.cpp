@@ -66,8 +66,8 @@ class MtlMaps {
         const bool ambientIsDiffuse = material.ambient == material.diffuse;
         material.diffuseTexture = add(diffuse, cover, material);
         // Some exporters write a black colour beside a map: then the map counts alone.
-        const auto tint = [](Color& color, const MtlMap* map, uint32_t texture) {
-            if (map && texture != Material::kNoTexture && color == Color(0)) color = Color(1);
+        const auto tint = [this](Color& color, const MtlMap* map, uint32_t texture) {
+            if (texture != Material::kNoTexture && color == Color(0) && load(map)) color = Color(1);
         };
         tint(material.diffuse, diffuse, material.diffuseTexture);
         if (!ambient || (diffuse && ambient->file == diffuse->file)) {

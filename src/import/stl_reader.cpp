@@ -31,9 +31,12 @@ struct PointHash {
         static const auto random = [] {
             return uint64_t{std::random_device()()} << 32 | std::random_device()();
         };
-        static const uint64_t factors[] = {random() | 1, random() | 1, random() | 1};
-        uint64_t hash = 0;
-        for (int i = 0; i < 3; i++) hash += factors[i] * std::bit_cast<uint64_t>(p[i]);
+        static const uint64_t keys[] = {random(), random(), random(), random(), random(), random(), random()};
+        uint64_t hash = keys[6];
+        for (int i = 0; i < 3; i++) {
+            const uint64_t bits = std::bit_cast<uint64_t>(p[i]);
+            hash += keys[2 * i] * (bits & 0xffffffff) + keys[2 * i + 1] * (bits >> 32);
+        }
         return hash >> 32;
     }
 };

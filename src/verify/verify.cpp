@@ -28,7 +28,7 @@ constexpr float kDifferenceGain = 64;
 constexpr uint64_t kStepsOfRay = 3, kLeastSteps = 1'000'000;
 // Pixels that are certified between two looks at the steps left.
 constexpr size_t kCertifiedAtOnce = 64;
-// Pixels that are compared at a time, whose rays are held.
+// Pixels that are compared at a time, whose rays are held; fewer where paths are deep.
 constexpr int kPixelsAtOnce = 1 << 15;
 
 // Sums over a row's pixels. Rows are added in order, so that results do not depend on the threads.
@@ -150,7 +150,8 @@ void Verification::run() {
     differences_.resize(report_.pixels);
     // Whole tiles: the same packets of rays as in the whole image.
     constexpr int kTile = shared::kTileSize;
-    const int rows = std::max(1, kPixelsAtOnce / (width * kTile)) * kTile;
+    const int pixels = kPixelsAtOnce / (1 + static_cast<int>(tracer_.environment().maxDepth) / 32);
+    const int rows = std::max(1, pixels / (width * kTile)) * kTile;
     for (int y = 0; y < height; y += rows) verifyPart({0, y, width, std::min(y + rows, height)});
     conclude();
 }

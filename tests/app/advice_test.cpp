@@ -88,11 +88,16 @@ const Nothing kCases[] = {
     {"invisible",
      R"("background": [1, 0.5, 0.2], "materials": {"clear": {"transmission": 1, "ior": 1}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "clear"}])",
-     onlyBackground("the materials let all light through, or mirror all of it"), "--spp 3"},
+     onlyBackground(
+         "the surfaces have its colour, by what they let through, mirror or reflect; change a material or "
+         "the background"),
+     "--spp 3"},
     {"mirrorOfNothing",
      R"("background": [1, 0.5, 0.2], "materials": {"mirror": {"diffuse": 0, "mirror": 1}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "mirror"}])",
-     onlyBackground("the materials let all light through, or mirror all of it")},
+     onlyBackground(
+         "the surfaces have its colour, by what they let through, mirror or reflect; change a material or "
+         "the background")},
     {"tooDark",
      R"("lights": [{"type": "point", "position": [0, 0, 601], "falloff": "inverseSquare"}], )" +
          std::string(kBall),

@@ -94,7 +94,8 @@ TEST(ChooseDevice, AWrongSelectionSaysWhatThereIsOrWhy) {
     for (const auto& [devices, selector, message] : cases) EXPECT_EQ(errorOf(devices, selector), message);
 }
 
-// What Vulkan 1.1 guarantees (table "Required Limits"), but for the bindings, where it guarantees 4.
+// The limits that Vulkan 1.1 guarantees (table "Required Limits"), but for the bindings, where it
+// guarantees 4.
 DeviceLimits sufficientLimits() {
     DeviceLimits limits;
     limits.maxTexelBufferElements = 65536;

@@ -147,7 +147,7 @@ TEST(ReferencePolygon, NeedlessVertices) {
     }
 }
 
-// Of polygons that meet in an edge, in one plane or not, any ray through the edge hits exactly one.
+// A ray through the edge where polygons meet, in one plane or not, hits exactly one of them.
 TEST(ReferencePolygon, SharedEdges) {
     Random random(75);
     for (int i = 0; i < 300; ++i) {

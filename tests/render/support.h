@@ -62,13 +62,13 @@ class RenderTest : public testing::Test {
     static void SetUpTestSuite();
     static void TearDownTestSuite();
     static const gpu::Device& device() { return *device_; }
-    // What a RayTracer finds: the closest hits of rays, that of one, and how many have none. The latter two
+    // The closest hits of rays by a RayTracer, that of one ray, and how many rays have none. The latter two
     // expect that a search for any hit agrees.
     static std::vector<RayHit> hitsOf(const PackedScene& scene, const std::vector<RayInput>& rays,
                                       const Options& options = {});
     static RayHit hitOf(const PackedScene& scene, const RayInput& ray);
     static size_t missesOf(const PackedScene& scene, const std::vector<RayInput>& rays);
-    // A picture and what a renderer says of its work.
+    // An image and the statistics of its render.
     struct Drawn {
         Picture picture;
         StageTimes times;

@@ -101,7 +101,7 @@ TEST_F(TextureTest, NearestAndCheckers) {
 }
 
 // A corner 25,000 from its object is known to 2 x 10^-3 in fp32, in the object's coordinates or the world's.
-// Against the scene as it is read, of which nothing is rounded.
+// Against the scene as it is read, before any rounding.
 TEST_F(TextureTest, SolidCheckersKeepTheirCubesWhereverTheirCornerIs) {
     const std::string moved =
         R"({"type": "sphere", "center": [0, 0, 0], "radius": 2, "transform": [{"translate": [3, 5, -7]}], "material": "m"}],
