@@ -1,9 +1,10 @@
 // Kinds of JPEG and PNG files that libjpeg and zlib write here.
-#include <jpeglib.h>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>  // jpeglib.h needs FILE
 #include <cstdlib>
+
+#include <jpeglib.h>
 
 #include "core/codecs.h"
 #include "core/quantize.h"

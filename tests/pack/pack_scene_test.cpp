@@ -9,6 +9,7 @@
 #include <random>
 
 #include "bvh/bvh.h"
+#include "core/error.h"
 #include "pack/moving_scene.h"
 #include "pack/packed_scene.h"
 #include "support/scene_maker.h"
