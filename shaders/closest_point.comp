@@ -25,7 +25,7 @@ float squareToBox(Traversal traversal, vec3 lo, vec3 hi) {
     return square;
 }
 
-// In an instance, distances are at most as many times those in the world as the Frobenius norm of its matrix.
+// A distance in an instance is at most the Frobenius norm of its matrix times the distance in the world.
 bool entersBox(Traversal traversal, vec3 lo, vec3 hi) {
     float stretch = 1.0;  // squared
     if (FEATURE_INSTANCES && traversal.instance != kNone) {

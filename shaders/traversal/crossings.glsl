@@ -90,9 +90,9 @@ bool crossesExactly(SeenTriangle seen, bool atEdge, inout uint trips) {
     return crosses;
 }
 
-// Doubts about the crossings of the lane's rays. kAtEdge: some edge function is zero; only resume dispatches
-// compare exactly, as the code is long, and count the ray again. kNearOrigin: rounding decides whether a
-// crossing is behind the origin or before it; the host counts the ray again.
+// Doubts about crossings since `doubts` was last 0. kAtEdge: an edge function is zero; the ray is counted
+// again in a resume dispatch, which alone has the long code that compares exactly. kNearOrigin: rounding
+// decides whether a crossing is behind the origin or before it; the host counts the ray again.
 const uint kAtEdge = 1u, kNearOrigin = 2u;
 uint doubts = 0u;
 

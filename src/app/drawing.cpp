@@ -109,7 +109,7 @@ bool Drawing::fallBack(const Error& error) {
         return false;
     backend_ = Backend::Cpu;
     failed_ = {device_ ? device_->info().name : "", error.what()};
-    // On a terminal in the place of the bar, which is shorter.
+    // On a terminal the warning overwrites the bar, which is shorter.
     warnings_ << (isTerminal(warnings_) ? "\r" : "") << "glint: warning: " << failed_->reason
               << "; rendered by the reference instead (--fallback cpu)\n"
               << std::flush;

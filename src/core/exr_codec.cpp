@@ -232,7 +232,7 @@ void checkHeaders(ByteView file, uint64_t mostPixels) {
     } while (Imf::isMultiPart(flags));
 }
 
-// Which of the file's channels become those of the image.
+// The channels of the file that become those of the image.
 std::vector<std::string> chooseChannels(const Imf::Header& header) {
     const Imf::ChannelList& list = header.channels();
     std::vector<std::string> names;

@@ -69,7 +69,7 @@ struct Placement {
           runs(dealt ? std::min(kRuns, blocks) : 1),
           perRun((blocks + runs - 1) / runs) {}
     size_t places() const { return runs * perRun; }
-    // The block at a place; `blocks` or more if there is none.
+    // The block at a place, or a number from `blocks` on where no block stands.
     size_t at(size_t place) const { return place % perRun * runs + place / perRun; }
 };
 

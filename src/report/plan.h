@@ -57,8 +57,8 @@ std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int 
 // The first words of all families, for --only: "grid", ..., "default", "triangles" ...
 const std::vector<std::string>& familyStarts();
 
-// Over the pixels that count and are finite in both; all 0 if there is none. Differences are `picture` -
-// truth.
+// Errors of the pixels that count and are finite in both images, as `picture` - truth; all 0 without such a
+// pixel.
 struct ErrorMeasures {
     uint64_t pixels = 0;
     uint64_t notFinite = 0;  // pixels left out because a channel is not finite

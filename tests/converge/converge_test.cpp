@@ -186,7 +186,7 @@ TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
     EXPECT_EQ(refusalOf(drawOf(film), job).find("--backend"), std::string::npos);
 }
 
-// Each round estimates anew what lies beyond the depth, which may be more than the first estimate.
+// Each round estimates the light beyond the depth from its own samples, and may exceed the first estimate.
 TEST(ConvergeTest, WhatSamplesDoNotMendEndsItWhenItGrows) {
     const Film film = edgeFilm();
     int calls = 0;

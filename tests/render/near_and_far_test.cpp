@@ -11,7 +11,7 @@ using glm::dvec3;
 
 class NearSolidsTest : public RenderTest {
   protected:
-    // What verify says of an image of one shape.
+    // The report of verify on an image of one shape.
     static verify::Report seen(const Shape& shape, const std::optional<Affine>& transform, const dvec3& eye,
                                const dvec3& target, double fovY = 90) {
         Scene scene = emptyScene();

@@ -233,7 +233,8 @@ TEST_F(Shell, MessagesGoAwayByThemselves) {
         "toast none\n");
 }
 
-// Letters twice as large are drawn anew: doubled pixels would have no square of two by two that differs.
+// At twice the size letters are rasterized again. If pixels were doubled, no aligned square of two by two
+// pixels would hold two colours.
 TEST_F(Shell, LettersAreSharpAtTwiceTheSize) {
     size_ = "640x480";
     view("set samples 1\nkey F1\nwait 4\nwindow help.png\n", {"--scale", "2"});
