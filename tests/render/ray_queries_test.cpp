@@ -38,6 +38,7 @@ std::vector<RayInput> raysThrough(size_t count) {
 
 class RayQueriesTest : public RenderTest {
   protected:
+    static void countSheets(uint32_t sheets);
     static std::vector<Answer> ask(RayQueries& queries, RayTask::Ask kind) {
         static const std::vector<RayInput> rays = raysThrough(20'000);
         return ask(queries, kind, rays);
@@ -124,14 +125,13 @@ TEST_F(RayQueriesTest, AnswersAreThoseOfTheSceneAfterAChange) {
 }
 
 // Square sheets over each other, as in LibraryCrossings.ManySheets: rays hit edges and run out of trips.
-TEST_F(RayQueriesTest, CountsManySheets) {
-    constexpr uint32_t kSheets = 9000;
+void RayQueriesTest::countSheets(uint32_t sheets) {
     Random random(7);
     Scene scene = emptyScene();
     std::vector<dvec3> positions;
     std::vector<glm::uvec3> corners;
     std::vector<double> sizes;
-    for (uint32_t k = 0; k < kSheets; ++k) {
+    for (uint32_t k = 0; k < sheets; ++k) {
         const double size = sizes.emplace_back(0.1 + random.uniform(0, 1)), z = k;
         for (const dvec3& p : {dvec3(0, 0, z), dvec3(size, 0, z), dvec3(size, size, z), dvec3(0, size, z)})
             positions.push_back(p);
@@ -144,11 +144,11 @@ TEST_F(RayQueriesTest, CountsManySheets) {
     std::vector<Answer> expected;
     for (uint32_t i = 0; i < 400; ++i) {
         const double x = 1e-3 + random.uniform(0, 1), y = i % 3 == 0 ? x : 1e-3 + random.uniform(0, 1);
-        const double end = (i % 2 == 0 ? 1.0 : random.uniform(0, 1)) * kSheets + 0.75;
+        const double end = (i % 2 == 0 ? 1.0 : random.uniform(0, 1)) * sheets + 0.75;
         const LocalRay ray = localRay({dvec3(x, y, -1), dvec3(0, 0, 1), 0, end}, packed.origin);
         rays.push_back(roundedRay(ray));
         uint32_t crossed = 0;
-        for (uint32_t k = 0; k < kSheets; ++k) crossed += sizes[k] > std::max(x, y) && k + 1 <= end;
+        for (uint32_t k = 0; k < sheets; ++k) crossed += sizes[k] > std::max(x, y) && k + 1 <= end;
         expected.emplace_back(crossed, 0.0f, 0.0f, 0.0f);
     }
     for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
@@ -157,6 +157,11 @@ TEST_F(RayQueriesTest, CountsManySheets) {
         RayQueries queries(device(), packed, traversal);
         EXPECT_TRUE(ask(queries, RayTask::Ask::Count, rays) == expected);
     }
+}
+
+TEST_F(RayQueriesTest, CountsManySheets) {
+    countSheets(40);    // packets finish
+    countSheets(9000);  // and are counted again, ray by ray
 }
 
 }  // namespace glint::render::test::ray_queries_test
