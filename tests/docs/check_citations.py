@@ -25,7 +25,7 @@ TEST_NAME = re.compile(r"([A-Z]\w*[a-z]\w*)\.([A-Z]\w*\*?|\*)")
 
 
 def tracked(root):
-    """Files that git knows or would add; every file where there is no repository."""
+    """Files that git tracks or would add; without a repository, every file."""
     done = subprocess.run(["git", "-C", str(root), "ls-files", "--cached", "--others", "--exclude-standard"], capture_output=True, text=True)
     if done.returncode == 0 and done.stdout:
         names = [pathlib.PurePosixPath(name) for name in done.stdout.splitlines()]
@@ -46,7 +46,7 @@ def slugs(text):
 
 
 def comments(path, text):
-    """(line number, text) of each comment line; of files without a suffix and of scripts the lines behind #."""
+    """(line number, text) of each comment line; in scripts and files without a suffix, the text behind #."""
     suffix = path.suffix
     if suffix in (".h", ".cpp", ".glsl", ".comp", ".json"):
         pattern = re.compile(r'(?:^|\s|;|\{|\}|,|\))//(.*)$')
@@ -155,7 +155,7 @@ class Checker:
         for number, line in enumerate(text.split("\n"), 1):
             for name, anchor in re.findall(r"(?<![\w/.-])(docs/[\w./-]*\w\.md)(#[\w-]+)?", line):
                 self.check_path(f"{path}:{number}", name, anchor)
-        before = ""  # a citation may go on in the next line
+        before = ""  # a citation may continue in the next line
         for number, comment in comments(path, text):
             where = f"{path}:{number}"
             for name, _ in SOURCE_PATH.findall(comment):

@@ -18,8 +18,9 @@ LIMITS = {
     "sentence of more than 30 words": 0,
     "paragraph of more than 110 words": 0,
     "banned word": 0,
+    "table row without a header": 0,
 }
-COMMENT, SENTENCE, LONG_SENTENCE, LONG_PARAGRAPH, BANNED = LIMITS
+COMMENT, SENTENCE, LONG_SENTENCE, LONG_PARAGRAPH, BANNED, LOOSE_ROW = LIMITS
 COMMENT_START = re.compile(r"(?:What|Of|Where|Whether|Who|Whoever|As|Since)\b")
 SENTENCE_START = re.compile(r"(?:What|Of|Where|Whether|Who|Whoever)\b")
 WORDS = re.compile(r"\b(?:mended|anew|whoever|nobody|dearer|walks? by (?:itself|themselves)|nodes of (?:two|four)|(?:says|tells) nothing)\b", re.I)
@@ -51,6 +52,14 @@ def paragraphs(text):
         number += part.count("\n")
 
 
+def loose_rows(text):
+    """(line number, text) of each row that a blank line separates from its table."""
+    lines = re.sub(r"(?ms)^```.*?^```[ \t]*$", lambda m: "\n" * m[0].count("\n"), text).split("\n")
+    for number, (before, line, after) in enumerate(zip([""] + lines, lines, lines[1:] + [""]), 1):
+        if line.startswith("|") and not before.startswith("|") and not re.fullmatch(r"\|[-:| ]+\|", after):
+            yield number, line
+
+
 def sentences(paragraph):
     plain = re.sub(r"`[^`]*`", "code", re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", paragraph))
     return [s for s in re.split(r"(?<=[.:?!]) +(?=[A-Z*`])", re.sub(r"^(?:[-*]|\d+\.) +", "", plain)) if s]
@@ -59,6 +68,8 @@ def sentences(paragraph):
 def offences_of(name, text):
     """(kind, line, excerpt) of each offence in a file."""
     if name.endswith(".md"):
+        for line, row in loose_rows(text):
+            yield LOOSE_ROW, line, row[:80]
         for line, paragraph in paragraphs(text):
             if len(paragraph.split()) > 110:
                 yield LONG_PARAGRAPH, line, paragraph[:80]
@@ -91,9 +102,10 @@ def self_test():
         LONG_SENTENCE: ("a.md", "A " + "word " * 31 + "ends.\n"),
         LONG_PARAGRAPH: ("a.md", "Ten words make a sentence that is short and plain. " * 12 + "\n"),
         BANNED: ("a.glsl", "// The tree is built anew.\n"),
+        LOOSE_ROW: ("a.md", "| a | b |\n|---|---|\n| 1 | 2 |\n\n| 3 | 4 |\n"),
     }
     failed = [kind for kind, (name, text) in cases.items() if [found[0] for found in offences_of(name, text)] != [kind]]
-    good = "Is it so? What is it?\n\n| What | Of |\n\n```\nWhere x\n```\n"
+    good = "Is it so? What is it?\n\n| What | Of |\n|---|---|\n\n```\nWhere x\n| y |\n```\n"
     return failed + (["a page without offences"] if list(offences_of("a.md", good)) else [])
 
 

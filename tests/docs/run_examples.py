@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Runs the shell examples of a page, in a folder of their own, with the glint that was built.
+"""Runs the shell examples of a page in a temporary folder.
 
     run_examples.py GLINT PAGE              runs the page's examples
-    run_examples.py GLINT PAGE --pictures   and copies the pictures that the page shows from docs/images/guide/ there
-    run_examples.py GLINT --help-page       does docs/reference/command-line.md name every command and option of --help?
-    run_examples.py --self-test             is an example that does not hold noticed?
+    run_examples.py GLINT PAGE --pictures   and copies the rendered images of the page to docs/images/guide
+    run_examples.py GLINT --help-page       checks that docs/reference/command-line.md names every command and option of --help
+    run_examples.py --self-test             checks that wrong examples are found
 
 Fenced blocks of a page, in order:
 
     ```jsonc scene.json     the block is written to scene.json
     ```sh                   the commands must all end with exit code 0
-    ```console              lines behind "$ " are commands; what they print (both streams) must be what stands below them, where ...
-                            stands for anything, on a line by itself for any lines
-    ```sh no-run            not run (a window, minutes): but each glint command's options must be in its --help
+    ```console              lines behind "$ " are commands; below them stands their output (both streams). There ... stands for
+                            anything, on a line by itself for any lines
+    ```sh no-run            not run (a window, minutes), but each glint command's options must be in its --help
 
 The folder has a copy of scenes/, and links to the folders build/, src/, tools/, docs/, examples/ of the repository, so that paths on pages hold.
 """
@@ -56,7 +56,7 @@ def run(command, folder, path):
 
 
 def matches(printed, expected):
-    """Whether what was printed is what the page says, with ... for anything."""
+    """True if the output is that on the page, where ... stands for anything."""
     if not expected.strip():
         return not printed.strip()
     pattern = ""
@@ -69,7 +69,7 @@ def matches(printed, expected):
 
 
 def console(text):
-    """(command, what it prints) of a ```console block; a command goes on while its lines end with a backslash."""
+    """(command, output) of a ```console block; a backslash at the end of a line continues the command."""
     found = []
     for line in text.rstrip("\n").split("\n"):
         if line.startswith("$ "):
@@ -158,7 +158,7 @@ def check_help_page(glint):
 
 
 def self_test():
-    """A page of examples that hold, and one example each that does not."""
+    """Checks a page of correct examples, and one wrong example of each kind."""
     good = "```txt a.txt\nx\n```\n```sh\ncat a.txt\n```\n```console\n$ echo one two; echo 3\none ...\n3\n$ seq 9\n1\n...\n9\n```\n"
     bad = {"exit code 1": "```sh\nfalse\ntrue\n```\n", "the page says": "```console\n$ echo one\ntwo\n```\n", "$ echo three": "```console\n$ echo three\n```\n", "no option": "```sh no-run\nglint render --gone\n```\n"}
     with tempfile.TemporaryDirectory() as folder:
