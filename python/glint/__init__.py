@@ -78,7 +78,7 @@ def version() -> tuple[int, int, int]:
     return number // 1000000, number // 1000 % 1000, number % 1000
 
 
-_LARGEST = 65536  # picture, as libglint has it
+_LARGEST = 65536  # width and height of an image, in pixels; as in libglint
 
 
 def _described(info: Any) -> dict[str, Any]:
@@ -158,8 +158,8 @@ def _transform(matrix: ArrayLike) -> tuple[NDArray[numpy.float64], Any]:
 
 
 class _Options:
-    """Callbacks of a long call. An exception in one ends the call, which raises it again. `interruptible`: Ctrl-C ends the call too;
-    this takes the interpreter's lock each time that the library calls `cancelled`."""
+    """Callbacks of a long call. An exception in a callback ends the call, which raises it again. `interruptible`: Ctrl-C ends the call
+    too; each call of `cancelled` then takes the interpreter's lock."""
 
     def __init__(self, cancelled: Cancelled, progress: Progress, interruptible: bool = False) -> None:
         self.raised: BaseException | None = None
@@ -207,9 +207,6 @@ class _RayArrays:
             origins, directions = (self._spread(_native.numbers(given, 3, what), shape)
                                    for given, what, shape in zip((rays, directions), ("origins", "directions"), shapes))
         self.count = math.prod(self.shape)
-        # One origin and one direction for a shape of no axes, or of many.
-        if self.count > 1 and origins.shape[0] == directions.shape[0] == 1:
-            origins = numpy.repeat(origins, self.count, axis=0)
         self.kept = [origins, directions]
         self.struct = _native.make(_native.Rays)
         self.struct.origins = _native.view(origins)
@@ -322,7 +319,7 @@ class Scene(_native.Owner):
         options.call("glint_scene_load_with", scene._device._handle, name, result=(ctypes.byref(scene._handle),))
         return scene
 
-    # ---- what is in it ----
+    # ---- contents ----
 
     def add_triangles(self, vertices: Any, faces: ArrayLike | None = None, material: int = 0) -> int:
         """Adds a mesh: vertices (n, 3) and faces (m, 3), or a mesh of trimesh or Open3D. Returns the geometry's number."""
@@ -396,7 +393,7 @@ class Scene(_native.Owner):
     def __repr__(self) -> str:
         try:
             info = self._info()
-        except Error:  # not committed, or of another process
+        except Error:  # not committed, or made in another process
             return "<glint.Scene, not committed>"
         return f"<glint.Scene of {info.geometries} geometries, {info.triangles} triangles, on {self._device.info['name']}>"
 
@@ -412,7 +409,7 @@ class Scene(_native.Owner):
 
     @property
     def bounds(self) -> NDArray[numpy.float64]:
-        """Bounds of everything committed but planes, (2, 3): lower and upper corner."""
+        """Bounds of everything committed except planes, (2, 3): lower and upper corner."""
         info = self._info()
         return numpy.array([info.lower, info.upper])
 
@@ -542,10 +539,10 @@ class Scene(_native.Owner):
         return self.closest_point(points, want=("t",)).t
 
     def signed_distance(self, points: ArrayLike) -> NDArray[numpy.float64]:
-        """The same, negative for points inside of closed surfaces (`contains`)."""
+        """The distance of each point (..., 3) to the closest surface, negative inside closed surfaces (`contains`)."""
         return numpy.where(self.contains(points), -1.0, 1.0) * self.distance(points)
 
-    # ---- pictures ----
+    # ---- images ----
 
     def render(self, width: int = 0, height: int = 0, samples: int = 0, *, layers: Iterable[LayerName] = ("color",),
                camera: Sequence[Any] | str | None = None, max_depth: int | None = None, dtype: DTypeLike = numpy.float32,

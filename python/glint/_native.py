@@ -133,7 +133,7 @@ loaded.glint_version.restype = ctypes.c_uint32
 
 
 def call(name: str, *arguments: Any) -> None:
-    """The function of that name; Error if it fails."""
+    """Calls the function of that name; raises Error if it fails."""
     status = getattr(loaded, name)(*arguments)
     if status != OK:
         message = re.sub(r"^glint_\w+: ", "", loaded.glint_last_error().decode())  # the name of the C function
@@ -141,7 +141,7 @@ def call(name: str, *arguments: Any) -> None:
 
 
 class Owner:
-    """Holds a handle of the library's, which lives in the process that made it."""
+    """Owns a handle of the library, which is valid in the process that made it."""
     _release = ""
 
     def __init__(self) -> None:
@@ -156,7 +156,7 @@ class Owner:
 
     def __del__(self) -> None:
         if getattr(self, "_process", None) == os.getpid():
-            held, self._held = self._held, ctypes.c_void_p()  # whoever calls this by hand does so once more in the end
+            held, self._held = self._held, ctypes.c_void_p()  # a call by hand is followed by the interpreter's
             getattr(loaded, self._release)(held)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
@@ -165,8 +165,8 @@ class Owner:
 
 @functools.lru_cache(maxsize=None)
 def record(name: str, fields: tuple[str, ...]) -> Any:
-    """A kind of named tuple, the same for the same names, that can be pickled."""
-    make_kind: Any = collections.namedtuple  # checkers want its fields to be literals
+    """A type of named tuples that can be pickled; equal names give the same type."""
+    make_kind: Any = collections.namedtuple  # type checkers require literals as fields
     kind = make_kind(name, fields)
 
     def missing(_: Any, asked: str) -> Any:
@@ -181,15 +181,15 @@ def _restored(name: str, fields: tuple[str, ...], arrays: tuple[Any, ...]) -> An
 
 
 class Interrupts:
-    """While it is entered, Ctrl-C is noted instead of raised, so that a call of the library can end; it is raised at the end.
-    In the main thread alone, and unless the program has a handler of its own."""
+    """Delays KeyboardInterrupt until a call of the library has ended. Acts in the main thread only, and not if the program has its own
+    handler."""
 
     def __init__(self) -> None:
         self.noted = False
         self._active = False
 
     def possible(self) -> bool:
-        """Whether there is anything to note."""
+        """True if Ctrl-C would raise KeyboardInterrupt in this thread."""
         return (threading.current_thread() is threading.main_thread()
                 and signal.getsignal(signal.SIGINT) is signal.default_int_handler)
 
@@ -210,7 +210,7 @@ class Interrupts:
 
 
 def view(array: NDArray[Any] | None) -> View:
-    """A view of an array of elements: its last axis is what an element is made of, unless it has but one."""
+    """A view of an array. The last of several axes holds the numbers of an element."""
     if array is None:
         return View()
     stride = array.strides[0] if array.size else 0
@@ -218,7 +218,7 @@ def view(array: NDArray[Any] | None) -> View:
 
 
 def text(given: str | bytes) -> bytes:
-    """As C reads it: up to the first null character, so there may be none."""
+    """The text for C, which ends at the first null character; ValueError if it has one."""
     encoded = given.encode() if isinstance(given, str) else given
     if b"\0" in encoded:
         raise ValueError("there is a null character in the text")
@@ -226,7 +226,7 @@ def text(given: str | bytes) -> bytes:
 
 
 def indices(given: ArrayLike, what: str) -> NDArray[numpy.uint32]:
-    """As an array (n, 3) of uint32; ValueError for what is no index."""
+    """An array (n, 3) of uint32; ValueError for numbers that are no indices."""
     array = numpy.asarray(given)
     if array.shape == (0,):  # an empty list
         array = array.reshape(0, 3)
@@ -243,13 +243,13 @@ def indices(given: ArrayLike, what: str) -> NDArray[numpy.uint32]:
 
 
 def shape_before(given: ArrayLike) -> tuple[int, ...]:
-    """Of the elements of an array whose last axis is what an element is made of."""
+    """The shape without the last axis, which holds the numbers of an element."""
     shape = numpy.shape(given)
     return shape if shape == (0,) else shape[:-1]
 
 
 def numbers(given: ArrayLike, width: int | None, what: str) -> NDArray[Any]:
-    """As an array of float32 or float64, (n, width) or, for width None, (n,). Copied only where it has to be."""
+    """An array of float32 or float64, (n, width) or, for width None, (n,); a copy only if necessary."""
     array = numpy.asarray(given)
     if array.dtype not in (numpy.float32, numpy.float64):
         if array.dtype.kind == "c":
@@ -271,7 +271,7 @@ def numbers(given: ArrayLike, width: int | None, what: str) -> NDArray[Any]:
             array = array.reshape(-1, width)
         if array.strides[1] != array.itemsize:
             array = numpy.ascontiguousarray(array)
-    # A stride of 0 says "packed" to glint; numpy means "all the same".
+    # A stride of 0 means "packed" in glint and "all equal" in numpy.
     if array.shape[0] > 1 and array.strides[0] == 0:
         array = numpy.ascontiguousarray(array)
     return array

@@ -31,7 +31,7 @@ class RayMeshIntersector:
         self.mesh = mesh
         self._selector = device
         self._made: tuple[Scene, Any] | None = None
-        self.scene  # pylint: disable=pointless-statement  # what is wrong with the mesh is said at once
+        self.scene  # pylint: disable=pointless-statement  # raises errors of the mesh now
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process builds its own scene."""

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Random scenes asked random questions through the Python module, on the device and on the processor, by the hour.
+"""Casts random rays at random scenes through the Python module, on the device and on the processor.
 
     GLINT_LIBRARY=build/lib/libglint.so.0 PYTHONPATH=python tests/python/random_rays.py [--seed 1] [--seconds 60]
 
-Rays go to corners, edges, centers and from one of these to the next, along axes, with ends at what they meet. Where rounding decides
-only what must hold whatever is rounded is asked of the answers: intervals, order, names, lengths of lists; of rays that aim at nothing
-in particular also that the nearest hit begins the list, and that both devices say the same; of certified hits that are sure that both
-name the same triangle. And a scene that was changed answers as one that is made anew. Exit code 1 with a line for each complaint.
+Rays aim at corners, edges and centers, start there, or run along axes, and end at the hit. For all rays the test checks intervals, order,
+names and lengths of lists, which hold however numbers are rounded. For rays with random targets the list begins with the nearest hit, and
+both devices agree. For certified hits both devices name the same triangle. A changed scene answers like a new one. Each complaint is a
+line; the exit code is then 1.
 """
 import argparse
 import json
@@ -17,7 +17,7 @@ import numpy as np
 
 import glint
 
-CLOSE = 1e-6  # of t, relative, beside what is asked: fp32 on the device
+CLOSE = 1e-6  # relative tolerance of t: fp32 on the device
 
 
 def turned(random, size):
@@ -29,7 +29,7 @@ def turned(random, size):
 
 
 class Plan:
-    """What a scene is made of, so that it can be made on each device, and anew; `points` are worth aiming at."""
+    """Contents of a scene, from which each device makes it, also after changes. Rays aim at `points`."""
 
     def __init__(self, random):
         self.random = random
@@ -52,7 +52,7 @@ class Plan:
         corners = self.place(count)
         if kind == 1:  # on a grid
             corners = self.random.integers(-2, 3, size=(count, 3)) * self.size + self.offset
-        if kind == 2:  # in a plane across an axis, each triangle twice
+        if kind == 2:  # in a plane perpendicular to an axis, each triangle twice
             axis = self.random.integers(3)
             corners[:, axis] = self.offset[axis]
             corners = np.concatenate([corners, corners])
@@ -92,7 +92,7 @@ class Plan:
         return scene
 
     def change(self, scenes):
-        """Meshes and instances, in all of the scenes alike."""
+        """Changes meshes and instances, equally in all scenes."""
         for mesh, corners in enumerate(self.meshes):
             if self.random.random() < 0.5:
                 self.meshes[mesh] = corners + self.random.normal(size=corners.shape) * self.size * 10 ** self.random.uniform(-6, 0.5)
@@ -110,7 +110,7 @@ class Plan:
             scene.commit()
 
     def rays(self):
-        """(origins, directions, t_min, t_max, which of them aim at nothing in particular)."""
+        """(origins, directions, t_min, t_max, True for rays with random targets)."""
         random, count = self.random, self.random.integers(1, 400)
         points = np.concatenate(self.points)
 
@@ -135,7 +135,7 @@ def wrong(mask):
 
 
 def same_t(one, other, rays):
-    """But for what rounding coordinates to fp32 makes of it."""
+    """True where t is equal within the rounding of coordinates to fp32."""
     origins, directions = (np.abs(part.astype(float)).max(axis=1) for part in rays[:2])
     met = np.isfinite(one) & np.isfinite(other)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -144,7 +144,7 @@ def same_t(one, other, rays):
 
 
 def must_hold(scene, rays):
-    """What holds of a scene's answers, whatever was rounded: yields a name and where it does not hold. Returns the nearest t."""
+    """Yields the name of each property that rounding cannot break, and a mask of the rays that break it."""
     origins, directions, t_min, t_max, plain = rays
     ends = {"t_min": t_min, "t_max": t_max}
     found = scene.cast(origins, directions, want=("hit", "t", "geometry", "uv", "normal"), **ends)
@@ -167,8 +167,8 @@ def must_hold(scene, rays):
 
 
 def as_made_anew(scene, anew, rays):
-    """Where a scene that was changed does not answer as one made anew: nearest hits to the bit. Of lists the names, of plain rays: where
-    rounding leaves it open whether a surface is met before the origin the processor decides, and another tree may not come by there."""
+    """Yields names and masks of rays for which a changed scene and a new one differ: nearest hits in any bit, lists of rays with random
+    targets in their names. For other rays rounding may decide whether a surface lies before the origin, and another tree may skip it."""
     origins, directions, t_min, t_max, plain = rays
     asked = [one.cast(origins, directions, t_min=t_min, t_max=t_max) for one in (scene, anew)]
     for name in asked[0]._fields:
@@ -181,12 +181,12 @@ def as_made_anew(scene, anew, rays):
 
 
 def complaints(seed, devices):
-    """What is wrong with the answers of the scenes of a seed, a line each."""
+    """Yields a line for each wrong answer in the scenes of a seed."""
     plan = Plan(np.random.default_rng(seed))
     try:
         scenes = [plan.make(device) for device in devices]
     except glint.Error as error:
-        if error.status == "GLINT_ERROR_SCENE":  # a shape that is refused
+        if error.status == "scene":  # a refused shape
             return
         raise
     for turn in range(3):

@@ -55,7 +55,7 @@ def test_trimesh_follows_the_mesh(selector):
     mesh.faces = numpy.concatenate([mesh.faces, mesh.faces + len(CUBE)])
     mesh.vertices = numpy.concatenate([mesh.vertices, mesh.vertices - [3, 0, 0]])
     assert mesh.ray.contains_points([[0, 0, 0], [3, 0, 0]]).tolist() == [True, True]
-    # A mesh and what asks it are made of each other, as trimesh's are.
+    # The mesh and its intersector refer to each other, as trimesh's do.
     other = pickle.loads(pickle.dumps(mesh))
     assert other.ray.mesh is other and other.ray.contains_points([[3, 0, 0], [9, 0, 0]]).tolist() == [True, False]
     with pytest.raises(ValueError, match="vertices"):
@@ -98,7 +98,7 @@ def test_open3d(selector):
 
 
 class Tensor:
-    """As much of open3d.core.Tensor as numpy sees: it cannot be made an array by numpy.asarray."""
+    """Stands for open3d.core.Tensor, which numpy.asarray cannot convert."""
 
     def __init__(self, numbers, place="cpu"):
         self.numbers, self.place = numbers, place
@@ -134,7 +134,7 @@ def test_open3d_tensors(selector):
     assert scene.test_occlusions(rays).numpy().tolist() == [True, False]
     assert scene.list_intersections(rays)["ray_splits"].numpy().tolist() == [0, 4, 4]
     assert RaycastingScene(selector).compute_occupancy(Tensor(numpy.zeros((1, 3))), nsamples=3).numpy().tolist() == [0]
-    # Of arrays arrays, which code that was written for tensors can ask for their numbers too.
+    # Arrays give arrays, with tensors' method numpy().
     hits = scene.cast_rays(rays.numpy())["t_hit"]
     assert isinstance(hits, numpy.ndarray) and type(hits.numpy()) is numpy.ndarray and hits.numpy() == pytest.approx([4, numpy.inf])
     for wrong in ((CUBE,), ()):
@@ -143,14 +143,14 @@ def test_open3d_tensors(selector):
 
 
 def test_open3d_pinhole():
-    # From (2, 3, 4) along -y with x as the way up: 90 degrees across, so that the picture's plane at 1 is 2 wide and 1 high.
+    # From (2, 3, 4) along -y, x up, 90 degrees horizontally: the image plane at distance 1 is 2 wide and 1 high.
     rays = RaycastingScene.create_rays_pinhole(90, [2, 1, 4], [2, 3, 4], [5, 0, 0], 4, 2)
     assert rays.shape == (2, 4, 6) and rays.dtype == numpy.float32
     assert (rays[..., :3] == [2, 3, 4]).all()
-    # Across: up x forward = x x -y = -z.
+    # To the right: up x forward = x x -y = -z.
     expected = [[[row, -1, -column] for column in (-0.75, -0.25, 0.25, 0.75)] for row in (-0.25, 0.25)]
     assert rays[..., 3:] == pytest.approx(numpy.array(expected), abs=1e-6)
-    # The same by matrices: rows are across, up and forward.
+    # The same by matrices: rows are right, up and forward.
     turn = numpy.array([[0, 0, -1.0], [1, 0, 0], [0, -1, 0]])
     place = numpy.eye(4)
     place[:3, :3], place[:3, 3] = turn, -turn @ [2, 3, 4]

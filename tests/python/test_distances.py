@@ -57,7 +57,7 @@ def test_pinhole_rays(device):
     place = numpy.column_stack((turn, [0.3, -0.2, 2]))
     rays = glint.pinhole_rays(lens, place, 64, 40)
     assert rays.shape == (40, 64, 6) and glint.pinhole_rays(lens, place, 8, 4, numpy.float32).dtype == numpy.float32
-    # Every point of a ray is seen in its pixel's middle, and t is its depth.
+    # Each point of a ray projects to its pixel's centre, and t is its depth.
     seen = (rays[..., :3] + 7 * rays[..., 3:]) @ turn.T + place[:, 3]
     assert seen[..., 2] == pytest.approx(numpy.full((40, 64), 7))
     pixels = seen @ lens.T / 7

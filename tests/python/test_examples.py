@@ -1,4 +1,4 @@
-"""The tutorial's programs, on the reference and on a Vulkan device: they draw, and the same."""
+"""The tutorial's programs write images, and the same ones with the reference and a Vulkan device."""
 import os
 import pathlib
 import re
@@ -15,7 +15,7 @@ SIZE = 48
 
 
 def read_png(path):
-    """Of those that examples/python/town.py writes: one chunk of unfiltered RGB."""
+    """Reads PNG files of examples/python/town.py: one chunk of unfiltered RGB."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     width, height, bits, kind = struct.unpack(">IIBB", data[16:26])

@@ -47,7 +47,7 @@ def test_only_what_is_wanted(cube):
 
 
 def test_certified_hits(cube):
-    # Through the diagonal of a face, past a corner by less than fp32 can tell, and through nothing.
+    # Through the diagonal of a face, past a corner by less than fp32 resolves, and past everything.
     hits = cube.cast([[0, 0, 5], [1 + 1e-15, 1, 5], [9, 9, 9]], [0, 0, -1], want=("t", "sure", "t_lower", "t_upper"))
     assert hits.sure.dtype == bool and hits.sure.tolist() == [True, True, True]
     assert hits.t.tolist() == [4, numpy.inf, numpy.inf]
@@ -69,7 +69,7 @@ def test_shapes_and_types(cube, dtype, shape):
 
 
 def test_arrays_stay_as_they_stand(cube):
-    table = numpy.zeros((10, 9), numpy.float32)  # somebody's table, rays in the middle, every second row, backwards
+    table = numpy.zeros((10, 9), numpy.float32)  # a caller's table: rays in the middle columns, every second row, backwards
     table[:, 2:8] = [0, 0, 5, 0, 0, -1]
     table[:, 2] = numpy.linspace(-2, 2, 10)
     rays = table[::-2, 2:8]
@@ -91,7 +91,7 @@ def test_no_copies_of_rays(cube, dtype):
         held = glint._RayArrays(*batch, *([None] * (2 - len(batch))), None, None, False)
         assert numpy.shares_memory(held.kept[0], batch[0]) and numpy.shares_memory(held.kept[1], batch[-1]), name
         assert held.struct.origins.data == batch[0].ctypes.data, name
-        # numpy tells tracemalloc of its arrays: the answers, one byte each and their bools, are all there is.
+        # tracemalloc counts numpy's arrays: the only ones are the answers, one byte each, and their bools.
         tracemalloc.start()
         assert cube.occluded(*batch).all()
         _, peak = tracemalloc.get_traced_memory()
@@ -171,7 +171,7 @@ def test_memory_may_be_refused(capfd):
         scene.add_triangles(numpy.zeros((3_000_000, 3)))
     assert error.value.status == "memory"
     assert scene.commit().occluded([[0, 0, 9, 0, 0, -1]]).all()
-    del scene, device, error  # whose frames hold the scene
+    del scene, device, error  # the error's frames hold the scene
     assert held == 0
     assert capfd.readouterr().err == ""
     with pytest.raises(glint.Error, match="memory callback refused"):  # what it raises is printed
@@ -202,7 +202,7 @@ def test_loads_are_watched_and_cancelled(device, tmp_path):
     scene = glint.Scene.load(path, device, cancelled=count, progress=parts.append)
     assert scene.triangles == 2 * 150 ** 2
     assert parts == sorted(set(parts)) and parts[-1] == 1
-    assert sum(part < 0.5 for part in parts) > 2 and sum(0.5 < part < 1 for part in parts) > 2  # while read, and while built
+    assert sum(part < 0.5 for part in parts) > 2 and sum(0.5 < part < 1 for part in parts) > 2  # during reading, and during building
     for at in {1, asked // 3, 2 * asked // 3}:
         left = iter(range(at))
         with pytest.raises(glint.Error) as error:
@@ -344,7 +344,7 @@ def test_what_is_printed(device, cube):
 def test_ctrl_c_ends_a_call(device):
     scene = glint.Scene.load(SCENES / "knot.json", device)
     rays = numpy.random.default_rng(3).normal(size=(100_000 if device.info["reference"] else 1_500_000, 6))
-    scene.count(rays[:1000])  # kernels are made with the first call
+    scene.count(rays[:1000])  # the first call compiles kernels
     parts = []
 
     def press(part):
@@ -360,7 +360,7 @@ def test_ctrl_c_ends_a_call(device):
 
 @pytest.mark.parametrize("selector", ["cpu", ""])
 def test_ctrl_c_ends_commits_and_loads(selector, tmp_path):
-    """Pressed where memory is first asked for, so that no clock decides what it comes upon."""
+    """Interrupts at the first allocation, so that no clock decides the moment."""
     path = _sheet(tmp_path)
     taken, presses = [], []
 
@@ -416,4 +416,4 @@ def test_others_run_meanwhile(device):
     while thread.is_alive():
         time.sleep(0.001)
         beats += 1
-    assert beats > 10  # a call that held the interpreter's lock leaves a handful
+    assert beats > 10  # a call that held the interpreter's lock would leave a handful

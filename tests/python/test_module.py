@@ -39,7 +39,7 @@ def test_what_can_be_pickled(cube):
     assert hits.t == 4 and hits._fields == ("t", "geometry", "primitive", "uv", "normal")
     error = pickle.loads(pickle.dumps(glint.Error("scene", "why")))
     assert error.status == "scene" and str(error) == "why"
-    for held in (cube, cube._device):  # two owners of one handle would let go of it twice
+    for held in (cube, cube._device):  # two owners would release one handle twice
         for way in (pickle.dumps, copy.copy, copy.deepcopy):
             with pytest.raises(TypeError, match="neither copied nor pickled"):
                 way(held)
@@ -73,7 +73,7 @@ def test_devices_and_version():
 
 
 class Mesh:
-    """What trimesh's and Open3D's meshes have."""
+    """Has the attributes of trimesh's or Open3D's meshes."""
 
     def __init__(self, **arrays):
         self.__dict__.update(arrays)

@@ -1,4 +1,4 @@
-"""Some seeds of random_rays.py; the hours are run by hand."""
+"""Some seeds of random_rays.py; tools/test-more soak runs more."""
 import glint
 from random_rays import complaints
 
