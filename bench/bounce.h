@@ -1,4 +1,4 @@
-// Where a matte surface sends a ray on.
+// Direction of a diffuse bounce.
 #pragma once
 
 #include <algorithm>

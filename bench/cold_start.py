@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""From the shell to a PNG with the driver's shader cache off: where the time goes, and another build beside it.
+"""Measures the time from the shell to a PNG with the driver's shader cache off, by stage, for one or two builds.
 
     bench/cold_start.py [--against OTHER/bin/glint] [--warm] [--repeat N] [--quick]
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Whole pictures beside POV-Ray 3.7: the same mesh, camera, light and shadows, no antialiasing, from the shell's point of view.
+"""Compares whole images with POV-Ray 3.7: the same mesh, camera, light and shadows, no antialiasing; time from start to exit.
 
     bench/compare_povray.py [--assets FOLDER] [--repeat N] [--keep FOLDER] [--quick]
 
 Each program reads its own file (POV-Ray a translation, tests/povray/translate.py, glint the mesh's own file) and writes a PNG; runs take turns, and the
 median of N (default 5) counts. `cold`: the driver's shader cache switched off. Needs povray (Debian package) and the meshes of --assets
-(default ../shared/assets/meshes); those that are not there are left out. --keep: the pictures and scenes, to look at. About four minutes on
+(default ../shared/assets/meshes); missing meshes are left out. --keep: keeps the images and scenes. About four minutes on
 two idle cores.
 """
 import json

@@ -46,7 +46,7 @@ std::vector<BenchRay> cameraRays(const PackedScene& scene, const shared::Camera&
 std::vector<BenchRay> shadowRays(const std::vector<BenchRay>& rays, const std::vector<BenchHit>& hits,
                                  const shared::Light& light);
 
-// Whether packets can trace rays of this scene.
+// True if packets can trace rays of this scene.
 bool hasPackets(const gpu::Device& device, const PackedScene& scene);
 
 }  // namespace glint::bench

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whole pictures beside a plain Whitted tracer over Embree's single rays, and secondary rays beside Embree's.
+"""Compares whole images with a plain Whitted tracer over Embree's single rays, and secondary rays with Embree's.
 
     bench/embree_peer.py [--programs build/bin] [--only pictures|secondary] [--shrink 1] [--seconds 3]
                          [--assets ../shared/assets/meshes] [--quick] [--same] [SCENE...]

@@ -1,15 +1,14 @@
 #!/usr/bin/env python3
-"""What `glint render --error` asks for and gets: realised error over asked error, for scenes, errors and seeds.
+"""Compares the error that `glint render --error` reaches with the error asked for, over scenes, errors and seeds.
 
     bench/error_targets.py [--scenes a,b] [--errors 0.01,0.003] [--seeds N] [--size WxH] [--keep FILE] [--images docs/images] [--quick]
 
-The truth of each scene is drawn by --error too, to a fifth of the least error asked for, with another seed, and its own bound is part of the table.
-It is independent of what it judges, so its mean square, as its replicates show it, is taken off: otherwise 2 % of the error asked for would be its.
-With --keep, each scene and error that is done is appended to FILE, and not drawn again: 19 scenes, three errors and 20 seeds take hours on two cores.
-All with --within-depth: what is judged is sampling. "Fewest samples": of --spp N with the same sampler, the least N of a ladder in steps of
-about 1.2, and of the powers of two, whose realised error is at most what was asked for, known afterwards; the median of three seeds. The ratio to it
-is what the promise costs in samples, and the ratio of the commands' processor seconds (medians) what it costs in time. Exact bounds of the share of
-runs that kept the promise are Clopper and Pearson's (1934).
+The true image of each scene is rendered by --error too, with another seed, to a fifth of the least error asked for. Its replicates estimate its own
+mean square error, which is subtracted; without this, 2 % of the error asked for would be the true image's own. The table states its bound.
+All runs use --within-depth, so they measure sampling alone. "Fewest": the least N for which --spp N with the same sampler reaches the error asked
+for, among powers of two and steps of about 1.2; the median of three seeds. The ratios to it are the price of the guarantee in samples and, by
+the medians of processor seconds, in time. Bounds of the share of runs that kept the guarantee are exact (Clopper and Pearson, 1934).
+With --keep, finished pairs of scene and error are appended to FILE and not measured again: 19 scenes, three errors and 20 seeds take hours on two cores.
 """
 import array
 import json
@@ -44,11 +43,9 @@ class Scene:
     def __init__(self, options, name, folder):
         self.options, self.name, self.file = options, name, folder / "a.pfm"
         self.scene = measure.ROOT / "scenes" / f"{name}.json"
-        # A single pixel of the truth may err by several times the root mean square.
-        least = min(options.error_list) / (100 if options.measure == "pixel" else 5)
-        self.truth, stats, _ = self.draw("--error", least, "--seed", 4711, "--max-spp", 1 << 20)
+        self.truth, stats, _ = self.draw("--error", min(options.error_list) / 5, "--seed", 4711, "--max-spp", 1 << 20)
         self.truth_bound = stats["error"]["sampling"]
-        self.truth_square = stats["error"]["estimate"] ** 2 if options.measure == "rmse" else 0
+        self.truth_square = stats["error"]["estimate"] ** 2
 
     def draw(self, *arguments):
         within = ["--within-depth"] if "--error" in arguments else []
@@ -56,19 +53,19 @@ class Scene:
                                     "--stats", "json", *within, *arguments])
         return pixels(self.file), json.loads(out), seconds
 
-    def error_of(self, picture):
-        return math.sqrt(max(rmse(picture, self.truth) ** 2 - self.truth_square, 0))
+    def error_of(self, image):
+        return math.sqrt(max(rmse(image, self.truth) ** 2 - self.truth_square, 0))
 
-    def promised(self, error, seed):
-        picture, stats, seconds = self.draw("--error", error, "--seed", seed)
-        return self.error_of(picture), stats["samplesTaken"]["mean"], seconds
+    def reach(self, error, seed):
+        image, stats, seconds = self.draw("--error", error, "--seed", seed)
+        return self.error_of(image), stats["samplesTaken"]["mean"], seconds
 
     def fewest(self, error, about, seed):
-        """The least count of the ladder, and what it took. `about`: where to begin to look, as the error falls with every other count or so."""
+        """The least count of the ladder that reaches `error`, and its processor seconds. The search starts at an eighth of `about`."""
         counts = [count for count in LADDER if count >= about / 8]
         for count in counts:
-            picture, _, seconds = self.draw("--spp", count, "--sampler", "lowDiscrepancy", "--seed", seed)
-            if self.error_of(picture) <= error:
+            image, _, seconds = self.draw("--spp", count, "--sampler", "lowDiscrepancy", "--seed", seed)
+            if self.error_of(image) <= error:
                 return count, seconds
         return counts[-1], seconds
 
@@ -84,7 +81,7 @@ def least_share(kept, runs, tail=0.05):
 
 
 def measured(options, name, folder):
-    """What each error asked for gave in one scene; from options.keep where it is known."""
+    """A row for each error asked for in one scene, read from options.keep where it holds one."""
     done = [json.loads(line) for line in options.keep.read_text().splitlines()] if options.keep and options.keep.exists() else []
     key = {"scene": name, "size": options.size, "seeds": options.seeds}
     known = {row["error"]: row for row in done if all(row[k] == key[k] for k in key)}
@@ -93,7 +90,7 @@ def measured(options, name, folder):
         if error in known or options.done:
             continue
         scene = scene or Scene(options, name, folder)
-        realized, counts, seconds = zip(*(scene.promised(error, seed) for seed in range(options.seeds)))
+        realized, counts, seconds = zip(*(scene.reach(error, seed) for seed in range(options.seeds)))
         samples = statistics.median(counts)
         fewest = [scene.fewest(error, samples, seed) for seed in range(1, 4)]
         known[error] = {**key, "error": error, "realized": realized, "kept": sum(1 for r in realized if r <= error),
@@ -107,9 +104,9 @@ def measured(options, name, folder):
 
 
 def draw(found, path):
-    """What was asked for and what each scene got: the medians of its seeds, and the worst of them."""
+    """Diagram of the errors reached against the errors asked for: median and worst seed of each scene."""
     asked = sorted({f["error"] for f in found})
-    measure.diagram(path, "Errors asked for, errors got: RMSE of the picture", "asked for", "got",
+    measure.diagram(path, "Errors asked for, errors got: RMSE of the image", "asked for", "got",
                     [("as much as asked for", [(e, e) for e in asked], 1), ("a scene's median run", [(f["error"], statistics.median(f["realized"])) for f in found], None),
                      ("its worst run", [(f["error"], max(f["realized"])) for f in found], None)])
 
@@ -136,7 +133,7 @@ def main():
     rows = [[f["scene"], f"{f['error']:g}", f"{f['kept']} of {len(f['realized'])}", f"{f['ratio']:.2f}", f"{f['samples']:.4g}", f"{f['fewest']:g}",
              *(f"{ratio:.2f}" for ratio in over[id(f)]), f"{f['truthBound']:.1g}"] for f in found]
     runs, kept = sum(len(f["realized"]) for f in found), sum(f["kept"] for f in found)
-    # A scene that two samples satisfy says nothing about how close the promise comes.
+    # A scene that two samples satisfy says nothing about how close to its bound an error comes.
     more = [f for f in found if f["samples"] > 2]
     text = (f"{options.size}, confidence 0.95, {options.seeds} seeds each. Kept: {kept} of {runs} runs, so with 95 % confidence at least "
             f"{100 * least_share(kept, runs):.1f} % are. Where more than two samples were needed: median realised over asked "

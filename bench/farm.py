@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""What it costs to draw a picture in parts, and how equal they are: processor seconds, which a busy machine spoils least.
+"""Measures the price of rendering an image in parts, and how equal the parts are, in processor seconds.
 
     bench/farm.py [--glint build/bin/glint] [--parts 8] SCENE...
 
-For each scene a picture at once, its parts one after the other, and their merging; medians of three rounds.
+For each scene: the image at once, its parts one after the other, and `glint merge`; medians of three rounds.
 """
 import argparse
 import json

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What drawing by MPI costs on one machine: `mpirun -n 2` with one driver thread each against one process with two.
+"""Measures the price of rendering by MPI on one machine: `mpirun -n 2` with one driver thread each against one process with two.
 
     bench/farm_mpi.py [--glint build/bin/glint] [--repeats 5] [--size 1600x1200] [--spp 4] [--ranks 2] SCENE...
 
-Runs alternate, so that whatever else the machine does disturbs both alike. Wall time is what a user waits; processor seconds are what is
-left of it on a machine with other work. Both from the start of the command to its end, mpirun's own included. The bits are compared.
+Runs alternate, so that other load disturbs both alike. Wall time and processor seconds run from the start of the command to its end, mpirun
+included. The images' bits are compared.
 """
 import argparse
 import os

@@ -1,4 +1,4 @@
-"""What bench/gpu found, as a page and as JSON."""
+"""Writes the results of bench/gpu as a page and as JSON."""
 import json
 import re
 import time
@@ -6,7 +6,7 @@ import time
 import gpu_parts
 import measure
 
-TITLES = {"devices": "Devices", "hashes": "Hashes of pictures", "verify": "Against the reference", "tests": "Tests", "traversals": "Ways to find hits",
+TITLES = {"devices": "Devices", "hashes": "Hashes of images", "verify": "Against the reference", "tests": "Tests", "traversals": "Ways to find hits",
           "forms": "Forms of kernels"}
 
 

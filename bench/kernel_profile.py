@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Where a picture's time goes within its kernel: samples of the processor laid over the machine code, part by part of the shader.
+"""Profiles the kernel of an image: samples of the processor over the machine code, by part of the shader.
 
     bench/kernel_profile.py [--samples 10000] [--rate 10000] [--quick] [SCENE...]
 
-Runs `perf record -e cpu-clock` over `glint render` with the shader cache filled, until the kernel has so many samples. lavapipe gives its code no
-lines of the source, so parts are told by loops: the machine code has those of whole.comp, nested and in order as there. A loop that all lanes leave
+Runs `perf record -e cpu-clock` over `glint render` with a filled shader cache until the kernel has --samples samples. lavapipe's code has no
+line numbers, so loops tell the parts: the machine code has those of whole.comp, nested and in order as there. A loop that all lanes leave
 together exchanges halves of a vector; of such loops the innermost are the nodes' ones, first of nearest hits, then of shadow rays. Scenes that take
 other kernels than whole.comp (packets) are left out. Needs perf, zstd and objdump, and makes sense on lavapipe alone.
 """

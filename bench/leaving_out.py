@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the code of each feature costs a scene that does not use it: code, compile time, rays a second, memory.
+"""Measures the price of each feature's code in a scene that does not use it: code size, compile time, rays a second, memory.
 
     bench/leaving_out.py [--traversal lane|packet] [--only FEATURE,...] [--quick]
 

@@ -1,11 +1,10 @@
 // library_rays [--count] SCENE...
 //
-// What a batch costs by libglint's C API, from the caller's arrays to the caller's arrays, against the
-// kernels alone: nearest hits with t, geometry and primitive, any hits and counts, of random rays through the
-// scene's box, of chords of the sphere around it and of a camera's. fp32 origins and directions. Seconds of
-// processor time, the best of so many turns. --count: counts alone, and their sum, which no change may move.
-// Where the build knows tinybvh (GLINT_TINYBVH), its rates for the same rays on the same triangles; and how
-// many of the rays at vertices that hit, by certified hits, each of the two misses.
+// Compares batches by libglint's C API, from array to array, with the kernels alone: closest hits with t,
+// geometry and primitive, any hits, and counts. Rays: random ones through the scene's box, chords of the
+// sphere around it, and a camera's, with fp32 origins and directions. Processor time, the best of kTurns.
+// --count: counts alone, and their sum, which no change may move. A build with tinybvh (GLINT_TINYBVH) adds its
+// rates for the same rays and triangles, and how many rays at vertices that hit (by certified hits) each misses.
 #include <algorithm>
 #include <cinttypes>
 #include <cmath>

@@ -1,4 +1,4 @@
-"""What the measuring scripts share: running glint, log-log fits and diagrams."""
+"""Shared by the measuring scripts: running glint, log-log fits and diagrams."""
 import argparse
 import json
 import math

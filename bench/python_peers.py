@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rays from Python: glint beside Open3D's RaycastingScene and trimesh's ray_triangle, numpy in and numpy out.
+"""Compares rays from Python: glint, Open3D's RaycastingScene and trimesh's ray_triangle, from numpy arrays to numpy arrays.
 
     bench/python_peers.py [--repeat N] [--size N] [--assets FOLDER] [--only answers|rates] [--quick]
 
@@ -9,7 +9,7 @@ triangles, and from outside, where it must cross an even number.
 
 GLINT_LIBRARY and PYTHONPATH say which glint. Open3D is Debian's python3-open3d, whose rays have the mask 0 while Debian's Embree is built with
 masks, so that every ray misses: a library that sets the mask is compiled here (gcc) and put in between. trimesh is not in Debian; from
-elsewhere by PYTHONPATH, with Debian's python3-rtree. What is missing is left out, and said.
+elsewhere by PYTHONPATH, with Debian's python3-rtree. A missing package is named and left out.
 """
 import argparse
 import os

@@ -1,4 +1,4 @@
-// What both sides of the comparison exchange.
+// Rays and hits that both sides of the comparison exchange.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Great scenes, from the shell to the PNG: 10^7 triangles, 10^8 by instances, 10^6 spheres, 1,000 lights, and a tenth of each.
+"""Measures large scenes from the shell to the PNG: 10^7 triangles, 10^8 by instances, 10^6 spheres, 1,000 lights, and a tenth of each.
 
     bench/scale.py [--rounds 3] [--only triangles,instances,spheres,lights] [--quick]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How time grows: triangles, pixels, lights, depth and threads, each with the exponent fitted to it.
+"""Measures how time grows with triangles, pixels, lights, depth and threads, and fits an exponent to each.
 
     bench/scaling.py [--images FOLDER] [--quick]
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Whole pictures by the shaders against the same by the reference: what a user waits for, scene by scene.
+"""Compares the time of whole images by the shaders with the reference's, scene by scene.
 
     bench/whole_pictures.py [--rounds 5] [--shrink 1] [--device NAME] [--quick] [--before PROGRAM] [SCENE...]
 
-Both tracers take turns; quartiles of the seconds of tracing, on all processors. `--before` names another build of glint, whose shaders take a turn too.
-`--shrink 4` divides the width and the height of pictures, for a busy machine. All scenes of scenes/ take about twenty minutes on two idle cores.
+Both tracers take turns; quartiles of the seconds of tracing, on all processors. `--before`: another build of glint, whose shaders take a turn too.
+`--shrink 4`: divides width and height by 4. Three rounds of all scenes take three to ten minutes on two idle cores.
 """
 import math
 import pathlib
@@ -27,7 +27,7 @@ def is_scene(path):
 
 
 def size_of(glint, scene, shrink):
-    width, height = re.search(r"^  picture +(\d+) x (\d+)", measure.run([glint, "info", scene])[2], re.MULTILINE).groups()
+    width, height = re.search(r"^  image +(\d+) x (\d+)", measure.run([glint, "info", scene])[2], re.MULTILINE).groups()
     return "%dx%d" % tuple(max(8, round(int(side) / shrink)) for side in (width, height))
 
 
@@ -64,7 +64,7 @@ def main():
                     seconds = trace_seconds(program, backend, scene, size, f"{folder}/{name}.pfm", options.device)
                     if turn > 0 or rounds == 1:  # the first fills the shader cache
                         found[name].append(seconds)
-            low, mid, high = quartiles([s[0] for s in found["shaders"]])
+            low, mid, high = quartiles([max(s[0], 5e-4) for s in found["shaders"]])  # glint prints whole milliseconds
             reference = quartiles([s[0] for s in found["reference"]])
             ratios.append(reference[1] / mid)
             row = [f"`{scene.stem}`", size, f"{measure.seconds(mid)} ({measure.seconds(low)} to {measure.seconds(high)})",
