@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Installs the Debian packages in a root of their own, uses them there as a newcomer would, and takes them away again.
+# Installs the Debian packages in a new root, uses them there, and removes them.
 #
-#   clean_root.sh FOLDER     where tools/package has put them
+#   clean_root.sh FOLDER     the folder to which tools/package wrote them
 #
-# The root is made by debootstrap from wherever this machine's apt gets its packages, below TMPDIR (2 GB). Needs to be root. KEEP=1 keeps it.
+# debootstrap makes the root below TMPDIR (2 GB), from the source of this machine's apt. Needs to be root. KEEP=1 keeps it.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/../.." && pwd)
 if [ $# -ne 1 ] || ! ls "$1"/glint_*.deb >/dev/null 2>&1; then
@@ -20,7 +20,7 @@ trap cleanup EXIT
 
 say() { echo "-- $*"; }
 fail() { echo "clean_root: $*" >&2; exit 1; }
-# In the root, with a home and a place for Mesa's cache that count as no leftovers, and with a /proc of its own that goes with the command.
+# Runs a command in the root, with its own /proc, and with home and Mesa's cache in /tmp, where they count as no leftovers.
 inside() {
     unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp/home \
         XDG_CACHE_HOME=/tmp/home LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"' "$root" "$@"
@@ -28,12 +28,12 @@ inside() {
 quietly() { inside "$@" >"$folder/said" 2>&1 || { tail -n 30 "$folder/said" >&2; fail "$* failed"; }; }
 
 make_root() {
-    # "deb SITE RELEASE COMPONENT" of everything that apt here gets from Debian.
+    # "deb SITE RELEASE COMPONENT" of each source from which apt gets Debian's packages here.
     apt-get indextargets --format 'deb $(SITE) $(RELEASE) $(COMPONENT) $(ORIGIN) $(IDENTIFIER)' |
         sed -n 's/ Debian Packages$//p' | sort -u >"$folder/sources"
     local site
     site=$(awk -v release="$release" '$3 == release { print $2; exit }' "$folder/sources")
-    [ -n "$site" ] || fail "apt knows no place of Debian's $release"
+    [ -n "$site" ] || fail "apt has no source of Debian's $release"
     debootstrap --variant=minbase "$release" "$root" "$site" >"$folder/said" 2>&1 || { tail -n 20 "$folder/said" >&2; fail "debootstrap failed"; }
     cp "$folder/sources" "$root/etc/apt/sources.list"
     apt-config dump | grep -i '^Acquire::.*proxy' >"$root/etc/apt/apt.conf.d/99proxy" || true
@@ -41,7 +41,7 @@ make_root() {
     quietly apt-get update
 }
 
-# What the packages need, but for themselves, and what their parts are looked at with.
+# Installs the dependencies of the packages, without the packages, and programs that check their parts.
 install_needed() {
     local needed
     needed=$(for deb in "$debs"/*.deb; do dpkg-deb -f "$deb" Depends Recommends; done | sed 's/^[A-Za-z]*: //' | tr '\n' ',' |
@@ -49,7 +49,7 @@ install_needed() {
     quietly apt-get satisfy -y --no-install-recommends "${needed%,}, shared-mime-info, man-db, fish, zsh"
 }
 
-# Everything that is there but what changes by itself.
+# Lists all files except those that change by themselves.
 listing() {
     (cd "$root" && find . \( -path ./tmp -o -path ./var/log -o -path ./var/cache -o -path ./var/lib/apt -o -path ./proc -o -path ./sys \) -prune -o -print) |
         grep -vE '^\./var/lib/dpkg/[a-z]+-old$' | sort
@@ -64,7 +64,7 @@ use_program() {
     grep -q '^window: GLFW' "$folder/version" || fail "no window: $(cat "$folder/version")"
     grep -q '^device: .*Vulkan 1\.' "$folder/version" || fail "no device: $(cat "$folder/version")"
 
-    # A ray, and pictures: those of the tree, from the examples that are installed.
+    # A ray, and images of the installed examples with the hashes of this tree.
     inside glint trace /usr/share/doc/glint/examples/scenes/spheres.json --pixel 320,240 >"$folder/ray" || fail "glint trace failed"
     awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "t") t = i } NR == 2 { found = $t > 0 && $t < 1e9 } END { exit !found }' \
         "$folder/ray" || fail "a ray hits nothing: $(cat "$folder/ray")"
@@ -72,16 +72,16 @@ use_program() {
     cp -r "$top/tools" "$root/tmp/tree/tools"
     cp "$top/tests/gallery_hashes.txt" "$root/tmp/tree/tests"
     ln -s /usr/share/doc/glint/examples/scenes "$root/tmp/tree/scenes"
-    inside env NAMES="spheres knot" bash /tmp/tree/tools/gallery-hashes /usr/bin/glint || fail "a picture is another"
+    inside env NAMES="spheres knot" bash /tmp/tree/tools/gallery-hashes /usr/bin/glint || fail "an image has another hash"
 
-    # A program in C, compiled outside of the root, where a compiler is.
+    # A program in C, compiled outside the root, which has no compiler.
     multiarch=$(basename "$(dirname "$(ls "$root"/usr/lib/*/libglint.so)")")
     gcc -I"$root/usr/include" "$top/examples/c/nearest_hit.c" -o "$root/tmp/nearest_hit" -L"$root/usr/lib/$multiarch" -lglint \
         -Wl,--allow-shlib-undefined
     inside /tmp/nearest_hit | grep -q 'ray 0: geometry 1 at 7.000' || fail "nearest_hit is wrong"
 }
 
-# One picture by two ranks.
+# One image by two ranks.
 use_mpi() {
     local scene=/usr/share/doc/glint/examples/scenes/spheres.json
     local draw=(glint render "$scene" --size 320x240 --stats json -q -o)
@@ -90,14 +90,14 @@ use_mpi() {
     inside env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 120 mpirun --oversubscribe -n 2 "${draw[@]}" /tmp/two.pfm \
         >"$folder/two" || fail "mpirun glint render failed"
     grep -q '"ranks": 2' "$folder/two" || fail "not two ranks: $(cat "$folder/two")"
-    cmp "$root/tmp/one.pfm" "$root/tmp/two.pfm" || fail "two ranks draw another picture"
+    cmp "$root/tmp/one.pfm" "$root/tmp/two.pfm" || fail "two ranks render another image"
 }
 
 use_python() {
     local name
     inside python3 -c "import glint" || fail "import glint failed"
     sed -n '/^```python$/,/^```$/p' "$top/README.md" | sed '/^```/d' >"$root/tmp/readme.py"
-    inside python3 /tmp/readme.py | grep -qx '\[3\.\]' || fail "the lines of README.md do not print [3.]"
+    inside python3 /tmp/readme.py | grep -qx '\[3\.\]' || fail "the example of README.md does not print [3.]"
     for name in lidar_scan sun_hours sky_view; do
         inside python3 -B "/usr/share/doc/python3-glint/examples/$name.py" "/tmp/$name.png" --size 90 || fail "$name.py failed"
         [ -s "$root/tmp/$name.png" ] || fail "$name.py wrote nothing"
@@ -116,12 +116,12 @@ use_pages() {
     inside bash -c 'source /usr/share/bash-completion/completions/glint; COMP_WORDS=(glint ver); COMP_CWORD=1; _glint; echo "${COMPREPLY[*]}"' |
         grep -qx verify || fail "bash completes nothing"
     inside zsh -n /usr/share/zsh/vendor-completions/_glint || fail "zsh does not understand its completion"
-    grep -q 'application/x-glint-scene+json:\*\.glint\.json' "$root/usr/share/mime/globs2" || fail "the type of scenes is not known"
+    grep -q 'application/x-glint-scene+json:\*\.glint\.json' "$root/usr/share/mime/globs2" || fail "the MIME type of scenes is missing"
 }
 
 say "a clean root of $release"
 make_root
-say "what the packages need"
+say "dependencies"
 install_needed
 listing >"$folder/before"
 say "installing"
@@ -140,5 +140,5 @@ say "removing"
 # shellcheck disable=SC2046
 quietly dpkg --purge $(for deb in "$debs"/*.deb; do dpkg-deb -f "$deb" Package; done)
 listing >"$folder/after"
-diff "$folder/before" "$folder/after" >"$folder/leftovers" || { cat "$folder/leftovers" >&2; fail "what was there before (<) and after (>) differs"; }
+diff "$folder/before" "$folder/after" >"$folder/leftovers" || { cat "$folder/leftovers" >&2; fail "files before (<) and after (>) differ"; }
 say "done"
