@@ -38,7 +38,8 @@ def _library(folder):
     # The set-up installs ninja; make, CMake's default, may be missing.
     generator = ["-G", "Ninja"] if shutil.which("ninja") else []
     run("cmake", "-S", ROOT, "-B", folder, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DGLINT_TESTS=OFF", "-DGLINT_WINDOW=OFF", "-DGLINT_MPI=OFF")
-    run("cmake", "--build", folder, "--target", "glint_shared", "--parallel", os.cpu_count() or 1)
+    jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL") or os.cpu_count() or 1
+    run("cmake", "--build", folder, "--target", "glint_shared", "--parallel", jobs)
     return (folder / "lib" / "libglint.so.0").resolve()
 
 

@@ -478,7 +478,7 @@ class Scene(_native.Owner):
     def occluded(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
                  t_max: ArrayLike | None = None, coherent: bool = False, leave: bool = False, cancelled: Cancelled = None,
                  progress: Progress = None) -> NDArray[numpy.bool_]:
-        """Whether each ray hits anything. leave: the rays start at the `origin` of hits, as in `cast`."""
+        """True for each ray that hits anything. leave: the rays start at the `origin` of hits, as in `cast`."""
         batch = _RayArrays(rays, directions, t_min, t_max, coherent, leave)
         return self._flags("glint_query_any", batch, numpy.uint8, cancelled, progress).view(numpy.bool_)
 
@@ -553,6 +553,7 @@ class Scene(_native.Owner):
         - width, height in pixels, samples for each pixel; 0: those of the scene.
         - layers: names among color, depth (distance along the ray; for depth along the axis cast `pinhole_rays`), position, normal
           (shading normal, unit), geometry, primitive, material.
+        - max_depth: greatest number of reflections and refractions in a row; default: that of the scene.
         - camera: (eye, target), (eye, target, up) or (eye, target, up, fov_y in degrees), or the name of one of the scene's `cameras`.
         - error: instead of `samples`, the target for the error of color: root mean square over all pixels and channels, full scale 1,
           with probability `confidence`. If `max_samples` do not reach it, a RuntimeWarning states the bound.
@@ -597,10 +598,10 @@ class Scene(_native.Owner):
 
 
 def pinhole_rays(intrinsics: ArrayLike, extrinsics: ArrayLike, width: int, height: int, dtype: DTypeLike = numpy.float64) -> NDArray[Any]:
-    """Rays through the middles of a camera's pixels, (height, width, 6), for `cast`: the t of hits is depth along the camera's axis.
+    """Rays through the centres of a camera's pixels, (height, width, 6), for `cast`: the t of hits is depth along the camera's axis.
 
     - intrinsics: (3, 3), [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] in pixels; (0, 0) is the upper left corner of the image,
-      (0.5, 0.5) the middle of its first pixel.
+      (0.5, 0.5) the centre of its first pixel.
     - extrinsics: (3, 4) or (4, 4), rotation and shift from the world to the camera, which looks along its z with y down.
 
     Raises ValueError for other shapes, and Error if a focal length is 0.

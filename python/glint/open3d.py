@@ -136,7 +136,7 @@ class RaycastingScene:
 
     @staticmethod
     def create_rays_pinhole(*arguments: Any, **named: Any) -> Any:
-        """Rays through the middles of a camera's pixels, (height_px, width_px, 6) of float32.
+        """Rays through the centres of a camera's pixels, (height_px, width_px, 6) of float32.
 
         (intrinsic_matrix, extrinsic_matrix, width_px, height_px): the upper triangular matrix (3, 3) of the lens, in pixels, and the
         rotation and shift (4, 4) from the world to the camera, which looks along its z.
