@@ -326,6 +326,7 @@ std::vector<Branch> PathTracer::branchesOf(const Branch& branch, const Interacti
         else
             ++next[0].waiting;
     }
+    for (const Branch& b : next) decide(static_cast<uint32_t>(b.kind) + 1);
     return next;
 }
 

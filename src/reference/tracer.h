@@ -151,8 +151,8 @@ struct PixelRecord {
     // of shading alone (rounding.h).
     glm::dvec3 rounding{0};
     // A hash over all that was decided on the way: primitives hit, lights faced and hidden, cells of
-    // checkers. Between paths of equal decisions the colour changes continuously with the rays. Of a path it
-    // is addDecisions() over the decisions of its steps.
+    // checkers, kinds of rays that follow. Between paths of equal decisions the colour changes continuously
+    // with the rays. Of a path it is addDecisions() over the decisions of its steps.
     uint32_t decisions = 0;
     // True if a ray of the path, or under jitter a blocked shadow ray, hit an instance.
     bool meetsInstance = false;

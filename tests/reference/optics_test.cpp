@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "reference/tracer.h"
@@ -98,6 +99,25 @@ TEST(OpticsTest, SlabShiftsARay) {
     EXPECT_NEAR(shift, 0.512472013191, 1e-11);
     EXPECT_EQ(record.bounces, 4u);
     EXPECT_EQ(record.lost.depth.count, 2u);  // both branches where the last one meets the upper face
+}
+
+// One ray follows either way, and misses: of a split the weak reflection is cut.
+TEST(OpticsTest, KindsOfRaysAreDecisions) {
+    SceneMaker maker;
+    maker.plane({0, 0, 0}, {0, 0, 1});
+    PackedScene scene = maker.finish();
+    addGlass(scene, 0, 1.5f, 0, glm::vec3(0));
+    const Tracer tracer(std::make_shared<const Model>(widened(scene)),
+                        {.limits = {.depth = 1, .minContribution = 0.2}}, 1);
+    const auto fromBelow = [&](double cosine) {
+        return tracer.trace(makeRay({0, 0, -1}, {std::sqrt(1 - cosine * cosine), 0, cosine}));
+    };
+    const PixelRecord total = fromBelow(0.7), split = fromBelow(0.8);
+    EXPECT_EQ(total.bounces, 1u);
+    EXPECT_EQ(split.bounces, 1u);
+    EXPECT_EQ(total.pathHash, split.pathHash);
+    EXPECT_EQ(total.decisions, fromBelow(0.71).decisions);
+    EXPECT_NE(total.decisions, split.decisions);
 }
 
 TEST(OpticsTest, GreatestPriorityRules) {
