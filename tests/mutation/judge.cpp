@@ -7,8 +7,8 @@
 // bits; "found: ..." if it does not; "sound: ..." if it does not pass the sound kernels.
 //
 // CASES has a line for each case: its name, a scene of scenes/, width, height, samples for each pixel, and
-// options (readOption in trials.cpp). FOLDER holds kernels, such as intersect.spv and
-// packet_intersect_any.spv, that replace those of the folder SOUND.
+// options (readOption). FOLDER holds kernels, such as intersect.spv and packet_intersect_any.spv, that
+// replace those of the folder SOUND.
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -16,17 +16,115 @@
 #include <list>
 #include <map>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "../render/support.h"
+#include "core/enum_names.h"
+#include "import/load.h"
+#include "pack/pack_samples.h"
 #include "render/kernels.h"
-#include "trials.h"
+#include "render/renderer.h"
+#include "scene/sampling.h"
+#include "support/support.h"
 #include "verify/film.h"
+#include "verify/verify.h"
 
 namespace glint::mutation {
 namespace {
+
+struct Trial {
+    render::test::Case scene;
+    verify::Options options;
+    render::Options device;  // without kernels
+};
+
+// 32,0.1
+AdaptiveSampling adaptiveOf(const std::string& text) {
+    AdaptiveSampling adaptive;
+    const size_t comma = text.find(',');
+    adaptive.maxSamples = std::stoi(text);
+    if (comma != std::string::npos) adaptive.threshold = std::stod(text.substr(comma + 1));
+    return adaptive;
+}
+
+// own, traversal=packet, triangles=projection, trips=40 ...
+void readOption(const std::string& text, Trial& trial, ImageSettings& image) {
+    const size_t sign = text.find('=');
+    const std::string name = text.substr(0, sign),
+                      value = sign == std::string::npos ? "" : text.substr(sign + 1);
+    Methods& methods = trial.options.methods;
+    if (name == "own")
+        trial.device.ownArithmetic = true;
+    else if (name == "traversal")
+        trial.device.traversal = named<render::Traversal>(value).value();
+    else if (name == "trips")
+        trial.device.tripBudget = static_cast<uint32_t>(std::stoul(value));
+    else if (name == "triangles")
+        methods.triangles = named<TriangleMethod>(value).value();
+    else if (name == "spheres")
+        methods.spheres = named<SphereMethod>(value).value();
+    else if (name == "cut")
+        trial.options.limits.minContribution = std::stod(value);
+    else if (name == "sampler")
+        image.sampler = named<Sampler>(value).value();
+    else if (name == "adaptive")
+        image.adaptive = adaptiveOf(value);
+    else
+        throw std::runtime_error("no such option: " + text);
+}
+
+Trial trialOf(std::istringstream& words) {
+    std::string scene;
+    Trial trial;
+    ImageSettings image;
+    if (!(words >> scene >> image.width >> image.height >> image.samplesPerPixel))
+        throw std::runtime_error("scene, width, height and samples are missing");
+    std::vector<std::string> options;
+    LoadOptions load{.allowOutside = true};
+    for (std::string option; words >> option;) {
+        if (option.starts_with("camera="))
+            load.camera = option.substr(7);
+        else
+            options.push_back(option);
+    }
+    Scene read = loadScene(glint::test::sourcePath("scenes/" + scene), load);
+    image.sampler = read.image.sampler;
+    image.filter = read.image.filter;
+    image.filterRadius = read.image.filterRadius;
+    image.seed = read.image.seed;
+    trial.options.verdictAlone = true;
+    trial.device.access = gpu::Access::TexelBuffer;
+    trial.device.traversal = render::Traversal::Lane;
+    for (const std::string& option : options) readOption(option, trial, image);
+    const Request request = requestOf(image, read.camera.lensRadius > 0);
+    trial.options.width = request.width;
+    trial.options.height = request.height;
+    trial.options.samples = request.samples;
+    read.image = image;
+    trial.scene = render::test::makeCase(std::move(read), image.width, image.height);
+    return trial;
+}
+
+// By name. Throws std::runtime_error for what is none.
+std::map<std::string, Trial> readTrials(const std::string& path) {
+    std::map<std::string, Trial> trials;
+    std::ifstream file(path);
+    if (!file) throw std::runtime_error("cannot read " + path);
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line);
+        std::string name;
+        if (!(words >> name) || name[0] == '#') continue;
+        try {
+            trials[name] = trialOf(words);
+        } catch (const std::exception& error) {
+            throw std::runtime_error(name + ": " + error.what());
+        }
+    }
+    return trials;
+}
 
 // The given kernels, except those in the folder.
 class KernelFolder {
