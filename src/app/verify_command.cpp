@@ -14,6 +14,7 @@
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
+#include "pack/request_environment.h"
 #include "report/run.h"
 #include "verify/verify.h"
 
@@ -98,9 +99,8 @@ void verifyScene(const VerifyCommand& command, const gpu::Device& device, const 
     options.cancelled = interrupted;
     options.allowedUnexplained = static_cast<uint64_t>(command.allow);
     if (!command.jsonFile.empty()) options.worstCount = kListedPixels;
-    // The images of the report, and each sample's differences.
-    checkMemory(options.width, options.height, sizeof(float) * (3 * 3 + uint64_t{options.samples.round}),
-                availableMemory(), "");
+    checkMemory(options.width, options.height,
+                verify::bytesPerPixel(options, depthOf(loaded.packed, options)), availableMemory(), "");
     const verify::Report report = verifyLoaded(command, device, result.scene, loaded, options, err);
     if (report.interrupted)
         throw Error(ErrorKind::Interrupted, "interrupted while verifying " + result.scene);

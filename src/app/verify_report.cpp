@@ -168,7 +168,7 @@ void printReport(const std::string& scene, const verify::Report& report, const v
         out << "    " << report.filmDiffers << " pixels are not the mean of the samples that they need\n";
     if (report.lossesDiffer) out << "    other branches are left out, or bounded otherwise\n";
     out << format("    kappa %.2g (%s): expected fp32 error %.2g, measured %.2g (99th percentile)\n", s.kappa,
-                  nameOf(verify::classOf(s.kappa)).data(), s.kappa * verify::kFloatUnit, report.p99);
+                  verify::stiffnessOf(s.kappa), s.kappa * verify::kFloatUnit, report.p99);
     if (report.representation) printRepresentation(*report.representation, origin, out);
     for (size_t i = 0; i < std::min(report.worst.size(), kPrintedPixels); ++i)
         printPixel(report.worst[i], options.samples.round > 1, origin, out);

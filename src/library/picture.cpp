@@ -129,11 +129,9 @@ Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, cons
     converge::Job job = converge::jobFor(packed, request, targetOf(wanted));
     if (converge::missesReflections(snapshot.scene(), *job.request.limits.depth))
         refuse("picture.error cannot bound reflections at depth 0: set max_depth to at least 1");
-    // Rounding error of fp32 or double arithmetic, and of storing the image.
-    const double kappa = verify::conditionNumber(reference::Tracer(packed, job.request), camera,
-                                                 request.width, request.height, 1);
-    job.rounding = kappa * (snapshot.onDevice() ? verify::kFloatUnit : 0x1p-53) + verify::kFloatUnit;
     job.inDouble = !snapshot.onDevice();
+    job.rounding = verify::roundingError(reference::Tracer(packed, job.request), camera, request.width,
+                                         request.height, job.inDouble ? 0x1p-53 : verify::kFloatUnit);
     converge::Result result =
         converge::converge([&](const Request& r) { return snapshot.render(camera, r); }, job);
     if (wanted.bound != nullptr) *wanted.bound = result.budget.total();

@@ -5,16 +5,18 @@
 
 namespace glint::reference {
 
-// In [-1, 1). splitmix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators",
-// OOPSLA 2014.
+// splitmix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 inline constexpr uint64_t kUniformStride = 0x9e3779b97f4a7c15u;
-inline double uniform(uint64_t& state) {
+inline uint64_t randomWord(uint64_t& state) {
     state += kUniformStride;
     uint64_t z = state;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
-    return static_cast<double>(z >> 11) * 0x1p-52 - 1;
+    return z ^ (z >> 31);
+}
+// In [-1, 1).
+inline double uniform(uint64_t& state) {
+    return static_cast<double>(randomWord(state) >> 11) * 0x1p-52 - 1;
 }
 
 // Moves rays as struct Jitter says.

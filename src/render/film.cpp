@@ -99,7 +99,7 @@ PixelData AovRows::at(uint32_t path, const glm::dvec3& origin) const {
 }
 
 void addRays(const PathState& paths, const gpu::Device& device, const Slice& slice,
-             std::vector<PixelRay>& rays) {
+             std::vector<Trail>& trails) {
     const auto row = [&](uint32_t index) { return paths.readRow(device, index, slice.paths()); };
     const auto origins = row(shared::kRowOrigin), directions = row(shared::kRowDirection),
                hits = row(shared::kRowHit), throughputs = row(shared::kRowThroughput),
@@ -107,12 +107,13 @@ void addRays(const PathState& paths, const gpu::Device& device, const Slice& sli
     eachPixel(slice, [&](uint32_t path, const glm::ivec2& pixel) {
         // A path that has ended keeps a ray whose interval is empty.
         if (!(directions[path].f[3] < shared::kInfinity)) return;
-        TrailRay& ray = rays.emplace_back(PixelRay{slice.indexOf(pixel), {}}).ray;
+        TrailRay& ray = trails[slice.indexOf(pixel)].emplace_back();
         ray.origin = vectorOf(origins[path]);
         ray.direction = vectorOf(directions[path]);
-        ray.hit = hits[path].u[3] != shared::kNone;
-        ray.t = hits[path].f[0];
-        ray.id = walks[path].u[1];
+        if (hits[path].u[3] != shared::kNone) {
+            ray.t = hits[path].f[0];
+            ray.id = walks[path].u[1];
+        }
         ray.throughput = vectorOf(throughputs[path]);
         ray.sum = vectorOf(sums[path]);
     });

@@ -29,9 +29,9 @@ struct AovRows {
     PixelData at(uint32_t path, const glm::dvec3& origin) const;
 };
 
-// Adds the rays of a bounce of the region's pixels, after its closest hits and before its shading. The rows
+// Adds the rays of a bounce to their pixels' trails, after its closest hits and before its shading. The rows
 // must hold AOVs.
 void addRays(const PathState& paths, const gpu::Device& device, const Slice& slice,
-             std::vector<PixelRay>& rays);
+             std::vector<Trail>& trails);
 
 }  // namespace glint::render

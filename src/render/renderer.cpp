@@ -38,9 +38,9 @@ struct Renderer::State {
     gpu::Submission submission;
     StageTimes times;
     RayCounts rayCounts;
-    shared::Environment environment;        // of the picture at hand
-    uint32_t sliceTiles = 64;               // of the next slice, of the next picture too
-    std::vector<PixelRay>* rays = nullptr;  // record of the image at hand, or null
+    shared::Environment environment;       // of the picture at hand
+    uint32_t sliceTiles = 64;              // of the next slice, of the next picture too
+    std::vector<Trail>* trails = nullptr;  // record of the image at hand, or null
     // Longest submission of the current slice, in seconds.
     double longestInSlice = 0;
 
@@ -271,7 +271,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
         const bool packets = choice.packets && dispatch.bounce == 0;
         traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
-        if (rays) addRays(paths, device, slice, *rays);
+        if (trails) addRays(paths, device, slice, *trails);
         if (!castShadows(modes, dispatch, groups, packets, cancelled)) return false;
         record(KernelId::Shade, modes, dispatch, groups);
         submit(&KernelTimes::shade);
@@ -384,15 +384,15 @@ uint64_t Renderer::codeBytes() const {
     return state_->pipelines.codeBytes();
 }
 
-Picture Renderer::render(const shared::Camera& camera, const Request& request, std::vector<PixelRay>* rays) {
+Picture Renderer::render(const shared::Camera& camera, const Request& request, std::vector<Trail>* trails) {
     State& s = *state_;
     const bool parallel = camera.originStepX != glm::vec3(0) || camera.originStepY != glm::vec3(0);
     if (parallel && !s.features.parallelCamera)
         throw std::invalid_argument("a parallel camera, but the pipeline has no code for one");
     Picture picture = blankPicture(request);
     const size_t pixels = picture.done.size();
-    s.rays = rays;
-    if (rays) rays->clear();
+    s.trails = trails;
+    if (trails) trails->assign(pixels, {});
     if (pixels == 0) return picture;
     const PackedSamples& samples = request.samples;
     if (lightsOf(s.scene, request).size() > s.scene.lights.size())

@@ -80,10 +80,10 @@ class Renderer {
     // A cancelled render returns with complete = false and what was finished by then. Throws
     // std::invalid_argument for a parallel camera if the pipeline leaves it out: neither the scene's features
     // nor Options::also have it.
-    // rays: becomes those that the device follows from the eye and from surfaces, each pixel's in their
-    // order, for requests with one sample and layers.
+    // trails: becomes the rays that the device follows from the eye and from surfaces, by pixel of the
+    // region, for requests with one sample and layers.
     Picture render(const shared::Camera& camera, const Request& request,
-                   std::vector<PixelRay>* rays = nullptr);
+                   std::vector<Trail>* trails = nullptr);
 
     // Data at the centre of pixel (x, y) of the requested image, as the device computes it.
     PixelData pixel(const shared::Camera& camera, Request request, int x, int y);

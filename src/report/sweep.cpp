@@ -213,7 +213,7 @@ bool SceneSweep::drawTruth(SceneReport& report) {
     if (report.stiffness.empty()) {
         report.kappa =
             verify::conditionNumber(reference::Tracer(loaded_.packed), camera_, image_.width, image_.height);
-        report.stiffness = nameOf(verify::classOf(report.kappa));
+        report.stiffness = verify::stiffnessOf(report.kappa);
     }
     kappa_ = report.kappa;
     const bool exact = options_.truth == Backend::Cpu;

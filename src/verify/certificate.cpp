@@ -28,8 +28,7 @@ constexpr size_t kEnoughMembers = 8;
 
 // Outcomes of one step that decide alike.
 struct Outcome {
-    Step step;  // of the first member
-    uint64_t key;
+    Step step;      // of the first member
     Box box;        // Quantities, then origin, direction and throughput of each further ray
     Jitter jitter;  // of the first member
     size_t members = 1;
@@ -37,14 +36,12 @@ struct Outcome {
     double stretch = 0;
 };
 
-uint64_t keyOf(const Step& step) {
-    const auto& record = step.record;
-    uint64_t key = record.hit ? record.hit->id + 1 : 0;
-    const auto mix = [&](uint64_t word) { key = (key ^ word) * 0x100000001b3u; };
-    mix(record.decisions);
-    mix(record.lost.cut.count + 4 * record.lost.depth.count + 16 * record.lost.room.count);
-    for (const Branch& b : step.next) mix(static_cast<uint64_t>(b.kind) + 1);
-    return key;
+bool decideAlike(const Step& a, const Step& b) {
+    return a.record.decisions == b.record.decisions && a.next.size() == b.next.size();
+}
+
+bool takesHit(const Step& step, const TrailRay& ray) {
+    return (step.record.hit ? step.record.hit->id : shared::kNone) == ray.id;
 }
 
 class Certifier {
@@ -82,16 +79,15 @@ class Certifier {
     bool startsAs(Pending& pending, const TrailRay& ray);
     bool startsWithin(const Pending& pending, const TrailRay& ray) const;
     bool explore(Branch branch, const TrailRay& ray);
-    std::shared_ptr<Outcome> outcomeOf(const Branch& branch, Step step, const Jitter& jitter) const;
+    std::shared_ptr<Outcome> outcomeOf(const Branch& branch, Step step, const Jitter& jitter) const {
+        Box box = boxOf(branch, step);
+        return std::make_shared<Outcome>(Outcome{std::move(step), std::move(box), jitter});
+    }
     // The step as it is, by one way to order surfaces in one place. given: it has the device's hit and light.
     bool exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
                       bool& given);
     // given: the still step has the device's hit and light.
     bool exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still, bool given);
-    static uint32_t idOf(const TrailRay& ray) { return ray.hit ? ray.id : shared::kNone; }
-    static bool takesHit(const Step& step, const TrailRay& ray) {
-        return (step.record.hit ? step.record.hit->id : shared::kNone) == idOf(ray);
-    }
     bool matches(const Outcome& outcome, const TrailRay& ray) const;
     bool widen(const Branch& branch, Outcome& still, const TrailRay* untilMatched);
     bool advance(const Branch& branch, const std::shared_ptr<Outcome>& outcome);
@@ -169,22 +165,21 @@ bool Certifier::widen(const Branch& branch, Outcome& still, const TrailRay* unti
     for (uint64_t seed = 1; seed <= 2 * kResponseMoves; ++seed) {
         move.seed = seed;
         const Step step = stepOf(branch, move);
-        if (keyOf(step) != still.key) continue;
+        if (!decideAlike(step, still.step)) continue;
         still.box.include(boxOf(branch, step));
-        ++still.members;
         if (untilMatched && matches(still, *untilMatched)) return true;
     }
     return false;
 }
 
 bool Certifier::matches(const Outcome& outcome, const TrailRay& ray) const {
-    const bool first = cursor_ == 0;
+    const bool first = cursor_ == 0, hit = ray.id != shared::kNone;
     Quantities device = seen_.first;
     const dvec3 light = lightOf(cursor_);
     for (int i = 0; i < 3; ++i) device[static_cast<size_t>(i)] = light[i];
-    if (!first && ray.hit) device[kColorQuantities] = ray.t;
+    if (!first && hit) device[kColorQuantities] = ray.t;
     const size_t ofFirst = seen_.fromDevice ? kQuantities : kSceneQuantities;
-    const size_t count = first ? ofFirst : kColorQuantities + (ray.hit ? 1 : 0);
+    const size_t count = first ? ofFirst : kColorQuantities + (hit ? 1 : 0);
     return outcome.box.contains(0, std::span(device).first(count), outcome.stretch);
 }
 
@@ -223,12 +218,6 @@ bool Certifier::follow() {
     return false;
 }
 
-std::shared_ptr<Outcome> Certifier::outcomeOf(const Branch& branch, Step step, const Jitter& jitter) const {
-    const uint64_t key = keyOf(step);
-    Box box = boxOf(branch, step);
-    return std::make_shared<Outcome>(Outcome{std::move(step), key, std::move(box), jitter});
-}
-
 bool Certifier::exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
                              bool& given) {
     if (!takesHit(still->step, ray)) return false;
@@ -244,9 +233,9 @@ bool Certifier::explore(Branch branch, const TrailRay& ray) {
     ++result_.openDecisions;
     for (const double slips : {1.0, 0.0, reference::kMostSlips}) {
         if (exhausted()) return false;
-        const Jitter rule{.slips = slips, .hit = idOf(ray)};
+        const Jitter rule{.slips = slips, .hit = ray.id};
         const auto open = outcomeOf(branch, stepOf(branch, rule), rule);
-        if (open->key != still->key && exploreStill(branch, ray, open, given)) return true;
+        if (!decideAlike(open->step, still->step) && exploreStill(branch, ray, open, given)) return true;
     }
     --result_.openDecisions;
     return !exhausted() && exploreMoved(std::move(branch), ray, *still, given);
@@ -265,14 +254,15 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
         const bool wide = gain > 1 && turn % 2 == 1;
         for (int i = 0; i < kMovesAtOnce; ++i) {
             const double units = kStepUnits * kSizes[i % 3] * (wide ? gain : 1);
-            const Jitter move{.seed = ++seed, .ulps = units, .formulas = true, .hit = idOf(ray)};
+            const Jitter move{.seed = ++seed, .ulps = units, .formulas = true, .hit = ray.id};
             Step step = stepOf(branch, move);
             if (!takesHit(step, ray)) continue;
             if (wide && !step.record.meetsInstance && !still.step.record.meetsInstance) continue;
             if (step.record.surface) branch.scale = std::max(branch.scale, step.record.surface->scale);
             const auto moved = outcomeOf(branch, std::move(step), move);
-            const auto at = std::find_if(outcomes.begin(), outcomes.end(),
-                                         [&](const auto& outcome) { return outcome->key == moved->key; });
+            const auto at = std::find_if(outcomes.begin(), outcomes.end(), [&](const auto& outcome) {
+                return decideAlike(outcome->step, moved->step);
+            });
             if (at == outcomes.end()) {
                 outcomes.push_back(moved);
                 continue;
@@ -306,9 +296,9 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
 
 bool isPredicted(const reference::Tracer& tracer, const reference::Ray& cameraRay,
                  const reference::PixelRecord& still, const PackedScene& scene, const Quantities& device) {
-    const Quantities expected = quantitiesOf(still, scene.origin), floors = floorsOf(scene, still, cameraRay);
-    if (areWithin(device, expected, floors)) return true;
-    Box box(expected, floors);
+    const Quantities floors = floorsOf(scene, still, cameraRay);
+    Box box(quantitiesOf(still, scene.origin), floors);
+    if (box.contains(0, device, 0)) return true;
     const double gain = kResponseGain * (still.meetsInstance ? 1 + scene.instanceGain : 1);
     for (uint64_t seed = 1; seed <= kResponseMoves; ++seed) {
         const reference::PixelRecord moved = tracer.trace(cameraRay, {.seed = seed, .ulps = 1});
@@ -326,7 +316,6 @@ Trail trailOf(const reference::PixelRecord& record) {
         TrailRay ray;
         ray.origin = bounce.ray.origin;
         ray.direction = bounce.ray.direction;
-        ray.hit = bounce.hit.has_value();
         if (bounce.hit) {
             ray.t = bounce.hit->t;
             ray.id = bounce.hit->id;

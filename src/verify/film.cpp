@@ -94,12 +94,6 @@ void Account::addOther(uint32_t bounces, double weight) {
     greatestWeight_ = std::max(greatestWeight_, weight);
 }
 
-void Account::add(const Account& rows) {
-    alike_.add(rows.alike_);
-    other_.add(rows.other_);
-    greatestWeight_ = std::max(greatestWeight_, rows.greatestWeight_);
-}
-
 // Counts are exact, except for pixels that decide otherwise. Bounds are products of weights: their sum must
 // be right to a 256th, and each of them to a 16,384th of the greatest possible one. If that is near the
 // greatest float, the device may report infinity.

@@ -57,7 +57,6 @@ class Account {
     void addAlike(const TreeLosses& lost, double weight);
     // Adds a pixel whose rays hit others. Each hit loses at most two branches, and one medium.
     void addOther(uint32_t bounces, double weight);
-    void add(const Account& rows);
 
     // otherwise: how many pixels of those alike may decide about a hit's branches as the reference does not:
     // where light is just reflected totally, at the edge of a mirroring square of a checker.

@@ -118,12 +118,6 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     return f;
 }
 
-bool areWithin(const Quantities& a, const Quantities& b, const Quantities& floors) {
-    for (size_t i = 0; i < kQuantities; ++i)
-        if (!(std::abs(a[i] - b[i]) <= floors[i]) && !std::isinf(floors[i])) return false;
-    return true;
-}
-
 void Box::add(const glm::dvec3& value, const glm::dvec3& error) {
     for (int i = 0; i < 3; ++i) {
         lo.push_back(value[i]);

@@ -36,9 +36,6 @@ struct Reach {
 };
 Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray);
 
-// True if the quantities differ by at most their floors. NaN does not, unless the floor is infinite.
-bool areWithin(const Quantities& a, const Quantities& b, const Quantities& floors);
-
 // The least bounds of numbers seen, and the rounding error that may be added to each.
 struct Box {
     std::vector<double> lo, hi, floors;

@@ -86,23 +86,20 @@ void RepresentationCheck::draw(uint64_t seed, std::vector<Doubt*>& open) const {
     const auto moved = std::make_shared<const reference::Model>(reference::disturbed(*model_, seed, 1));
     const reference::Tracer tracer(moved, options_, radianceBound_);
     const reference::rows::Camera camera = reference::disturbed(camera_, seed, 1);
-    constexpr size_t kTurn = 64;
-    parallelFor(Context{}, (open.size() + kTurn - 1) / kTurn, [&](size_t turn) {
-        for (size_t i = turn * kTurn; i < std::min(open.size(), (turn + 1) * kTurn); ++i) {
-            Doubt& doubt = *open[i];
-            const reference::Ray ray = rayOf(tracer, camera, doubt);
-            const reference::PixelRecord record = tracer.trace(ray);
-            if (record.pathHash != doubt.pathHash) continue;
-            const Box box(quantitiesOf(record, packed_.origin), floorsOf(packed_, record, ray));
-            auto at = std::find_if(doubt.classes.begin(), doubt.classes.end(),
-                                   [&](const Class& c) { return c.decisions == record.decisions; });
-            if (at == doubt.classes.end()) at = doubt.classes.insert(at, {record.decisions, box, 0});
-            at->box.include(box);
-            ++at->members;
-            if (!containsScene(at->box, doubt.rounded, at->members > 1 ? kMoveGain : 0)) continue;
-            const bool alike = doubt.decisions == record.decisions;
-            doubt.state = alike ? Doubt::State::Predicted : Doubt::State::Explained;
-        }
+    parallelFor(Context{}, open.size(), [&](size_t i) {
+        Doubt& doubt = *open[i];
+        const reference::Ray ray = rayOf(tracer, camera, doubt);
+        const reference::PixelRecord record = tracer.trace(ray);
+        if (record.pathHash != doubt.pathHash) return;
+        const Box box(quantitiesOf(record, packed_.origin), floorsOf(packed_, record, ray));
+        auto at = std::find_if(doubt.classes.begin(), doubt.classes.end(),
+                               [&](const Class& c) { return c.decisions == record.decisions; });
+        if (at == doubt.classes.end()) at = doubt.classes.insert(at, {record.decisions, box, 0});
+        at->box.include(box);
+        ++at->members;
+        if (!containsScene(at->box, doubt.rounded, at->members > 1 ? kMoveGain : 0)) return;
+        const bool alike = doubt.decisions == record.decisions;
+        doubt.state = alike ? Doubt::State::Predicted : Doubt::State::Explained;
     });
     std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
 }
@@ -117,8 +114,8 @@ void RepresentationCheck::certifyDoubt(Doubt& doubt) const {
     if (certificate.verdict == Certificate::Verdict::Holds) doubt.state = Doubt::State::Explained;
 }
 
-// Leaves in `open` what nothing explains, or what is not worth a longer search.
-void RepresentationCheck::search(std::vector<Doubt*>& open, size_t examined) const {
+// Doubts stay open that nothing explains, or that are not worth a longer search.
+void RepresentationCheck::search(std::vector<Doubt*> open, size_t examined) const {
     uint64_t drawn = 0;
     const auto drawUpTo = [&](uint64_t last) {
         while (drawn < last && !open.empty()) draw(++drawn, open);
@@ -140,25 +137,25 @@ void RepresentationCheck::search(std::vector<Doubt*>& open, size_t examined) con
 Representation RepresentationCheck::judge(size_t worstCount) {
     Representation result;
     std::vector<float> differences;
-    std::vector<Doubt*> open, shown;
+    std::vector<Doubt*> doubts;
     double squares = 0;
     for (Row& row : rows_) {
         differences.insert(differences.end(), row.differences.begin(), row.differences.end());
         squares += row.squares;
-        for (Doubt& doubt : row.doubts) open.push_back(&doubt);
+        for (Doubt& doubt : row.doubts) doubts.push_back(&doubt);
     }
-    shown = open;
     result.asked = differences.size();
     for (const float d : differences) result.greatest = std::max(result.greatest, static_cast<double>(d));
     result.rmse = std::sqrt(squares / (3 * static_cast<double>(std::max<uint64_t>(result.asked, 1))));
     result.p99 = percentile99(std::move(differences));
-    search(open, result.asked);
-    std::erase_if(shown, [](const Doubt* doubt) { return doubt->state == Doubt::State::Predicted; });
+    search(doubts, result.asked);
+    std::erase_if(doubts, [](const Doubt* doubt) { return doubt->state == Doubt::State::Predicted; });
     const auto rank = [](const Doubt* doubt) {
         return std::tuple(doubt->state != Doubt::State::Open, -doubt->difference, doubt->y, doubt->x);
     };
-    std::sort(shown.begin(), shown.end(), [&](const Doubt* a, const Doubt* b) { return rank(a) < rank(b); });
-    for (const Doubt* doubt : shown) {
+    std::sort(doubts.begin(), doubts.end(),
+              [&](const Doubt* a, const Doubt* b) { return rank(a) < rank(b); });
+    for (const Doubt* doubt : doubts) {
         const bool explained = doubt->state == Doubt::State::Explained;
         ++(explained ? result.explained : result.unexplained);
         if (result.worst.size() == worstCount) continue;

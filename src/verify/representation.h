@@ -71,7 +71,7 @@ class RepresentationCheck {
                          const Doubt& doubt) const;
     void draw(uint64_t seed, std::vector<Doubt*>& open) const;
     void certifyDoubt(Doubt& doubt) const;
-    void search(std::vector<Doubt*>& open, size_t examined) const;
+    void search(std::vector<Doubt*> open, size_t examined) const;
 
     const PackedScene& packed_;
     const Options& options_;

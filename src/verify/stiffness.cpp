@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "reference/ray_mover.h"
 #include "reference/sampling.h"
 
 namespace glint::verify {
@@ -44,11 +45,6 @@ bool isOtherwise(const reference::PixelRecord& still, const reference::PixelReco
     return glm::any(glm::greaterThan(d, still.rounding));
 }
 
-// Counts of a row of pixels.
-struct RowCounts {
-    uint64_t changed = 0, changedWidely = 0, open = 0;
-};
-
 // True if any ray leaves a surface.
 bool leaves(const reference::PixelRecord& record) {
     uint64_t rays = 0;
@@ -60,7 +56,7 @@ bool leaves(const reference::PixelRecord& record) {
 // from the surfaces that they leave as the device's do: between curved mirrors that is many times what the
 // rounding of their points adds. Not so of the wide move: thirty times as far a ray is past thin things.
 double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint64_t seed, int seeds,
-               RowCounts& counts) {
+               Sensitivity& counts) {
     const reference::PixelRecord still = tracer.trace(ray);
     double change = 0;
     for (int i = 1; i <= seeds; ++i) {
@@ -120,14 +116,10 @@ bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const re
     return open;
 }
 
-// splitmix64 (Steele, Lea, Flood 2014).
 glm::ivec2 placeInCell(size_t cell, int step) {
-    uint64_t z = (static_cast<uint64_t>(cell) + 1) * 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
-    const auto side = static_cast<uint64_t>(step);
-    return {static_cast<int>(z % side), static_cast<int>((z >> 32) % side)};
+    uint64_t state = static_cast<uint64_t>(cell) * reference::kUniformStride;
+    const uint64_t word = reference::randomWord(state), side = static_cast<uint64_t>(step);
+    return {static_cast<int>(word % side), static_cast<int>((word >> 32) % side)};
 }
 
 double Sensitivity::explainedShare() const {
@@ -148,7 +140,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
     const size_t columns = static_cast<size_t>((width + step - 1) / step);
     const size_t rows = static_cast<size_t>((height + step - 1) / step);
     std::vector<float> changes(columns * rows);
-    std::vector<RowCounts> counts(rows);
+    std::vector<Sensitivity> counts(rows);
     parallelFor(Context{}, rows, [&](size_t row) {
         for (size_t column = 0; column < columns; ++column) {
             const size_t index = row * columns + column;
@@ -164,7 +156,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
     Sensitivity result;
     result.tried = changes.size();
     result.moves = static_cast<uint64_t>(seeds);
-    for (const RowCounts& row : counts) {
+    for (const Sensitivity& row : counts) {
         result.changed += row.changed;
         result.changedWidely += row.changedWidely;
         result.open += row.open;
@@ -181,11 +173,6 @@ double conditionNumber(const reference::Tracer& tracer, const shared::Camera& ca
 double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                      double unit) {
     return conditionNumber(tracer, camera, width, height, 1) * unit + kFloatUnit;
-}
-
-StiffnessClass classOf(double kappa) {
-    if (kappa < 1e2) return StiffnessClass::NonStiff;
-    return kappa <= 1e5 ? StiffnessClass::Stiff : StiffnessClass::BeyondFp32;
 }
 
 }  // namespace glint::verify

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/enum_names.h"
 #include "reference/rounding.h"
 #include "reference/tracer.h"
 #include "trace/packed_samples.h"
@@ -80,12 +79,8 @@ bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const re
             reference::Jitter move = {}, double* change = nullptr);
 
 // Non-stiff below 1e2, stiff up to 1e5, beyond that fp32 cannot hold the second digit of the colour.
-enum class StiffnessClass { NonStiff, Stiff, BeyondFp32 };
-constexpr auto entriesOf(StiffnessClass) {
-    return std::to_array<EnumEntry<StiffnessClass>>({{StiffnessClass::NonStiff, "non-stiff"},
-                                                     {StiffnessClass::Stiff, "stiff"},
-                                                     {StiffnessClass::BeyondFp32, "beyond fp32"}});
+constexpr const char* stiffnessOf(double kappa) {
+    return kappa < 1e2 ? "non-stiff" : kappa <= 1e5 ? "stiff" : "beyond fp32";
 }
-StiffnessClass classOf(double kappa);
 
 }  // namespace glint::verify

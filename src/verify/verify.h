@@ -21,15 +21,17 @@
 
 namespace glint::verify {
 
-// Why a differing pixel differs.
+// Why a pixel differs.
 enum class Reason {
+    Predicted,   // within its predicted error: not in the report
     Edge,        // explained: another path, each ray of which is what roundings of that step give
     Rounding,    // explained: the same of the reference's own path, by more than its response to one unit
     Undecided,   // not examined, or beyond the steps that a pixel or an image may take
     Unexplained  // a defect, in the shader, the reference or the scene's packing
 };
 constexpr auto entriesOf(Reason) {
-    return std::to_array<EnumEntry<Reason>>({{Reason::Edge, "edge"},
+    return std::to_array<EnumEntry<Reason>>({{Reason::Predicted, "predicted"},
+                                             {Reason::Edge, "edge"},
                                              {Reason::Rounding, "rounding"},
                                              {Reason::Undecided, "undecided"},
                                              {Reason::Unexplained, "unexplained"}});
@@ -42,7 +44,7 @@ struct Options : Request {
     size_t worstCount = 10;
     // Unexplained pixels that a scene may have and pass, for devices with a known defect.
     uint64_t allowedUnexplained = 0;
-    // Leave pixels in doubt undecided once the unexplained pixels exceed the limit of explained pixels.
+    // Leave pixels in doubt undecided once the unexplained pixels fail the image.
     bool verdictAlone = false;
     // Also render the first sample without layers, as `glint render` does, possibly with other kernels.
     bool plainToo = true;
@@ -55,7 +57,6 @@ struct DifferingPixel {
     double difference = 0;       // greatest colour difference
     double ulps = 0;             // the greatest move of a ray, in units of 2^-24, that explained it
     uint32_t openDecisions = 0;  // steps of the path at which rounding decided
-    bool inDoubt = false;        // still to be certified
     glm::vec3 deviceColor{0};
     PixelData device;
     reference::PixelRecord reference;
@@ -91,6 +92,10 @@ struct Report {
                (!representation || representation->passed());
     }
 };
+
+// Bytes that verify() holds for each pixel of the image: images, differences, and its share of the part that
+// is compared at a time, with one ray for each path. maxDepth: of the scene with these options.
+uint64_t bytesPerPixel(const Options& options, uint32_t maxDepth);
 
 // `scene` must be the one that `renderer` was made from. read: what that was packed from, if its rounding is
 // to be judged too, with the camera of the picture.

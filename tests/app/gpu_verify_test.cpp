@@ -2,6 +2,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/available_memory.h"
 #include "core/image_io.h"
 #include "gpu/device.h"
 #include "support.h"
@@ -141,6 +142,16 @@ TEST_F(GpuVerify, JsonOnStandardOutput) {
     const Ran ran = runGlint("verify a.json --json - --brief");
     EXPECT_EQ(nlohmann::json::parse(ran.out)["scenes"][0]["status"], "passed");
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+}
+
+// 65536^2 pixels with 64 samples take 36 + 256 bytes each, and 1 for the rays of a part.
+TEST_F(GpuVerify, HugePictureIsRefused) {
+    ASSERT_LT(availableMemory(), uint64_t{1172} << 30);
+    writeSmallScene("a.json");
+    const Ran ran = runGlint("verify a.json --size 65536x65536 --spp 64");
+    EXPECT_TRUE(ran.err.starts_with("glint: an image of 65536x65536 pixels takes 1172.0 GiB of memory, "))
+        << ran.err;
+    EXPECT_EQ(ran.code, 1);
 }
 
 // The error comes before the device is opened and other scenes are verified. The files still list all scenes.

@@ -68,9 +68,8 @@ TEST(AccountTest, WhatNoBranchLosesIsNothing) {
 
 // Of a path of two bounces that met other things, three hits, up to six branches.
 TEST(AccountTest, PixelsOfOtherPathsMayLoseWhatTheirHitsCan) {
-    Account row(1), account(1);
-    row.addOther(2, 1);
-    account.add(row);
+    Account account(1);
+    account.addOther(2, 1);
     TreeLosses device;
     EXPECT_TRUE(account.agrees(device, 0));
     device.depth.add(6, 6);

@@ -147,35 +147,29 @@ TEST(Certificate, EachFurtherRayIsJudged) {
     const reference::Ray ray = rayAt(c, {0.5, 0.3, 0});
     const reference::PixelRecord record = tracer.trace(ray, {}, true);
     ASSERT_EQ(record.path.size(), 4u);
-    const auto verdictOf = [&](Trail trail, uint64_t steps = kMostStepsOfPixel) {
-        double weight = 1;
-        for (TrailRay& one : trail) {  // as a device has it
-            one.throughput = dvec3(weight);
-            weight *= 0.8;
-        }
+    const auto verdictOf = [&](const Trail& trail, uint64_t steps = kMostStepsOfPixel) {
         return certify(tracer, c.packed, ray, seenAs(record, trail), steps).verdict;
     };
-    const Trail right = trailOf(record);
+    Trail right = trailOf(record);
+    for (size_t i = 1; i < right.size(); ++i) right[i].throughput = 0.8 * right[i - 1].throughput;
     EXPECT_EQ(verdictOf(right), Verdict::Holds);
     EXPECT_EQ(verdictOf(right, 2), Verdict::Undecided);
-    Trail wrong = right;
-    wrong.pop_back();
-    EXPECT_EQ(verdictOf(wrong), Verdict::Fails);
-    wrong = right;
-    wrong.push_back(right.back());
-    EXPECT_EQ(verdictOf(wrong), Verdict::Fails);
-    wrong = right;
-    wrong[2].direction = glm::normalize(wrong[2].direction + dvec3(1e-4, 0, 0));
-    EXPECT_EQ(verdictOf(wrong), Verdict::Fails);
-    wrong = right;
-    wrong[2].origin.x += 1e-3;
-    EXPECT_EQ(verdictOf(wrong), Verdict::Fails);
-    wrong = right;
-    wrong[3].t *= 1 + 1e-5;
-    EXPECT_EQ(verdictOf(wrong), Verdict::Fails);
-    wrong = right;
-    wrong[3].sum *= 1 + 1e-4;
-    EXPECT_EQ(verdictOf(wrong), Verdict::Fails);
+    using Break = void (*)(Trail&);
+    const Break breaks[] = {
+        [](Trail& t) { t.pop_back(); },
+        [](Trail& t) { t.push_back(t.back()); },
+        [](Trail& t) { t[2].direction = glm::normalize(t[2].direction + dvec3(1e-4, 0, 0)); },
+        [](Trail& t) { t[2].origin.x += 1e-3; },
+        [](Trail& t) { t[2].throughput *= 1 + 1e-4; },
+        [](Trail& t) { t[3].t *= 1 + 1e-5; },
+        [](Trail& t) { t[3].id ^= 1; },
+        [](Trail& t) { t[3].sum *= 1 + 1e-4; },
+    };
+    for (size_t i = 0; i < std::size(breaks); ++i) {
+        Trail wrong = right;
+        breaks[i](wrong);
+        EXPECT_EQ(verdictOf(wrong), Verdict::Fails) << i;
+    }
 }
 
 // ---- limits from counts ----
@@ -267,6 +261,29 @@ TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
     for (int y = 0; y < 144; ++y)
         for (int x = 0; x < 256; ++x)
             ASSERT_EQ(report.device.at(x, y, 1), whole.color.at(x, y, 1)) << x << ',' << y;
+}
+
+TEST_F(VerifyTest, BytesPerPixelAreThoseHeld) {
+    const Case c = render::test::fileCase("triangles", 64, 48);
+    render::Renderer renderer(device(), c.packed);
+    auto options = sized<Options>(c);
+    options.limits.depth = 0;  // one ray for each path
+    options.data = true;
+    std::vector<Trail> trails;
+    const Picture picture = renderer.render(c.camera, options, &trails);
+    const uint64_t pixels = 64 * 48, images = 9 * sizeof(float), differences = sizeof(float);
+    uint64_t bytes = trails.capacity() * sizeof(Trail) + picture.data.size() * sizeof(PixelData) +
+                     picture.color.pixels.size() * sizeof(float) + pixels * sizeof(DifferingPixel);
+    for (const Trail& trail : trails) bytes += trail.capacity() * sizeof(TrailRay);
+    EXPECT_EQ(bytesPerPixel(options, 0) * pixels, bytes + (images + differences) * pixels);
+    // Of a larger image a part at a time: 48 rows, or 16 of deep paths.
+    options.width = 640;
+    options.height = 480;
+    const uint64_t part = bytes / pixels;
+    EXPECT_EQ(bytesPerPixel(options, 0), 40 + (part * 48 + 479) / 480);
+    EXPECT_EQ(bytesPerPixel(options, 64), 40 + (part * 16 + 479) / 480);
+    options.samples = PackedSamples::fixed(sampleOffsets(4));
+    EXPECT_EQ(bytesPerPixel(options, 0), 52 + (part * 48 + 479) / 480);
 }
 
 // Balls with many small mirrors in each other: the device differs in many pixels, as the reference predicts,

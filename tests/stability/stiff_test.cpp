@@ -38,7 +38,7 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     auto options = sized<verify::Options>(c);
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
     std::cout << "[ measured ] " << GetParam() << ": kappa " << report.sensitivity.kappa << " ("
-              << glint::nameOf(verify::classOf(report.sensitivity.kappa)) << "), expected "
+              << verify::stiffnessOf(report.sensitivity.kappa) << "), expected "
               << report.sensitivity.kappa * verify::kFloatUnit << ", p99 " << report.p99 << "; edges "
               << report.edges << ", unexplained " << report.unexplained << "; RMSE on the same paths "
               << report.rmseSamePath << '\n';
