@@ -7,7 +7,7 @@
 
 // ---- Quotients and square roots, correctly rounded ----
 
-// Devices that do not round correctly by themselves (src/gpu/probe.h) use integers: a quotient of 25 bits,
+// Devices that do not round correctly by themselves (src/gpu/probe.cpp) use integers: a quotient of 25 bits,
 // good to a few units by Newton's method, corrected by its remainder, which is exact modulo 2^32. Without
 // branches, as SwiftShader's compiler would take minutes.
 

@@ -39,8 +39,7 @@ void checkSize(const std::string& name, uint64_t bytes, Access access, const Dev
 }
 
 void createBuffer(BufferState& state, const DeviceState& device) {
-    VkBufferCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
+    auto info = infoOf<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
     info.size = state.bytes;
     info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     info.usage |= state.access == Access::StorageBuffer ? VK_BUFFER_USAGE_STORAGE_BUFFER_BIT
@@ -61,8 +60,7 @@ void allocate(BufferState& state, const DeviceState& device) {
                         (state.kind == MemoryKind::Host ? "host-visible" : "device-local") +
                         " memory for it");
     }
-    VkMemoryAllocateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    auto info = infoOf<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
     info.allocationSize = requirements.size;
     info.memoryTypeIndex = *type;
     state.memory =
@@ -80,8 +78,7 @@ void allocate(BufferState& state, const DeviceState& device) {
 }
 
 void createView(BufferState& state, const DeviceState& device) {
-    VkBufferViewCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+    auto info = infoOf<VkBufferViewCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO);
     info.buffer = state.buffer.get();
     info.format = VK_FORMAT_R32G32B32A32_UINT;
     info.range = VK_WHOLE_SIZE;

@@ -56,12 +56,12 @@ void upload(const Device& device, const Buffer& destination, std::span<const std
 void download(const Device& device, const Buffer& source, std::span<std::byte> data, uint64_t offset = 0);
 
 struct KernelOptions {
-    std::string name;                 // for messages
-    std::span<const uint32_t> spirv;  // entry point "main"
-    std::vector<Access> bindings;     // set 0, binding i
-    std::vector<uint32_t> constants;  // specialization constant id i has value constants[i] (bool: 0 or 1)
-    uint32_t pushConstantBytes = 0;   // multiple of 4, at most limits.maxPushConstantBytes
-    uint32_t workgroupSizeX = 64;     // checked against the limits
+    std::string name = {};                 // for messages
+    std::span<const uint32_t> spirv = {};  // entry point "main"
+    std::vector<Access> bindings = {};     // set 0, binding i
+    std::vector<uint32_t> constants = {};  // specialization constant i has value constants[i] (bool: 0 or 1)
+    uint32_t pushConstantBytes = 0;        // multiple of 4, at most limits.maxPushConstantBytes
+    uint32_t workgroupSizeX = 64;          // checked against the limits
 };
 
 struct KernelState;

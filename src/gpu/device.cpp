@@ -13,43 +13,29 @@ std::vector<DeviceInfo> infos(const std::vector<PhysicalDevice>& devices) {
     return result;
 }
 
-void loadDeviceTable(DeviceState& state) {
-    // volk reads this global, which belongs to no instance; the lock keeps another thread's instance out
-    // meanwhile.
-    static std::mutex mutex;
-    const std::lock_guard lock(mutex);
-    vkGetDeviceProcAddr = state.instance->vk().vkGetDeviceProcAddr;
-    volkLoadDeviceTable(&state.vk, state.device);
-}
-
 void openDevice(DeviceState& state) {
     const float priority = 1;
-    VkDeviceQueueCreateInfo queue{};
-    queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+    auto queue = infoOf<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
     queue.queueFamilyIndex = state.physical.queueFamily;
     queue.queueCount = 1;
     queue.pQueuePriorities = &priority;
     std::vector<const char*> extensions;
-    if (state.physical.portabilitySubset) extensions.push_back("VK_KHR_portability_subset");
     if (state.surface != VK_NULL_HANDLE) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     VkPhysicalDeviceFeatures features{};
     // Lanes without work load from an uninitialised index and drop the value. Every Vulkan device has this
     // feature, which makes such a load return some number instead of being undefined.
     features.robustBufferAccess = VK_TRUE;
-    VkDeviceCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+    auto info = infoOf<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
     info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     info.pEnabledFeatures = &features;
-    check(state.instance->vk().vkCreateDevice(state.physical.handle, &info, nullptr, &state.device),
-          "vkCreateDevice");
-    loadDeviceTable(state);
+    check(vkCreateDevice(state.physical.handle, &info, nullptr, &state.device), "vkCreateDevice");
+    volkLoadDeviceTable(&state.vk, state.device);
     state.vk.vkGetDeviceQueue(state.device, state.physical.queueFamily, 0, &state.queue);
 
-    VkPipelineCacheCreateInfo cache{};
-    cache.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
+    auto cache = infoOf<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
     state.pipelineCache = create(state, "vkCreatePipelineCache", cache, state.vk.vkCreatePipelineCache,
                                  state.vk.vkDestroyPipelineCache);
 }
@@ -61,27 +47,19 @@ std::vector<DeviceInfo> listDevices() {
 }
 
 DeviceState::~DeviceState() {
-    closeDevice();
-    if (surface != VK_NULL_HANDLE && instance)
-        instance->vk().vkDestroySurfaceKHR(instance->get(), surface, nullptr);
-}
-
-void DeviceState::closeDevice() {
-    if (device == VK_NULL_HANDLE) return;
     if (abandoned) {
         // The device lives on, so what it refers to must; reachable, so that a leak checker understands.
-        struct Kept {
-            std::unique_ptr<Instance> instance;
-            std::shared_ptr<ValidationLog> log;
-        };
-        static auto& kept = *new std::vector<Kept>;
-        kept.push_back({std::move(instance), log});
+        static auto& kept = *new std::vector<std::pair<std::unique_ptr<Instance>, decltype(log)>>;
+        kept.emplace_back(std::move(instance), log);
         return;
     }
-    staging.reset();
-    programs.clear();
-    pipelineCache = {};
-    vk.vkDestroyDevice(device, nullptr);
+    if (device != VK_NULL_HANDLE) {
+        staging.reset();
+        programs.clear();
+        pipelineCache = {};
+        vk.vkDestroyDevice(device, nullptr);
+    }
+    if (surface != VK_NULL_HANDLE) vkDestroySurfaceKHR(instance->get(), surface, nullptr);
 }
 
 Device::Device(const DeviceOptions& options) : state_(std::make_shared<DeviceState>()) {

@@ -11,7 +11,6 @@
 
 #include "core/context.h"
 #include "core/error.h"
-#include "gpu/probe.h"
 
 namespace glint::gpu {
 
@@ -75,6 +74,24 @@ std::vector<DeviceInfo> listDevices();
 // lowest index. Throws Error(Device) with a reason for every device if none is usable, or if the selector
 // matches none or only refused ones.
 const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector);
+
+// Properties that a device showed in 2^16 cases. Most cases lie where the next bit decides: quotients and
+// roots next to the middle between two floats, results at and below the least normal float 2^-126, sums that
+// leave a tie.
+struct Arithmetic {
+    // Promised by Vulkan: sums and products of normal floats are correctly rounded, to even, and not fused
+    // where SPIR-V forbids it.
+    bool sound = false;
+    bool denormals = false;  // sums and products below 2^-126 keep their bits
+    bool quotients = false;  // correctly rounded; denormal ones too, unless `denormals` is false
+    bool roots = false;      // the same of square roots
+
+    // Pictures have the same bits as on any other device of which this is true. Quotients and roots need not
+    // be the device's own (shaders/arithmetic.glsl).
+    bool sharesBits() const { return sound && denormals; }
+    // One phrase about that, for people.
+    std::string text() const;
+};
 
 struct DeviceState;  // Vulkan handles, see device_state.h
 

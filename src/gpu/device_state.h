@@ -36,6 +36,14 @@ std::vector<Item> enumerate(const char* name, Call call) {
     return items;
 }
 
+// An empty structure that Vulkan knows by its type.
+template <typename Info>
+Info infoOf(VkStructureType type) {
+    Info info{};
+    info.sType = type;
+    return info;
+}
+
 // Data that every object of a device needs to destroy itself.
 struct DeviceContext {
     VkDevice device = VK_NULL_HANDLE;
@@ -87,72 +95,47 @@ Handle<Object> create(const DeviceContext& context, const char* call, const Info
     return Handle<Object>(context, object, destroy);
 }
 
-// ---- an instance with its own function table, and the messages of its validation layer (instance.cpp) ----
-
-// The functions of an instance that glint calls. Each instance has its own table: volk's global one would be
-// overwritten by the next instance, which may have other extensions.
-#define GLINT_INSTANCE_FUNCTIONS(X)             \
-    X(vkDestroyInstance)                        \
-    X(vkEnumeratePhysicalDevices)               \
-    X(vkEnumerateDeviceExtensionProperties)     \
-    X(vkGetPhysicalDeviceProperties)            \
-    X(vkGetPhysicalDeviceFeatures2)             \
-    X(vkGetPhysicalDeviceProperties2)           \
-    X(vkGetPhysicalDeviceFormatProperties)      \
-    X(vkGetPhysicalDeviceMemoryProperties)      \
-    X(vkGetPhysicalDeviceQueueFamilyProperties) \
-    X(vkCreateDevice)                           \
-    X(vkGetDeviceProcAddr)
-
-// Functions of VK_KHR_surface; null in an instance without that extension.
-#define GLINT_SURFACE_FUNCTIONS(X)               \
-    X(vkDestroySurfaceKHR)                       \
-    X(vkGetPhysicalDeviceSurfaceSupportKHR)      \
-    X(vkGetPhysicalDeviceSurfaceCapabilitiesKHR) \
-    X(vkGetPhysicalDeviceSurfaceFormatsKHR)      \
-    X(vkGetPhysicalDeviceSurfacePresentModesKHR)
-
-struct InstanceTable {
-#define GLINT_DECLARE(name) PFN_##name name = nullptr;
-    GLINT_INSTANCE_FUNCTIONS(GLINT_DECLARE)
-    GLINT_SURFACE_FUNCTIONS(GLINT_DECLARE)
-#undef GLINT_DECLARE
-};
+// ---- an instance, and the messages of its validation layer (instance.cpp) ----
 
 bool contains(const std::vector<VkExtensionProperties>& extensions, const char* name);
 
 // Filled from whichever thread the layer calls back on.
 class ValidationLog {
   public:
-    void add(std::string message);
-    std::vector<std::string> messages() const;
+    void add(std::string message) {
+        const std::lock_guard lock(mutex_);
+        messages_.push_back(std::move(message));
+    }
+    std::vector<std::string> messages() const {
+        const std::lock_guard lock(mutex_);
+        return messages_;
+    }
 
   private:
     mutable std::mutex mutex_;
     std::vector<std::string> messages_;
 };
 
+// volk's functions, loaded with the first instance, serve every instance: they are the loader's own, and each
+// instance has the same extensions.
 class Instance {
   public:
     // With `log`, the validation layer is loaded and writes there; `log` must outlive the instance. Throws
-    // Error(Device) if there is no loader, none that knows Vulkan 1.1, or if that layer or one of
-    // `wantedExtensions` is missing.
+    // Error(Device) if there is no loader, or if that layer or one of `wantedExtensions` is missing.
     explicit Instance(ValidationLog* log, const std::vector<std::string>& wantedExtensions = {});
     ~Instance();
     Instance(const Instance&) = delete;
     Instance& operator=(const Instance&) = delete;
 
     VkInstance get() const { return instance_; }
-    const InstanceTable& vk() const { return vk_; }
     std::vector<VkPhysicalDevice> physicalDevices() const;  // in the loader's order
 
   private:
     VkInstance instance_ = VK_NULL_HANDLE;  // null: the loader found no driver
-    InstanceTable vk_;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
 };
 
-// ---- choices from plain data (choose.cpp) ----
+// ---- choices from plain data (physical_device.cpp) ----
 
 // The family to compute on: one that does nothing else, so that the desktop's drawing does not wait behind a
 // dispatch, then any; of those, one with timestamps before one without. `presents`: a flag for each family,
@@ -178,20 +161,38 @@ inline bool isMappable(VkMemoryPropertyFlags flags) {
 std::optional<uint32_t> chooseMemoryType(const VkPhysicalDeviceMemoryProperties& memory,
                                          uint32_t allowedTypes, MemoryKind kind, bool unified);
 
-// ---- what Vulkan says about a physical device (query.cpp) ----
+// ---- what Vulkan says about a physical device (physical_device.cpp) ----
 
 struct PhysicalDevice {
     VkPhysicalDevice handle = VK_NULL_HANDLE;
     DeviceInfo info;
-    uint32_t queueFamily = 0;        // valid if info.usable
-    uint32_t timestampBits = 0;      // of that family
-    bool portabilitySubset = false;  // VK_KHR_portability_subset must then be enabled
-    bool unified = false;            // CPU or integrated
+    uint32_t queueFamily = 0;    // valid if info.usable
+    uint32_t timestampBits = 0;  // of that family
+    bool unified = false;        // CPU or integrated
     VkPhysicalDeviceMemoryProperties memory{};
 };
 
 // With a surface, devices that cannot present to it are refused.
 std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface = VK_NULL_HANDLE);
+
+// ---- cases of the arithmetic of a device (probe.cpp) ----
+
+// Three rows of shaders/probe.comp.
+struct ProbeCase {
+    struct Given {
+        float a = 0, b = 0, c = 0, unused = 0;
+    };
+    struct Found {
+        float sum = 0, product = 0, both = 0, unused0 = 0, quotient = 0, root = 0, unused1 = 0, unused2 = 0;
+    };
+    Given given;
+    Found found;
+};
+static_assert(sizeof(ProbeCase) == 48);
+
+// 2^16, the same on every machine.
+std::vector<ProbeCase> probeCases();
+Arithmetic judged(std::span<const ProbeCase> cases);
 
 // ---- states of the public types ----
 
@@ -265,7 +266,6 @@ struct DeviceState : DeviceContext {
     ~DeviceState();
     DeviceState(const DeviceState&) = delete;
     DeviceState& operator=(const DeviceState&) = delete;
-    void closeDevice();
 
     // Null without validation. Shared, so that a test can read the messages of the device's destruction.
     std::shared_ptr<ValidationLog> log;

@@ -46,20 +46,6 @@ void openLoader() {
                     "no Vulkan loader (libvulkan.so.1) found: install libvulkan1 and a driver such as "
                     "mesa-vulkan-drivers");
     }
-    uint32_t version = VK_API_VERSION_1_0;  // whose loaders lack the function that tells it
-    const char* const call = "vkEnumerateInstanceVersion";
-    if (vkEnumerateInstanceVersion != nullptr) check(vkEnumerateInstanceVersion(&version), call);
-    if (version < VK_API_VERSION_1_1) {
-        throw Error(ErrorKind::Device,
-                    "the Vulkan loader knows Vulkan 1.0 only, glint needs 1.1: update libvulkan1");
-    }
-}
-
-void requireAll(const std::vector<std::string>& wanted, const std::vector<VkExtensionProperties>& present) {
-    for (const std::string& name : wanted) {
-        if (!contains(present, name.c_str()))
-            throw Error(ErrorKind::Device, "no Vulkan driver here knows " + name + ", which a window needs");
-    }
 }
 
 void requireValidationLayer() {
@@ -88,8 +74,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL collect(VkDebugUtilsMessageSeverityFlagBitsEXT /*
 
 // The type GENERAL stays out: there the loader reports what it thinks of the machine's other drivers.
 VkDebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog* log) {
-    VkDebugUtilsMessengerCreateInfoEXT info{};
-    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+    auto info =
+        infoOf<VkDebugUtilsMessengerCreateInfoEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT);
     info.messageSeverity =
         VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     info.messageType =
@@ -97,16 +83,6 @@ VkDebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog* log) {
     info.pfnUserCallback = collect;
     info.pUserData = log;
     return info;
-}
-
-// Null if the layer has no such function or it fails.
-VkDebugUtilsMessengerEXT createMessenger(VkInstance instance,
-                                         const VkDebugUtilsMessengerCreateInfoEXT& info) {
-    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
-        vkGetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
-    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
-    if (create != nullptr) create(instance, &info, nullptr, &messenger);
-    return messenger;
 }
 
 }  // namespace
@@ -128,37 +104,26 @@ bool contains(const std::vector<VkExtensionProperties>& extensions, const char* 
     });
 }
 
-void ValidationLog::add(std::string message) {
-    const std::lock_guard lock(mutex_);
-    messages_.push_back(std::move(message));
-}
-
-std::vector<std::string> ValidationLog::messages() const {
-    const std::lock_guard lock(mutex_);
-    return messages_;
-}
-
 Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExtensions) {
     openLoader();
-    std::vector<const char*> extensions;
-    for (const std::string& name : wantedExtensions) extensions.push_back(name.c_str());
-    VkInstanceCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+    auto info = infoOf<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
     const auto present = enumerate<VkExtensionProperties>(
         "vkEnumerateInstanceExtensionProperties", [](uint32_t* count, VkExtensionProperties* out) {
             return vkEnumerateInstanceExtensionProperties(nullptr, count, out);
         });
-    requireAll(wantedExtensions, present);
-    if (contains(present, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
-        extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
-        info.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+    std::vector<const char*> extensions;
+    for (const char* name : {VK_KHR_SURFACE_EXTENSION_NAME, VK_EXT_DEBUG_UTILS_EXTENSION_NAME})
+        if (contains(present, name)) extensions.push_back(name);
+    for (const std::string& name : wantedExtensions) {
+        if (!contains(present, name.c_str()))
+            throw Error(ErrorKind::Device, "no Vulkan driver here knows " + name + ", which a window needs");
+        if (name != VK_KHR_SURFACE_EXTENSION_NAME) extensions.push_back(name.c_str());
     }
 
     VkDebugUtilsMessengerCreateInfoEXT messenger = messengerInfo(log);
     const VkValidationFeatureEnableEXT enabled[] = {
         VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
-    VkValidationFeaturesEXT features{};
-    features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
+    auto features = infoOf<VkValidationFeaturesEXT>(VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT);
     features.pNext = &messenger;  // for what goes wrong while the instance itself is made or destroyed
     features.enabledValidationFeatureCount = 1;
     features.pEnabledValidationFeatures = enabled;
@@ -166,13 +131,11 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
         requireValidationLayer();
         info.enabledLayerCount = 1;
         info.ppEnabledLayerNames = &kValidationLayer;
-        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
         extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
         info.pNext = &features;
     }
 
-    VkApplicationInfo application{};
-    application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+    auto application = infoOf<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
     application.pApplicationName = "glint";
     application.apiVersion = VK_API_VERSION_1_1;
     info.pApplicationInfo = &application;
@@ -185,33 +148,23 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
     }
     check(result, "vkCreateInstance");
 
-#define GLINT_LOAD(name) vk_.name = reinterpret_cast<PFN_##name>(vkGetInstanceProcAddr(instance_, #name));
-    GLINT_INSTANCE_FUNCTIONS(GLINT_LOAD)
-    GLINT_SURFACE_FUNCTIONS(GLINT_LOAD)
-#undef GLINT_LOAD
-    if (log != nullptr) {
-        messenger_ = createMessenger(instance_, messenger);
-        if (messenger_ == VK_NULL_HANDLE) {
-            vk_.vkDestroyInstance(instance_, nullptr);
-            throw Error(ErrorKind::Device, "the validation layer cannot be listened to");
-        }
-    }
+    static std::once_flag loaded;
+    std::call_once(loaded, volkLoadInstanceOnly, instance_);
+    if (log != nullptr)
+        check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
+              "vkCreateDebugUtilsMessengerEXT");
 }
 
 Instance::~Instance() {
-    if (messenger_ != VK_NULL_HANDLE) {
-        const auto destroyMessenger = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
-            vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
-        destroyMessenger(instance_, messenger_, nullptr);
-    }
-    if (instance_ != VK_NULL_HANDLE) vk_.vkDestroyInstance(instance_, nullptr);
+    if (messenger_ != VK_NULL_HANDLE) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+    if (instance_ != VK_NULL_HANDLE) vkDestroyInstance(instance_, nullptr);
 }
 
 std::vector<VkPhysicalDevice> Instance::physicalDevices() const {
     if (instance_ == VK_NULL_HANDLE) return {};
     return enumerate<VkPhysicalDevice>(
         "vkEnumeratePhysicalDevices", [&](uint32_t* count, VkPhysicalDevice* out) {
-            const VkResult result = vk_.vkEnumeratePhysicalDevices(instance_, count, out);
+            const VkResult result = vkEnumeratePhysicalDevices(instance_, count, out);
             // Some drivers fail here, not at vkCreateInstance, when their hardware is absent.
             return result == VK_ERROR_INITIALIZATION_FAILED ? VK_SUCCESS : result;
         });

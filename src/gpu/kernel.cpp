@@ -47,8 +47,7 @@ void createLayouts(Program& program, const DeviceState& device) {
         bindings[i].descriptorCount = 1;
         bindings[i].stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
     }
-    VkDescriptorSetLayoutCreateInfo set{};
-    set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+    auto set = infoOf<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
     set.bindingCount = static_cast<uint32_t>(bindings.size());
     set.pBindings = bindings.data();
     program.setLayout = create(device, "vkCreateDescriptorSetLayout", set,
@@ -57,8 +56,7 @@ void createLayouts(Program& program, const DeviceState& device) {
     VkPushConstantRange range{};
     range.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
     range.size = program.key.pushConstantBytes;
-    VkPipelineLayoutCreateInfo layout{};
-    layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+    auto layout = infoOf<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
     layout.setLayoutCount = 1;
     layout.pSetLayouts = program.setLayout.address();
     layout.pushConstantRangeCount = range.size > 0 ? 1 : 0;
@@ -70,16 +68,14 @@ void createLayouts(Program& program, const DeviceState& device) {
 void createPipeline(Program& program, const DeviceState& device) {
     const std::vector<uint32_t> specialized = specialize(program.key.spirv, program.key.constants);
     program.codeBytes = specialized.size() * sizeof(uint32_t);
-    VkShaderModuleCreateInfo code{};
-    code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+    auto code = infoOf<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
     code.codeSize = program.codeBytes;
     code.pCode = specialized.data();
     const Handle<VkShaderModule> module =
         create(device, "vkCreateShaderModule", code, device.vk.vkCreateShaderModule,
                device.vk.vkDestroyShaderModule);
 
-    VkComputePipelineCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+    auto info = infoOf<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
     info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     info.stage.module = module.get();
@@ -131,15 +127,13 @@ void createSet(KernelState& state, const DeviceState& device) {
         if (used > 0) sizes.push_back({descriptorType(access), used});
     }
     if (sizes.empty()) return;
-    VkDescriptorPoolCreateInfo pool{};
-    pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+    auto pool = infoOf<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
     pool.maxSets = 1;
     pool.poolSizeCount = static_cast<uint32_t>(sizes.size());
     pool.pPoolSizes = sizes.data();
     state.pool = create(device, "vkCreateDescriptorPool", pool, device.vk.vkCreateDescriptorPool,
                         device.vk.vkDestroyDescriptorPool);
-    VkDescriptorSetAllocateInfo set{};
-    set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+    auto set = infoOf<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
     set.descriptorPool = state.pool.get();
     set.descriptorSetCount = 1;
     set.pSetLayouts = state.program->setLayout.address();

@@ -1,5 +1,3 @@
-#include "gpu/probe.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -133,12 +131,10 @@ Arithmetic probe(const Device& device) {
                         Access::StorageBuffer, MemoryKind::Host);
     std::memcpy(buffer.mapped(), given.data(), buffer.size());
 
-    KernelOptions options;
-    options.name = "probe of the arithmetic";
-    options.spirv = probe_spv;
-    options.bindings = {Access::StorageBuffer};
-    options.workgroupSizeX = kGroup;
-    Kernel kernel(device, options);
+    Kernel kernel(device, {.name = "probe of the arithmetic",
+                           .spirv = probe_spv,
+                           .bindings = {Access::StorageBuffer},
+                           .workgroupSizeX = kGroup});
     const Buffer* const bound[] = {&buffer};
     kernel.bind(bound);
     Submission submission(device);

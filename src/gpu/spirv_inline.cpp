@@ -5,7 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "gpu/spirv_code.h"
+#include "gpu/specialize.h"
 
 namespace glint::gpu::spirv {
 namespace {

@@ -15,12 +15,10 @@ constexpr VkAccessFlags kDeviceReads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRA
 void createObjects(SubmissionState& state) {
     const DeviceState& device = *state.device;
     state.commands = Commands(device);
-    VkFenceCreateInfo fence{};
-    fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+    auto fence = infoOf<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
     state.fence = create(device, "vkCreateFence", fence, device.vk.vkCreateFence, device.vk.vkDestroyFence);
     if (device.physical.info.limits.timestampPeriod > 0) {
-        VkQueryPoolCreateInfo queries{};
-        queries.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+        auto queries = infoOf<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
         queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
         queries.queryCount = 2;
         state.timestamps = create(device, "vkCreateQueryPool", queries, device.vk.vkCreateQueryPool,
@@ -29,8 +27,7 @@ void createObjects(SubmissionState& state) {
 }
 
 void barrier(const SubmissionState& state, VkPipelineStageFlags nextStages, VkAccessFlags nextAccess) {
-    VkMemoryBarrier memory{};
-    memory.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+    auto memory = infoOf<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
     memory.srcAccessMask = kDeviceWrites;
     memory.dstAccessMask = nextAccess;
     state.device->vk.vkCmdPipelineBarrier(state.commands.buffer, kDeviceStages, nextStages, 0, 1, &memory, 0,
@@ -72,8 +69,7 @@ double deviceSeconds(const SubmissionState& state) {
 void submitAndWait(SubmissionState& state) {
     DeviceState& device = *state.device;
     const VkFence fence = state.fence.get();
-    VkSubmitInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+    auto info = infoOf<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
     info.commandBufferCount = 1;
     info.pCommandBuffers = &state.commands.buffer;
     check(device.vk.vkResetFences(device.device, 1, &fence), "vkResetFences");
@@ -96,13 +92,11 @@ void submitAndWait(SubmissionState& state) {
 }  // namespace
 
 Commands::Commands(const DeviceState& device) {
-    VkCommandPoolCreateInfo poolInfo{};
-    poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+    auto poolInfo = infoOf<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
     poolInfo.queueFamilyIndex = device.physical.queueFamily;
     pool = create(device, "vkCreateCommandPool", poolInfo, device.vk.vkCreateCommandPool,
                   device.vk.vkDestroyCommandPool);
-    VkCommandBufferAllocateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+    auto info = infoOf<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
     info.commandPool = pool.get();
     info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     info.commandBufferCount = 1;
@@ -111,8 +105,7 @@ Commands::Commands(const DeviceState& device) {
 
 void Commands::begin(const DeviceState& device) {
     check(device.vk.vkResetCommandPool(device.device, pool.get(), 0), "vkResetCommandPool");
-    VkCommandBufferBeginInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+    auto info = infoOf<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(device.vk.vkBeginCommandBuffer(buffer, &info), "vkBeginCommandBuffer");
 }

@@ -22,8 +22,7 @@ constexpr uint64_t kAcquireNanoseconds = 5'000'000'000;
 
 VkSurfaceCapabilitiesKHR capabilitiesOf(const DeviceState& device) {
     VkSurfaceCapabilitiesKHR capabilities{};
-    check(device.instance->vk().vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device.physical.handle,
-                                                                          device.surface, &capabilities),
+    check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device.physical.handle, device.surface, &capabilities),
           "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
     return capabilities;
 }
@@ -32,8 +31,7 @@ VkSurfaceCapabilitiesKHR capabilitiesOf(const DeviceState& device) {
 VkSurfaceFormatKHR chooseFormat(const DeviceState& device) {
     const auto formats = enumerate<VkSurfaceFormatKHR>(
         "vkGetPhysicalDeviceSurfaceFormatsKHR", [&](uint32_t* count, VkSurfaceFormatKHR* out) {
-            return device.instance->vk().vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical.handle,
-                                                                              device.surface, count, out);
+            return vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical.handle, device.surface, count, out);
         });
     for (const VkSurfaceFormatKHR& format : formats) {
         const bool known =
@@ -45,11 +43,11 @@ VkSurfaceFormatKHR chooseFormat(const DeviceState& device) {
 }
 
 std::vector<VkPresentModeKHR> modesOf(const DeviceState& device) {
-    return enumerate<VkPresentModeKHR>(
-        "vkGetPhysicalDeviceSurfacePresentModesKHR", [&](uint32_t* count, VkPresentModeKHR* out) {
-            return device.instance->vk().vkGetPhysicalDeviceSurfacePresentModesKHR(
-                device.physical.handle, device.surface, count, out);
-        });
+    return enumerate<VkPresentModeKHR>("vkGetPhysicalDeviceSurfacePresentModesKHR",
+                                       [&](uint32_t* count, VkPresentModeKHR* out) {
+                                           return vkGetPhysicalDeviceSurfacePresentModesKHR(
+                                               device.physical.handle, device.surface, count, out);
+                                       });
 }
 
 }  // namespace
@@ -84,8 +82,7 @@ struct SwapchainState {
 };
 
 SwapchainState::SwapchainState(const Device& d) : device(d), state(d.state()), commands(state) {
-    VkFenceCreateInfo fence{};
-    fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+    auto fence = infoOf<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
     fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
     copied = create(state, "vkCreateFence", fence, state.vk.vkCreateFence, state.vk.vkDestroyFence);
 }
@@ -116,8 +113,7 @@ VkSwapchainCreateInfoKHR SwapchainState::describe(const VkSurfaceCapabilitiesKHR
         extent.height = std::clamp(static_cast<uint32_t>(height), capabilities.minImageExtent.height,
                                    capabilities.maxImageExtent.height);
     }
-    VkSwapchainCreateInfoKHR info{};
-    info.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR;
+    auto info = infoOf<VkSwapchainCreateInfoKHR>(VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR);
     info.surface = state.surface;
     // One to draw into beside those that the screen may hold, and three at least: with two (SwiftShader holds
     // one) a late picture waits for a whole turn of the screen, as best-practices validation says.
@@ -165,8 +161,7 @@ void SwapchainState::rebuild(int width, int height, PresentMode wantedMode) {
     images = enumerate<VkImage>("vkGetSwapchainImagesKHR", [&](uint32_t* count, VkImage* out) {
         return state.vk.vkGetSwapchainImagesKHR(state.device, chain.get(), count, out);
     });
-    VkSemaphoreCreateInfo semaphore{};
-    semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
+    auto semaphore = infoOf<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
     const auto makeSemaphore = [&] {
         return create(state, "vkCreateSemaphore", semaphore, state.vk.vkCreateSemaphore,
                       state.vk.vkDestroySemaphore);
@@ -201,8 +196,7 @@ void SwapchainState::fillPixels(std::span<const uint32_t> source, int width, int
 void SwapchainState::recordCopy(VkImage image) {
     const VolkDeviceTable& vk = state.vk;
     commands.begin(state);
-    VkImageMemoryBarrier barrier{};
-    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
+    auto barrier = infoOf<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
     barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
     barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
     barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
@@ -229,8 +223,7 @@ void SwapchainState::recordCopy(VkImage image) {
 void SwapchainState::submitCopy(uint32_t index) {
     const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_TRANSFER_BIT;
     const VkFence fence = copied.get();
-    VkSubmitInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+    auto info = infoOf<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
     info.waitSemaphoreCount = 1;
     info.pWaitSemaphores = acquired.address();
     info.pWaitDstStageMask = &stage;
@@ -259,8 +252,7 @@ bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, in
     recordCopy(images[index]);
     submitCopy(index);
 
-    VkPresentInfoKHR present{};
-    present.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR;
+    auto present = infoOf<VkPresentInfoKHR>(VK_STRUCTURE_TYPE_PRESENT_INFO_KHR);
     present.waitSemaphoreCount = 1;
     present.pWaitSemaphores = drawn[index].address();
     present.swapchainCount = 1;

@@ -98,19 +98,6 @@ TEST_F(BufferTest, SizesAreWholeTexelsAndNeverZero) {
     EXPECT_EQ(size(17), 32u);
 }
 
-TEST_F(BufferTest, Moves) {
-    Buffer first(device_, "first", 64, Access::TexelBuffer, MemoryKind::Host);
-    write(device_, first, counting(16));
-    Buffer second = std::move(first);
-    EXPECT_FALSE(first);
-    EXPECT_TRUE(second);
-    EXPECT_EQ(read(device_, second, 16), counting(16));
-    second = Buffer(device_, "third", 32, Access::StorageBuffer, MemoryKind::Device);
-    EXPECT_EQ(second.size(), 32u);
-    EXPECT_EQ(second.access(), Access::StorageBuffer);
-    EXPECT_FALSE(Buffer());
-}
-
 TEST_F(BufferTest, TooLargeForTheDevice) {
     DeviceLimits& limits = device_.state().physical.info.limits;
     limits.maxStorageBufferRange = 134217728;

@@ -184,13 +184,4 @@ TEST_F(GpuTest, ArithmeticIsProbedOnce) {
     EXPECT_EQ(&Device().arithmetic(), &arithmetic) << "asked once more for a device of the same name";
 }
 
-TEST_F(GpuTest, MovesWithoutDisturbingItsBuffers) {
-    const Buffer buffer(device_, "buffer", 64, Access::StorageBuffer, MemoryKind::Device);
-    Device moved = std::move(device_);
-    write(moved, buffer, counting(16, 5));
-    EXPECT_EQ(read(moved, buffer, 16), counting(16, 5));
-    device_ = std::move(moved);
-    EXPECT_EQ(read(device_, buffer, 16), counting(16, 5));
-}
-
 }  // namespace glint::gpu::device_test

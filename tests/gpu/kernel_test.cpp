@@ -62,16 +62,6 @@ TEST_F(OneKernelTest, NeedsNoBindings) {
     EXPECT_GT(run(device_, emptyKernel(device_), 3).wall, 0.0);
 }
 
-TEST_F(OneKernelTest, Moves) {
-    Kernel first = emptyKernel(device_);
-    Kernel second = std::move(first);
-    EXPECT_FALSE(first);
-    EXPECT_TRUE(second);
-    second = reverseKernel(device_);
-    EXPECT_EQ(second.state().program->key.bindings.size(), 2u);
-    EXPECT_FALSE(Kernel());
-}
-
 // A kernel that was compiled before is not compiled again; one that differs in anything is.
 TEST_F(OneKernelTest, SharesItsProgram) {
     const Kernel first = emptyKernel(device_);

@@ -8,17 +8,12 @@
 namespace glint::gpu {
 
 Kernel scaleKernel(const Device& device, Access access, std::vector<uint32_t> constants) {
-    KernelOptions options;
-    options.name = "scale";
-    if (access == Access::StorageBuffer) {
-        options.spirv = scale_spv;
-    } else {
-        options.spirv = scale_texel_spv;
-    }
-    options.bindings = {access};
-    options.constants = std::move(constants);
-    options.pushConstantBytes = sizeof(ScalePush);
-    return Kernel(device, options);
+    const bool texels = access == Access::TexelBuffer;
+    return Kernel(device, {.name = "scale",
+                           .spirv = texels ? std::span<const uint32_t>(scale_texel_spv) : scale_spv,
+                           .bindings = {access},
+                           .constants = std::move(constants),
+                           .pushConstantBytes = sizeof(ScalePush)});
 }
 
 Kernel scaleKernel(const Device& device, const Buffer& buffer, std::vector<uint32_t> constants) {
@@ -29,27 +24,18 @@ Kernel scaleKernel(const Device& device, const Buffer& buffer, std::vector<uint3
 }
 
 Kernel reverseKernel(const Device& device) {
-    KernelOptions options;
-    options.name = "reverse";
-    options.spirv = reverse_spv;
-    options.bindings = {Access::TexelBuffer, Access::StorageBuffer};
-    options.pushConstantBytes = sizeof(ReversePush);
-    return Kernel(device, options);
+    return Kernel(device, {.name = "reverse",
+                           .spirv = reverse_spv,
+                           .bindings = {Access::TexelBuffer, Access::StorageBuffer},
+                           .pushConstantBytes = sizeof(ReversePush)});
 }
 
 Kernel twistsKernel(const Device& device) {
-    KernelOptions options;
-    options.name = "twists";
-    options.spirv = twists_spv;
-    options.bindings = {Access::StorageBuffer};
-    return Kernel(device, options);
+    return Kernel(device, {.name = "twists", .spirv = twists_spv, .bindings = {Access::StorageBuffer}});
 }
 
 Kernel emptyKernel(const Device& device) {
-    KernelOptions options;
-    options.name = "empty";
-    options.spirv = empty_spv;
-    return Kernel(device, options);
+    return Kernel(device, {.name = "empty", .spirv = empty_spv});
 }
 
 }  // namespace glint::gpu

@@ -1,11 +1,11 @@
 // The probe of a device's arithmetic: it passes what is IEEE 754's and nothing less.
-#include "gpu/probe.h"
-
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <cmath>
 #include <functional>
+
+#include "gpu/device_state.h"
 
 namespace glint::gpu::probe_test {
 using Change = std::function<void(ProbeCase&)>;

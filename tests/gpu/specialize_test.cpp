@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "core/device_layout.h"
-#include "gpu/spirv_code.h"
 #include "once.spv.h"
 #include "render/kernels.h"
 #include "twists_flat.spv.h"
