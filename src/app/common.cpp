@@ -62,9 +62,8 @@ void checkOutputPath(const fs::path& path) {
 void makeFolder(const fs::path& folder) {
     std::error_code wrong;
     fs::create_directories(folder, wrong);
-    if (!wrong && access(folder.c_str(), W_OK | X_OK) == 0) return;
-    throw Error(ErrorKind::Failed,
-                folder.string() + ": cannot write: " + (wrong ? wrong.message() : reasonOf(errno)));
+    if (wrong) failWriting(folder, wrong.value());
+    if (access(folder.c_str(), W_OK | X_OK) != 0) failWriting(folder, errno);
 }
 
 void checkStandardOutput(const std::ostream& out) {

@@ -29,13 +29,6 @@ class CodecError : public std::runtime_error {
 // "the file is damaged or of a kind that is not supported (REASON)"
 [[noreturn]] void failDamaged(const std::string& reason);
 
-// Receives the bytes of a file, in any order.
-class ByteSink {
-  public:
-    virtual ~ByteSink() = default;
-    virtual void write(ByteView bytes, uint64_t offset) = 0;
-};
-
 class MemorySink : public ByteSink {
   public:
     void write(ByteView added, uint64_t offset) override {
@@ -49,8 +42,8 @@ class MemorySink : public ByteSink {
 Bytes encodePng(int width, int height, int channels, const Bytes& samples);
 
 // RGBE shares one exponent: a stored sample lies below the given one by less than 1/128 of the pixel's
-// greatest channel. Negative samples and NaN become 0, +inf the greatest value that RGBE holds. 1, 3 or 4
-// channels, a fourth is dropped.
+// greatest channel. Negative samples and NaN become 0, +inf the greatest value that RGBE holds. 1 to 4
+// channels; 2 get a third of zeros, a fourth is dropped.
 Bytes encodeHdr(const Image& image);
 
 // 1 to 4 channels; 2 get a third of zeros, a fourth is dropped. Every bit of a sample is kept, NaN included.

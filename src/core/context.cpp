@@ -1,26 +1,11 @@
 #include "core/context.h"
 
-#include <utility>
-
 namespace glint {
 
-MemoryCharge::MemoryCharge(std::shared_ptr<MemoryAccount> account, uint64_t bytes)
-    : account_(std::move(account)) {
-    if (account_) account_->take(bytes);
-    bytes_ = account_ ? bytes : 0;
-}
-
-MemoryCharge::~MemoryCharge() {
-    if (account_ && bytes_ > 0) account_->give(bytes_);
-}
-
-MemoryCharge::MemoryCharge(MemoryCharge&& other) noexcept
-    : account_(std::move(other.account_)), bytes_(std::exchange(other.bytes_, 0)) {}
-
-MemoryCharge& MemoryCharge::operator=(MemoryCharge&& other) noexcept {
-    std::swap(account_, other.account_);
-    std::swap(bytes_, other.bytes_);
-    return *this;
+MemoryCharge Context::charge(uint64_t bytes) const {
+    if (!account) return {};
+    account->take(bytes);
+    return {account.get(), [held = account, bytes](MemoryAccount*) { held->give(bytes); }};
 }
 
 Context Context::part(double from, double to) const {

@@ -22,21 +22,8 @@ class MemoryAccount {
     virtual void give(uint64_t bytes) noexcept = 0;
 };
 
-// Bytes that an account counts as long as this lives.
-class MemoryCharge {
-  public:
-    MemoryCharge() = default;
-    // Without an account nothing is counted.
-    MemoryCharge(std::shared_ptr<MemoryAccount> account, uint64_t bytes);
-    ~MemoryCharge();
-    MemoryCharge(MemoryCharge&& other) noexcept;
-    MemoryCharge& operator=(MemoryCharge&& other) noexcept;
-    uint64_t bytes() const { return bytes_; }
-
-  private:
-    std::shared_ptr<MemoryAccount> account_;
-    uint64_t bytes_ = 0;
-};
+// Bytes that an account counts until the last copy is gone; empty without an account.
+using MemoryCharge = std::shared_ptr<void>;
 
 // Ends a call. Not an Error: the reader of a damaged file turns some Errors into warnings.
 class Cancelled : public std::runtime_error {
@@ -69,7 +56,7 @@ struct Context {
         if (count > 0) report(static_cast<double>(step) / static_cast<double>(count));
     }
     // To be called before memory is taken: throws if the account refuses it.
-    MemoryCharge charge(uint64_t bytes) const { return {account, bytes}; }
+    MemoryCharge charge(uint64_t bytes) const;
 
     // The context of a part of the call, whose progress 0 to 1 is `from` to `to` of this one's. Reports
     // `from`.

@@ -309,10 +309,7 @@ class SinkStream : public Imf::OStream {
             throw;
         }
         position_ += view.size();
-        if (copy_) copy_->insert(copy_->end(), view.begin(), view.end());
     }
-    // Further writes go there too; null: not any more.
-    void copyTo(Bytes* bytes) { copy_ = bytes; }
     void check() const {
         if (fault_) std::rethrow_exception(fault_);
     }
@@ -322,7 +319,6 @@ class SinkStream : public Imf::OStream {
   private:
     ByteSink& sink_;
     uint64_t position_ = 0;
-    Bytes* copy_ = nullptr;
     std::exception_ptr fault_;
 };
 
@@ -396,15 +392,16 @@ class ExrRows : public RowEncoder {
         written_ += count;
     }
 
-    // Writes again what the library wrote for the first of these rows, for all below it, and where these
-    // begin. With RLE a chunk is one row: its number, its bytes' count, its bytes (openexr.com, "OpenEXR File
-    // Layout").
+    // Writes the chunk that the library makes of an image of this row, for all rows that are left, and where
+    // they begin. With RLE a chunk is one row: its number, its bytes' count, its bytes (openexr.com, "OpenEXR
+    // File Layout").
     void fill(int rows, const std::vector<Layer>& row) override {
         if (rows == 0) return;
-        Bytes chunk;
-        stream_.copyTo(&chunk);
-        add(row);
-        stream_.copyTo(nullptr);
+        MemorySink image;
+        ExrRows one(image, width_, 1, row, {});
+        one.add(row);
+        one.finish();
+        Bytes chunk(image.bytes.begin() + static_cast<std::ptrdiff_t>(one.firstChunk_), image.bytes.end());
         uint64_t position = stream_.tellp();
         for (int y = written_; y < height_; ++y, position += chunk.size()) {
             const auto* const place = reinterpret_cast<const uint8_t*>(&position);

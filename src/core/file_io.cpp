@@ -3,14 +3,13 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <deque>
 #include <system_error>
 #include <utility>
 
 #include "core/error.h"
-#include "core/text_file.h"
 
 namespace glint {
 namespace {
@@ -19,9 +18,15 @@ namespace fs = std::filesystem;
 
 constexpr const char* kOwnFiles = "/proc/self/fd";
 
-[[noreturn]] void failWriting(const fs::path& path, int errorNumber) {
-    throw Error(ErrorKind::Failed,
-                path.string() + ": cannot write: " + std::generic_category().message(errorNumber));
+[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
+    throw Error(ErrorKind::Failed, path.string() + ": cannot write: " + reason);
+}
+
+std::string reasonOf(fs::path path, int errorNumber) {
+    if (errorNumber != ENOTDIR) return std::generic_category().message(errorNumber);
+    std::error_code unknown;
+    while (path.has_parent_path() && !fs::exists(path, unknown)) path = path.parent_path();
+    return path.string() + " is not a folder";
 }
 
 // False with errno set if not every byte could be written. Without an offset for what has none.
@@ -59,10 +64,14 @@ fs::path followLinks(const fs::path& path) {
 
 }  // namespace
 
+void failWriting(const fs::path& path, int errorNumber) {
+    fail(path, reasonOf(path, errorNumber));
+}
+
 StagedFile::StagedFile(const fs::path& path) : path_(path), target_(followLinks(path)) {
     struct stat status {};
     existed_ = ::stat(target_.c_str(), &status) == 0;
-    if (!existed_ && errno != ENOENT) failWriting(path_, errno);
+    if (!existed_ && errno != ENOENT) fail(path_, reasonOf(target_, errno));
     if (existed_ && S_ISDIR(status.st_mode)) failWriting(path_, EISDIR);
     if (existed_ && ::access(target_.c_str(), W_OK) != 0) failWriting(path_, errno);
     isDevice_ = existed_ && !S_ISREG(status.st_mode);
@@ -79,8 +88,7 @@ StagedFile::~StagedFile() {
 void StagedFile::makeTemporary(const struct stat& status) {
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
     if (std::error_code unknown; !fs::exists(folder, unknown) && !unknown)
-        throw Error(ErrorKind::Failed,
-                    path_.string() + ": cannot write: there is no folder " + folder.string());
+        fail(path_, "there is no folder " + folder.string());
     if (::access(kOwnFiles, X_OK) == 0)
         file_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
     nameless_ = file_ >= 0;
@@ -96,7 +104,12 @@ void StagedFile::makeTemporary(const struct stat& status) {
 }
 
 void StagedFile::write(std::span<const uint8_t> bytes, uint64_t offset) {
-    if (!writeBytes(file_, bytes, &offset)) failWriting(path_, errno);
+    if (isDevice_) {
+        forDevice_.resize(std::max<size_t>(forDevice_.size(), offset + bytes.size()));
+        std::copy(bytes.begin(), bytes.end(), forDevice_.begin() + static_cast<std::ptrdiff_t>(offset));
+    } else if (!writeBytes(file_, bytes, &offset)) {
+        failWriting(path_, errno);
+    }
 }
 
 void StagedFile::finish() {
@@ -104,10 +117,10 @@ void StagedFile::finish() {
     if (!sync(file_) || (!nameless_ && !close())) failWriting(path_, errno);
 }
 
-void StagedFile::commit(std::span<const uint8_t> bytes) {
+void StagedFile::commit() {
     if (isDevice_) {
         file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
-        if (file_ < 0 || !writeBytes(file_, bytes, nullptr) || !close()) failWriting(path_, errno);
+        if (file_ < 0 || !writeBytes(file_, forDevice_, nullptr) || !close()) failWriting(path_, errno);
         return;
     }
     if (nameless_) giveName();
@@ -155,49 +168,31 @@ int StagedFile::tryNames(Make make) {
     }
 }
 
-void commitAll(const std::vector<StagedFile*>& files, const std::vector<std::span<const uint8_t>>& bytes) {
+void commitAll(std::deque<StagedFile>& files) {
+    for (StagedFile& file : files) file.finish();
     size_t committed = 0;
     try {
-        for (; committed < files.size(); ++committed)
-            files[committed]->commit(bytes.empty() ? std::span<const uint8_t>() : bytes[committed]);
+        for (; committed < files.size(); ++committed) files[committed].commit();
     } catch (const Error&) {
-        while (committed > 0) files[--committed]->revoke();
+        while (committed > 0) files[--committed].revoke();
         throw;
-    }
-}
-
-std::vector<uint8_t> readFile(const fs::path& path) {
-    try {
-        const std::string bytes = readWholeFile(path);
-        return {bytes.begin(), bytes.end()};
-    } catch (const Error& error) {
-        throw Error(ErrorKind::Failed, error.what());
     }
 }
 
 void writeFiles(const std::vector<OutputFile>& files) {
     std::deque<StagedFile> staged;
-    std::vector<StagedFile*> all;
-    std::vector<std::span<const uint8_t>> bytes;
-    for (const OutputFile& file : files) {
-        StagedFile& made = staged.emplace_back(file.path);
-        if (!made.isDevice()) made.write(file.bytes, 0);
-        made.finish();
-        all.push_back(&made);
-        bytes.emplace_back(file.bytes);
-    }
-    commitAll(all, bytes);
+    for (const OutputFile& file : files) staged.emplace_back(file.path).write(file.bytes, 0);
+    commitAll(staged);
 }
 
 void writeFile(const fs::path& path, std::span<const uint8_t> bytes) {
-    StagedFile staged(path);
-    if (!staged.isDevice()) staged.write(bytes, 0);
-    staged.finish();
-    staged.commit(bytes);
+    std::deque<StagedFile> staged;
+    staged.emplace_back(path).write(bytes, 0);
+    commitAll(staged);
 }
 
 void writeTextFile(const fs::path& path, const std::string& text) {
-    writeFile(path, std::vector<uint8_t>(text.begin(), text.end()));
+    writeFile(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
 }  // namespace glint

@@ -1,18 +1,16 @@
-// Whole files: read at once, written so that they appear whole or not at all.
+// Files that appear whole or not at all.
 #pragma once
 
 #include <sys/stat.h>
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace glint {
-
-// Like readWholeFile (core/text_file.h), but throws Error(Failed).
-std::vector<uint8_t> readFile(const std::filesystem::path& path);
 
 struct OutputFile {
     std::filesystem::path path;
@@ -33,31 +31,41 @@ void writeFile(const std::filesystem::path& path, std::span<const uint8_t> bytes
 // The same for one text, e.g. a report.
 void writeTextFile(const std::filesystem::path& path, const std::string& text);
 
+// Throws Error(Failed) "PATH: cannot write: REASON" for an error of the system. If a file stands where a
+// folder is needed, the reason names that file.
+[[noreturn]] void failWriting(const std::filesystem::path& path, int errorNumber);
+
 // ---- A file from its temporary to its final name
 
-// Write in any order, then name the file (see writeFiles). All members throw Error(Failed).
-class StagedFile {
+// Receives the bytes of a file, in any order.
+class ByteSink {
+  public:
+    virtual ~ByteSink() = default;
+    virtual void write(std::span<const uint8_t> bytes, uint64_t offset) = 0;
+};
+
+// Write, then name the file by commitAll() (see writeFiles). All members throw Error(Failed).
+class StagedFile : public ByteSink {
   public:
     // Makes the file, unless the path is that of a device or pipe.
     explicit StagedFile(const std::filesystem::path& path);
-    ~StagedFile();
+    ~StagedFile() override;
     StagedFile(const StagedFile&) = delete;
     StagedFile& operator=(const StagedFile&) = delete;
 
     const std::filesystem::path& path() const { return path_; }
-    // A device or pipe, which takes all its bytes at once, by commit().
+    // A device or pipe, whose bytes stay in memory until it gets them all at once.
     bool isDevice() const { return isDevice_; }
 
-    void write(std::span<const uint8_t> bytes, uint64_t offset);
-    // All is written; it goes to the disk.
-    void finish();
-    // Gives the file its name; `bytes` are those for a device.
-    void commit(std::span<const uint8_t> bytes = {});
-    // Undoes commit() as far as it can be undone.
-    void revoke() const;
+    void write(std::span<const uint8_t> bytes, uint64_t offset) override;
 
   private:
+    friend void commitAll(std::deque<StagedFile>& files);
+
     void makeTemporary(const struct stat& status);
+    void finish();        // all is written; it goes to the disk
+    void commit();        // gives the file its name, a device its bytes
+    void revoke() const;  // undoes commit() as far as it can be undone
     void giveName();
     bool close();
     template <typename Make>
@@ -69,10 +77,10 @@ class StagedFile {
     bool nameless_ = false;
     bool existed_ = false;
     bool isDevice_ = false;
+    std::vector<uint8_t> forDevice_;
 };
 
-// Commits all files or none. `bytes`: of each file, for devices; may be empty.
-void commitAll(const std::vector<StagedFile*>& files,
-               const std::vector<std::span<const uint8_t>>& bytes = {});
+// Names all files, which are complete, or none.
+void commitAll(std::deque<StagedFile>& files);
 
 }  // namespace glint

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <new>
-#include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/codecs.h"
+#include "core/enum_names.h"
 #include "core/error.h"
-#include "core/file_io.h"
 #include "core/quantize.h"
 #include "core/text_file.h"
 
@@ -17,21 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 enum class Format { Png, Exr, Pfm, Hdr };
-
-std::optional<Format> formatOf(const fs::path& path) {
-    const std::string extension = lowerExtension(path);
-    if (extension == ".png") return Format::Png;
-    if (extension == ".exr") return Format::Exr;
-    if (extension == ".pfm") return Format::Pfm;
-    if (extension == ".hdr") return Format::Hdr;
-    return std::nullopt;
-}
-
-bool isColor(const Layer& layer) {
-    return layer.name == "color";
-}
-bool isAlpha(const Layer& layer) {
-    return layer.name == "alpha";
+constexpr auto entriesOf(Format) {
+    return std::to_array<EnumEntry<Format>>(
+        {{Format::Png, ".png"}, {Format::Exr, ".exr"}, {Format::Pfm, ".pfm"}, {Format::Hdr, ".hdr"}});
 }
 
 // Runs an encoder or decoder; its failures get the file's name.
@@ -48,110 +36,72 @@ auto withPath(const std::filesystem::path& path, Function function) {
 
 // Throws Error(Argument) for an unknown extension.
 Format writableFormat(const fs::path& path) {
-    if (const auto format = formatOf(path)) {
-        return *format;
-    }
+    if (const auto format = named<Format>(lowerExtension(path))) return *format;
     const std::string extension = path.extension().string();
     throw Error(ErrorKind::Argument,
                 path.string() + ": " +
                     (extension.empty() ? "no file name extension" : "unknown image format " + extension) +
-                    " (use .png, .exr, .pfm or .hdr)");
+                    " (use " + choices<Format>() + ")");
 }
 
 // Throws CodecError for layers that cannot be written together.
 void checkLayers(const std::vector<Layer>& layers) {
-    if (layers.empty()) {
-        throw CodecError("there is no layer to write");
-    }
-    for (const Layer& layer : layers) {
-        const Image& image = layer.image;
+    if (layers.empty()) throw CodecError("there is no layer to write");
+    const Image& first = layers[0].image;
+    for (const auto& [name, image] : layers) {
         const bool channelsFit =
-            image.channels == 1 || image.channels == 3 || image.channels == (isColor(layer) ? 4 : 2);
+            image.channels == 1 || image.channels == 3 || image.channels == (name == "color" ? 4 : 2);
         if (image.width <= 0 || image.height <= 0 || !channelsFit ||
             image.pixels.size() != static_cast<size_t>(image.width) * image.height * image.channels)
-            throw CodecError("a layer \"" + layer.name + "\" of " + std::to_string(image.width) + "x" +
+            throw CodecError("a layer \"" + name + "\" of " + std::to_string(image.width) + "x" +
                              std::to_string(image.height) + " pixels with " + std::to_string(image.channels) +
                              " channels cannot be written");
-        if (layer.image.width != layers[0].image.width || layer.image.height != layers[0].image.height) {
-            throw CodecError("the layers \"" + layers[0].name + "\" and \"" + layer.name +
-                             "\" differ in size");
-        }
-        if (isAlpha(layer) && layer.image.channels != 1) {
+        if (image.width != first.width || image.height != first.height)
+            throw CodecError("the layers \"" + layers[0].name + "\" and \"" + name + "\" differ in size");
+        if (name == "alpha" && image.channels != 1)
             throw CodecError("the layer \"alpha\" must have one channel");
-        }
     }
 }
 
-// The image with `channels` channels: missing ones are 0, surplus ones are left out.
-Image withChannels(const Image& image, int channels) {
-    Image result(image.width, image.height, channels);
-    const auto from = static_cast<size_t>(image.channels);
-    const auto to = static_cast<size_t>(channels);
-    for (size_t i = 0; i < result.pixels.size(); ++i) {
-        const size_t channel = i % to;
-        result.pixels[i] = channel < from ? image.pixels[i / to * from + channel] : 0.0f;
-    }
-    return result;
+std::vector<std::string> namesOf(const std::vector<Layer>& layers) {
+    std::vector<std::string> names;
+    for (const Layer& layer : layers) names.push_back(layer.name);
+    return names;
 }
 
-Bytes encodeImage(Format format, const Image& image) {
-    switch (format) {
-        case Format::Png:
-            return encodePng(image.width, image.height, image.channels, quantizeColor(image));
-        case Format::Exr:
-            return encodeExr({{"color", image}});
-        case Format::Pfm:
-            return encodePfm(image);
-        case Format::Hdr:
-            return encodeHdr(image.channels == 2 ? withChannels(image, 3) : image);
-    }
-    throw CodecError("unknown format");
-}
+// A file of an image, and the layer that it holds: of an EXR every layer, of a PNG with "color" also "alpha".
+struct LayerFile {
+    fs::path path;
+    std::string layer;
+};
 
-// A layer other than color, in a file of its own.
-Bytes encodeData(Format format, const Layer& layer) {
-    const Image& image = layer.image;
-    if (format != Format::Png) return encodeImage(format, image);
-    if (isAlpha(layer)) return encodePng(image.width, image.height, 1, pngSamples({layer}));
-    // Padding comes after scaling: the zero must not take part in the range.
-    const Bytes scaled = quantizeData(image);
-    if (image.channels != 2) return encodePng(image.width, image.height, image.channels, scaled);
-    Bytes padded;
-    padded.reserve(scaled.size() / 2 * 3);
-    for (size_t i = 0; i < scaled.size(); i += 2) {
-        padded.insert(padded.end(), {scaled[i], scaled[i + 1], uint8_t{0}});
-    }
-    return encodePng(image.width, image.height, 3, padded);
-}
-
-fs::path besidePath(const fs::path& path, const std::string& layer) {
-    fs::path beside = path;
-    return beside.replace_filename(path.stem().string() + "." + layer + path.extension().string());
-}
-
-std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const std::vector<Layer>& layers,
-                                     const PictureNotes& notes) {
-    checkLayers(layers);
-    if (format == Format::Exr) {
-        return {{path, encodeExr(layers, notes)}};
-    }
-    const bool hasColor = findLayer(layers, "color") != nullptr;
-    const Layer* alpha = format == Format::Png && hasColor ? findLayer(layers, "alpha") : nullptr;
-    std::vector<OutputFile> files;
-    for (const Layer& layer : layers) {
-        if (&layer == alpha) {
-            continue;
-        }
-        if (!isColor(layer)) {
-            files.push_back({besidePath(path, layer.name), encodeData(format, layer)});
-        } else if (alpha != nullptr) {
-            files.push_back({path, encodePng(layer.image.width, layer.image.height, pngChannels(layers),
-                                             pngSamples(layers))});
-        } else {
-            files.push_back({path, encodeImage(format, layer.image)});
-        }
+std::vector<LayerFile> filesOf(const fs::path& path, const std::vector<std::string>& layers) {
+    const Format format = writableFormat(path);
+    if (format == Format::Exr) return {{path, "color"}};
+    const bool alphaJoins =
+        format == Format::Png && std::find(layers.begin(), layers.end(), "color") != layers.end();
+    std::vector<LayerFile> files;
+    for (const std::string& layer : layers) {
+        if (layer == "alpha" && alphaJoins) continue;
+        fs::path file = path;
+        if (layer != "color")
+            file.replace_filename(path.stem().string() + "." + layer + path.extension().string());
+        files.push_back({file, layer});
     }
     return files;
+}
+
+// The file that holds the layer of that name.
+Bytes encoded(Format format, const std::vector<Layer>& layers, const std::string& name,
+              const PictureNotes& notes) {
+    if (format == Format::Exr) return encodeExr(layers, notes);
+    const Image& image = findLayer(layers, name)->image;
+    if (format == Format::Pfm) return encodePfm(image);
+    if (format == Format::Hdr) return encodeHdr(image);
+    if (name == "color" || name == "alpha")
+        return encodePng(image.width, image.height, pngChannels(layers), pngSamples(layers));
+    return encodePng(image.width, image.height, image.channels == 2 ? 3 : image.channels,
+                     quantizeData(image));
 }
 
 bool startsWith(ByteView file, std::string_view magic) {
@@ -206,18 +156,12 @@ Bytes pngSamples(const std::vector<Layer>& layers) {
 }
 
 bool isWritableImagePath(const fs::path& path) {
-    return formatOf(path).has_value();
+    return named<Format>(lowerExtension(path)).has_value();
 }
 
 std::vector<fs::path> layerPaths(const fs::path& path, const std::vector<std::string>& names) {
-    const Format format = writableFormat(path);
-    if (format == Format::Exr) return {path};
-    const bool hasColor = std::find(names.begin(), names.end(), "color") != names.end();
     std::vector<fs::path> paths;
-    for (const std::string& name : names) {
-        if (name == "alpha" && hasColor && format == Format::Png) continue;
-        paths.push_back(name == "color" ? path : besidePath(path, name));
-    }
+    for (const LayerFile& file : filesOf(path, names)) paths.push_back(file.path);
     return paths;
 }
 
@@ -228,84 +172,60 @@ void writeImage(const fs::path& path, const Image& image) {
 std::vector<fs::path> writeLayers(const fs::path& path, const std::vector<Layer>& layers,
                                   const PictureNotes& notes) {
     const Format format = writableFormat(path);
-    const std::vector<OutputFile> files =
-        withPath(path, [&] { return encodeLayers(format, path, layers, notes); });
+    std::vector<OutputFile> files;
+    withPath(path, [&] {
+        checkLayers(layers);
+        for (const auto& [file, layer] : filesOf(path, namesOf(layers)))
+            files.push_back({file, encoded(format, layers, layer, notes)});
+    });
     writeFiles(files);
-    std::vector<fs::path> paths;
-    for (const OutputFile& file : files) {
-        paths.push_back(file.path);
-    }
-    return paths;
+    return layerPaths(path, namesOf(layers));
 }
 
 // ---- row by row ----
 
-// One file of PictureRows with its encoder.
-class RowFile : public ByteSink {
-  public:
-    explicit RowFile(const fs::path& path) : staged(path) {
-        if (staged.isDevice())
-            throw Error(ErrorKind::Failed,
-                        path.string() + ": is no regular file, which an image in bands goes into");
-    }
-    void write(ByteView bytes, uint64_t offset) override { staged.write(bytes, offset); }
-
-    StagedFile staged;
-    std::unique_ptr<RowEncoder> encoder;
-};
-
 bool canWriteRows(const fs::path& path, const std::vector<std::string>& layers) {
-    switch (writableFormat(path)) {
-        case Format::Exr:
-        case Format::Pfm:
-            return true;
-        case Format::Png:
-            return std::all_of(layers.begin(), layers.end(),
-                               [](const std::string& name) { return name == "color" || name == "alpha"; });
-        case Format::Hdr:
-            return false;
-    }
-    return false;
+    const Format format = writableFormat(path);
+    const auto joinsPng = [](const std::string& name) { return name == "color" || name == "alpha"; };
+    return format != Format::Hdr && (format != Format::Png || std::ranges::all_of(layers, joinsPng));
 }
 
 PictureRows::PictureRows(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
     : left_(height) {
-    std::vector<std::string> names;
-    for (const Layer& layer : shape) names.push_back(layer.name);
-    const std::vector<fs::path> paths = layerPaths(path, names);
     const Format format = writableFormat(path);
-    const size_t count = format == Format::Pfm ? shape.size() : 1;  // a file for each layer, or one for all
-    for (size_t i = 0; i < count; ++i)
-        withPath(path, [&] {
-            RowFile& file = *files_.emplace_back(std::make_unique<RowFile>(paths[i]));
-            file.encoder = format == Format::Exr   ? exrRows(file, width, height, shape)
-                           : format == Format::Png ? pngRows(file, width, height, shape)
-                                                   : pfmRows(file, width, height, shape[i]);
+    for (const LayerFile& file : filesOf(path, namesOf(shape)))
+        withPath(file.path, [&] {
+            StagedFile& staged = files_.emplace_back(file.path);
+            if (staged.isDevice()) throw CodecError("is no regular file, which an image in bands goes into");
+            encoders_.push_back(format == Format::Exr ? exrRows(staged, width, height, shape)
+                                : format == Format::Png
+                                    ? pngRows(staged, width, height, shape)
+                                    : pfmRows(staged, width, height, *findLayer(shape, file.layer)));
         });
 }
 
 PictureRows::~PictureRows() = default;
 
+template <typename Use>
+void PictureRows::eachEncoder(Use use) {
+    for (size_t i = 0; i < files_.size(); ++i) withPath(files_[i].path(), [&] { use(*encoders_[i]); });
+}
+
 void PictureRows::add(const std::vector<Layer>& rows) {
-    for (const auto& file : files_) withPath(file->staged.path(), [&] { file->encoder->add(rows); });
+    eachEncoder([&](RowEncoder& encoder) { encoder.add(rows); });
     left_ -= rows.front().image.height;
 }
 
 void PictureRows::fill(const std::vector<Layer>& row) {
-    for (const auto& file : files_) withPath(file->staged.path(), [&] { file->encoder->fill(left_, row); });
+    eachEncoder([&](RowEncoder& encoder) { encoder.fill(left_, row); });
     left_ = 0;
 }
 
 std::vector<fs::path> PictureRows::finish() {
+    eachEncoder([](RowEncoder& encoder) { encoder.finish(); });
+    commitAll(files_);
     std::vector<fs::path> paths;
-    std::vector<StagedFile*> staged;
-    for (const auto& file : files_) {
-        withPath(file->staged.path(), [&] { file->encoder->finish(); });
-        file->staged.finish();
-        staged.push_back(&file->staged);
-        paths.push_back(file->staged.path());
-    }
-    commitAll(staged);
+    for (const StagedFile& file : files_) paths.push_back(file.path());
     return paths;
 }
 
@@ -317,8 +237,9 @@ Image decodeImage(std::span<const uint8_t> bytes, const std::string& name, uint6
 }
 
 Image readImage(const fs::path& path, uint64_t mostPixels) {
-    const Bytes file = readFile(path);
-    return withPath(path, [&] { return decode(file, std::min(mostPixels, kMostPixels), {}); });
+    const std::string file = readWholeFile(path, {}, ErrorKind::Failed);
+    return decodeImage({reinterpret_cast<const uint8_t*>(file.data()), file.size()}, path.string(),
+                       mostPixels);
 }
 
 }  // namespace glint

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "core/context.h"
+#include "core/file_io.h"
 #include "core/image.h"
 
 namespace glint {
@@ -48,11 +50,11 @@ bool canWriteRows(const std::filesystem::path& path, const std::vector<std::stri
 
 // The files and pixels of writeLayers, written as their rows arrive from the top: for images larger than
 // memory. They appear, all or none, with finish().
-class RowFile;
+class RowEncoder;
 class PictureRows {
   public:
     // `shape`: the layers as add() will get them; their images may be empty but for the channels. Throws
-    // Error(Failed) if a file cannot be made, or is a device, which has no room for rows in any order.
+    // Error(Failed) if a file cannot be made, or is a device, whose bytes would all have to be kept.
     PictureRows(const std::filesystem::path& path, int width, int height, const std::vector<Layer>& shape);
     ~PictureRows();
     PictureRows(const PictureRows&) = delete;
@@ -65,8 +67,12 @@ class PictureRows {
     std::vector<std::filesystem::path> finish();
 
   private:
+    template <typename Use>
+    void eachEncoder(Use use);
+
     int left_;  // rows
-    std::vector<std::unique_ptr<RowFile>> files_;
+    std::deque<StagedFile> files_;
+    std::vector<std::unique_ptr<RowEncoder>> encoders_;  // one for each file
 };
 
 // Reads a PNG, EXR, PFM, HDR or JPEG into 1, 3 or 4 linear channels. Throws Error(Failed) with the path and

@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "core/codecs.h"
 
 namespace glint {
 namespace {
 
-constexpr size_t kPieceBytes = 1 << 18;  // of the compressed samples in one chunk
+constexpr size_t kPieceBytes = 1 << 18;  // of the compressed samples in one chunk, about
+constexpr size_t kRoomBytes = 1 << 14;   // that the compressed samples grow by
 constexpr size_t kFillBytes = 1 << 22;   // of the samples that are compressed once for many rows alike
 constexpr uint8_t kFilterUp = 2;
 
@@ -21,6 +23,16 @@ void appendWord(Bytes& bytes, uint32_t value) {
 
 // By channels: grey, grey and alpha, RGB, RGBA.
 constexpr std::array<uint8_t, 5> kColorTypes = {0, 0, 4, 2, 6};
+
+Bytes chunkOf(const char* name, ByteView data) {
+    Bytes bytes;
+    bytes.reserve(data.size() + 12);
+    appendWord(bytes, static_cast<uint32_t>(data.size()));
+    bytes.insert(bytes.end(), name, name + 4);
+    bytes.insert(bytes.end(), data.begin(), data.end());
+    appendWord(bytes, static_cast<uint32_t>(crc32(0, bytes.data() + 4, static_cast<uInt>(data.size() + 4))));
+    return bytes;
+}
 
 // The compression of encodePng (stb_encoders.cpp). PngRows writes zlib's header and checksum itself, since
 // one compressed block may be written several times.
@@ -41,14 +53,12 @@ class PngRows : public RowEncoder {
         : sink_(to),
           rowBytes_(static_cast<size_t>(width) * static_cast<size_t>(channels)),
           above_(rowBytes_, 0) {
-        piece_[0] = 0x78;
-        piece_[1] = 0x01;
         put({0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'});
         Bytes header;
         appendWord(header, static_cast<uint32_t>(width));
         appendWord(header, static_cast<uint32_t>(height));
         header.insert(header.end(), {8, kColorTypes[static_cast<size_t>(channels)], 0, 0, 0});
-        chunk("IHDR", header);
+        put(chunkOf("IHDR", header));
     }
 
     void add(const std::vector<Layer>& rows) override {
@@ -58,7 +68,7 @@ class PngRows : public RowEncoder {
     }
 
     // Below the first of these rows every filtered one is zeros. A block that begins and ends with a full
-    // flush stands on whole bytes and refers to none before it, so that its chunks can be written any number
+    // flush stands on whole bytes and refers to none before it, so that its chunk can be written any number
     // of times.
     void fill(int rows, const std::vector<Layer>& layers) override {
         const Bytes row = pngSamples(layers);
@@ -66,16 +76,16 @@ class PngRows : public RowEncoder {
         const int inBlock = static_cast<int>(std::max<size_t>(kFillBytes / (rowBytes_ + 1), 1));
         if (rows >= 2 * inBlock) {
             compress({}, Z_FULL_FLUSH);
-            endPiece();
-            Bytes block(static_cast<size_t>(inBlock) * (rowBytes_ + 1), 0), chunks;
+            put(chunkOf("IDAT", std::exchange(packed_, {})));
+            Bytes block(static_cast<size_t>(inBlock) * (rowBytes_ + 1), 0);
             for (size_t k = 0; k < block.size(); k += rowBytes_ + 1) block[k] = kFilterUp;
-            copy_ = &chunks;
+            const uLong sumBefore = sum_;
             compress(block, Z_FULL_FLUSH);
-            endPiece();
-            copy_ = nullptr;
+            sum_ = sumBefore;
+            const Bytes chunk = chunkOf("IDAT", std::exchange(packed_, {}));
             const uLong blockSum = adler32_z(1, block.data(), block.size());
-            for (rows -= inBlock; rows >= inBlock; rows -= inBlock) {
-                put(chunks);
+            for (; rows >= inBlock; rows -= inBlock) {
+                put(chunk);
                 sum_ = adler32_combine(sum_, blockSum, static_cast<z_off_t>(block.size()));
             }
         }
@@ -84,46 +94,30 @@ class PngRows : public RowEncoder {
 
     void finish() override {
         compress({}, Z_FINISH);
-        if (filled_ + sizeof(uint32_t) > piece_.size()) endPiece();
-        for (const int shift : {24, 16, 8, 0}) piece_[filled_++] = static_cast<uint8_t>(sum_ >> shift);
-        endPiece();
-        chunk("IEND", {});
+        appendWord(packed_, static_cast<uint32_t>(sum_));
+        put(chunkOf("IDAT", packed_));
+        put(chunkOf("IEND", {}));
     }
 
   private:
     void put(const Bytes& bytes) {
         sink_.write(bytes, position_);
         position_ += bytes.size();
-        if (copy_) copy_->insert(copy_->end(), bytes.begin(), bytes.end());
     }
-    void chunk(const char* name, ByteView data) {
-        Bytes bytes;
-        bytes.reserve(data.size() + 12);
-        appendWord(bytes, static_cast<uint32_t>(data.size()));
-        bytes.insert(bytes.end(), name, name + 4);
-        bytes.insert(bytes.end(), data.begin(), data.end());
-        appendWord(bytes,
-                   static_cast<uint32_t>(crc32(0, bytes.data() + 4, static_cast<uInt>(data.size() + 4))));
-        put(bytes);
-    }
-    void endPiece() {
-        if (filled_ > 0) chunk("IDAT", ByteView(piece_.data(), filled_));
-        filled_ = 0;
-    }
-    // Writes what is compressed in whole pieces.
+    // Appends what is compressed to `packed_`.
     void compress(ByteView bytes, int flush) {
         if (!bytes.empty()) sum_ = adler32_z(sum_, bytes.data(), bytes.size());
         z_stream& stream = deflater_.stream;
         stream.next_in = const_cast<uint8_t*>(bytes.data());
         stream.avail_in = static_cast<uInt>(bytes.size());
-        int result = Z_OK;
         do {
-            stream.next_out = piece_.data() + filled_;
-            stream.avail_out = static_cast<uInt>(piece_.size() - filled_);
-            result = deflate(&stream, flush);
-            filled_ = piece_.size() - stream.avail_out;
-            if (filled_ == piece_.size()) endPiece();
-        } while (stream.avail_out == 0 || (flush == Z_FINISH && result != Z_STREAM_END));
+            const size_t packed = packed_.size();
+            packed_.resize(packed + kRoomBytes);
+            stream.next_out = packed_.data() + packed;
+            stream.avail_out = kRoomBytes;
+            deflate(&stream, flush);
+            packed_.resize(packed_.size() - stream.avail_out);
+        } while (stream.avail_out == 0);
     }
     void compressRow(ByteView row) {
         filtered_.resize(row.size() + 1);
@@ -131,6 +125,7 @@ class PngRows : public RowEncoder {
         for (size_t k = 0; k < row.size(); ++k) filtered_[k + 1] = static_cast<uint8_t>(row[k] - above_[k]);
         above_.assign(row.begin(), row.end());
         compress(filtered_, Z_NO_FLUSH);
+        if (packed_.size() >= kPieceBytes) put(chunkOf("IDAT", std::exchange(packed_, {})));
     }
 
     ByteSink& sink_;
@@ -138,10 +133,8 @@ class PngRows : public RowEncoder {
     size_t rowBytes_;
     Bytes above_, filtered_;
     Deflater deflater_;
-    Bytes piece_ = Bytes(kPieceBytes);
-    size_t filled_ = 2;      // zlib's header
-    uLong sum_ = 1;          // Adler-32 of all bytes before compression
-    Bytes* copy_ = nullptr;  // takes what is written
+    Bytes packed_ = {0x78, 0x01};  // zlib's header; then what is compressed and not written yet
+    uLong sum_ = 1;                // Adler-32 of all bytes before compression
 };
 
 }  // namespace

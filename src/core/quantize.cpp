@@ -101,14 +101,13 @@ std::vector<uint8_t> quantizeColor(const Image& image) {
 std::vector<uint8_t> quantizeData(const Image& image) {
     const Range range = finiteRange(image.pixels);
     const double extent = range.max - range.min;
-    std::vector<uint8_t> bytes(image.pixels.size(), 0);
-    if (!(extent > 0.0)) {
-        return bytes;
-    }
-    for (size_t i = 0; i < bytes.size(); ++i) {
-        if (std::isfinite(image.pixels[i])) {
-            bytes[i] = linearByte((static_cast<double>(image.pixels[i]) - range.min) / extent);
-        }
+    const auto from = static_cast<size_t>(image.channels), to = from == 2 ? 3 : from;
+    std::vector<uint8_t> bytes(image.pixels.size() / from * to, 0);
+    if (!(extent > 0.0)) return bytes;
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+        if (std::isfinite(image.pixels[i]))
+            bytes[i / from * to + i % from] =
+                linearByte((static_cast<double>(image.pixels[i]) - range.min) / extent);
     }
     return bytes;
 }

@@ -68,17 +68,15 @@ Bytes encodePng(int width, int height, int channels, const Bytes& samples) {
 Bytes encodeHdr(const Image& image) {
     // Mantissa 255/256, exponent byte 255, that is 2^127 (Ward, "Real Pixels", Graphics Gems II, 1991).
     const float greatest = std::ldexp(255.0f / 256.0f, 127);
-    const int kept = std::min(image.channels, 3);
-    std::vector<float> samples;
-    samples.reserve(image.pixels.size());
+    const auto from = static_cast<size_t>(image.channels), kept = size_t{from == 1 ? 1u : 3u};
+    std::vector<float> samples(image.pixels.size() / from * kept, 0.0f);
     for (size_t i = 0; i < image.pixels.size(); ++i) {
-        if (static_cast<int>(i % static_cast<size_t>(image.channels)) < kept) {
-            const float value = image.pixels[i];
-            samples.push_back(value > 0.0f ? std::min(value, greatest) : 0.0f);
-        }
+        const float value = image.pixels[i];
+        if (i % from < kept && value > 0.0f) samples[i / from * kept + i % from] = std::min(value, greatest);
     }
     Bytes file;
-    if (stbi_write_hdr_to_func(appendBytes, &file, image.width, image.height, kept, samples.data()) == 0) {
+    if (stbi_write_hdr_to_func(appendBytes, &file, image.width, image.height, static_cast<int>(kept),
+                               samples.data()) == 0) {
         throw CodecError("not enough memory to encode the image");
     }
     return file;

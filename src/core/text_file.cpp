@@ -7,17 +7,41 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <memory>
-
-#include "core/error.h"
+#include <system_error>
 
 namespace glint {
 
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-    throw Error(ErrorKind::Scene, path.string() + ": " + what);
-}
+namespace fs = std::filesystem;
+
+class FileSystem : public FileSource {
+  public:
+    std::string read(const fs::path& path, const Context& context) override {
+        return readWholeFile(path, context);
+    }
+
+    FileStatus status(const fs::path& path) override {
+        std::error_code code;
+        FileStatus found;
+        const fs::file_status status = fs::status(path, code);
+        found.exists = fs::exists(status);
+        found.regular = fs::is_regular_file(status);
+        if (found.regular) found.size = fs::file_size(path, code);
+        if (code) found.size = 0;
+        return found;
+    }
+
+    fs::path real(const fs::path& path) override {
+        std::error_code code;
+        // weakly_canonical keeps a relative path to a missing file relative.
+        const fs::path whole = fs::absolute(path.empty() ? "." : path);
+        const fs::path found = fs::weakly_canonical(whole, code);
+        if (code)
+            throw Error(ErrorKind::Scene, printable(path.string() + ": cannot be read: " + code.message()));
+        return found;
+    }
+};
 
 constexpr size_t kLongestMessage = 4096;  // bytes
 
@@ -62,24 +86,26 @@ std::string shown(std::string_view text) {
 
 }  // namespace
 
-void checkFile(const std::filesystem::path& path) {
-    if (path.empty()) throw Error(ErrorKind::Scene, "the file name is empty");
+void checkFile(const fs::path& path, ErrorKind kind) {
+    if (path.empty()) throw Error(kind, "the file name is empty");
+    const auto fail = [&](const std::string& what) { throw Error(kind, path.string() + ": " + what); };
     std::error_code code;
-    const auto status = std::filesystem::status(path, code);
-    if (status.type() == std::filesystem::file_type::not_found) fail(path, "no such file");
-    if (code) fail(path, "cannot be read: " + code.message());
-    if (std::filesystem::is_directory(status)) fail(path, "is a folder, not a file");
+    const auto status = fs::status(path, code);
+    if (status.type() == fs::file_type::not_found) fail("no such file");
+    if (code) fail("cannot be read: " + code.message());
+    if (fs::is_directory(status)) fail("is a folder, not a file");
     // A device or a pipe may never end.
-    if (!std::filesystem::is_regular_file(status)) fail(path, "is not a regular file");
+    if (!fs::is_regular_file(status)) fail("is not a regular file");
 }
 
-std::string readWholeFile(const std::filesystem::path& path, const Context& context) {
-    checkFile(path);
+std::string readWholeFile(const fs::path& path, const Context& context, ErrorKind kind) {
+    checkFile(path, kind);
+    const auto fail = [&](const std::string& what) { throw Error(kind, path.string() + ": " + what); };
     std::error_code code;
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-    if (!file) fail(path, std::string("cannot be read: ") + std::strerror(errno));
-    const auto size = std::filesystem::file_size(path, code);
-    if (code) fail(path, "cannot be read: " + code.message());
+    if (!file) fail(std::string("cannot be read: ") + std::strerror(errno));
+    const auto size = fs::file_size(path, code);
+    if (code) fail("cannot be read: " + code.message());
     constexpr size_t kPiece = size_t{16} << 20;  // some milliseconds
     std::string bytes;
     bytes.reserve(size);
@@ -89,9 +115,13 @@ std::string readWholeFile(const std::filesystem::path& path, const Context& cont
         got = std::fread(bytes.data() + done, 1, bytes.size() - done, file.get());
         bytes.resize(done + got);
     }
-    if (bytes.size() != size) fail(path, "cannot be read: the file changed or the disk failed");
-    if (bytes.empty()) fail(path, "the file is empty");
+    if (bytes.size() != size) fail("cannot be read: the file changed or the disk failed");
+    if (bytes.empty()) fail("the file is empty");
     return bytes;
+}
+
+std::shared_ptr<FileSource> fileSystem() {
+    return std::make_shared<FileSystem>();
 }
 
 std::string printable(std::string_view text) {
@@ -120,7 +150,7 @@ std::string escapePointer(std::string_view key) {
     return escaped;
 }
 
-std::string lowerExtension(const std::filesystem::path& path) {
+std::string lowerExtension(const fs::path& path) {
     std::string extension = path.extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return extension;

@@ -3,20 +3,46 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/context.h"
+#include "core/error.h"
 
 namespace glint {
 
-// The bytes of a regular file. Throws Error(Scene): "PATH: no such file", "is a folder, not a file", "the
-// file is empty" ...
-std::string readWholeFile(const std::filesystem::path& path, const Context& context = {});
+// The bytes of a regular file that is not empty. Throws an Error of the kind given: "PATH: no such file", "is
+// a folder, not a file", "the file is empty" ...
+std::string readWholeFile(const std::filesystem::path& path, const Context& context = {},
+                          ErrorKind kind = ErrorKind::Scene);
 
 // Throws what readWholeFile throws for a path that is no regular file, without reading it.
-void checkFile(const std::filesystem::path& path);
+void checkFile(const std::filesystem::path& path, ErrorKind kind = ErrorKind::Scene);
+
+struct FileStatus {
+    bool exists = false, regular = false;
+    uint64_t size = 0;  // of a regular file
+};
+
+// Source of a scene's files: the file system, or another rank that reads them. The answers depend on nothing
+// but the file system, and a scene asks in the same order whenever it gets the same answers.
+class FileSource {
+  public:
+    virtual ~FileSource() = default;
+
+    // Reads like readWholeFile.
+    virtual std::string read(const std::filesystem::path& path, const Context& context) = 0;
+    virtual FileStatus status(const std::filesystem::path& path) = 0;
+    // Absolute, with links followed as far as there are files. Throws Error(Scene) "PATH: cannot be read:
+    // ...".
+    virtual std::filesystem::path real(const std::filesystem::path& path) = 0;
+};
+
+std::shared_ptr<FileSource> fileSystem();
+
+// ---- text ----
 
 // Text of a file for use in a message: what would break the line, steer the terminal or turn the direction of
 // writing becomes '?', and so do bytes that are not UTF-8. Of more than 4 KiB the middle is left out.
@@ -30,8 +56,6 @@ std::string escapePointer(std::string_view key);
 
 // The extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);
-
-// ---- small phrases of messages and tables ----
 
 // "1 light", "2 lights"
 std::string counted(uint64_t count, const std::string& noun);

@@ -8,7 +8,7 @@
 #include <functional>
 #include <memory>
 
-#include "core/file_source.h"
+#include "core/text_file.h"
 #include "farm/transport.h"
 
 namespace glint::farm {

@@ -10,7 +10,7 @@
 
 #include "core/content_hash.h"
 #include "core/error.h"
-#include "core/file_io.h"
+#include "core/text_file.h"
 #include "farm/bytes.h"
 #include "scene/limits.h"
 
@@ -157,7 +157,7 @@ class RecordFile {
         std::error_code failed;
         if (fs::is_regular_file(path, failed)) in_.open(path, std::ios::binary);
         if (!in_.is_open()) {
-            readFile(path);  // throws with the reason
+            readWholeFile(path, {}, ErrorKind::Failed);  // throws with the reason
             throw Error(ErrorKind::Failed, path.string() + ": cannot read");
         }
         size_ = left_ = fs::file_size(path);

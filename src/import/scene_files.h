@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/context.h"
-#include "core/file_source.h"
 #include "core/image.h"
+#include "core/text_file.h"
 #include "scene/frame_model.h"
 #include "scene/scene.h"
 

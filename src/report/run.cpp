@@ -10,6 +10,7 @@
 #include "core/file_io.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "report/sweep.h"
 #include "report/write.h"
 
@@ -133,8 +134,7 @@ std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInf
                                     std::string& warning) {
     const fs::path path = options.folder / "report.json";
     if (!fs::exists(path)) return std::nullopt;
-    const std::vector<uint8_t> bytes = readFile(path);
-    Report report = fromJson(std::string(bytes.begin(), bytes.end()), path.string());
+    Report report = fromJson(readWholeFile(path, {}, ErrorKind::Failed), path.string());
     const auto made = [](const Report& r) {
         return std::tie(r.version, r.device, r.driver, r.api, r.cores, r.truthSamples, r.truthBackend);
     };

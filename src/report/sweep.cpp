@@ -10,10 +10,10 @@
 #include "converge/converge.h"
 #include "core/codecs.h"
 #include "core/content_hash.h"
-#include "core/file_io.h"
 #include "core/image_diff.h"
 #include "core/quantize.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"
 #include "pack/scene_arrays.h"
@@ -38,7 +38,7 @@ double boundOf(const LostBranches& lost, double pixels) {
 
 // The file, for camera and image, and the packed arrays, for the meshes and images that it names. The BVH
 // changes no image.
-std::string hashOf(const std::vector<uint8_t>& file, const PackedScene& scene) {
+std::string hashOf(const std::string& file, const PackedScene& scene) {
     std::string hashes = hashText(contentHash(file));
     visitArrays(scene, [&](std::string_view name, const auto& array) {
         const auto* bytes = reinterpret_cast<const uint8_t*>(array.data());
@@ -98,7 +98,7 @@ SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, Lo
 SceneReport SceneSweep::emptyReport() const {
     SceneReport report;
     report.path = path_.generic_string();
-    report.hash = hashOf(readFile(path_), loaded_.packed);
+    report.hash = hashOf(readWholeFile(path_, {}, ErrorKind::Failed), loaded_.packed);
     report.width = image_.width;
     report.height = image_.height;
     report.depth = static_cast<int>(depthOf(loaded_.packed, {}));

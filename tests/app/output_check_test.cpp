@@ -20,14 +20,15 @@ class OutputCheck : public FolderTest {};
 // By the class that writes files, whose messages tests/core/write_failure_test.cpp checks.
 TEST_F(OutputCheck, SaysWhatIsInTheWay) {
     writeText("file", "x");
-    EXPECT_EQ(messageOf([] { checkPicturePath("file/a.png"); }), "file/a.png: cannot write: Not a directory");
+    EXPECT_EQ(messageOf([] { checkPicturePath("file/a.png"); }),
+              "file/a.png: cannot write: file is not a folder");
     const std::string longName = std::string(300, 'a') + ".png";
     EXPECT_EQ(messageOf([&] { checkPicturePath(longName); }),
               longName + ": cannot write: File name too long");
     std::filesystem::create_symlink("round.png", "round.png");
     EXPECT_EQ(messageOf([] { checkPicturePath("round.png"); }),
               "round.png: cannot write: Too many levels of symbolic links");
-    EXPECT_EQ(messageOf([] { makeFolder("file"); }), "file: cannot write: Not a directory");
+    EXPECT_EQ(messageOf([] { makeFolder("file"); }), "file: cannot write: file is not a folder");
     std::filesystem::create_directory("sub");
     std::filesystem::permissions("sub", std::filesystem::perms::owner_read);
     glint::test::withoutPrivileges(folder_, [] {
@@ -64,7 +65,7 @@ TEST_F(OutputCheck, ComesBeforeTheSceneIsRead) {
     EXPECT_EQ(ran.err, "glint: no/a.png: cannot write: there is no folder no\n");
     EXPECT_EQ(ran.code, 1);
     EXPECT_EQ(runGlint("verify a.json --artifacts a.json").err,
-              "glint: a.json: cannot write: Not a directory\n");
+              "glint: a.json: cannot write: a.json is not a folder\n");
     EXPECT_EQ(runGlint("diff no.png no.png -o no/d.png").err,
               "glint: no/d.png: cannot write: there is no folder no\n");
 }

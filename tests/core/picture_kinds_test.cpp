@@ -5,14 +5,13 @@
 #include <cstdlib>
 
 #include <jpeglib.h>
+#include <zlib.h>
 
 #include "core/codecs.h"
 #include "core/quantize.h"
-#include "png_file.h"
 #include "support/support.h"
 
 namespace glint::picture_kinds_test {
-using test::pngBytes;
 
 // JPEG files as other programs write them: progressive, grey, inks.
 
@@ -88,7 +87,44 @@ TEST(JpegKinds, ScansWithoutEndAreRefused) {
     EXPECT_THROW(decodeJpeg(file), CodecError);
 }
 
-// PNG files of other programs: few bits, transparency, interlaced; and damage that a checksum shows.
+// PNG files of other programs: few bits, transparency, interlaced; and damage that a checksum shows. Made
+// from the specification (W3C, PNG Second Edition, 2003) with zlib alone, as the decoder is libpng.
+
+struct PngParts {
+    uint32_t width, height;
+    uint8_t bits, colorType, interlace;
+    std::vector<uint8_t> rows;  // with the filter's byte before each
+    std::vector<std::pair<std::string, std::vector<uint8_t>>> chunks = {};
+};
+
+void append32(std::vector<uint8_t>& bytes, uint32_t value) {
+    for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<uint8_t>(value >> shift));
+}
+
+void appendChunk(std::vector<uint8_t>& file, const std::string& type, const std::vector<uint8_t>& data) {
+    append32(file, static_cast<uint32_t>(data.size()));
+    const size_t start = file.size();
+    file.insert(file.end(), type.begin(), type.end());
+    file.insert(file.end(), data.begin(), data.end());
+    append32(file,
+             static_cast<uint32_t>(crc32(0, file.data() + start, static_cast<uInt>(file.size() - start))));
+}
+
+std::vector<uint8_t> pngBytes(const PngParts& png) {
+    std::vector<uint8_t> file = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}, header;
+    append32(header, png.width);
+    append32(header, png.height);
+    header.insert(header.end(), {png.bits, png.colorType, 0, 0, png.interlace});
+    appendChunk(file, "IHDR", header);
+    for (const auto& [type, data] : png.chunks) appendChunk(file, type, data);
+    uLongf size = compressBound(static_cast<uLong>(png.rows.size()));
+    std::vector<uint8_t> packed(size);
+    EXPECT_EQ(compress(packed.data(), &size, png.rows.data(), static_cast<uLong>(png.rows.size())), Z_OK);
+    packed.resize(size);
+    appendChunk(file, "IDAT", packed);
+    appendChunk(file, "IEND", {});
+    return file;
+}
 
 float linear(double code, double greatest) {
     return static_cast<float>(linearFromSrgb(code / greatest));
@@ -134,7 +170,7 @@ TEST(PngKinds, ProfilesAndGammaDoNotCount) {
 TEST(PngKinds, Interlaced) {
     // Adam7 of 3 x 3 (PNG Second Edition, 8.2): the passes have the pixels (0,0); none; none; (2,0); (0,2)
     // (2,2); (1,0) (1,2); row 1.
-    const test::PngParts png = {3, 3, 8, 0, 1, {0, 10, 0, 30, 0, 70, 90, 0, 20, 0, 80, 0, 40, 50, 60}};
+    const PngParts png = {3, 3, 8, 0, 1, {0, 10, 0, 30, 0, 70, 90, 0, 20, 0, 80, 0, 40, 50, 60}};
     const Image image = decodePng(pngBytes(png));
     ASSERT_EQ(image.pixels.size(), 9u);
     for (int i = 0; i < 9; ++i)

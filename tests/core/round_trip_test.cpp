@@ -10,15 +10,26 @@
 
 #include "core/image_io.h"
 #include "core/quantize.h"
-#include "png_file.h"
 #include "support/support.h"
 
 namespace glint::round_trip_test {
 using test::errorOf;
 using test::readBytes;
-using test::readPng;
 
 class RoundTrip : public test::FolderTest {};
+
+// A PNG's 8-bit samples, and its colour type: 0 grey, 2 RGB, 6 RGBA. Its header begins with both sizes, the
+// bits of a sample and that type (W3C, PNG Second Edition, 11.2.2). quantize_test.cpp and
+// picture_kinds_test.cpp show that decoding and encoding are inverse and right.
+struct PngFile {
+    int colorType = 0;
+    std::vector<uint8_t> samples;
+};
+PngFile readPng(const std::filesystem::path& path) {
+    const std::vector<uint8_t> bytes = readBytes(path);
+    EXPECT_EQ(bytes.at(24), 8) << "bits of a sample";
+    return {bytes.at(25), quantizeColor(readImage(path))};
+}
 
 // Values from -0.5 to some 3, different in every sample, so that a transposed or flipped picture is noticed.
 Image ramp(int width, int height, int channels) {
@@ -110,10 +121,8 @@ TEST_F(RoundTrip, PngBytesAreTheSrgbCurve) {
     Image image(3, 2, 3);
     image.pixels = {0.5f, 0.18f, 0.001f, 0, 0, 0, 1, 1, 1, 7.0f, -1.0f, 0.5f, 0, 1, 0, 0.5f, 0.5f, 0.5f};
     writeImage(file("a.png"), image);
-    const test::PngFile png = readPng(file("a.png"));
-    EXPECT_EQ(png.width, 3);
-    EXPECT_EQ(png.height, 2);
-    EXPECT_EQ(png.bitDepth, 8);
+    const PngFile png = readPng(file("a.png"));
+    EXPECT_EQ(readImage(file("a.png")).width, 3);
     EXPECT_EQ(png.colorType, 2);
     // 255 (1.055 v^(1/2.4) - 0.055): 0.5 -> 187.52, 0.18 -> 117.6; 255 * 12.92 * 0.001 = 3.29
     const std::vector<uint8_t> expected = {188, 118, 3,   0, 0,   0, 255, 255, 255,
@@ -324,7 +333,7 @@ TEST_F(Layers, PngPutsAlphaIntoThePicture) {
     Layer alpha{"alpha", Image(2, 1, 1)};
     alpha.image.pixels = {0.25f, 1.0f};
     EXPECT_EQ(writeLayers(file("a.png"), {alpha, color}), std::vector<std::filesystem::path>{file("a.png")});
-    const test::PngFile png = readPng(file("a.png"));
+    const PngFile png = readPng(file("a.png"));
     EXPECT_EQ(png.colorType, 6);
     // 0.25 * 255 = 63.75, without the sRGB curve
     EXPECT_EQ(png.samples, (std::vector<uint8_t>{188, 188, 188, 64, 188, 188, 188, 255}));

@@ -32,42 +32,25 @@ void* allocateOrThrow(size_t size, size_t alignment) {
 
 }  // namespace
 
-// The libraries take these too. The forms that return null are made of them by the standard library.
+// The libraries take these too. The standard library makes the forms for arrays, and those that return null,
+// of them.
 #pragma GCC visibility push(default)
 void* operator new(size_t size) {
-    return allocateOrThrow(size, 1);
-}
-void* operator new[](size_t size) {
     return allocateOrThrow(size, 1);
 }
 void* operator new(size_t size, std::align_val_t alignment) {
     return allocateOrThrow(size, static_cast<size_t>(alignment));
 }
-void* operator new[](size_t size, std::align_val_t alignment) {
-    return allocateOrThrow(size, static_cast<size_t>(alignment));
-}
 void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
     std::free(memory);
 }
 void operator delete(void* memory, size_t) noexcept {
     std::free(memory);
 }
-void operator delete[](void* memory, size_t) noexcept {
-    std::free(memory);
-}
 void operator delete(void* memory, std::align_val_t) noexcept {
     std::free(memory);
 }
-void operator delete[](void* memory, std::align_val_t) noexcept {
-    std::free(memory);
-}
 void operator delete(void* memory, size_t, std::align_val_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, size_t, std::align_val_t) noexcept {
     std::free(memory);
 }
 #pragma GCC visibility pop
