@@ -33,6 +33,27 @@ Json quartilesJson(const Quartiles& q) {
     return {{"q1", q.low}, {"median", q.median}, {"q3", q.high}};
 }
 
+// A stage that happens once, or in every image; `once` in seconds.
+struct Stage {
+    const char *key, *name;  // in JSON, in the table
+    double once = 0;
+    const Quartiles* often = nullptr;
+};
+
+std::vector<Stage> stagesOf(const Result& r) {
+    return {{"load", "load", r.load},
+            {"build", "build", r.build},
+            {"pack", "pack", r.pack},
+            {"open", "open the device", r.open},
+            {"upload", "upload", r.upload},
+            {"compile", "compile, cold", r.compile},
+            {"generate", "generate", 0, &r.generate},
+            {"shade", "shade", 0, &r.shade},
+            {"trace", "trace, all", 0, &r.trace},
+            {"readback", "readback", 0, &r.readback},
+            {"processors", "processors", 0, &r.processors}};
+}
+
 double trianglesPerSecond(const Result& r) {
     return r.build > 0 ? static_cast<double>(r.triangles) / r.build : 0;
 }
@@ -83,17 +104,8 @@ Json sceneJson(const Result& r) {
         {"build", {{"threads", r.threads}, {"trianglesPerSecond", trianglesPerSecond(r)}}},
         {"bytes", {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}, {"spirv", r.codeBytes}}},
         {"picture", r.picture}};
-    json["seconds"] = {{"open", r.open},
-                       {"load", r.load},
-                       {"build", r.build},
-                       {"pack", r.pack},
-                       {"upload", r.upload},
-                       {"compile", r.compile},
-                       {"generate", quartilesJson(r.generate)},
-                       {"shade", quartilesJson(r.shade)},
-                       {"trace", quartilesJson(r.trace)},
-                       {"readback", quartilesJson(r.readback)},
-                       {"processors", quartilesJson(r.processors)}};
+    for (const Stage& stage : stagesOf(r))
+        json["seconds"][stage.key] = stage.often ? quartilesJson(*stage.often) : Json(stage.once);
     if (r.backend == Backend::Gpu) {
         json["traversal"] = r.traversal;
         json["access"] = r.access;
@@ -101,10 +113,6 @@ Json sceneJson(const Result& r) {
     }
     for (const Result& walk : r.walks) json["walks"].push_back(walkJson(walk));
     return json;
-}
-
-std::string milliseconds(const Quartiles& q) {
-    return format("%10.2f  %8.2f .. %-8.2f", q.median * 1e3, q.low * 1e3, q.high * 1e3);
 }
 
 std::string rateLine(const Rate& rate) {
@@ -118,26 +126,13 @@ std::string rateLine(const Rate& rate) {
 
 std::string stageLines(const Result& r) {
     std::string text = format("  %-20s %10s  %s\n", "stage", "ms", "quartiles");
-    const auto once = [&](const char* name, double seconds) {
-        text += format("  %-20s %10.2f\n", name, seconds * 1e3);
-    };
-    const auto often = [&](const char* name, const Quartiles& q) {
-        if (q.median > 0) text += format("  %-20s ", name) + milliseconds(q) + "\n";
-    };
-    const bool device = r.backend == Backend::Gpu;
-    once("load", r.load);
-    once("build", r.build);
-    once("pack", r.pack);
-    if (device) {
-        once("open the device", r.open);
-        once("upload", r.upload);
-        once("compile, cold", r.compile);
+    for (const auto& [key, name, once, often] : stagesOf(r)) {
+        const double seconds = often ? often->median : once;
+        if (seconds <= 0) continue;  // not on this backend
+        text += format("  %-20s %10.2f", name, seconds * 1e3);
+        if (often) text += format("  %8.2f .. %-8.2f", often->low * 1e3, often->high * 1e3);
+        text += "\n";
     }
-    often("generate", r.generate);
-    often("shade", r.shade);
-    often("trace, all", r.trace);
-    often("readback", r.readback);
-    often("processors", r.processors);
     return text;
 }
 

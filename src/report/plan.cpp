@@ -8,81 +8,6 @@
 
 namespace glint::report {
 
-namespace {
-
-class Plan {
-  public:
-    void add(Setting setting, std::string family, int spp) {
-        setting.family = std::move(family);
-        setting.spp = spp;
-        settings.push_back(std::move(setting));
-    }
-
-    void addSamplers(std::initializer_list<int> counts) {
-        for (const int spp : counts)
-            for (const Sampler sampler : kSamplers) {
-                Setting s;
-                s.sampler = sampler;
-                add(s, std::string(nameOf(sampler)), spp);
-            }
-    }
-
-    // One sampler for all, so that the curves differ only in time.
-    void addDevices(std::initializer_list<int> counts, const std::vector<DeviceBeside>& devices) {
-        for (const int spp : counts)
-            for (const DeviceBeside& beside : devices) {
-                Setting s;
-                s.on = beside.label();
-                s.onReference = beside.device == nullptr;
-                add(s, kOnDevice + beside.name, spp);
-            }
-    }
-
-    template <typename Method>
-    void addMethods(const char* name, std::initializer_list<Method> values, Method Methods::*member) {
-        for (const Method value : values) {
-            Setting s;
-            s.methods.*member = value;
-            add(s, std::string(name) + ": " + std::string(nameOf(value)), 1);
-        }
-    }
-
-    // 0, 1, 2, ..., past 4 in steps of about a half, and the scene's own depth.
-    void addDepths(int sceneDepth) {
-        for (int depth = 0;; depth = std::min(sceneDepth, depth < 4 ? depth + 1 : depth + depth / 2)) {
-            Setting s;
-            s.limits.depth = static_cast<uint32_t>(depth);
-            add(s, "depth", 4);
-            if (depth >= sceneDepth) break;
-        }
-        for (const double cut : {1e-4, 1e-3, 1e-2}) {
-            Setting s;
-            s.limits.minContribution = cut;
-            add(s, "cut", 4);
-        }
-    }
-
-    void addOtherWays() {
-        for (const double contrast : {0.2, 0.05}) {
-            Setting s;
-            s.contrast = contrast;
-            add(s, "adaptive " + format("%g", contrast), 4);
-        }
-        for (const double error : {0.03, 0.01}) {
-            Setting s;
-            s.error = error;
-            add(s, "error " + format("%g", error), 1);
-        }
-        Setting reference;
-        reference.onReference = true;
-        add(reference, "reference", 4);
-    }
-
-    std::vector<Setting> settings;
-};
-
-}  // namespace
-
 std::string keyOf(const Setting& s) {
     std::string key = s.on.empty() ? s.family : kOnDevice + s.on;
     if (s.limits.depth) key += format(" %u", *s.limits.depth);
@@ -97,26 +22,57 @@ bool hasArithmetic(const Setting& s) {
 
 std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int sceneDepth,
                                const std::vector<DeviceBeside>& devices) {
-    Plan plan;
-    plan.addSamplers({1, 4, 16});
-    plan.addDevices({1, 4, 16}, devices);
-    plan.addSamplers({64, 256});
-    plan.add({}, kDefaultMethods, 1);
+    std::vector<Setting> plan;
+    const auto add = [&](const std::string& family, int spp, const auto&... change) {
+        Setting& setting = plan.emplace_back();
+        setting.family = family;
+        setting.spp = spp;
+        (change(setting), ...);
+    };
+    const auto addSamplers = [&](std::initializer_list<int> counts) {
+        for (const int spp : counts)
+            for (const Sampler sampler : kSamplers)
+                add(std::string(nameOf(sampler)), spp, [&](Setting& s) { s.sampler = sampler; });
+    };
+    const auto addMethods = [&]<typename Method>(const std::string& name, Method Methods::*member,
+                                                 std::initializer_list<Method> values) {
+        for (const Method value : values)
+            add(name + ": " + std::string(nameOf(value)), 1, [&](Setting& s) { s.methods.*member = value; });
+    };
+    addSamplers({1, 4, 16});
+    // One sampler for all devices, so that the curves differ only in time.
+    for (const int spp : {1, 4, 16})
+        for (const DeviceBeside& beside : devices)
+            add(kOnDevice + beside.name, spp, [&](Setting& s) {
+                s.on = beside.label();
+                s.onReference = beside.device == nullptr;
+            });
+    addSamplers({64, 256});
+    add(kDefaultMethods, 1);
     if (features.triangles)
-        plan.addMethods("triangles",
-                        {TriangleMethod::Barycentric, TriangleMethod::Projection, TriangleMethod::Planar3d},
-                        &Methods::triangles);
+        addMethods("triangles", &Methods::triangles,
+                   {TriangleMethod::Barycentric, TriangleMethod::Projection, TriangleMethod::Planar3d});
     if (features.spheres)
-        plan.addMethods("spheres", {SphereMethod::Geometric, SphereMethod::Algebraic}, &Methods::spheres);
-    plan.addMethods("offset", {OriginOffset::Fixed, OriginOffset::None}, &Methods::offsets);
-    if (hasTree) plan.addMethods("slab pad", {SlabPad::Gamma3, SlabPad::None}, &Methods::slabs);
-    Setting full;
-    full.leaveOut = false;
-    plan.add(full, "nothing left out", 1);
-    if (features.mirrors || features.transmission) plan.addDepths(sceneDepth);
-    plan.addOtherWays();
-    plan.addSamplers({1024});
-    return std::move(plan.settings);
+        addMethods("spheres", &Methods::spheres, {SphereMethod::Geometric, SphereMethod::Algebraic});
+    addMethods("offset", &Methods::offsets, {OriginOffset::Fixed, OriginOffset::None});
+    if (hasTree) addMethods("slab pad", &Methods::slabs, {SlabPad::Gamma3, SlabPad::None});
+    add("nothing left out", 1, [](Setting& s) { s.leaveOut = false; });
+    if (features.mirrors || features.transmission) {
+        // 0, 1, 2, ..., past 4 in steps of about a half, and the scene's own depth.
+        for (int depth = 0;; depth = std::min(sceneDepth, depth < 4 ? depth + 1 : depth + depth / 2)) {
+            add("depth", 4, [&](Setting& s) { s.limits.depth = static_cast<uint32_t>(depth); });
+            if (depth >= sceneDepth) break;
+        }
+        for (const double cut : {1e-4, 1e-3, 1e-2})
+            add("cut", 4, [&](Setting& s) { s.limits.minContribution = cut; });
+    }
+    for (const double contrast : {0.2, 0.05})
+        add("adaptive " + format("%g", contrast), 4, [&](Setting& s) { s.contrast = contrast; });
+    for (const double error : {0.03, 0.01})
+        add("error " + format("%g", error), 1, [&](Setting& s) { s.error = error; });
+    add("reference", 4, [](Setting& s) { s.onReference = true; });
+    addSamplers({1024});
+    return plan;
 }
 
 const std::vector<std::string>& familyStarts() {

@@ -63,11 +63,6 @@ std::string thumbnailOf(const Image& image) {
     return base64(encodePng(small.width, small.height, 3, quantizeColor(small)));
 }
 
-// Rounding alone must not exceed the --error.
-bool isPossible(const Setting& s, const SceneReport& report) {
-    return !s.error || 2 * (report.kappa + 1) * verify::kFloatUnit < *s.error;
-}
-
 }  // namespace
 
 SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, LoadedScene loaded,
@@ -269,16 +264,6 @@ bool SceneSweep::judgeArithmetic(const Setting& s, Measured& m) {
     return true;
 }
 
-void SceneSweep::judgeTotal(Measured& m, const Picture& picture) const {
-    const ErrorMeasures error = measureError(picture.color, converged_);
-    if (m.rmse.empty()) {
-        m.total = error;
-        const double alike = structuralSimilarity(convergedImage_, picture.color);
-        if (std::isfinite(alike)) m.ssim = alike;
-    }
-    m.rmse.push_back(error.rmse);
-}
-
 // Each run of a setting has a seed of its own, the same for all settings.
 bool SceneSweep::drawTimed(const Setting& s, Measured& m, const SceneReport& report) {
     const uint32_t seed = image_.seed + static_cast<uint32_t>(m.seconds.size());
@@ -286,7 +271,13 @@ bool SceneSweep::drawTimed(const Setting& s, Measured& m, const SceneReport& rep
     const bench::Timing timing = bench::timeImage(
         rendererOf(s), [&] { return draw(s, seed); }, picture);
     if (!picture.complete) return false;
-    judgeTotal(m, picture);
+    const ErrorMeasures error = measureError(picture.color, converged_);
+    if (m.rmse.empty()) {
+        m.total = error;
+        const double alike = structuralSimilarity(convergedImage_, picture.color);
+        if (std::isfinite(alike)) m.ssim = alike;
+    }
+    m.rmse.push_back(error.rmse);
     m.seconds.push_back(timing.wall);
     m.deviceSeconds.push_back(timing.stages.device);
     m.compile += timing.stages.compile;
@@ -311,7 +302,8 @@ SceneSweep::Outcome SceneSweep::run(const Setting& s, SceneReport& report) {
     const double infinite = std::numeric_limits<double>::infinity();
     if (options_.cancelled()) return Outcome::Cancelled;
     if (options_.secondsLeft() <= 0 || !drawTruth(report)) return unfinished();
-    if (!isPossible(s, report)) return Outcome::Skipped;
+    // Rounding alone must not exceed the --error.
+    if (s.error && 2 * (report.kappa + 1) * verify::kFloatUnit >= *s.error) return Outcome::Skipped;
     const auto known = std::find_if(report.measured.begin(), report.measured.end(),
                                     [key = keyOf(s)](const Measured& m) { return m.key == key; });
     const bool isKnown = known != report.measured.end();

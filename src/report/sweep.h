@@ -48,7 +48,6 @@ class SceneSweep {
     const SameSamples* sameSamples(const Setting& setting);  // null: cancelled
     bool drawTruth(SceneReport& report);                     // false: cancelled, or no time
     bool judgeArithmetic(const Setting& setting, Measured& measured);
-    void judgeTotal(Measured& measured, const Picture& picture) const;
     bool drawTimed(const Setting& setting, Measured& measured, const SceneReport& report);
 
     const gpu::Device& device_;
