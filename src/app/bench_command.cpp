@@ -4,10 +4,8 @@
 #include <ostream>
 
 #include "app/commands.h"
-#include "app/common.h"
-#include "app/drawing.h"
-#include "app/loading.h"
 #include "app/render_command.h"
+#include "app/rendering.h"
 #include "bench/measure.h"
 #include "bench/write.h"
 #include "core/available_memory.h"

@@ -60,18 +60,6 @@ constexpr const char* kCompiler = "Clang " __clang_version__;
 constexpr const char* kCompiler = "GCC " __VERSION__;
 #endif
 
-#if defined(NDEBUG)
-constexpr const char* kAssertions = "";
-#else
-constexpr const char* kAssertions = ", with assertions";
-#endif
-
-#if defined(__SANITIZE_ADDRESS__)
-constexpr const char* kSanitized = ", sanitized";
-#else
-constexpr const char* kSanitized = "";
-#endif
-
 // A line for each device, without a final line end.
 std::string deviceLines() {
     std::string text;
@@ -91,7 +79,7 @@ std::string versionText(bool verbose) {
     if (!verbose) return version;
     const std::string builtMpi = GLINT_MPI_TEXT;  // the package may lack the module
     return version + "\ncommit: " + builtCommit() + "\ncompiler: " + kCompiler +
-           "\nbuild type: " + GLINT_BUILD_TYPE + kAssertions + kSanitized + "\nwindow: " + GLINT_WINDOW_TEXT +
+           "\nbuild type: " + GLINT_BUILD_TYPE + "\nwindow: " + GLINT_WINDOW_TEXT +
            "\nMPI: " + (builtMpi == "no" || hasRanksModule() ? builtMpi : "no glint-mpi.so") +
            "\nEXR: " + GLINT_EXR_TEXT + deviceLines();
 }
@@ -191,28 +179,23 @@ std::string firstWordError(const CLI::App& app, const std::vector<std::string>& 
 // One line for a command line that CLI11 refused.
 std::string parseErrorLine(const CLI::App& app, const CLI::ParseError& error) {
     const auto chosen = app.get_subcommands();
-    const std::string text = error.what();
+    std::string text = error.what();
     if (chosen.empty()) return text + "; see glint --help";
     const CLI::App& command = *chosen.front();
-    const std::string start = command.get_name() + ": ",
-                      see = "; see glint " + command.get_name() + " --help";
+    const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
     const std::vector<std::string> extras = app.remaining(true);
     // A mistyped option is the likelier reason for whatever else is missing.
     const auto option =
         std::find_if(extras.begin(), extras.end(), [](const std::string& s) { return s.starts_with("-"); });
-    if (option != extras.end()) return start + unexpected(command, *option) + see;
-    switch (static_cast<CLI::ExitCodes>(error.get_exit_code())) {
-        case CLI::ExitCodes::ExtrasError:
-            if (extras.empty()) break;
-            return start + unexpected(command, extras.front()) + see;
-        case CLI::ExitCodes::RequiredError:
-            return start + text.substr(0, text.find(' ')) + " is missing" + see;
-        case CLI::ExitCodes::ArgumentMismatch:
-            return start + mismatch(command, text) + see;
-        default:
-            break;
-    }
-    return start + text + see;
+    if (option != extras.end())
+        text = unexpected(command, *option);
+    else if (code == CLI::ExitCodes::ExtrasError && !extras.empty())
+        text = unexpected(command, extras.front());
+    else if (code == CLI::ExitCodes::RequiredError)
+        text = text.substr(0, text.find(' ')) + " is missing";
+    else if (code == CLI::ExitCodes::ArgumentMismatch)
+        text = mismatch(command, text);
+    return command.get_name() + ": " + text + "; see glint " + command.get_name() + " --help";
 }
 
 int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& err) {
@@ -220,6 +203,10 @@ int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& 
     bool verbose = false;
     Run chosen;
     declareProgram(app, verbose, chosen);
+    if (!args.empty() && args.front() == "complete") {  // for shells, see glint pages
+        complete(app, {args.begin() + 1, args.end()}, out);
+        return static_cast<int>(ExitCode::Done);
+    }
     if (!args.empty() && args.front() == "help") {
         args.erase(args.begin());
         args.push_back("--help");

@@ -1,12 +1,18 @@
-// The commands. Each stands in a file of its own, with its options and its work.
+// The commands, each in a file of its own with its options and its work, and steps that several take.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <iosfwd>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
 
 #include "app/cli.h"
 #include "app/options.h"
+#include "core/format.h"
+#include "core/progress.h"
 
 namespace glint::app {
 
@@ -39,11 +45,47 @@ Run pagesCommand(OptionTable& table);
 // of the command that it finds; both must outlive `app`.
 void declareProgram(CLI::App& app, bool& verbose, Run& chosen);
 
+// Prints the completions of the last word of an unfinished command line, one a line, each with a tab and its
+// help: commands, options or an option's values.
+void complete(const CLI::App& program, const std::vector<std::string>& words, std::ostream& out);
+
 // This process among those of an MPI launcher; 0 without one.
 int rankOfLauncher();
 // Ends all ranks with this exit code; does nothing without ranks.
 void abortRanks(int exitCode);
 // True if the module for MPI is installed.
 bool hasRanksModule();
+
+// ---- steps that several commands take
+
+// True if standard error is a terminal and `err` is it.
+bool isTerminal(const std::ostream& err);
+
+// Progress on `err`.
+Progress progressOf(const std::string& label, ProgressMode mode, std::ostream& err);
+
+std::string formatSeconds(double seconds);
+
+// "a, b, c"
+std::string joined(const std::vector<std::string>& words, const std::string& between = ", ");
+
+// Prints a document; bytes of file names that are not UTF-8 are replaced.
+void printJson(const nlohmann::json& json, std::ostream& out);
+
+// A file's name for the terminal: it may be a stranger's too.
+std::string shown(const std::filesystem::path& file);
+
+// Throws Error(Argument) if the extension names no image format, and what checkOutputPath() throws.
+void checkPicturePath(const std::filesystem::path& path);
+
+// Throws Error(Failed) if no file can be written there: no such folder, no permission, a folder of that name.
+void checkOutputPath(const std::filesystem::path& path);
+
+// Creates the folder and its parents if they do not exist. Throws Error(Failed) if it cannot be written to.
+void makeFolder(const std::filesystem::path& folder);
+
+// Throws Error(Failed) if `out` is standard output and the system refuses to write there: it is closed, or
+// the device behind it is full.
+void checkStandardOutput(const std::ostream& out);
 
 }  // namespace glint::app

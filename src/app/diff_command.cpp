@@ -3,7 +3,6 @@
 #include <ostream>
 
 #include "app/commands.h"
-#include "app/common.h"
 #include "core/error.h"
 #include "core/image_diff.h"
 #include "core/image_io.h"

@@ -4,9 +4,7 @@
 #include <set>
 
 #include "app/commands.h"
-#include "app/common.h"
-#include "app/drawing.h"
-#include "app/loading.h"
+#include "app/rendering.h"
 #include "core/device_layout.h"
 #include "core/error.h"
 #include "core/text_file.h"
@@ -21,28 +19,43 @@ namespace glint::app {
 
 namespace {
 
-std::string arraySize(const PackedScene& packed) {
-    uint64_t bytes = 0;
-    visitArrays(packed, [&](const char*, const auto& array) { bytes += array.size() * sizeof(array[0]); });
-    if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
-    return format("%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
-}
-
 constexpr size_t kMostNames = 16;
 
-// ": "red", "glass"", or nothing.
-std::string materialNames(const Scene& scene) {
+// Texts of the lines; an empty one is left out.
+
+std::string arraysText(const PackedScene& packed) {
+    uint64_t bytes = 0;
+    visitArrays(packed, [&](const char*, const auto& array) { bytes += array.size() * sizeof(array[0]); });
+    return (bytes < 1024 * 1024 ? std::to_string(bytes) + " bytes"
+                                : format("%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0))) +
+           " on the device";
+}
+
+std::string imageText(const PackedScene& packed, const Request& request) {
+    const ImageSettings& image = request.image;
+    const Sampler sampler = samplerOf(image);
+    std::string text = format("%d x %d, ", image.width, image.height) +
+                       counted(static_cast<uint64_t>(image.samplesPerPixel), "sample") + " per pixel";
+    // A single sample in the centre has no sampler.
+    if (image.samplesPerPixel > 1 || sampler != Sampler::Grid)
+        text += " (" + std::string(nameOf(sampler)) + (image.sampler == Sampler::Auto ? ", auto)" : ")");
+    return text + ", at most " + counted(depthOf(packed, request), "reflection");
+}
+
+// "3: "red", "glass"", with at most kMostNames of them.
+std::string materialsText(const Scene& scene) {
     std::vector<std::string> names;
     for (const Material& material : scene.materials) names.push_back('"' + printable(material.name) + '"');
-    if (names.size() > kMostNames) {
+    const size_t count = names.size();
+    if (count > kMostNames) {
         names.resize(kMostNames);
         names.emplace_back("...");
     }
-    return names.empty() ? "" : ": " + joined(names);
+    return std::to_string(count) + (names.empty() ? "" : ": ") + joined(names);
 }
 
-// ": 2 point, 1 spot", or nothing.
-std::string lightKinds(const Scene& scene) {
+// "3: 2 point, 1 spot"
+std::string lightsText(const Scene& scene) {
     constexpr const char* kKinds[] = {"point", "directional", "spot"};
     static_assert(std::size(kKinds) == std::variant_size_v<Light>);
     std::vector<std::string> kinds;
@@ -51,7 +64,7 @@ std::string lightKinds(const Scene& scene) {
                                          [kind](const Light& light) { return light.index() == kind; });
         if (count > 0) kinds.push_back(std::to_string(count) + " " + kKinds[kind]);
     }
-    return kinds.empty() ? "" : ": " + joined(kinds);
+    return std::to_string(scene.lights.size()) + (kinds.empty() ? "" : ": ") + joined(kinds);
 }
 
 // A corner of the bounds: without the margin of the BVH, to five digits of `extent`.
@@ -61,14 +74,14 @@ std::string cornerText(const glm::dvec3& corner, double extent) {
     return format("(%.9g %.9g %.9g)", p.x, p.y, p.z);
 }
 
-// "12 triangles, 1 sphere, ..."; instances have a line of their own.
-std::string kindCounts(const PackedScene& packed) {
+// "2 (1 triangle, 1 sphere, ...)"; instances have a line of their own.
+std::string objectsText(const Scene& scene, const PackedScene& packed) {
     std::vector<std::string> counts;
     visitKinds(packed, [&](const KindCount& kind) {
         if (kind.kind != shared::PrimitiveKind::Instance)
             counts.push_back(std::to_string(kind.count) + " " + (kind.count == 1 ? kind.one : kind.many));
     });
-    return joined(counts);
+    return std::to_string(scene.objects.size()) + " (" + joined(counts) + ")";
 }
 
 // The kernel that --traversal auto chooses on the default device, or the text that no device exists.
@@ -86,115 +99,107 @@ std::string traversalText(const PackedScene& packed, const Request& request) {
     }
 }
 
+bool hasBvh(const PackedScene& packed) {
+    return packed.environment.root != shared::kNone;
+}
+
+std::string boundsText(const PackedScene& packed) {
+    if (!hasBvh(packed)) return packed.planes.empty() ? "no geometry" : "infinite (planes only)";
+    const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
+                     hi = packed.origin + glm::dvec3(packed.boundsHi), size = hi - lo;
+    const double extent = std::max({size.x, size.y, size.z});
+    return cornerText(lo, extent) + " .. " + cornerText(hi, extent) +
+           (packed.planes.empty() ? "" : ", planes apart");
+}
+
 // The widest gap between two surfaces that shadows may miss, by the rule for rays that leave surfaces
 // (docs/design/numerics.md): 12 units of the coordinates across it, and of planes that are not parallel to an
 // axis 6 units of the scene's size too, along each of three axes.
-void printLeastGap(const PackedScene& packed, std::ostream& out) {
+std::string leastGapText(const PackedScene& packed) {
+    if (!hasBvh(packed)) return "";
     const glm::vec3 lo = packed.boundsLo, hi = packed.boundsHi;
     const glm::vec3 far = glm::max(glm::abs(lo), glm::abs(hi)), size = hi - lo;
     const double coordinate = std::max({far.x, far.y, far.z}), extent = std::max({size.x, size.y, size.z});
     constexpr double kUnit = 0x1p-24;
-    out << format("  least gap     %.2g along an axis, %.2g in other directions\n", 12 * kUnit * coordinate,
+    return format("%.2g along an axis, %.2g in other directions", 12 * kUnit * coordinate,
                   std::sqrt(3.0) * kUnit * (12 * coordinate + 6 * extent));
 }
 
-void printGeometry(const PackedScene& packed, std::ostream& out) {
+std::string bvhText(const PackedScene& packed) {
     const PackStatistics& s = packed.statistics;
-    if (packed.environment.root == shared::kNone) {
-        out << "  bounds        " << (packed.planes.empty() ? "no geometry" : "infinite (planes only)")
-            << "\n  BVH           none\n";
-    } else {
-        const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
-                         hi = packed.origin + glm::dvec3(packed.boundsHi);
-        const glm::dvec3 size = hi - lo;
-        const double extent = std::max({size.x, size.y, size.z});
-        out << "  bounds        " << cornerText(lo, extent) << " .. " << cornerText(hi, extent)
-            << (packed.planes.empty() ? "\n" : ", planes apart\n");
-        printLeastGap(packed, out);
-        if (s.splitTriangles > 0)
-            out << "  split         " << counted(s.splitTriangles, "further part") << " of triangles\n";
-        out << "  BVH           " << counted(packed.nodes.size(), "node") << ", " << s.leaves
-            << (s.leaves == 1 ? " leaf" : " leaves")
-            << format(", depth %u, SAH cost %.2f, built in ", s.depth, s.sahCost)
-            << formatSeconds(s.buildSeconds) << '\n';
-    }
-    if (packed.origin != glm::dvec3(0)) {
-        out << format("  local frame   origin (%.9g %.9g %.9g)\n", packed.origin.x, packed.origin.y,
-                      packed.origin.z);
-    }
-    if (s.droppedZeroArea + s.droppedNotFinite > 0) {
-        out << "  dropped       " << counted(s.droppedZeroArea, "primitive") << " without area, "
-            << s.droppedNotFinite << " not finite\n";
-    }
+    if (!hasBvh(packed)) return "none";
+    return counted(packed.nodes.size(), "node") + ", " + std::to_string(s.leaves) +
+           (s.leaves == 1 ? " leaf" : " leaves") +
+           format(", depth %u, SAH cost %.2f, built in ", s.depth, s.sahCost) + formatSeconds(s.buildSeconds);
 }
 
-void printInstances(const PackedScene& packed, std::ostream& out) {
-    if (packed.instances.empty()) return;
+std::string instancesText(const PackedScene& packed) {
     const PackStatistics& s = packed.statistics;
-    out << "  instances     " << packed.instances.size() << " of " << counted(s.prototypes, "object")
-        << " stored once: " << counted(s.prototypeTriangles, "triangle") << " for " << s.instancedTriangles
-        << '\n';
-}
-
-// A single sample in the centre has no sampler.
-std::string samplerText(const ImageSettings& image) {
-    const Sampler sampler = samplerOf(image);
-    if (image.samplesPerPixel == 1 && sampler == Sampler::Grid) return "";
-    const char* const how = image.sampler == Sampler::Auto ? ", auto)" : ")";
-    return " (" + std::string(nameOf(sampler)) + how;
-}
-
-void printImage(const std::string& file, const Image& image, std::ostream& out) {
-    const uint64_t bytes = static_cast<uint64_t>(image.width) * image.height * sizeof(shared::Texel);
-    out << "                " << file
-        << format(", %d x %d, %.1f KiB on the device\n", image.width, image.height,
-                  static_cast<double>(bytes) / 1024.0);
+    if (packed.instances.empty()) return "";
+    return std::to_string(packed.instances.size()) + " of " + counted(s.prototypes, "object") +
+           " stored once: " + counted(s.prototypeTriangles, "triangle") + " for " +
+           std::to_string(s.instancedTriangles);
 }
 
 // Each image once, though several textures may show it.
-void printTextures(const Scene& scene, std::ostream& out) {
-    if (scene.textures.empty() && !scene.environment) return;
-    out << "  textures      " << scene.textures.size() << (scene.environment ? ", environment map" : "")
-        << '\n';
+std::string texturesText(const Scene& scene) {
+    if (scene.textures.empty() && !scene.environment) return "";
+    std::string text = std::to_string(scene.textures.size()) + (scene.environment ? ", environment map" : "");
     std::set<const Image*> seen;
-    for (const Texture& texture : scene.textures) {
-        const auto* image = std::get_if<ImageTexture>(&texture.source);
-        if (image != nullptr && seen.insert(image->image.get()).second)
-            printImage(image->file, *image->image, out);
-    }
-    if (scene.environment) printImage(scene.environment->file, *scene.environment->image, out);
+    const auto add = [&](const std::string& file, const Image& image) {
+        if (!seen.insert(&image).second) return;
+        const uint64_t bytes = static_cast<uint64_t>(image.width) * image.height * sizeof(shared::Texel);
+        text += "\n                " + file +
+                format(", %d x %d, %.1f KiB on the device", image.width, image.height,
+                       static_cast<double>(bytes) / 1024.0);
+    };
+    for (const Texture& texture : scene.textures)
+        if (const auto* image = std::get_if<ImageTexture>(&texture.source)) add(image->file, *image->image);
+    if (scene.environment) add(scene.environment->file, *scene.environment->image);
+    return text;
 }
 
 ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
     const LoadedScene loaded = loadAndPack(command, err);
     const Scene& scene = loaded.scene;
     const PackedScene& packed = loaded.packed;
+    const PackStatistics& s = packed.statistics;
     const Request request = requestOf(loaded, command);
-    const ImageSettings& image = request.image;
-    out << shown(command.scene) << '\n'
-        << "  image         " << image.width << " x " << image.height << ", "
-        << counted(static_cast<uint64_t>(image.samplesPerPixel), "sample") << " per pixel"
-        << samplerText(image) << ", at most "
-        << counted(static_cast<uint64_t>(depthOf(loaded.packed, request)), "reflection") << '\n'
-        << "  camera        " << cameraKind(scene.camera) << '\n';
-    if (!scene.cameras.empty()) out << "  cameras       " << cameraNames(scene, kMostNames) << '\n';
-    out << "  objects       " << scene.objects.size() << " (" << kindCounts(packed) << ")\n";
-    printInstances(packed, out);
-    out << "  materials     " << scene.materials.size() << materialNames(scene) << '\n'
-        << "  lights        " << scene.lights.size() << lightKinds(scene) << '\n';
-    printTextures(scene, out);
-    printGeometry(packed, out);
-    out << "  arrays        " << arraySize(packed) << " on the device\n";
     std::vector<std::string> used, leftOut;
 #define GLINT_LIST(ID, NAME, field) (packed.features.field ? used : leftOut).push_back(#field);
     GLINT_FEATURES(GLINT_LIST)
 #undef GLINT_LIST
-    out << "  traversal     " << traversalText(packed, request) << '\n';
     for (std::vector<std::string>* list : {&used, &leftOut})
         if (list->empty()) list->emplace_back("nothing");
-    out << "  features used " << joined(used) << '\n' << "  left out      " << joined(leftOut) << '\n';
-    out << "  tests         triangles " << nameOf(command.methods.triangles) << ", spheres "
-        << nameOf(command.methods.spheres) << '\n';
+    const glm::dvec3& origin = packed.origin;
+    const std::pair<const char*, std::string> lines[] = {
+        {"image", imageText(packed, request)},
+        {"camera", cameraKind(scene.camera)},
+        {"cameras", scene.cameras.empty() ? "" : cameraNames(scene, kMostNames)},
+        {"objects", objectsText(scene, packed)},
+        {"instances", instancesText(packed)},
+        {"materials", materialsText(scene)},
+        {"lights", lightsText(scene)},
+        {"textures", texturesText(scene)},
+        {"bounds", boundsText(packed)},
+        {"least gap", leastGapText(packed)},
+        {"split", s.splitTriangles > 0 ? counted(s.splitTriangles, "further part") + " of triangles" : ""},
+        {"BVH", bvhText(packed)},
+        {"local frame",
+         origin != glm::dvec3(0) ? format("origin (%.9g %.9g %.9g)", origin.x, origin.y, origin.z) : ""},
+        {"dropped", s.droppedZeroArea + s.droppedNotFinite > 0
+                        ? counted(s.droppedZeroArea, "primitive") + " without area, " +
+                              std::to_string(s.droppedNotFinite) + " not finite"
+                        : ""},
+        {"arrays", arraysText(packed)},
+        {"traversal", traversalText(packed, request)},
+        {"features used", joined(used)},
+        {"left out", joined(leftOut)},
+        {"tests", "triangles " + std::string(nameOf(command.methods.triangles)) + ", spheres " +
+                      std::string(nameOf(command.methods.spheres))}};
+    out << shown(command.scene) << '\n';
+    for (const auto& [name, text] : lines)
+        if (!text.empty()) out << format("  %-13s ", name) << text << '\n';
     return ExitCode::Done;
 }
 

@@ -23,7 +23,6 @@ namespace glint::app {
 
 namespace {
 
-constexpr int kMostErrorSamples = 1 << 20;
 constexpr const char* kAllowOutside = "allow files outside the scene's folder";
 
 // Numbers too large for 64 bits become the largest one, so that range checks see them.
@@ -48,16 +47,25 @@ std::optional<double> number(const std::string& text) {
     return value;
 }
 
-// Exactly `count` whole numbers, clamped to the range of int; nothing if the text has another form.
-std::vector<int> wholeNumbers(const std::string& text, char separator, size_t count) {
+// A number that fits.
+double numberWhere(bool (*fits)(double), const std::string& wanted, const std::string& text) {
+    const auto value = number(text);
+    if (!value || !fits(*value)) refuse(wanted, text);
+    return *value;
+}
+
+// Exactly `count` whole numbers, clamped to the range of int.
+std::vector<int> wholeNumbers(const std::string& text, char separator, size_t count,
+                              const std::string& wanted) {
     std::vector<int> values;
     for (const std::string& part : split(text, separator)) {
         const auto value = wholeNumber(part);
-        if (!value) return {};
+        if (!value) refuse(wanted, text);
         values.push_back(static_cast<int>(
             std::clamp<int64_t>(*value, std::numeric_limits<int>::min(), std::numeric_limits<int>::max())));
     }
-    return values.size() == count ? values : std::vector<int>{};
+    if (values.size() != count) refuse(wanted, text);
+    return values;
 }
 
 // The parts of "a, b", each of which must be one of `known`; messages show lists of up to kShown in full.
@@ -90,9 +98,8 @@ uint32_t parseSeed(const std::string& text) {
 }
 
 double parseConfidence(const std::string& text) {
-    const auto value = number(text);
-    if (!value || !(*value > 0.5 && *value < 1)) refuse("a number between 0.5 and 1, such as 0.95", text);
-    return *value;
+    return numberWhere([](double p) { return p > 0.5 && p < 1; }, "a number between 0.5 and 1, such as 0.95",
+                       text);
 }
 
 // "NAME" or "NAME,RADIUS"
@@ -130,42 +137,36 @@ int parseWhole(const std::string& text, int least, int greatest) {
 }
 
 Size parseSize(const std::string& text) {
-    const auto v = wholeNumbers(text, 'x', 2);
-    if (v.empty()) refuse("WxH such as 640x480", text);
-    if (std::min(v[0], v[1]) < 1 || std::max(v[0], v[1]) > kMaxImageSize) {
+    const auto v = wholeNumbers(text, 'x', 2, "WxH such as 640x480");
+    if (std::min(v[0], v[1]) < 1 || std::max(v[0], v[1]) > kMaxImageSize)
         refuse("a width and a height from 1 to " + std::to_string(kMaxImageSize), text);
-    }
     return {v[0], v[1]};
 }
 
 PartChoice parsePart(const std::string& text) {
-    const auto v = wholeNumbers(text, '/', 2);
-    if (v.empty() || v[1] < 1 || v[1] > farm::kMostParts || v[0] < 1 || v[0] > v[1])
-        refuse("K/N with 1 <= K <= N, such as 3/8", text);
+    const std::string form = "K/N with 1 <= K <= N, such as 3/8";
+    const auto v = wholeNumbers(text, '/', 2, form);
+    if (v[1] < 1 || v[1] > farm::kMostParts || v[0] < 1 || v[0] > v[1]) refuse(form, text);
     return {v[0], v[1]};
 }
 
 FrameRange parseFrames(const std::string& text) {
     constexpr int kMostFrames = 10'000'000;
-    auto v = wholeNumbers(text, ':', 2);
-    if (v.empty()) v = wholeNumbers(text, ':', 1);
-    if (v.empty() || v.front() < 0 || v.back() < v.front() || v.back() > kMostFrames)
-        refuse("A:B with 0 <= A <= B, such as 0:240, or one number", text);
+    const std::string form = "A:B with 0 <= A <= B, such as 0:240, or one number";
+    const auto v = wholeNumbers(text, ':', text.find(':') == std::string::npos ? 1 : 2, form);
+    if (v.front() < 0 || v.back() < v.front() || v.back() > kMostFrames) refuse(form, text);
     return {v.front(), v.back()};
 }
 
 Region parseCrop(const std::string& text) {
-    const auto v = wholeNumbers(text, ',', 4);
-    if (v.empty()) refuse("x0,y0,x1,y1 such as 0,0,64,64", text);
-    if (v[0] < 0 || v[1] < 0 || v[2] <= v[0] || v[3] <= v[1]) {
+    const auto v = wholeNumbers(text, ',', 4, "x0,y0,x1,y1 such as 0,0,64,64");
+    if (v[0] < 0 || v[1] < 0 || v[2] <= v[0] || v[3] <= v[1])
         refuse("x0,y0,x1,y1 with 0 <= x0 < x1 and 0 <= y0 < y1", text);
-    }
     return {v[0], v[1], v[2], v[3]};
 }
 
 std::pair<int, int> parsePixel(const std::string& text) {
-    const auto v = wholeNumbers(text, ',', 2);
-    if (v.empty()) refuse("x,y such as 320,240", text);
+    const auto v = wholeNumbers(text, ',', 2, "x,y such as 320,240");
     // So that the message about the image's size has the numbers that were given.
     if (std::max(std::abs(int64_t{v[0]}), std::abs(int64_t{v[1]})) > kMaxImageSize)
         refuse("x,y below " + std::to_string(kMaxImageSize), text);
@@ -205,21 +206,17 @@ SceneFeatures parseFeatures(const std::string& text) {
 }
 
 double parseNotNegative(const std::string& text) {
-    const auto value = number(text);
-    if (!value || *value < 0) refuse("a number from 0 up", text);
-    return *value;
+    return numberWhere([](double v) { return v >= 0; }, "a number from 0 up", text);
+}
+
+double parsePositive(const std::string& text) {
+    return numberWhere([](double v) { return v > 0; }, "a number above 0", text);
 }
 
 double parseReal(const std::string& text, double least, double greatest) {
     const auto value = number(text);
     if (!value || *value < least || *value > greatest)
         refuse("a number from " + describe(least) + " to " + describe(greatest), text);
-    return *value;
-}
-
-double parsePositive(const std::string& text) {
-    const auto value = number(text);
-    if (!value || !(*value > 0)) refuse("a number above 0", text);
     return *value;
 }
 
@@ -353,16 +350,6 @@ void addError(OptionTable& table, ErrorTarget& target) {
     table.require("--error", {"--confidence", "--within-depth"});
 }
 
-void addErrorTarget(OptionTable& table, ErrorTarget& target) {
-    addError(table, target);
-    table.value("--max-seconds", "S", "stop after S seconds with the best image so far",
-                target.limits.maxSeconds, parsePositive);
-    table.whole("--max-spp", "N", "stop at N samples per pixel (default 65536)", 2, kMostErrorSamples,
-                target.limits.maxSamples);
-    table.flag("--strict", "exit with code 5 if --error is not reached", target.strict);
-    table.require("--error", {"--max-seconds", "--max-spp", "--strict"});
-}
-
 void addBackend(OptionTable& table, Backend& backend) {
     table.choice<Backend>("--backend",
                           "gpu (default), or cpu: the double-precision reference, without Vulkan", backend);
@@ -383,12 +370,6 @@ void addTraversal(OptionTable& table, DeviceChoice& device) {
     table.choice<render::Traversal>(
         "--traversal", "one ray per lane (lane) or 32 rays together (packet); default auto chooses",
         device.traversal);
-}
-
-void addFallback(OptionTable& table, DeviceChoice& device) {
-    table.choice<Fallback>("--fallback",
-                           "if the device fails or cannot be opened: " + explainedChoices<Fallback>(),
-                           device.fallback);
 }
 
 void addProgress(OptionTable& table, ProgressMode& mode) {

@@ -196,15 +196,12 @@ void addExposure(OptionTable& table, std::optional<double>& stops);
 void addBackend(OptionTable& table, Backend& backend);
 void addDevice(OptionTable& table, DeviceChoice& device);  // --device, --validation, --threads
 void addTraversal(OptionTable& table, DeviceChoice& device);
-void addFallback(OptionTable& table, DeviceChoice& device);
 void addProgress(OptionTable& table, ProgressMode& mode);
 // --stats json; `help` tells what it prints.
 void addStats(OptionTable& table, const std::string& help, bool& json);
 
 // --error, --confidence, --within-depth; the last two require the first.
 void addError(OptionTable& table, ErrorTarget& target);
-// The same, and the limits.
-void addErrorTarget(OptionTable& table, ErrorTarget& target);
 
 // Throws Error(Argument) for an option that is given though --backend cpu would ignore it.
 void requireGpu(Backend backend, std::initializer_list<std::pair<bool, const char*>> options);

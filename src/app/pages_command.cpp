@@ -5,7 +5,6 @@
 #include <ostream>
 
 #include "app/commands.h"
-#include "app/common.h"
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/text_file.h"
@@ -16,174 +15,56 @@ namespace {
 
 using Text = std::string;
 
-// An option of a command.
-struct Argument {
-    explicit Argument(const CLI::Option& option);
-
-    bool positional = false, many = false, takesValue = false;
-    bool file = false, folder = false;  // the value is the name of one
-    std::vector<Text> names;            // "-o" and "--output", or "SCENE"
-    Text form, help;
-    std::vector<Text> choices;  // if the option has a list of values
-};
-
-Argument::Argument(const CLI::Option& option)
-    : positional(option.get_positional()),
-      many(option.get_expected_max() > 1),
-      takesValue(option.get_items_expected_max() != 0),
-      form(option.get_type_name()),
-      help(option.get_description()) {
-    if (positional) names.push_back(option.get_name());
+// "-o" and "--output", or "SCENE".
+std::vector<Text> optionNames(const CLI::Option& option) {
+    std::vector<Text> names;
+    if (option.get_positional()) names.push_back(option.get_name());
     for (const Text& name : option.get_snames()) names.push_back("-" + name);
     for (const Text& name : option.get_lnames()) names.push_back("--" + name);
-    folder = form == "FOLDER" || names[0] == "FOLDER";
-    file = form.starts_with("FILE") || (positional && !folder);
-    const auto isName = [](const Text& text) {
-        return !text.empty() && std::islower(static_cast<unsigned char>(text[0])) &&
-               std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c); });
-    };
-    choices = split(form, '|');
-    if (!std::all_of(choices.begin(), choices.end(), isName)) choices.clear();
-}
-
-std::vector<Argument> argumentsOf(const CLI::App& command) {
-    std::vector<Argument> arguments;
-    for (const CLI::Option* option : command.get_options()) arguments.emplace_back(*option);
-    return arguments;
+    return names;
 }
 
 std::vector<const CLI::App*> commandsOf(const CLI::App& program) {
     return program.get_subcommands([](const CLI::App*) { return true; });
 }
 
-constexpr const char* kMadeBy = "# Made by glint pages; not to be edited.\n";
-
-Text commandNames(const CLI::App& program) {
-    std::vector<Text> names;
-    for (const CLI::App* command : commandsOf(program)) names.push_back(command->get_name());
-    return joined(names, " ");
+// The values of a form such as "gpu|cpu"; none of "x|y" names, as in "NAME|INDEX".
+std::vector<Text> choicesOf(const Text& form) {
+    const auto isName = [](const Text& text) {
+        return !text.empty() && std::islower(static_cast<unsigned char>(text[0])) &&
+               std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c); });
+    };
+    const std::vector<Text> choices = split(form, '|');
+    return std::all_of(choices.begin(), choices.end(), isName) ? choices : std::vector<Text>();
 }
 
-Text optionNames(const std::vector<Argument>& arguments) {
-    std::vector<Text> names;
-    for (const Argument& argument : arguments)
-        if (!argument.positional) names.insert(names.end(), argument.names.begin(), argument.names.end());
-    return joined(names, " ");
-}
-
-// The options of one command: a line for each option with a list of choices, and a line for the rest. The
-// shell offers files for other arguments.
-Text bashCases(const CLI::App& command) {
-    const std::vector<Argument> arguments = argumentsOf(command);
-    Text cases;
-    for (const Argument& argument : arguments) {
-        if (argument.positional || !argument.takesValue) continue;
-        for (const Text& name : argument.names)
-            cases += "        '" + command.get_name() + " " + name + "') words='" +
-                     joined(argument.choices, " ") + "' ;;\n";
-    }
-    return cases + "        '" + command.get_name() + " '*) [[ $current == -* ]] && words='" +
-           optionNames(arguments) + "' ;;\n";
-}
-
-Text bashCompletion(const CLI::App& program) {
-    const Text names = commandNames(program);
-    Text made = kMadeBy + Text(R"(_glint() {
-    local current=${COMP_WORDS[COMP_CWORD]} words=''
-    case "${COMP_WORDS[1]} ${COMP_WORDS[COMP_CWORD-1]}" in
-)");
-    for (const CLI::App* command : commandsOf(program)) made += bashCases(*command);
-    return made + "        'help '*) words='" + names + R"(' ;;
-    esac
-    if [[ $COMP_CWORD -eq 1 ]]; then words=')" +
-           names + " help " + optionNames(argumentsOf(program)) + R"('; fi
-    COMPREPLY=($(compgen -W "$words" -- "$current"))
+// The shells ask `glint complete`; without an answer they offer files.
+constexpr const char* kBash = R"(# Made by glint pages.
+_glint() {
+    local line
+    COMPREPLY=()
+    while IFS= read -r line; do
+        COMPREPLY+=("${line%%$'\t'*}")
+    done < <("${COMP_WORDS[0]}" complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)
 }
 complete -o default -F _glint glint
 )";
-}
-
-Text fishQuoted(const Text& plain) {
-    Text made = "'";
-    for (const char c : plain) made += (c == '\\' || c == '\'' ? "\\" : "") + Text(1, c);
-    return made + "'";
-}
-
-// Text within single quotes of zsh, where brackets and colons end a part of a specification.
-Text zshEscaped(const Text& plain) {
-    Text made;
-    for (const char c : plain) {
-        if (Text("[]:\\").find(c) != Text::npos) made += '\\';
-        made += c == '\'' ? "'\\''" : Text(1, c);
-    }
-    return made;
-}
-
-// A specification of zsh's _arguments for each name.
-Text zshLines(const CLI::App& command) {
-    Text made;
-    for (const Argument& argument : argumentsOf(command)) {
-        const Text values = !argument.choices.empty() ? "(" + joined(argument.choices, " ") + ")"
-                            : argument.file           ? "_files"
-                            : argument.folder         ? "_files -/"
-                                                      : " ";
-        for (const Text& name : argument.names) {
-            made += " \\\n            '";
-            if (argument.positional)
-                made += (argument.many ? "*:" : ":") + name + ":" + values;
-            else
-                made += "(" + joined(argument.names, " ") + ")" + name +
-                        (argument.takesValue && name.starts_with("--") ? "=" : "") + "[" +
-                        zshEscaped(argument.help) + "]" +
-                        (argument.takesValue ? ":" + zshEscaped(argument.form) + ":" + values : "");
-            made += "'";
-        }
-    }
-    return made;
-}
-
-// zsh runs the file as the body of a function.
-Text zshCompletion(const CLI::App& program) {
-    Text commands, cases;
-    for (const CLI::App* command : commandsOf(program)) {
-        commands += "\n    '" + command->get_name() + ":" + zshEscaped(command->get_description()) + "'";
-        cases += "        " + command->get_name() + ") _arguments" + zshLines(*command) + " ;;\n";
-    }
-    return "#compdef glint\n" + Text(kMadeBy) + "local -a commands=(" + commands +
-           "\n)\nif (( CURRENT == 2 )) && [[ $words[2] == -* ]]; then\n    _arguments" + zshLines(program) +
-           "\nelif (( CURRENT == 2 )) || [[ $words[2] == help ]]; then\n    _describe command "
-           "commands\nelse\n"
-           "    shift words\n    (( CURRENT-- ))\n    case $words[1] in\n" +
-           cases + "    esac\nfi\n";
-}
-
-Text fishLine(const Text& condition, const Argument& argument) {
-    Text made = "complete -c glint -n '" + condition + "'";
-    if (!argument.positional)
-        for (const Text& name : argument.names)
-            made += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-    if (!argument.choices.empty())
-        made += " -x -a '" + joined(argument.choices, " ") + "'";
-    else if (argument.file)
-        made += argument.positional ? " -F" : " -r -F";
-    else if (argument.folder)
-        made += " -x -a '(__fish_complete_directories)'";
-    else if (argument.takesValue)
-        made += " -x";
-    return made + " -d " + fishQuoted(argument.help) + "\n";
-}
-
-Text fishCompletion(const CLI::App& program) {
-    Text made = kMadeBy + Text("complete -c glint -f\n");
-    for (const Argument& argument : argumentsOf(program)) made += fishLine("__fish_use_subcommand", argument);
-    for (const CLI::App* command : commandsOf(program)) {
-        made += "complete -c glint -n __fish_use_subcommand -a " + command->get_name() + " -d " +
-                fishQuoted(command->get_description()) + "\n";
-        for (const Argument& argument : argumentsOf(*command))
-            made += fishLine("__fish_seen_subcommand_from " + command->get_name(), argument);
-    }
-    return made;
-}
+constexpr const char* kZsh = R"(#compdef glint
+# Made by glint pages.
+local -a found
+found=("${(@f)$("${(Q)words[1]}" complete "${(@Q)words[2,CURRENT]}" 2>/dev/null)}")
+found=(${found//$'\t'/:})
+if (( $#found )); then _describe glint found; else _files; fi
+)";
+constexpr const char* kFish = R"(# Made by glint pages.
+function __glint_complete
+    set -l words (commandline -opc)
+    set -l current (commandline -ct)
+    set -e words[1]
+    glint complete $words "$current" 2>/dev/null
+end
+complete -c glint -n '__glint_complete | string length -q' -f -a '(__glint_complete)'
+)";
 
 // Text for roff: escaped backslashes and hyphens, and no line that begins with a request.
 Text roff(const Text& plain) {
@@ -205,12 +86,13 @@ Text italic(const Text& plain) {
 }
 
 // "-o, --output FILE" and its help.
-Text entry(const Argument& argument) {
+Text entry(const CLI::Option& option) {
     std::vector<Text> names;
-    for (const Text& name : argument.names) names.push_back(argument.positional ? italic(name) : bold(name));
+    for (const Text& name : optionNames(option))
+        names.push_back(option.get_positional() ? italic(name) : bold(name));
     Text tag = joined(names);
-    if (!argument.form.empty()) tag += " " + italic(argument.form);
-    return ".TP\n" + tag + "\n" + roff(argument.help) + "\n";
+    if (!option.get_type_name().empty()) tag += " " + italic(option.get_type_name());
+    return ".TP\n" + tag + "\n" + roff(option.get_description()) + "\n";
 }
 
 // A page of one command or, for the program itself, of all. Without a date: the same source makes the same
@@ -220,9 +102,10 @@ Text manPage(const Text& name, const CLI::App& command) {
          commands;
     std::transform(title.begin(), title.end(), title.begin(),
                    [](unsigned char c) { return std::toupper(c); });
-    for (const Argument& argument : argumentsOf(command)) {
-        options += entry(argument);
-        if (argument.positional) synopsis += " " + italic(argument.names[0]) + (argument.many ? " ..." : "");
+    for (const CLI::Option* option : command.get_options()) {
+        options += entry(*option);
+        if (option->get_positional())
+            synopsis += " " + italic(option->get_name()) + (option->get_expected_max() > 1 ? " ..." : "");
     }
     for (const CLI::App* each : commandsOf(command))
         commands += ".TP\n" + bold(each->get_name()) + "\n" + roff(each->get_description()) + "\n";
@@ -250,9 +133,9 @@ std::vector<OutputFile> pagesIn(const std::filesystem::path& folder) {
     const auto add = [&](const Text& path, const Text& text) {
         pages.push_back({folder / path, {text.begin(), text.end()}});
     };
-    add("bash-completion/completions/glint", bashCompletion(program));
-    add("zsh/vendor-completions/_glint", zshCompletion(program));
-    add("fish/vendor_completions.d/glint.fish", fishCompletion(program));
+    add("bash-completion/completions/glint", kBash);
+    add("zsh/vendor-completions/_glint", kZsh);
+    add("fish/vendor_completions.d/glint.fish", kFish);
     add("man/man1/glint.1", manPage("glint", program));
     for (const CLI::App* command : commandsOf(program)) {
         const Text name = "glint-" + command->get_name();
@@ -279,6 +162,31 @@ ExitCode run(const PagesCommand& command, std::ostream& out, std::ostream&) {
 }
 
 }  // namespace
+
+void complete(const CLI::App& program, const std::vector<std::string>& words, std::ostream& out) {
+    const Text current = words.empty() ? "" : words.back();
+    const auto offer = [&](const Text& word, const Text& help) {
+        if (word.starts_with(current)) out << word << '\t' << help << '\n';
+    };
+    const auto offerOptions = [&](const CLI::App& command) {
+        for (const CLI::Option* option : command.get_options())
+            for (const Text& name : optionNames(*option))
+                if (current.starts_with('-')) offer(name, option->get_description());
+    };
+    const bool first = words.size() < 2;
+    if (first) offerOptions(program);
+    if (first) offer("help", "print the help of a command");
+    for (const CLI::App* command : commandsOf(program)) {
+        if (first || words[0] == "help") offer(command->get_name(), command->get_description());
+        if (first || words[0] != command->get_name()) continue;
+        for (const CLI::Option* option : command->get_options()) {
+            if (option->get_items_expected_max() == 0 || !option->check_name(words.end()[-2])) continue;
+            for (const Text& choice : choicesOf(option->get_type_name())) offer(choice, "");
+            return;
+        }
+        offerOptions(*command);
+    }
+}
 
 Run pagesCommand(OptionTable& table) {
     return commandOf<PagesCommand>(table, declare, run);

@@ -9,20 +9,10 @@
 #include "core/quantize.h"
 #include "pack/request_environment.h"
 #include "reference/tracer.h"
-#include "scene/cameras.h"
 
 namespace glint::app {
 
 namespace {
-
-// True if the box around all finite geometry lies behind the plane through the eye that is parallel to the
-// image plane.
-bool liesBehind(const Camera& camera, const PackedScene& packed) {
-    const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
-                     hi = packed.origin + glm::dvec3(packed.boundsHi), w = cameraFrame(camera).w;
-    const glm::dvec3 nearest = glm::mix(lo, hi, glm::lessThan(w, glm::dvec3(0)));
-    return glm::dot(nearest - camera.eye, w) >= 0;
-}
 
 // Camera rays spread over the image, and the paths of those that hit a surface.
 struct Scouts {
@@ -31,11 +21,10 @@ struct Scouts {
     bool clipped = false;  // some hits are outside the camera's near and far
 };
 
-Scouts scoutsOf(const Picture& picture, const Scene& scene, const PackedScene& packed,
-                const Request& request) {
+Scouts scoutsOf(const Picture& picture, const LoadedScene& loaded, const Request& request) {
     constexpr int kSide = 16;
-    const reference::Tracer tracer(packed, request);
-    const auto camera = packCamera(scene.camera, request.width, request.height, packed.origin);
+    const reference::Tracer tracer(loaded.packed, request);
+    const auto camera = cameraOf(loaded, request);
     const Region& r = picture.region;
     Scouts scouts;
     for (int i = 0; i < kSide * kSide; ++i) {
@@ -54,20 +43,16 @@ Scouts scoutsOf(const Picture& picture, const Scene& scene, const PackedScene& p
     return scouts;
 }
 
-std::string emptyReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
-                        const Request& request) {
-    if (scene.objects.empty()) return "the scene has no objects";
-    if (packed.planes.empty()) {
-        if (packed.environment.root == shared::kNone)
-            return "nothing is left of its objects (see the warnings above)";
-        if (liesBehind(scene.camera, packed))
-            return "everything lies behind the camera; check its eye and target";
-    }
-    if (scoutsOf(picture, scene, packed, request).clipped)
+std::string emptyReason(const Picture& picture, const LoadedScene& loaded, const Request& request) {
+    if (loaded.scene.objects.empty()) return "the scene has no objects";
+    if (loaded.packed.planes.empty() && loaded.packed.environment.root == shared::kNone)
+        return "nothing is left of its objects (see the warnings above)";
+    if (scoutsOf(picture, loaded, request).clipped)
         return "everything is nearer than the camera's near or farther away than its far";
-    if (picture.region.width() < request.width || picture.region.height() < request.height)
+    const Region wanted = regionOf(request);
+    if (wanted.width() < request.width || wanted.height() < request.height)
         return "there is nothing else in this --crop";
-    return "the camera looks past the objects; glint info prints their bounds";
+    return "the camera looks past the objects; check its eye and target (glint info prints the bounds)";
 }
 
 // The object that surrounds the camera, if all rays hit it from inside and no light of the scene reaches it.
@@ -86,21 +71,21 @@ std::optional<std::string> darkObjectAround(const Scouts& scouts, const Scene& s
     return "the camera is inside " + scene.objects[object].name + ", which blocks every light";
 }
 
-std::string blackReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
-                        const Request& request) {
+std::string blackReason(const Picture& picture, const LoadedScene& loaded, const Request& request) {
+    const Scene& scene = loaded.scene;
     const auto isDark = [](const Light& light) {
         return std::visit([](const auto& l) { return l.intensity == Color(0); }, light);
     };
     if (std::all_of(scene.lights.begin(), scene.lights.end(), isDark) && scene.ambient == Color(0))
         return "the scene has neither lights nor ambient light";
-    const Scouts scouts = scoutsOf(picture, scene, packed, request);
+    const Scouts scouts = scoutsOf(picture, loaded, request);
     if (const auto inside = darkObjectAround(scouts, scene)) return *inside;
     const auto onlyReflects = [&](const reference::PixelRecord& path) {
         const Material& m = scene.materials[path.surface->material];
         return m.ambient == Color(0) && m.diffuse == Color(0) &&
                (m.mirror != Color(0) || m.transmission != Color(0));
     };
-    const uint32_t depth = depthOf(packed, request);
+    const uint32_t depth = depthOf(loaded.packed, request);
     if (depth < 5 && !scouts.paths.empty() &&
         std::all_of(scouts.paths.begin(), scouts.paths.end(), onlyReflects))
         return "what is seen shows only reflections and refractions, and maxDepth is " +
@@ -165,23 +150,21 @@ std::string exposureAdvice(const char* how, float brightest) {
 
 }  // namespace
 
-std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
-                                         const PackedScene& packed, const Request& request, float scale) {
+std::optional<std::string> pictureAdvice(const Picture& picture, const LoadedScene& loaded,
+                                         const Request& request, float scale) {
     if (!picture.complete) return std::nullopt;
     const Contents found = contentsOf(picture);
-    if (!found.hits)
-        return "the image shows only background: " + emptyReason(picture, scene, packed, request);
+    if (!found.hits) return "the image shows only background: " + emptyReason(picture, loaded, request);
     if (found.brightest == 0)
-        return "everything in the image is black: " + blackReason(picture, scene, packed, request);
-    if (looksLikeBackground(picture, scene))
+        return "everything in the image is black: " + blackReason(picture, loaded, request);
+    if (looksLikeBackground(picture, loaded.scene))
         return "the image shows only background: the surfaces have its colour, by what they let through, "
-               "mirror "
-               "or reflect; change a material or the background";
+               "mirror or reflect; change a material or the background";
     if (scale > 0 && srgbByte(found.brightest * scale) == 0) return exposureAdvice("dark", found.brightest);
     if (scale > 0 && found.darkest * scale >= 1 && found.brightest * scale > 1)
         return exposureAdvice("bright", found.brightest);
-    if (found.misses) return planeThroughEye(scene);
-    return darkObjectAround(scoutsOf(picture, scene, packed, request), scene);
+    if (found.misses) return planeThroughEye(loaded.scene);
+    return darkObjectAround(scoutsOf(picture, loaded, request), loaded.scene);
 }
 
 }  // namespace glint::app

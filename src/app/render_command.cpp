@@ -1,23 +1,26 @@
 #include "app/render_command.h"
 
 #include <algorithm>
+#include <functional>
+#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "app/commands.h"
-#include "app/common.h"
-#include "app/drawing.h"
-#include "app/loading.h"
 #include "app/render_result.h"
+#include "app/rendering.h"
 #include "core/available_memory.h"
 #include "core/enum_names.h"
 #include "core/error.h"
 #include "core/format.h"
+#include "core/image_io.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "scene/limits.h"
 
 namespace glint::app {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -27,8 +30,8 @@ bool needsData(const std::vector<Aov>& aovs) {
 
 }  // namespace
 
-std::filesystem::path outputOf(const RenderCommand& command) {
-    const std::filesystem::path name =
+fs::path outputOf(const RenderCommand& command) {
+    const fs::path name =
         command.scene.scene == "-" ? "stdin.png" : command.scene.scene.filename().replace_extension(".png");
     if (!command.scene.scene.has_filename())
         throw Error(ErrorKind::Scene, shown(command.scene.scene) + ": is a folder, not a file");
@@ -36,15 +39,14 @@ std::filesystem::path outputOf(const RenderCommand& command) {
     return command.output.has_filename() ? command.output : command.output / name;
 }
 
-std::filesystem::path outputOf(const RenderCommand& command, const Scene& scene) {
-    const auto isRead = [&](const std::filesystem::path& output) {
+fs::path outputOf(const RenderCommand& command, const Scene& scene) {
+    const auto isRead = [&](const fs::path& output) {
         return std::any_of(scene.sources.begin(), scene.sources.end(), [&](const SourceFile& file) {
             std::error_code ignored;  // a file that does not exist cannot be lost
-            return std::filesystem::equivalent(command.scene.scene.parent_path() / file.name, output,
-                                               ignored);
+            return fs::equivalent(command.scene.scene.parent_path() / file.name, output, ignored);
         });
     };
-    std::filesystem::path output = outputOf(command);
+    fs::path output = outputOf(command);
     if (!isRead(output)) return output;
     const std::string name = output.string();
     if (command.output.empty() && !isRead(output.replace_extension(".render.png"))) return output;
@@ -88,7 +90,9 @@ void declare(OptionTable& table, RenderCommand& c) {
     addBackend(table, c.backend);
     addDevice(table, c.device);
     addTraversal(table, c.device);
-    addFallback(table, c.device);
+    table.choice<Fallback>("--fallback",
+                           "if the device fails or cannot be opened: " + explainedChoices<Fallback>(),
+                           c.device.fallback);
     table.flag("--reproducible", "do not use the device's division and square root, even if its probe passes",
                c.device.reproducible);
     table.value("--aov", "LIST",
@@ -110,7 +114,13 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.value("--fps", "F", "frames per second of --frames (default: the scene's, or 24)",
                 c.framesPerSecond, parsePositive);
     table.flag("--overwrite", "render existing frames again", c.overwrite);
-    addErrorTarget(table, c.target);
+    addError(table, c.target);
+    table.value("--max-seconds", "S", "stop --error after S seconds with the best image so far",
+                c.target.limits.maxSeconds, parsePositive);
+    table.whole("--max-spp", "N", "stop --error at N samples per pixel (default 65536)", 2, 1 << 20,
+                c.target.limits.maxSamples);
+    table.flag("--strict", "exit with code 5 if --error is not reached", c.target.strict);
+    table.require("--error", {"--max-seconds", "--max-spp", "--strict"});
     table.require("--frames", {"--fps", "--overwrite"});
     constexpr const char* kExclusions[][3] = {
         {"--error", "--adaptive", "leave out --adaptive, as --error chooses the samples of all pixels"},
@@ -175,19 +185,9 @@ uint64_t roundedUp(uint64_t rows) {
     return (rows + kStep - 1) / kStep * kStep;
 }
 
-// Adds what is known of a band, and makes its colours finite.
-void add(Picture& all, Picture& band) {
-    // Bands come from the top, so the first place is that of the first band that has one.
-    if (all.notFinite == 0) all.firstNotFinite = band.firstNotFinite;
-    all.notFinite += band.notFinite;
-    all.losses.add(band.losses);
-    all.complete = all.complete && band.complete;
-    blackenNotFinite(band);
-}
-
 // Rows of a band; 0 renders the image at once. Throws Error(Failed) if not even a band fits into memory, and
 // the errors of goesByRows().
-int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output, const Region& region) {
+int bandRowsOf(const RenderCommand& command, const fs::path& output, const Region& region) {
     const uint64_t available = availableMemory();
     // While it is written the file's own rows lie beside it: an EXR took 41 bytes for a pixel, of 29 and 58.
     const uint64_t perPixel = 2 * bytesPerPixel(command);
@@ -207,41 +207,6 @@ int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output
     return static_cast<int>(std::min(rows, roundedUp(height)));
 }
 
-// Renders and writes the image from the top in bands of rows, each of which goes straight into the file.
-// Pixels are independent, so the file equals that of an image rendered at once. The rest of an interrupted
-// image is blank.
-void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
-               const Request& request, int rows, Outcome& outcome) {
-    const Region region = regionOf(request);
-    const float scale = scaleOf(outcome.output, command.exposure);
-    outcome.picture.region = region;
-    RowFile file(outcome.output, region, command.aovs, scale);
-    bool alike = !command.quiet;  // all bands so far lack the same
-    Request part = request;
-    for (int y = region.y0; y < region.y1 && outcome.picture.complete; y += rows) {
-        part.region = {region.x0, y, region.x1, std::min(y + rows, region.y1)};
-        const auto share = [&](int row) { return static_cast<double>(row - region.y0) / region.height(); };
-        const double from = share(y), to = share(part.region.y1);
-        part.progress = [&](double done) { request.progress(from + (to - from) * done); };
-        Picture band = drawing.whole([&] { return drawing.draw(part); });
-        if (alike) {
-            const auto reason = pictureAdvice(band, loaded.scene, loaded.packed, request, scale);
-            alike = reason && (y == region.y0 || reason == outcome.advice);
-            outcome.advice = alike ? reason : std::nullopt;
-        }
-        add(outcome.picture, band);
-        file.add(band, makeLayers(band, command.aovs));
-    }
-    outcome.totals = file.totals();
-    outcome.bands = file.bands();
-    if (outcome.totals.done == 0) throwNothingDone();
-    // After an interrupt, rows from here on are blank.
-    part.region = {region.x0, part.region.y1, region.x1, part.region.y1 + 1};
-    const Picture blank = blankPicture(part);
-    file.fill(blank, makeLayers(blank, command.aovs));
-    file.finish(outcome);
-}
-
 ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     if (command.output != "-") checkPicturePath(outputOf(command));
@@ -250,9 +215,10 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
     Request request = requestOf(command, loaded);
     Outcome outcome;
     outcome.request = request;
-    outcome.output = outputOf(command, loaded.scene);
-    const int bandRows = bandRowsOf(command, outcome.output, request.region);
+    const fs::path output = outputOf(command, loaded.scene);
+    const int bandRows = bandRowsOf(command, output, request.region);
     installInterruptHandler();
+    PictureFile file(output, request.region, command.aovs, command.exposure, bandRows > 0);
     {
         Progress progress = progressOf("render", command.progress, err);
         request.progress = [&](double fraction) { progress.update(fraction); };
@@ -260,15 +226,12 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
         if (command.target.error) job = jobOf(command.target, loaded, command.backend, request);
         // The number of samples for an error target is unknown.
         drawing.load(loaded, request, job ? 0 : cameraRaysOf(request));
-        if (bandRows > 0)
-            drawBands(drawing, command, loaded, request, bandRows, outcome);
-        else
-            outcome.picture = drawing.draw(request, job, outcome.converged);
+        drawInto(file, drawing, command, loaded, request, job,
+                 bandRows > 0 ? bandRows : request.region.height(), outcome);
     }
     outcome.drawn = drawing.facts();
-    if (bandRows == 0) adviseOn(outcome, command, loaded);
     warnAboutPicture(outcome, command, loaded, err);
-    if (bandRows == 0) writePicture(outcome, command, out);
+    file.finish(outcome, out, errorNotes(command.target, outcome));
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, loaded, out);
     drawing.checkValidation();
@@ -277,15 +240,188 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
     return missed && command.target.strict ? ExitCode::Difference : ExitCode::Done;
 }
 
+// ---- --frames: the images of an animation
+
+// "frame.####.png" for frame 7: "frame.0007.png". Without # the name itself.
+fs::path numbered(const fs::path& pattern, int frame) {
+    std::string name = pattern.filename().string();
+    const size_t first = name.find('#');
+    if (first == std::string::npos) return pattern;
+    const size_t end = std::min(name.find_first_not_of('#', first), name.size());
+    std::string digits = std::to_string(frame);
+    digits.insert(0, std::max(end - first, digits.size()) - digits.size(), '0');
+    fs::path path = pattern;
+    return path.replace_filename(name.replace(first, end - first, digits));
+}
+
+void checkFrames(const RenderCommand& command) {
+    const FrameRange& frames = *command.frames;
+    const fs::path output = outputOf(command);
+    if (frames.first != frames.last && output.filename().string().find('#') == std::string::npos)
+        throw Error(ErrorKind::Argument,
+                    output.string() +
+                        ": the name of several frames has # in the place of each digit of "
+                        "their number, such as frame.####.png");
+    checkPicturePath(numbered(output, frames.first));
+}
+
+// Those that are not there yet; with --overwrite all.
+std::vector<int> framesToDraw(const RenderCommand& command) {
+    std::vector<int> frames;
+    for (int frame = command.frames->first; frame <= command.frames->last; ++frame) {
+        const auto files = layerPaths(numbered(outputOf(command), frame), namesOf(command.aovs));
+        const bool there = std::all_of(files.begin(), files.end(), [](const fs::path& file) {
+            std::error_code ignored;
+            return fs::exists(file, ignored);
+        });
+        if (command.overwrite || !there) frames.push_back(frame);
+    }
+    return frames;
+}
+
+// Renders the frames that do not exist yet.
+class FrameRenderer {
+  public:
+    FrameRenderer(const RenderCommand& command, std::ostream& out, std::ostream& err)
+        : command_(command),
+          out_(out),
+          err_(err),
+          frames_(framesToDraw(command)),
+          there_(static_cast<size_t>(command.frames->last - command.frames->first + 1) - frames_.size()),
+          drawing_(command.backend, command.device, err) {}
+
+    ExitCode run() {
+        const bool complete = frames_.empty() || drawAll();
+        if (command_.json)
+            printStats();
+        else if (!command_.quiet)
+            printSummary();
+        drawing_.checkValidation();
+        if (!complete)
+            throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(there_ + drawn_.size()) +
+                                                    " of " + std::to_string(there_ + frames_.size()) +
+                                                    " frames exist; repeat the command to resume");
+        return missed_ && command_.target.strict ? ExitCode::Difference : ExitCode::Done;
+    }
+
+  private:
+    double timeOf(int frame) const { return frame / framesPerSecond_; }
+
+    // The frame rate may be the scene's own, so the scene is read before the time of the first frame is
+    // known.
+    void open() {
+        scene_.emplace(command_.scene, std::nullopt, err_);
+        const LoadedScene& loaded = scene_->loaded();
+        const auto& animation = loaded.scene.animation;
+        framesPerSecond_ = command_.framesPerSecond.value_or(animation ? animation->framesPerSecond : 24);
+        if (!animation && command_.frames->first != command_.frames->last)
+            err_ << "glint: warning: " << shown(command_.scene.scene)
+                 << ": has no animation; all frames are the same image\n";
+        const Region region = requestOf(command_, loaded).region;
+        checkMemory(region.width(), region.height(), 2 * bytesPerPixel(command_), availableMemory());
+        scene_->moveTo(timeOf(frames_.front()));
+    }
+
+    // False if it was interrupted.
+    bool drawAll() {
+        open();
+        installInterruptHandler();
+        Progress progress = progressOf("render " + counted(frames_.size(), "frame"), command_.progress, err_);
+        for (size_t i = 0; i < frames_.size(); ++i) {
+            const auto show = [&](double done) {
+                progress.update((static_cast<double>(i) + done) / static_cast<double>(frames_.size()));
+            };
+            if (interrupted() || !drawOne(frames_[i], show)) return false;
+        }
+        return true;
+    }
+
+    bool drawOne(int frame, const std::function<void(double)>& show) {
+        const Stopwatch watch;
+        const LoadedScene& loaded = scene_->loaded();
+        using Change = AnimatedScene::Change;
+        const double time = timeOf(frame);
+        const bool first = drawn_.empty();
+        const Change change = first ? Change::Scene : scene_->moveTo(time);
+        Outcome outcome;
+        Request request = outcome.request = requestOf(command_, loaded);
+        request.progress = show;
+        std::optional<converge::Job> job;
+        if (command_.target.error) job = jobOf(command_.target, loaded, command_.backend, request);
+        if (first)
+            drawing_.load(loaded, request);
+        else if (change != Change::Nothing)
+            drawing_.reload(request, change == Change::Camera);
+        const Region region = regionOf(request);
+        PictureFile file(numbered(outputOf(command_), frame), region, command_.aovs, command_.exposure,
+                         false);
+        drawInto(file, drawing_, command_, loaded, request, job, region.height(), outcome);
+        const bool cut = outcome.converged && outcome.converged->stop == converge::Stop::Interrupted;
+        // The next run would skip an incomplete frame as finished.
+        if (!outcome.picture.complete || cut) return false;
+        missed_ = missed_ || (outcome.converged && !outcome.converged->reached());
+        warnAboutPicture(outcome, command_, loaded, err_);
+        file.finish(outcome, out_, errorNotes(command_.target, outcome));
+        constexpr const char* kChanges[] = {"nothing", "camera", "scene"};
+        drawn_.push_back({{"frame", frame},
+                          {"time", time},
+                          {"hash", outcome.hash},
+                          {"seconds", watch.seconds()},
+                          {"changed", kChanges[static_cast<size_t>(change)]},
+                          {"files", filesJson(outcome.files)}});
+        return true;
+    }
+
+    void printStats() const {
+        nlohmann::json json = drawnJson(drawing_.facts());
+        json.update({{"scene", command_.scene.scene.string()},
+                     {"there", there_},
+                     {"treesBuilt", scene_ ? scene_->treesBuilt() : 0},
+                     {"seconds", total_.seconds()},
+                     {"frames", drawn_}});
+        printJson(json, out_);
+    }
+
+    void printSummary() const {
+        const size_t count = drawn_.size();
+        const auto fileOf = [&](size_t i) { return shown(drawn_[i]["files"][0].get<std::string>()); };
+        if (count > 0)
+            out_ << "wrote " << counted(count, "frame") << ", " << fileOf(0)
+                 << (count > 1 ? " to " + fileOf(count - 1) : "") << '\n';
+        if (there_ > 0)
+            out_ << counted(there_, "frame") << (there_ == 1 ? " was" : " were")
+                 << " there already (--overwrite renders them again)\n";
+        printDevice(drawing_.facts(), out_);
+        out_ << "times: " << formatSeconds(total_.seconds()) << " in all";
+        if (count > 0)
+            out_ << ", " << formatSeconds(total_.seconds() / static_cast<double>(count)) << " a frame";
+        out_ << '\n';
+    }
+
+    const RenderCommand& command_;
+    std::ostream& out_;
+    std::ostream& err_;
+    const std::vector<int> frames_;
+    const size_t there_;  // frames that existed before
+    Drawing drawing_;
+    std::optional<AnimatedScene> scene_;
+    double framesPerSecond_ = 24;
+    nlohmann::json drawn_ = nlohmann::json::array();  // a frame each, as for --stats
+    bool missed_ = false;                             // an --error was not reached
+    const Stopwatch total_;
+};
+
+ExitCode renderFrames(const RenderCommand& command, std::ostream& out, std::ostream& err) {
+    checkFrames(command);
+    return FrameRenderer(command, out, err).run();
+}
+
 ExitCode run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     check(command, out);
     std::ostream silence(nullptr);
     std::ostream& warnings = command.quiet ? silence : err;
-    const bool forRanks = isForRanks(command);
+    if (isInUnits(command)) return renderInUnits(command, out, warnings);
     if (command.frames) return renderFrames(command, out, warnings);
-    if (command.part) return renderPart(command, out, warnings);
-    if (!command.checkpoint.empty()) return renderFromCheckpoint(command, out, warnings);
-    if (forRanks) return renderAmongRanks(command, out, warnings);
     return renderPicture(command, out, warnings);
 }
 

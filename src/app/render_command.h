@@ -52,18 +52,10 @@ uint64_t bytesPerPixel(const std::vector<Aov>& aovs);
 // All wishes of the command; `progress` is left empty. Throws Error(Argument) for a --crop beyond the image.
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded);
 
-// --frames: the images of an animation.
-ExitCode renderFrames(const RenderCommand& command, std::ostream& out, std::ostream& err);
-
-// Images that are rendered unit by unit (farm/unit.h). Without CMake's GLINT_FARM all of them throw.
-
-// --part: renders one part into a file.
-ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err);
-// --checkpoint: keeps finished units, and resumes from them.
-ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::ostream& err);
-// True if an MPI launcher started several processes for this image (farm/ranks.h). Throws Error(Argument) for
-// options that exclude it.
-bool isForRanks(const RenderCommand& command);
-ExitCode renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err);
+// --part, --checkpoint and MPI render an image unit by unit (farm/unit.h). Throws Error(Argument) for options
+// that exclude MPI.
+bool isInUnits(const RenderCommand& command);
+// Throws without CMake's GLINT_FARM.
+ExitCode renderInUnits(const RenderCommand& command, std::ostream& out, std::ostream& err);
 
 }  // namespace glint::app

@@ -5,8 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "app/common.h"
-#include "app/loading.h"
+#include "app/commands.h"
 #include "core/available_memory.h"
 #include "core/codecs.h"
 #include "core/error.h"
@@ -39,22 +38,6 @@ nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& resu
             {"unseen", result.unseen},
             {"samplesPerPixel", result.samplesPerPixel},
             {"rounds", result.rounds}};
-}
-
-// The same for an image's file: glint.error.asked and so on; true is 1, null is left out.
-PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& result) {
-    const nlohmann::json json = errorJson(target, result);
-    PictureNotes notes;
-    for (const auto& [key, value] : json.items()) {
-        const std::string name = "glint.error." + key;
-        if (value.is_string())
-            notes.emplace_back(name, value.get<std::string>());
-        else if (value.is_boolean())
-            notes.emplace_back(name, value.get<bool>() ? 1.0 : 0.0);
-        else if (std::isfinite(value.get<double>()))
-            notes.emplace_back(name, value.get<double>());
-    }
-    return notes;
 }
 
 std::string errorSummary(const ErrorTarget& target, const converge::Result& result) {
@@ -120,6 +103,14 @@ void expose(std::vector<Layer>& layers, float scale) {
         if (layer.name == "color")
             for (size_t i = 0; i < layer.image.pixels.size(); ++i)
                 if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
+}
+
+// Adds the counts of the band below.
+void addFacts(Picture& all, const Picture& band) {
+    if (all.notFinite == 0) all.firstNotFinite = band.firstNotFinite;
+    all.notFinite += band.notFinite;
+    all.losses.add(band.losses);
+    all.complete = all.complete && band.complete;
 }
 
 nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
@@ -212,24 +203,29 @@ nlohmann::json lossesJson(const Picture& picture) {
             {"crowdedMedia", losses.crowdedMedia}};
 }
 
-void warnOfLosses(const Picture& picture, const std::string& start, std::ostream& err) {
-    const TreeLosses& losses = picture.losses;
+void warnOf(const Picture& picture, bool losses, const std::string& start, std::ostream& err) {
+    if (picture.notFinite > 0)
+        err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite), the first at "
+            << picture.firstNotFinite.x << ',' << picture.firstNotFinite.y
+            << "; shown black. Is a light of falloff inverseSquare almost on a surface, or far too "
+               "bright?\n";
+    if (!losses) return;
+    const auto& [cut, depth, room, crowdedMedia] = picture.losses;
     const auto branches = [](uint64_t count) {
         return std::to_string(count) + (count == 1 ? " branch" : " branches");
     };
-    if (losses.cut.count > 0)
-        err << start << "--min-contribution cut " << branches(losses.cut.count) << "; "
-            << boundText(losses.cut, picture) << '\n';
-    if (losses.depth.greatest > kVisible)
-        err << start << branches(losses.depth.count)
-            << " beyond maxDepth not followed (increase --max-depth); " << boundText(losses.depth, picture)
+    if (cut.count > 0)
+        err << start << "--min-contribution cut " << branches(cut.count) << "; " << boundText(cut, picture)
             << '\n';
-    if (losses.room.count > 0)
-        err << start << "dropped " << branches(losses.room.count) << ", as at most " << shared::kMaxWaiting
-            << " can wait; " << boundText(losses.room, picture) << '\n';
-    if (losses.crowdedMedia > 0)
-        err << start << "ignored " << counted(losses.crowdedMedia, "surface")
-            << ": a ray can be inside at most " << shared::kMaxMedia << " dielectrics\n";
+    if (depth.greatest > kVisible)
+        err << start << branches(depth.count) << " beyond maxDepth not followed (increase --max-depth); "
+            << boundText(depth, picture) << '\n';
+    if (room.count > 0)
+        err << start << "dropped " << branches(room.count) << ", as at most " << shared::kMaxWaiting
+            << " can wait; " << boundText(room, picture) << '\n';
+    if (crowdedMedia > 0)
+        err << start << "ignored " << counted(crowdedMedia, "surface") << ": a ray can be inside at most "
+            << shared::kMaxMedia << " dielectrics\n";
 }
 
 void SampleTotals::add(const Picture& picture) {
@@ -272,28 +268,13 @@ void printDevice(const DrawingFacts& drawn, std::ostream& out) {
     if (!drawn.device.empty()) out << "device: " << drawn.device << ", " << drawn.driver << '\n';
 }
 
-void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err) {
-    if (picture.notFinite == 0) return;
-    err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite), the first at "
-        << picture.firstNotFinite.x << ',' << picture.firstNotFinite.y
-        << "; shown black. Is a light of falloff inverseSquare almost on a surface, or far too "
-           "bright?\n";
-}
-
-void adviseOn(Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
-    if (!command.quiet)
-        outcome.advice = pictureAdvice(outcome.picture, loaded.scene, loaded.packed, outcome.request,
-                                       scaleOf(outcome.output, command.exposure));
-}
-
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err) {
     const Picture& picture = outcome.picture;
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
-    warnOfNotFinite(picture, start, err);
     // That mirrors face each other without end is nothing new.
-    if (loaded.packed.features.transmission || command.scene.limits.minContribution > 0)
-        warnOfLosses(picture, start, err);
+    const bool losses = loaded.packed.features.transmission || command.scene.limits.minContribution > 0;
+    warnOf(picture, losses, start, err);
     if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
     if (outcome.advice) err << start << *outcome.advice << '\n';
 }
@@ -326,68 +307,101 @@ bool goesByRows(const std::filesystem::path& output, const std::vector<Aov>& aov
     return able;
 }
 
-RowFile::RowFile(const std::filesystem::path& output, const Region& region, const std::vector<Aov>& aovs,
-                 float scale)
-    : scale_(scale),
-      left_(region.height()),
-      file_(output, region.width(), left_, makeLayers(Picture(), aovs)) {}
+PictureFile::PictureFile(const std::filesystem::path& output, const Region& region,
+                         const std::vector<Aov>& aovs, std::optional<double> exposure, bool byRows)
+    : output_(output), scale_(scaleOf(output, exposure)), left_(region.height()) {
+    if (byRows) rows_.emplace(output, region.width(), left_, makeLayers(Picture(), aovs));
+}
 
-void RowFile::add(const Picture& rows, std::vector<Layer> layers) {
+void PictureFile::add(const Picture& rows, std::vector<Layer> layers) {
     const Stopwatch writing;
     left_ -= rows.region.height();
-    ++bands_;
     totals_.add(rows);
     hash_.add(rows.color);
     expose(layers, scale_);
-    file_.add(layers);
+    if (rows_) {
+        ++bands_;
+        rows_->add(layers);
+    } else {
+        layers_ = std::move(layers);
+    }
     seconds_ += writing.seconds();
 }
 
-void RowFile::fill(const Picture& row, std::vector<Layer> layers) {
-    if (left_ == 0) return;
+void PictureFile::fill(const Picture& row, std::vector<Layer> layers) {
+    if (left_ == 0 || totals_.done == 0) return;
     const Stopwatch writing;
     hash_.fill(left_, row.color);
     expose(layers, scale_);
-    file_.fill(layers);
+    rows_->fill(layers);
     seconds_ += writing.seconds();
 }
 
-void RowFile::finish(Outcome& outcome) {
+void PictureFile::finish(Outcome& outcome, std::ostream& out, const PictureNotes& notes) {
+    if (totals_.done == 0)
+        throw Error(ErrorKind::Interrupted,
+                    "interrupted before any part of the image was finished; nothing written");
     const Stopwatch writing;
-    outcome.files = file_.finish();
-    outcome.hash = hash_.text();
-    outcome.writeSeconds = seconds_ + writing.seconds();
-}
-
-void throwNothingDone() {
-    throw Error(ErrorKind::Interrupted,
-                "interrupted before any part of the image was finished; nothing written");
-}
-
-void writeLayersOf(Outcome& outcome, std::vector<Layer> layers, float scale, const PictureNotes& notes) {
-    const Stopwatch writing;
-    outcome.hash = pictureHash(outcome.picture.color);
-    expose(layers, scale);
-    outcome.files = writeLayers(outcome.output, layers, notes);
-    outcome.writeSeconds = writing.seconds();
-}
-
-void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& out) {
-    outcome.totals.add(outcome.picture);
-    if (outcome.totals.done == 0) throwNothingDone();
-    blackenNotFinite(outcome.picture);
-    std::vector<Layer> layers = makeLayers(outcome.picture, command.aovs);
-    const float scale = scaleOf(outcome.output, command.exposure);
-    if (outcome.output == "-") {
-        expose(layers, scale);
-        const Image& image = layers.front().image;
+    if (rows_) {
+        outcome.files = rows_->finish();
+    } else if (output_ == "-") {
+        const Image& image = layers_.front().image;
         const auto bytes = encodePng(image.width, image.height, image.channels, quantizeColor(image));
         out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
         outcome.files = {"standard output"};
     } else {
-        writeLayersOf(outcome, std::move(layers), scale,
-                      outcome.converged ? errorNotes(command.target, *outcome.converged) : PictureNotes{});
+        outcome.files = writeLayers(output_, layers_, notes);
     }
+    outcome.totals = totals_;
+    outcome.bands = bands_;
+    outcome.hash = hash_.text();
+    outcome.writeSeconds = seconds_ + writing.seconds();
+}
+
+void drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
+              const Request& request, const std::optional<converge::Job>& job, int rows, Outcome& outcome) {
+    const Region region = outcome.picture.region = regionOf(request);
+    bool alike = !command.quiet;  // all bands so far lack the same
+    Request part = request;
+    for (int y = region.y0; y < region.y1 && outcome.picture.complete; y += rows) {
+        part.region = {region.x0, y, region.x1, std::min(y + rows, region.y1)};
+        const auto share = [&](int row) { return static_cast<double>(row - region.y0) / region.height(); };
+        const double from = share(y), to = share(part.region.y1);
+        part.progress = [&](double done) { request.progress(from + (to - from) * done); };
+        Picture band = drawing.whole([&] {
+            if (!job) return drawing.draw(part);
+            outcome.converged = converge::converge([&](const Request& r) { return drawing.draw(r); }, *job);
+            return std::move(outcome.converged->picture);
+        });
+        if (alike) {
+            const auto reason = pictureAdvice(band, loaded, request, file.scale());
+            alike = reason && (y == region.y0 || reason == outcome.advice);
+            outcome.advice = alike ? reason : std::nullopt;
+        }
+        addFacts(outcome.picture, band);
+        blackenNotFinite(band);
+        file.add(band, makeLayers(band, command.aovs));
+    }
+    // After an interrupt, rows from here on are blank.
+    part.region.y1 = part.region.y0 + 1;
+    const Picture blank = blankPicture(part);
+    file.fill(blank, makeLayers(blank, command.aovs));
+}
+
+PictureNotes errorNotes(const ErrorTarget& target, const Outcome& outcome) {
+    PictureNotes notes;
+    if (!outcome.converged) return notes;
+    const nlohmann::json json = errorJson(target, *outcome.converged);
+    for (const auto& [key, value] : json.items()) {
+        const std::string name = "glint.error." + key;
+        if (value.is_string())
+            notes.emplace_back(name, value.get<std::string>());
+        else if (value.is_boolean())
+            notes.emplace_back(name, value.get<bool>() ? 1.0 : 0.0);
+        else if (std::isfinite(value.get<double>()))
+            notes.emplace_back(name, value.get<double>());
+    }
+    return notes;
 }
 
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "app/drawing.h"
 #include "app/render_command.h"
+#include "app/rendering.h"
 #include "converge/converge.h"
 #include "core/content_hash.h"
 #include "core/image_io.h"
@@ -27,13 +27,12 @@ struct SampleTotals {
 
 struct Outcome {
     Request request;  // that it answers
-    Picture picture;  // in bands: without pixels
+    Picture picture;  // its region and counts; without pixels
     SampleTotals totals;
     int bands = 0;                              // 0: written at once
     std::optional<std::string> advice;          // pictureAdvice()
-    std::optional<converge::Result> converged;  // its image is moved to `picture`
+    std::optional<converge::Result> converged;  // without its image
     DrawingFacts drawn;
-    std::filesystem::path output;              // the file asked for
     std::vector<std::filesystem::path> files;  // that were written
     std::string hash;                          // of the image, as it is written; empty for a part
     double writeSeconds = 0, totalSeconds = 0;
@@ -54,50 +53,49 @@ std::vector<std::string> namesOf(const std::vector<Aov>& aovs);
 bool goesByRows(const std::filesystem::path& output, const std::vector<Aov>& aovs, const Region& region,
                 uint64_t bytesPerPixel, uint64_t further, bool wanted);
 
-// An image that goes into its file row by row, from the top.
-class RowFile {
+// The files of an image: its rows go there as they come, or all at once.
+class PictureFile {
   public:
-    // `scale`: see scaleOf().
-    RowFile(const std::filesystem::path& output, const Region& region, const std::vector<Aov>& aovs,
-            float scale);
+    // `output`: "-" is standard output, for an image at once.
+    PictureFile(const std::filesystem::path& output, const Region& region, const std::vector<Aov>& aovs,
+                std::optional<double> exposure, bool byRows);
 
-    // The rows below those before.
+    // The rows below those before; at once: all rows. Their colours are finite.
     void add(const Picture& rows, std::vector<Layer> layers);
     // All rows that are left, each like the one given.
     void fill(const Picture& row, std::vector<Layer> layers);
-    // Renames the files to their final names. Sets files, hash and seconds of writing.
-    void finish(Outcome& outcome);
+    // Gives the files their names. Sets totals, bands, files, hash and seconds of writing. `out`: for "-".
+    // Throws Error(Interrupted) if no pixel is finished.
+    void finish(Outcome& outcome, std::ostream& out, const PictureNotes& notes = {});
 
-    // Totals of the rows so far, and the number of calls of add().
-    const SampleTotals& totals() const { return totals_; }
-    int bands() const { return bands_; }
+    bool goesByRows() const { return rows_.has_value(); }
+    float scale() const { return scale_; }  // see scaleOf()
 
   private:
-    float scale_;
-    int left_;  // rows
-    PictureRows file_;
+    const std::filesystem::path output_;
+    const float scale_;
+    int left_;                         // rows
+    std::optional<PictureRows> rows_;  // empty: at once
+    std::vector<Layer> layers_;        // of an image at once
     PictureHash hash_;
     SampleTotals totals_;
     int bands_ = 0;
     double seconds_ = 0;
 };
 
-// Writes a whole image, and sets totals, hash, files and seconds of writing. `out`: for the file "-". Throws
-// Error(Interrupted) if no pixel is finished.
-void writePicture(Outcome& outcome, const RenderCommand& command, std::ostream& out);
-// Overload for layers that exist already.
-void writeLayersOf(Outcome& outcome, std::vector<Layer> layers, float scale, const PictureNotes& notes = {});
+// Renders an image in bands of `rows` rows from the top, and gives them to its file. Pixels are independent,
+// so the file does not depend on `rows`. Sets picture, advice and converged.
+void drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
+              const Request& request, const std::optional<converge::Job>& job, int rows, Outcome& outcome);
 
-[[noreturn]] void throwNothingDone();
+// Figures of --error for the file: glint.error.asked and so on; none without --error.
+PictureNotes errorNotes(const ErrorTarget& target, const Outcome& outcome);
 
 // One line with the likely reason if a complete image shows only background, only black, only white, or only
 // the unlit inside of one object; empty for any other. Traces a few camera rays to find the reason.
 // `request`: of the whole image. `scale`: see scaleOf().
-std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
-                                         const PackedScene& packed, const Request& request, float scale);
-
-// Sets the advice on a whole image, unless --quiet.
-void adviseOn(Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded);
+std::optional<std::string> pictureAdvice(const Picture& picture, const LoadedScene& loaded,
+                                         const Request& request, float scale);
 
 // Warnings about what the image shows or lacks.
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
@@ -113,15 +111,13 @@ void printDevice(const DrawingFacts& drawn, std::ostream& out);
 nlohmann::json drawnJson(const DrawingFacts& drawn);
 nlohmann::json filesJson(const std::vector<std::filesystem::path>& files);
 
-// Says on `err` how many pixels are not finite, each line after `start`; nothing if all are.
-void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err);
-
 // {"cut": {"branches", "meanBound", "greatestBound"}, "maxDepth": ..., "waiting": ..., "crowdedMedia"}.
 // Bounds are of a pixel's colour; null where none is known.
 nlohmann::json lossesJson(const Picture& picture);
 
-// A line for each kind of loss that may be seen, each after `start`: branches that were cut, that found no
-// room, media without room; branches beyond the depth limit if a pixel may lack 1/255 by them.
-void warnOfLosses(const Picture& picture, const std::string& start, std::ostream& err);
+// A line on pixels that are not finite and, if `losses`, one for each kind of loss that may be seen, each
+// after `start`: branches that were cut, that found no room, media without room; branches beyond the depth
+// limit if a pixel may lack 1/255 by them.
+void warnOf(const Picture& picture, bool losses, const std::string& start, std::ostream& err);
 
 }  // namespace glint::app

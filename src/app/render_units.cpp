@@ -3,18 +3,16 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <ostream>
 #include <vector>
 
 #include "app/cli.h"
-#include "app/common.h"
-#include "app/drawing.h"
-#include "app/loading.h"
+#include "app/commands.h"
 #include "app/render_command.h"
 #include "app/render_result.h"
+#include "app/rendering.h"
 #include "app/units.h"
 #include "core/available_memory.h"
 #include "core/content_hash.h"
@@ -99,11 +97,6 @@ std::vector<std::vector<Region>> cutToHold(const farm::CostMap& costs, int parts
     return cut;
 }
 
-SampleTotals totalsOf(uint64_t pixels, const Request& request) {
-    const uint32_t samples = request.samples.count();
-    return {pixels, pixels * samples, samples, samples};
-}
-
 // Version, files, settings; not the device, nor where files lie. `request` is the whole image's.
 farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loaded, const Request& request) {
     const Scene& scene = loaded.scene;
@@ -132,13 +125,27 @@ farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loade
 
 class UnitRenderer {
   public:
-    // `parts`: 0 for as many as take some seconds each, and no fewer than `leastParts`.
-    UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts = 1);
+    // `parts`: 0 for as many as take some seconds each, and at least `leastParts`.
+    UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts = 1)
+        : command_(command),
+          err_(err),
+          drawing_(command.backend, command.device, err),
+          loaded_(loadAndPack(command.scene, err)),
+          request_(requestOf(command, loaded_)) {
+        constexpr int kLikelyParts = 64;  // to know how many before they are cut
+        const auto costs = farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_,
+                                               parts > 0 ? parts : kLikelyParts);
+        cut_ = parts > 0 ? farm::cutPicture(costs, parts)
+                         : cutToHold(costs, std::max(partsFor(costs, request_.samples.count()), leastParts),
+                                     bytesPerPixel(command.aovs));
+        parts = static_cast<int>(cut_.size());
+        header_ = {identityOf(command, loaded_, request_), regionOf(request_), command.aovs, parts};
+        header_.identity.facts.emplace_back("parts", std::to_string(parts));
+        header_.identity.facts.emplace_back("cut", hashOf(cut_));
+    }
 
     const farm::UnitHeader& header() const { return header_; }
-    const LoadedScene& loaded() const { return loaded_; }
-    const Drawing& drawing() const { return drawing_; }
-    const Request& request() const { return request_; }
+    std::filesystem::path output() const { return outputOf(command_, loaded_.scene); }
     uint64_t pixelsOf(int part) const { return app::pixelsOf(cut_[static_cast<size_t>(part) - 1]); }
     // Bytes of the largest unit.
     uint64_t mostBytes() const { return unitBytes(command_.aovs, mostPixelsOf(cut_)); }
@@ -147,35 +154,40 @@ class UnitRenderer {
     std::optional<farm::UnitResult> draw(int part, const std::function<void(double)>& progress,
                                          const std::function<bool()>& unwanted = {});
 
-    // Writes the image and adds facts and warnings.
-    Outcome complete(UnitPicture& picture, std::ostream& err) const;
+    // Writes the image, with warnings.
+    Outcome complete(UnitPicture& picture, std::ostream& out) const {
+        Outcome outcome = picture.write(out);
+        if (!picture.file().goesByRows() && !command_.quiet)
+            outcome.advice = pictureAdvice(outcome.picture, loaded_, request_, picture.file().scale());
+        warnAboutPicture(outcome, command_, loaded_, err_);
+        warnOfMixedBits(picture.assembly().producers(),
+                        "glint: warning: " + command_.scene.scene.string() + ": ", err_);
+        return outcome;
+    }
+
+    // Prints the summary of an image or part of so many pixels.
+    ExitCode finish(Outcome& outcome, uint64_t pixels, std::ostream& out) const {
+        const uint32_t samples = request_.samples.count();
+        outcome.request = request_;
+        outcome.drawn = drawing_.facts();
+        outcome.totals = {pixels, pixels * samples, samples, samples};
+        outcome.totalSeconds = total_.seconds();
+        printResult(outcome, command_, loaded_, out);
+        drawing_.checkValidation();
+        return ExitCode::Done;
+    }
 
   private:
+    const Stopwatch total_;
     const RenderCommand& command_;
+    std::ostream& err_;
     Drawing drawing_;
     const LoadedScene loaded_;
-    Request request_;  // of the whole image
+    const Request request_;  // of the whole image
     farm::UnitHeader header_;
     std::vector<std::vector<Region>> cut_;
     bool uploaded_ = false;
 };
-
-UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts)
-    : command_(command),
-      drawing_(command.backend, command.device, err),
-      loaded_(loadAndPack(command.scene, err)) {
-    constexpr int kLikelyParts = 64;  // to know how many before they are cut
-    request_ = requestOf(command, loaded_);
-    const auto costs =
-        farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_, parts > 0 ? parts : kLikelyParts);
-    cut_ = parts > 0 ? farm::cutPicture(costs, parts)
-                     : cutToHold(costs, std::max(partsFor(costs, request_.samples.count()), leastParts),
-                                 bytesPerPixel(command.aovs));
-    parts = static_cast<int>(cut_.size());
-    header_ = {identityOf(command, loaded_, request_), regionOf(request_), command.aovs, parts};
-    header_.identity.facts.emplace_back("parts", std::to_string(parts));
-    header_.identity.facts.emplace_back("cut", hashOf(cut_));
-}
 
 std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function<void(double)>& progress,
                                                    const std::function<bool()>& unwanted) {
@@ -197,18 +209,6 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function
     result->producer = {facts.device, drawing_.backend() == Backend::Cpu ? "" : facts.driver,
                         facts.sharesBits()};
     return result;
-}
-
-Outcome UnitRenderer::complete(UnitPicture& picture, std::ostream& err) const {
-    Outcome outcome = picture.write();
-    outcome.drawn = drawing_.facts();
-    outcome.request = request_;
-    outcome.totals = totalsOf(outcome.totals.done, request_);
-    if (!picture.goesByRows()) adviseOn(outcome, command_, loaded_);
-    warnAboutPicture(outcome, command_, loaded_, err);
-    warnOfMixedBits(picture.assembly().producers(), "glint: warning: " + command_.scene.scene.string() + ": ",
-                    err);
-    return outcome;
 }
 
 std::filesystem::path partPath(const RenderCommand& command) {
@@ -252,7 +252,6 @@ void checkMessage(uint64_t unit) {
 
 ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport, std::ostream& out,
                        std::ostream& err) {
-    const Stopwatch total;
     checkPicturePath(outputOf(command));
     installInterruptHandler();
     // Both outlive the thread of `ranks`, which adds results to the image.
@@ -263,11 +262,11 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     mine.scene.files = ranks.files();
     units.emplace(mine, 0, err, leastUnits(transport));
     const farm::UnitHeader& header = units->header();
-    const std::filesystem::path output = outputOf(command, units->loaded().scene);
     const uint64_t unit = units->mostBytes();
     checkMessage(unit);
-    picture.emplace(header, output, kHeldUnits * unit, command.bandRows.has_value(), command.exposure);
-    ranks.begin(header, windowOf(header, unit, picture->goesByRows()),
+    picture.emplace(header, units->output(), kHeldUnits * unit, command.bandRows.has_value(),
+                    command.exposure);
+    ranks.begin(header, windowOf(header, unit, picture->file().goesByRows()),
                 [&](const farm::UnitResult& result) { picture->add(result); });
     {
         Progress progress = progressOf("render", command.progress, err);
@@ -279,13 +278,10 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     }
     if (!picture->assembly().complete())
         throw Error(ErrorKind::Interrupted, "interrupted before the image was finished; nothing written");
-    Outcome outcome = units->complete(*picture, err);
+    Outcome outcome = units->complete(*picture, out);
     ranks.end();
     outcome.ranks = transport.size();
-    outcome.totalSeconds = total.seconds();
-    printResult(outcome, command, units->loaded(), out);
-    units->drawing().checkValidation();
-    return ExitCode::Done;
+    return units->finish(outcome, outcome.totals.done, out);
 }
 
 // Prints nothing: rank 0 does.
@@ -310,10 +306,7 @@ ExitCode renderAsOther(const RenderCommand& command, farm::Transport& transport)
     return interrupted() ? ExitCode::Interrupted : ExitCode::Done;
 }
 
-}  // namespace
-
 ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err) {
-    const Stopwatch total;
     const std::filesystem::path file = partPath(command);
     UnitRenderer units(command, command.part->of, err);
     const uint64_t pixels = units.pixelsOf(command.part->number);
@@ -329,29 +322,21 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
     const Stopwatch writing;
     writeFile(file, farm::encodePart(units.header(), *result));
     Outcome outcome;
-    outcome.request = units.request();
     outcome.picture.region = units.header().region;
     outcome.picture.losses = result->losses;
     outcome.picture.notFinite = result->notFinite;
     outcome.picture.firstNotFinite = result->firstNotFinite;
-    outcome.totals = totalsOf(pixels, outcome.request);
     outcome.files = {file};
     outcome.writeSeconds = writing.seconds();
-    outcome.drawn = units.drawing().facts();
-    outcome.totalSeconds = total.seconds();
-    printResult(outcome, command, units.loaded(), out);
-    units.drawing().checkValidation();
-    return ExitCode::Done;
+    return units.finish(outcome, pixels, out);
 }
 
 ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::ostream& err) {
-    const Stopwatch total;
     checkPicturePath(outputOf(command));
     checkOutputPath(command.checkpoint);
     UnitRenderer units(command, 0, err);
-    const std::filesystem::path output = outputOf(command, units.loaded().scene);
     const farm::UnitHeader& header = units.header();
-    UnitPicture picture(header, output, kHeldUnits * units.mostBytes(), false, command.exposure);
+    UnitPicture picture(header, units.output(), kHeldUnits * units.mostBytes(), false, command.exposure);
     std::vector<bool> there(static_cast<size_t>(header.parts) + 1);
     const auto add = [&](const farm::UnitResult& result) {
         picture.add(result);
@@ -378,16 +363,15 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
             add(*result);
         }
     }
-    Outcome outcome = units.complete(picture, err);
+    Outcome outcome = units.complete(picture, out);
     checkpoint.remove();
-    outcome.totalSeconds = total.seconds();
-    printResult(outcome, command, units.loaded(), out);
-    units.drawing().checkValidation();
-    return ExitCode::Done;
+    return units.finish(outcome, outcome.totals.done, out);
 }
 
-bool isForRanks(const RenderCommand& command) {
-    if (command.part || !command.checkpoint.empty()) return false;
+}  // namespace
+
+bool isInUnits(const RenderCommand& command) {
+    if (command.part || !command.checkpoint.empty()) return true;
     if (!farm::launchedRank()) return false;
     if (command.frames)
         throw Error(ErrorKind::Argument,
@@ -395,6 +379,16 @@ bool isForRanks(const RenderCommand& command) {
     if (command.target.error)
         throw Error(ErrorKind::Argument, "mpirun: --error chooses the samples of the whole image; use --spp");
     return true;
+}
+
+ExitCode renderInUnits(const RenderCommand& command, std::ostream& out, std::ostream& err) {
+    if (command.part) return renderPart(command, out, err);
+    if (!command.checkpoint.empty()) return renderFromCheckpoint(command, out, err);
+    const auto transport = farm::openMpi();
+    const ExitCode code = transport->rank() == 0 ? renderAsFirst(command, *transport, out, err)
+                                                 : renderAsOther(command, *transport);
+    if (code == ExitCode::Done) transport->finish();
+    return code;
 }
 
 int rankOfLauncher() {
@@ -407,14 +401,6 @@ void abortRanks(int exitCode) {
 
 bool hasRanksModule() {
     return farm::hasMpiModule();
-}
-
-ExitCode renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err) {
-    const auto transport = farm::openMpi();
-    const ExitCode code = transport->rank() == 0 ? renderAsFirst(command, *transport, out, err)
-                                                 : renderAsOther(command, *transport);
-    if (code == ExitCode::Done) transport->finish();
-    return code;
 }
 
 }  // namespace glint::app

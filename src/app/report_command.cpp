@@ -2,11 +2,10 @@
 #include <algorithm>
 #include <deque>
 #include <ostream>
+#include <utility>
 
 #include "app/commands.h"
-#include "app/common.h"
-#include "app/drawing.h"
-#include "app/loading.h"
+#include "app/rendering.h"
 #include "core/available_memory.h"
 #include "core/enum_names.h"
 #include "core/error.h"
@@ -73,57 +72,46 @@ void declare(OptionTable& table, ReportCommand& c) {
     addProgress(table, c.progress);
 }
 
-void checkDevicesAreNamed(const ReportCommand& command) {
-    const bool asked = std::find(command.options.only.begin(), command.options.only.end(), "device") !=
-                       command.options.only.end();
-    if (asked && command.devices.empty())
-        throw Error(ErrorKind::Argument, "--only device requires --devices");
-}
-
 // The report's own device, and those that it is compared with.
 struct OpenDevices {
     std::deque<gpu::Device> open;              // the report's own first
     std::vector<report::DeviceBeside> beside;  // empty unless --devices asks
 };
 
-void addBeside(OpenDevices& devices, const gpu::Device& device) {
-    const gpu::DeviceInfo& info = device.info();
-    report::DeviceBeside beside{info.name, info.driver, &device};
-    // Two of a kind.
-    for (const report::DeviceBeside& other : devices.beside)
-        if (other.label() == beside.label()) beside.name = info.name + " #" + std::to_string(info.index);
-    devices.beside.push_back(beside);
-}
-
-// Compile times are part of the results, so programs are not cached.
 OpenDevices openDevices(const ReportCommand& command) {
     OpenDevices devices;
-    devices.open.push_back(openDevice(command.device, false, false));
-    if (command.devices.empty()) return devices;
-    addBeside(devices, devices.open.front());
+    const auto open = [&](const std::string& selector) {
+        DeviceChoice choice = command.device;
+        choice.selector = selector;
+        // Compile times are part of the results, so programs are not cached.
+        gpu::Device device = openDevice(choice, false, false);
+        const gpu::DeviceInfo info = device.info();
+        for (const gpu::Device& known : devices.open)
+            if (known.info().index == info.index) return;
+        devices.open.push_back(std::move(device));
+        if (command.devices.empty()) return;
+        report::DeviceBeside beside{info.name, info.driver, &devices.open.back()};
+        for (const report::DeviceBeside& other : devices.beside)
+            if (other.label() == beside.label())  // two of a kind
+                beside.name = info.name + " #" + std::to_string(info.index);
+        devices.beside.push_back(beside);
+    };
+    open(command.device.selector);
     bool reference = false;
     for (const std::string& name : command.devices) {
-        if (name == kReferenceName) {
-            if (!reference) devices.beside.push_back({"reference", "", nullptr});
-            reference = true;
-            continue;
-        }
-        DeviceChoice choice = command.device;
-        choice.selector = name;
-        gpu::Device device = openDevice(choice, false, false);
-        const bool known = std::any_of(devices.open.begin(), devices.open.end(), [&](const gpu::Device& d) {
-            return d.info().index == device.info().index;
-        });
-        if (known) continue;
-        devices.open.push_back(std::move(device));
-        addBeside(devices, devices.open.back());
+        if (name != kReferenceName)
+            open(name);
+        else if (!std::exchange(reference, true))
+            devices.beside.push_back({"reference", "", nullptr});
     }
     return devices;
 }
 
 ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
-    checkDevicesAreNamed(command);
+    const std::vector<std::string>& only = command.options.only;
+    if (std::find(only.begin(), only.end(), "device") != only.end() && command.devices.empty())
+        throw Error(ErrorKind::Argument, "--only device requires --devices");
     for (const fs::path& scene : command.scenes) checkScene(scene);
     const OpenDevices devices = openDevices(command);
     const gpu::Device& device = devices.open.front();

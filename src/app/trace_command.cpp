@@ -2,9 +2,8 @@
 #include <ostream>
 
 #include "app/commands.h"
-#include "app/drawing.h"
-#include "app/loading.h"
 #include "app/ray_file.h"
+#include "app/rendering.h"
 #include "core/error.h"
 #include "core/format.h"
 #include "reference/render.h"

@@ -1,9 +1,11 @@
 #include "app/units.h"
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
 #include <ostream>
 #include <utility>
 
-#include "app/common.h"
+#include "app/commands.h"
 #include "core/available_memory.h"
 #include "core/error.h"
 #include "core/format.h"
@@ -30,37 +32,28 @@ bool needsRows(const farm::UnitHeader& header, const std::filesystem::path& outp
 
 UnitPicture::UnitPicture(const farm::UnitHeader& header, const std::filesystem::path& output,
                          uint64_t heldBytes, bool byRows, std::optional<double> exposure)
-    : output_(output), scale_(scaleOf(output, exposure)), assembly_(header.region, header.aovs) {
-    if (needsRows(header, output, heldBytes, byRows))
-        file_.emplace(output, header.region, header.aovs, scale_);
-}
+    : assembly_(header.region, header.aovs),
+      file_(output, header.region, header.aovs, exposure, needsRows(header, output, heldBytes, byRows)) {}
 
 void UnitPicture::add(const farm::UnitResult& result) {
     assembly_.add(result);
-    if (!file_) return;
+    if (!file_.goesByRows() && !assembly_.complete()) return;
     farm::Rows rows = assembly_.take();
-    if (rows.picture.region.height() > 0) file_->add(rows.picture, std::move(rows.layers));
+    if (rows.picture.region.height() == 0) return;
+    file_.add(rows.picture, std::move(rows.layers));
+    if (!file_.goesByRows()) picture_ = std::move(rows.picture);
 }
 
-Outcome UnitPicture::write() {
+Outcome UnitPicture::write(std::ostream& out) {
     if (!assembly_.complete())
         throw Error(ErrorKind::Failed, "the parts leave some of the image's pixels out");
     Outcome outcome;
-    outcome.output = output_;
+    outcome.picture = std::move(picture_);
     outcome.picture.region = assembly_.region();
-    if (file_) {
-        outcome.totals = file_->totals();
-        outcome.bands = file_->bands();
-        file_->finish(outcome);
-    } else {
-        farm::Rows rows = assembly_.take();
-        outcome.picture = std::move(rows.picture);
-        outcome.totals.add(outcome.picture);
-        writeLayersOf(outcome, std::move(rows.layers), scale_);
-    }
     outcome.picture.losses = assembly_.losses();
     outcome.picture.notFinite = assembly_.notFinite();
     outcome.picture.firstNotFinite = assembly_.firstNotFinite();
+    file_.finish(outcome, out);
     return outcome;
 }
 
@@ -80,6 +73,95 @@ void warnOfMixedBits(const std::vector<farm::Producer>& producers, const std::st
 
 uint64_t unitBytes(const std::vector<Aov>& aovs, uint64_t pixels) {
     return 2 * pixels * bytesPerPixel(aovs);  // as rendered, and as layers
+}
+
+namespace {
+
+// ---- glint merge
+
+struct MergeCommand {
+    std::vector<std::filesystem::path> parts;
+    std::filesystem::path output;  // empty: as `glint render` would call it
+    std::optional<double> exposure;
+    bool inBands = false;
+    bool json = false;
+    bool quiet = false;
+};
+
+void declare(OptionTable& table, MergeCommand& c) {
+    table.files("PART", "all parts of one image, in any order", c.parts);
+    table.name("-o,--output", "FILE", "image to write: .png .exr .pfm .hdr (default: SCENE.png, here)",
+               c.output);
+    addExposure(table, c.exposure);
+    table.flag("--in-bands", "write row by row (default: if the image does not fit into memory)", c.inBands);
+    addStats(table, "print parts, devices and hash as JSON instead of the summary", c.json);
+    table.flag("-q,--quiet", "print only errors, and the output of --stats", c.quiet);
+}
+
+std::filesystem::path sceneOf(const farm::Identity& identity) {
+    for (const auto& [name, value] : identity.facts)
+        if (name == "scene") return value;
+    return "image";
+}
+
+nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outcome,
+                         const MergeCommand& command, const std::vector<farm::Producer>& producers) {
+    nlohmann::json json = {{"scene", scene.string()},
+                           {"parts", command.parts.size()},
+                           {"files", filesJson(outcome.files)},
+                           {"width", outcome.picture.region.width()},
+                           {"height", outcome.picture.region.height()},
+                           {"hash", outcome.hash},
+                           {"inBands", outcome.bands > 0},
+                           {"reproducible", std::all_of(producers.begin(), producers.end(),
+                                                        [](const auto& p) { return p.sharesBits; })},
+                           {"lost", lossesJson(outcome.picture)},
+                           {"notFinite", outcome.picture.notFinite},
+                           {"seconds", outcome.totalSeconds},
+                           {"devices", nlohmann::json::array()}};
+    for (const farm::Producer& producer : producers) json["devices"].push_back(textOf(producer));
+    return json;
+}
+
+ExitCode run(const MergeCommand& command, std::ostream& out, std::ostream& err) {
+    const Stopwatch watch;
+    if (!command.quiet || command.json) checkStandardOutput(out);
+    if (!command.output.empty()) checkPicturePath(command.output);
+    farm::UnitHeader header;
+    std::optional<UnitPicture> picture;
+    const auto begin = [&](const farm::UnitHeader& first, uint64_t largest) {
+        header = first;
+        std::filesystem::path output = command.output;
+        if (output.empty()) output = sceneOf(header.identity).replace_extension(".png");
+        checkPicturePath(output);
+        // A file, its contents, and its rows.
+        picture.emplace(header, output, 3 * largest, command.inBands, command.exposure);
+    };
+    farm::mergeParts(command.parts, begin, [&](const farm::UnitResult& result) { picture->add(result); });
+    const std::filesystem::path scene = sceneOf(header.identity);
+    Outcome outcome = picture->write(out);
+    outcome.totalSeconds = watch.seconds();
+    const std::vector<farm::Producer>& producers = picture->assembly().producers();
+    std::ostream silence(nullptr);
+    std::ostream& warnings = command.quiet ? silence : err;
+    const std::string start = "glint: warning: " + scene.string() + ": ";
+    warnOf(outcome.picture, true, start, warnings);
+    warnOfMixedBits(producers, start, warnings);
+    if (command.json) {
+        printJson(mergeJson(scene, outcome, command, producers), out);
+    } else if (!command.quiet) {
+        printFiles(outcome, out);
+        for (const farm::Producer& producer : producers) out << "device: " << textOf(producer) << '\n';
+        out << "hash: " << outcome.hash << "\ntimes: " << formatSeconds(outcome.totalSeconds) << " for "
+            << counted(command.parts.size(), "part") << '\n';
+    }
+    return ExitCode::Done;
+}
+
+}  // namespace
+
+Run mergeCommand(OptionTable& table) {
+    return commandOf<MergeCommand>(table, declare, run);
 }
 
 }  // namespace glint::app

@@ -24,16 +24,16 @@ class UnitPicture {
 
     void add(const farm::UnitResult& result);
     const farm::Assembly& assembly() const { return assembly_; }
-    bool goesByRows() const { return file_.has_value(); }
+    const PictureFile& file() const { return file_; }
 
-    // Call once the image is complete: names the file, and sets files, hash, image and time of writing.
-    Outcome write();
+    // Call once the image is complete: names the file, and sets all that PictureFile::finish() sets, and the
+    // image, which has no pixels if it went by rows.
+    Outcome write(std::ostream& out);
 
   private:
-    const std::filesystem::path output_;
-    const float scale_;
     farm::Assembly assembly_;
-    std::optional<RowFile> file_;  // empty: at once
+    PictureFile file_;
+    Picture picture_;  // the whole image at once
 };
 
 // Device and driver.

@@ -13,20 +13,12 @@ namespace {
 
 }  // namespace
 
-ExitCode renderPart(const RenderCommand&, std::ostream&, std::ostream&) {
-    refuse("--part");
+bool isInUnits(const RenderCommand& command) {
+    return command.part || !command.checkpoint.empty();
 }
 
-ExitCode renderFromCheckpoint(const RenderCommand&, std::ostream&, std::ostream&) {
-    refuse("--checkpoint");
-}
-
-bool isForRanks(const RenderCommand&) {
-    return false;
-}
-
-ExitCode renderAmongRanks(const RenderCommand&, std::ostream&, std::ostream&) {
-    refuse("mpirun");
+ExitCode renderInUnits(const RenderCommand& command, std::ostream&, std::ostream&) {
+    refuse(command.part ? "--part" : "--checkpoint");
 }
 
 int rankOfLauncher() {

@@ -90,11 +90,6 @@ TEST_F(Bands, WhereThereCanBeNone) {
     const std::string where = ": bands go into .png (layers color and alpha alone), .exr and .pfm\n";
     EXPECT_EQ(message("-o a.hdr"), "glint: a.hdr" + where);
     EXPECT_EQ(message("-o a.png --aov color,depth"), "glint: a.png" + where);
-    EXPECT_EQ(message("-o a.png --error 0.1"),
-              "glint: --error excludes --band-rows: use --spp with --band-rows\n");
-    EXPECT_EQ(
-        message("--part 1/2"),
-        "glint: --part excludes --band-rows: use more parts to need less memory, and merge --in-bands\n");
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 

@@ -114,21 +114,6 @@ TEST_F(Frames, RateAndNames) {
     ASSERT_EQ(frames("2", "-q --fps 8 -o one.pfm").code, 0);
     ASSERT_EQ(frames("1:1", "-q -o two.pfm").code, 0);
     EXPECT_EQ(readBytes("one.pfm"), readBytes("two.pfm"));
-    const auto error = [](const Ran& ran) {
-        EXPECT_EQ(ran.code, 2);
-        return ran.err;
-    };
-    EXPECT_EQ(error(frames("0:2", "-o f.pfm")),
-              "glint: f.pfm: the name of several frames has # in the place of each digit of their number, "
-              "such as frame.####.png\n");
-    EXPECT_EQ(error(frames("3:2")),
-              "glint: --frames: expected A:B with 0 <= A <= B, such as 0:240, or one number, got \"3:2\"\n");
-    EXPECT_EQ(error(frames("0:2", "--time 1")),
-              "glint: --frames excludes --time: choose the time by --fps, as frame N shows time N / fps\n");
-    EXPECT_EQ(error(frames("0:2", "--part 1/2")),
-              "glint: --part excludes --frames: give each machine frames of its own\n");
-    EXPECT_EQ(error(runGlint("render a.json --overwrite")),
-              "glint: render: --overwrite requires --frames; see glint render --help\n");
 }
 
 TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {

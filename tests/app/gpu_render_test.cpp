@@ -107,12 +107,4 @@ TEST_F(Lavapipe, IsListedAsTheChosenOne) {
     EXPECT_HAS(ran.out, "\ncpu\n   ");
 }
 
-TEST_F(GpuRender, BlackPictureComesWithAdviceToo) {
-    writeText("b.json",
-              sceneText(16, 12, R"("objects": [{"type": "sphere", "center": [0, 0, 20], "radius": 1}])"));
-    EXPECT_EQ(runGlint("render b.json").err,
-              "glint: warning: b.json: the image shows only background: everything lies behind the camera; "
-              "check its eye and target\n");
-}
-
 }  // namespace glint::app::test::gpu_render_test

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "app/loading.h"
+#include "app/rendering.h"
 #include "core/error.h"
 #include "report/run.h"
 #include "support.h"

@@ -67,19 +67,22 @@ TEST_F(GpuVerify, SurfacesInOnePlacePassAndAMethodThatLosesDigitsFails) {
     EXPECT_HAS(ran.out, "\nempty.json: ok\n") << "the scenes after a failed one are verified too";
 }
 
-TEST_F(GpuVerify, AnInvalidSceneDoesNotEndTheRun) {
+TEST_F(GpuVerify, AnInvalidOrMissingSceneDoesNotEndTheRun) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
     writeText("b.json", "{\"objekts\": []}");
-    const Ran ran = runGlint("verify a.json b.json a.json --json r.json");
+    const Ran ran = runGlint("verify a.json b.json no.json a.json --json r.json --junit r.xml");
     EXPECT_EQ(ran.code, 3);
-    EXPECT_EQ(ran.err, "glint: b.json:1:13: /objekts: unknown key (did you mean \"objects\"?)\n");
+    EXPECT_EQ(ran.err,
+              "glint: b.json:1:13: /objekts: unknown key (did you mean \"objects\"?)\n"
+              "glint: no.json: no such file\n");
     EXPECT_HAS(ran.out, "\na.json: ok\n");
-    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "b.json", "r.json"}));
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "b.json", "r.json", "r.xml"}));
+    EXPECT_HAS(glint::test::readText("r.xml"), "<error message=\"no.json: no such file\">");
     const nlohmann::json report = nlohmann::json::parse(std::ifstream("r.json"));
     EXPECT_EQ(report["summary"],
-              (nlohmann::json{{"passed", 2}, {"failed", 0}, {"error", 1}, {"skipped", 0}}));
+              (nlohmann::json{{"passed", 2}, {"failed", 0}, {"error", 2}, {"skipped", 0}}));
     EXPECT_EQ(report["scenes"][1]["status"], "error");
-    EXPECT_EQ(report["scenes"][2]["status"], "passed");
+    EXPECT_EQ(report["scenes"][3]["status"], "passed");
 }
 
 TEST_F(GpuVerify, SchemasBesideScenesAreSkipped) {
@@ -152,21 +155,6 @@ TEST_F(GpuVerify, HugePictureIsRefused) {
     EXPECT_TRUE(ran.err.starts_with("glint: an image of 65536x65536 pixels takes 1172.0 GiB of memory, "))
         << ran.err;
     EXPECT_EQ(ran.code, 1);
-}
-
-// The error comes before the device is opened and other scenes are verified. The files still list all scenes.
-TEST_F(GpuVerify, AMissingSceneIsNoticedFirst) {
-    writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
-    const Ran ran = runGlint("verify a.json no.json --json r.json --junit r.xml");
-    EXPECT_EQ(ran.code, 3);
-    EXPECT_EQ(ran.out, "");
-    EXPECT_EQ(ran.err, "glint: no.json: no such file\n");
-    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "r.json", "r.xml"}));
-    const nlohmann::json scenes = nlohmann::json::parse(std::ifstream("r.json"))["scenes"];
-    EXPECT_EQ(scenes[0]["status"], "skipped");
-    EXPECT_EQ(scenes[1]["status"], "error");
-    EXPECT_HAS(glint::test::readText("r.xml"), "tests=\"2\" failures=\"0\" errors=\"1\" skipped=\"1\"");
-    EXPECT_HAS(glint::test::readText("r.xml"), "<error message=\"no.json: no such file\">");
 }
 
 }  // namespace glint::app::test::gpu_verify_test

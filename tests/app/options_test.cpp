@@ -57,6 +57,17 @@ INSTANTIATE_TEST_SUITE_P(
                       refused("--max-depth", "-1", kDepth), refused("--max-depth", "1001", kDepth),
                       refused("--max-depth", "-99999999999999999999", kDepth)));
 
+const std::string kPart = "K/N with 1 <= K <= N, such as 3/8", kError = "a number above 0";
+INSTANTIATE_TEST_SUITE_P(
+    Ranges, OptionValue,
+    ::testing::Values(refused("--part", "0/4", kPart), refused("--part", "5/4", kPart),
+                      refused("--frames", "3:2", "A:B with 0 <= A <= B, such as 0:240, or one number"),
+                      refused("--frames", "1:2:3", "A:B with 0 <= A <= B, such as 0:240, or one number"),
+                      Value{"render", "--frames", "3", ""}, refused("--error", "0", kError),
+                      refused("--error", "-1", kError), refused("--error", "nan", kError),
+                      refused("--error", "inf", kError), refused("--error", "", kError),
+                      refused("--error", "1e-400", kError)));
+
 const std::string kCropForm = "x0,y0,x1,y1 such as 0,0,64,64",
                   kCropOrder = "x0,y0,x1,y1 with 0 <= x0 < x1 and 0 <= y0 < y1";
 INSTANTIATE_TEST_SUITE_P(
@@ -124,30 +135,6 @@ TEST(Options, TextInMessagesIsOneShortLine) {
     EXPECT_EQ(quoted("a\nb\t\x7f"), "\"a?b??\"");
     EXPECT_EQ(quoted(std::string(100, 'x')), "\"" + std::string(60, 'x') + "...\"");
     EXPECT_EQ(quoted("\xc3\xa4"), "\"\xc3\xa4\"");
-}
-
-// `glint report`: what it says of arguments that cannot be.
-
-TEST(ReportArguments, AreChecked) {
-    const std::pair<Words, std::string> cases[] = {
-        {"report", "report: SCENE is missing; see glint report --help"},
-        {"report a.json", "report: --output is missing; see glint report --help"},
-        {"report a.json -o ''", "--output: the name is empty"},
-        {"report a.json -o x --repeats 0", "--repeats: expected a whole number from 1 to 1000, got \"0\""},
-        {"report a.json -o x --truth x", "--truth: expected gpu or cpu, got \"x\""},
-        {"report a.json -o x --budget -1",
-         "--budget: expected a whole number from 1 to 10000000, got \"-1\""},
-        {"report a.json -o x --only grod", "--only: unknown setting \"grod\" (did you mean \"grid\"?)"},
-        {"report a.json -o x --devices ''", "--devices: a device's name is empty in \"\""},
-        {"report a.json -o x --devices cpu,,0", "--devices: a device's name is empty in \"cpu,,0\""},
-        {"report a.json -o x --only device", "--only device requires --devices"},
-        {"report a.json -o x --size 3", "--size: expected a whole number from 4 to 4096, got \"3\""},
-    };
-    for (const auto& [args, message] : cases) {
-        const Ran ran = runGlint(args);
-        EXPECT_EQ(ran.code, 2);
-        EXPECT_EQ(ran.err, "glint: " + message + "\n");
-    }
 }
 
 }  // namespace glint::app::test::options_test

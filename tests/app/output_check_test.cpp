@@ -1,6 +1,6 @@
 // Where a picture cannot be written or does not fit into memory: said before rendering, exit code 1, nothing
 // left behind.
-#include "app/common.h"
+#include "app/commands.h"
 
 #include <algorithm>
 #include <functional>

@@ -70,14 +70,8 @@ TEST_F(Part, TheMergedPictureIsExposed) {
 }
 
 TEST_F(Part, OptionsThatMakeNoSense) {
-    EXPECT_EQ(errorOfRun(part("0/4"), 2),
-              "glint: --part: expected K/N with 1 <= K <= N, such as 3/8, got \"0/4\"\n");
-    EXPECT_EQ(errorOfRun(part("5/4"), 2),
-              "glint: --part: expected K/N with 1 <= K <= N, such as 3/8, got \"5/4\"\n");
     EXPECT_EQ(errorOfRun(part("1/2", "-o a.png"), 2),
               "glint: a.png: the name of a part ends in .part; glint merge makes an image from the parts\n");
-    EXPECT_EQ(errorOfRun(part("1/2", "--error 0.1"), 2),
-              "glint: --error excludes --part: use --spp with --part\n");
     EXPECT_EQ(errorOfRun(part("1/2", "-o no/a.part"), 1),
               "glint: no/a.part: cannot write: there is no folder no\n");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json"}));

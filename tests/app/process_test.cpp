@@ -84,6 +84,16 @@ TEST_F(Process, StandardStreams) {
               (std::set<std::string>{"a.json", "a.png", "b.png", "err.txt", "out.txt", "stdin.png"}));
 }
 
+TEST_F(Process, BashAsksForCompletions) {
+    writeText("ask.sh",
+              "source bash-completion/completions/glint\n"
+              "COMP_WORDS=('" GLINT_PROGRAM
+              "' render a.json --backend '')\nCOMP_CWORD=4\n_glint\n"
+              "echo \"${COMPREPLY[*]}\"\n");
+    EXPECT_EQ(shell("'" GLINT_PROGRAM "' pages . > list.txt && bash ask.sh > out.txt 2>&1"), 0);
+    EXPECT_EQ(readText("out.txt"), "gpu cpu\n");
+}
+
 TEST_F(Process, FilesThatGrowBeyondTheLimitAreNotLeft) {
     // The size that `ulimit -f` takes is in blocks of 512 or 1024 bytes; the image has 3 MB.
     EXPECT_EQ(shell("ulimit -f 8; '" GLINT_PROGRAM

@@ -116,7 +116,6 @@ TEST_F(Render, ExposureScalesTheColoursOfPngFiles) {
         EXPECT_EQ(runGlint({"render", "a.json", "-o", output, "--exposure", "1"}).err,
                   std::string("glint: --exposure: ") + output +
                       " holds linear floats, which need none; use .png\n");
-    EXPECT_EQ(runGlint("render a.json --part 1/2 --exposure 1").code, 2);
 }
 
 // A wedge that is flat along z, and the same model lying down: x' = x, y' = -z, z' = y for z up.

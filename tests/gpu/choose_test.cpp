@@ -86,6 +86,7 @@ TEST(ChooseDevice, AWrongSelectionSaysWhatThereIsOrWhy) {
          "no usable Vulkan device: 0 \"A\" has no compute queue; 1 \"B\" knows Vulkan 1.0 only"},
         {{a, b}, "radeon", "no Vulkan device has \"radeon\" in its name; devices: 0 \"A\", 1 \"B\""},
         {{a}, "1", "no Vulkan device has index 1; devices: 0 \"A\""},
+        {{a}, "00", "no Vulkan device has index 00; devices: 0 \"A\""},
         // More digits than any integer holds, and whose low 64 bits are 0.
         {{a}, "18446744073709551616", "no Vulkan device has index 18446744073709551616; devices: 0 \"A\""},
         {kDesktop, "4", "device 4 cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1"},

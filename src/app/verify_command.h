@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <glm/glm.hpp>
 #include <iosfwd>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,23 +12,14 @@
 namespace glint::app {
 
 // The verdict on a scene, the numbers behind it, and the worst pixels with what device and reference have
-// seen there. `origin`: PackedScene::origin.
-void printReport(const std::string& scene, const verify::Report& report, const verify::Options& options,
-                 const glm::dvec3& origin, std::ostream& out);
-
-// In one line: "ok", or "FAILED: " and why.
-std::string verdict(const verify::Report& report);
+// seen there; `manySamples`: and their samples.
+void printReport(const std::string& scene, const verify::Report& report, bool manySamples, std::ostream& out);
 
 // The same verdict and numbers, and the differing pixels that the report keeps.
 nlohmann::json reportJson(const verify::Report& report);
 
-// The figures for --brief.
-std::string briefFigures(const verify::Report& report);
-
 // Version of the JSON file's layout (docs/guide/verify.md). A change that breaks readers increments it.
 inline constexpr int kVerifyJsonVersion = 2;
-// The JSON file lists at most this many differing pixels of a scene, the worst first.
-inline constexpr size_t kListedPixels = 1000;
 
 enum class SceneStatus { Passed, Failed, Error, Skipped };
 constexpr auto entriesOf(SceneStatus) {
@@ -49,15 +39,8 @@ struct SceneResult {
     double seconds = 0;
 };
 
-size_t countOf(const std::vector<SceneResult>& results, SceneStatus status);
-double secondsOf(const std::vector<SceneResult>& results);
-
 std::string jsonText(const std::vector<SceneResult>& results, const std::string& device,
                      const std::string& driver);
 std::string junitText(const std::vector<SceneResult>& results);
-
-// STEM.device.png, STEM.reference.png and STEM.difference.png of the first sample.
-void writeArtifacts(const std::filesystem::path& folder, const std::string& stem,
-                    const verify::Report& report);
 
 }  // namespace glint::app

@@ -1,10 +1,11 @@
-// Opens devices, and renders a scene on a device or with the reference.
+// Loads the scene that the command line names, opens devices, and renders on a device or with the reference.
 #pragma once
 
 #include <future>
 #include <iosfwd>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "app/options.h"
@@ -12,6 +13,8 @@
 #include "core/error.h"
 #include "core/progress.h"
 #include "gpu/device.h"
+#include "import/load.h"
+#include "pack/build_tree.h"
 #include "pack/loaded_scene.h"
 #include "reference/model.h"
 #include "render/renderer.h"
@@ -19,6 +22,50 @@
 #include "trace/request.h"
 
 namespace glint::app {
+
+// A scene at any moment of its animation.
+class AnimatedScene {
+  public:
+    // Reads and packs the scene as it is at that moment, in seconds; without one, as its file says it.
+    // Warnings go to `err`, one line each and each once. `options` and `err` must outlive the object.
+    AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err);
+
+    // The scene of the current frame; its arrays change in place.
+    const LoadedScene& loaded() const { return loaded_; }
+    LoadedScene take() && { return std::move(loaded_); }
+
+    using Change = SceneReader::Change;
+    // Camera: the arrays are those of before. An image has the bits that it has if the scene is read at that
+    // moment.
+    Change moveTo(double time);
+
+    // Trees that were built so far.
+    uint64_t treesBuilt() const { return memory_.built(); }
+
+  private:
+    void pack();
+    void warn();
+
+    const SceneOptions& options_;
+    std::ostream& err_;
+    std::set<std::string> warned_;
+    LoadedScene loaded_;
+    std::optional<SceneReader> reader_;
+    TreeMemory memory_;
+};
+
+// Loads, at a moment of the animation if one is given, and packs; warnings go to `err`, one line each.
+LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err);
+
+// Throws Error(Scene) if there is no such file, and names one that is called alike.
+void checkScene(const std::filesystem::path& scene);
+
+// The whole image of the scene, with the wishes of the command line. Throws Error(Argument) for sampler,
+// samples and filter that contradict each other. `untilError`: --error chooses the number of samples.
+Request requestOf(const LoadedScene& loaded, const SceneOptions& options, bool untilError = false);
+
+// Features that a request needs of a device though the scene's own depth does without them.
+SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request);
 
 // Opens the device that was chosen. If none was named and `hostWould` do the same work, an error advises to
 // use it. Throws Error(Device) too if the validation layer was asked for and is not there.
@@ -68,10 +115,6 @@ class Drawing {
 
     // An image of the scene that was loaded, by its camera.
     Picture draw(const Request& request);
-
-    // The same with whole(). With a job it draws as often as the job's error takes, and sets `converged`.
-    Picture draw(const Request& request, const std::optional<converge::Job>& job,
-                 std::optional<converge::Result>& converged);
 
     // Runs `work`, which calls draw(). If the device fails and --fallback allows it, the partial result is
     // dropped and `work` starts again on the reference: a result comes from one backend only.

@@ -1,4 +1,4 @@
-#include "app/common.h"
+#include "app/commands.h"
 
 #include <unistd.h>
 
