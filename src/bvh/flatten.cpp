@@ -29,18 +29,28 @@ struct Pending {
     uint32_t escape;
 };
 
-void setChild(std::vector<shared::Node>& nodes, uint32_t slot, const Box& tight, uint32_t child) {
-    const Box box = tight.empty() ? tight : storedBox(LaneBox::of(tight)).box();
-    shared::Node& node = nodes[slot / 2];
-    if (slot % 2 == 0) {
-        node.lo0 = box.lo;
-        node.hi0 = box.hi;
-        node.child0 = child;
-    } else {
-        node.lo1 = box.lo;
-        node.hi1 = box.hi;
-        node.child1 = child;
+// One of a node's boxes, and the child that has it.
+struct Side {
+    glm::vec3 &lo, &hi;
+    uint32_t& child;
+
+    static Side of(shared::Node& node, bool second) {
+        return second ? Side{node.lo1, node.hi1, node.child1} : Side{node.lo0, node.hi0, node.child0};
     }
+    LaneBox box() const { return {Lanes::load(&lo.x), Lanes::load(&hi.x)}; }
+    // Each corner shares a row with a word of another meaning.
+    void set(const LaneBox& b) const {
+        b.lo.withWOf(Lanes::load(&lo.x)).store(&lo.x);
+        b.hi.withWOf(Lanes::load(&hi.x)).store(&hi.x);
+    }
+};
+
+void setChild(std::vector<shared::Node>& nodes, uint32_t slot, const Box& tight, uint32_t child) {
+    const Side side = Side::of(nodes[slot / 2], slot % 2 != 0);
+    const Box box = tight.empty() ? tight : storedBox(LaneBox::of(tight)).box();
+    side.lo = box.lo;
+    side.hi = box.hi;
+    side.child = child;
 }
 
 }  // namespace
@@ -116,25 +126,6 @@ struct CostSum {
     }
 };
 
-// One of a node's boxes, and which corners have it.
-struct Side {
-    glm::vec3 &lo, &hi;
-    uint32_t child;
-
-    LaneBox box() const { return {Lanes::load(&lo.x), Lanes::load(&hi.x)}; }
-    // Each corner shares a row with a word of another meaning.
-    void set(const LaneBox& b) const {
-        b.lo.withWOf(Lanes::load(&lo.x)).store(&lo.x);
-        b.hi.withWOf(Lanes::load(&hi.x)).store(&hi.x);
-    }
-};
-Side firstOf(shared::Node& node) {
-    return {node.lo0, node.hi0, node.child0};
-}
-Side secondOf(shared::Node& node) {
-    return {node.lo1, node.hi1, node.child1};
-}
-
 using LeafBox = std::function<std::optional<Box>(uint32_t child)>;
 
 // Nodes that lie side by side. Children stand behind their parents, so a run taken from its end on needs no
@@ -144,7 +135,8 @@ class Run {
   public:
     void work(std::span<shared::Node> nodes, size_t first, size_t end, const LeafBox& leafBox) {
         for (size_t i = first; i < end; ++i)
-            for (const Side& side : {firstOf(nodes[i]), secondOf(nodes[i])}) setLeaf(side, leafBox);
+            for (const Side& side : {Side::of(nodes[i], false), Side::of(nodes[i], true)})
+                setLeaf(side, leafBox);
         std::vector<uint8_t> waits(end - first);
         const auto isReady = [&](uint32_t child) {
             return !isInnerChild(child) || (child < end && waits[child - first] == 0);
@@ -175,12 +167,12 @@ class Run {
         if (moved) side.set(storedBox(tight));
     }
     void finish(std::span<shared::Node> nodes, size_t i) {
-        for (const Side& side : {firstOf(nodes[i]), secondOf(nodes[i])}) {
+        for (const Side& side : {Side::of(nodes[i], false), Side::of(nodes[i], true)}) {
             LaneBox box = side.box();
             if (isInnerChild(side.child)) {
                 shared::Node& child = nodes[side.child];
-                box = firstOf(child).box();
-                box.include(secondOf(child).box());
+                box = Side::of(child, false).box();
+                box.include(Side::of(child, true).box());
                 side.set(box);
             }
             sum_.add(side.child, box.box());

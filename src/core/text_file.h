@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/context.h"
@@ -53,6 +54,22 @@ std::string describe(double number);
 
 // One step of a JSON pointer (RFC 6901): ~ and / written as ~0 and ~1.
 std::string escapePointer(std::string_view key);
+
+// The parts as one text: numbers as describe() shows them, strings and characters as they are.
+template <typename... Parts>
+std::string concat(const Parts&... parts) {
+    std::string text;
+    const auto append = [&text]<typename Part>(const Part& part) {
+        if constexpr (std::is_floating_point_v<Part>)
+            text += describe(part);
+        else if constexpr (std::is_integral_v<Part> && !std::is_same_v<Part, char>)
+            text += std::to_string(part);
+        else
+            text += part;
+    };
+    (append(parts), ...);
+    return text;
+}
 
 // The extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
 #include "core/vectors.h"
@@ -68,8 +69,7 @@ double lowerMedianOf(std::vector<double> values) {
 
 void Extent::include(const glm::dvec3& p) {
     if (!(greatestMagnitude(p) <= std::numeric_limits<float>::max())) return;
-    lo = glm::min(lo, p);
-    hi = glm::max(hi, p);
+    BoundingBox::include(p);
 }
 
 void Extent::include(const Extent& other) {

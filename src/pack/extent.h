@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
-#include <limits>
 #include <vector>
 
 #include "core/context.h"
+#include "core/vectors.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -15,14 +15,10 @@ namespace glint {
 class PrimitiveNumbers;
 
 // A box in world coordinates.
-struct Extent {
-    glm::dvec3 lo{std::numeric_limits<double>::infinity()};
-    glm::dvec3 hi{-std::numeric_limits<double>::infinity()};
-
+struct Extent : BoundingBox {
     // Takes in a point that is finite and within the range of fp32; leaves out others.
     void include(const glm::dvec3& p);
     void include(const Extent& other);
-    bool empty() const { return lo.x > hi.x; }
     glm::dvec3 center() const { return 0.5 * lo + 0.5 * hi; }
     double halfSize() const;  // along the longest edge
 };

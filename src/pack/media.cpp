@@ -4,6 +4,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/vectors.h"
 #include "pack/packed_scene.h"
 #include "pack/primitives.h"
 #include "pack/scene_arrays.h"
@@ -14,15 +15,9 @@ namespace {
 using glm::dvec3;
 
 // Surfaces of a material around a point.
-struct Enclosure {
+struct Enclosure : BoundingBox {
     double windings = 0;  // how often they go round it
     double size = 0;      // the diagonal of their box, infinite with a plane
-    dvec3 lo{std::numeric_limits<double>::infinity()}, hi{-std::numeric_limits<double>::infinity()};
-
-    void include(const dvec3& p) {
-        lo = glm::min(lo, p);
-        hi = glm::max(hi, p);
-    }
 };
 
 class MediaFinder {

@@ -64,15 +64,14 @@ void warn(const Scene& scene, const PrimitiveNumbers& numbers, const Dropped& dr
           std::vector<std::string>& warnings) {
     const std::string& name = scene.objects[dropped.object].name;
     const std::string where = name.empty() ? "/objects/" + std::to_string(dropped.object) : name;
-    const std::string of = " of " + std::to_string(numbers.facesOf(dropped.object)) + " " +
-                           kKindNames[static_cast<size_t>(kindOf(scene.objects[dropped.object]))] +
-                           " dropped: ";
-    if (dropped.noArea > 0)
-        warnings.push_back(where + ": " + std::to_string(dropped.noArea) + of +
-                           "no area after rounding to fp32");
-    if (dropped.notFinite > 0)
-        warnings.push_back(where + ": " + std::to_string(dropped.notFinite) + of +
-                           "a vertex is not finite or beyond the range of fp32");
+    const auto add = [&](uint64_t count, const char* why) {
+        if (count > 0)
+            warnings.push_back(concat(where, ": ", count, " of ", numbers.facesOf(dropped.object), ' ',
+                                      kKindNames[static_cast<size_t>(kindOf(scene.objects[dropped.object]))],
+                                      " dropped: ", why));
+    };
+    add(dropped.noArea, "no area after rounding to fp32");
+    add(dropped.notFinite, "a vertex is not finite or beyond the range of fp32");
 }
 
 void reportDropped(const Scene& scene, const PrimitiveNumbers& numbers, const std::vector<ChunkCount>& counts,

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 
 #include "core/device_layout.h"
 #include "core/room.h"
@@ -118,47 +119,40 @@ struct FlatCoordinates {
     }
 };
 
-// Takes the period of the scene's textures that are asked about: one of all, or 0.
-class CommonPeriod {
-  public:
-    explicit CommonPeriod(const Scene& scene) : scene_(scene) {}
+// The solid checker of a texture, or null.
+const CheckerTexture* solidChecker(const Texture& texture) {
+    const auto* checker = std::get_if<CheckerTexture>(&texture.source);
+    return checker != nullptr && checker->solid ? checker : nullptr;
+}
 
-    void include(uint32_t texture) {
-        if (texture == Material::kNoTexture) return;
-        const auto* checker = std::get_if<CheckerTexture>(&scene_.textures[texture].source);
-        if (checker == nullptr || !checker->solid) return;
-        const double period = 2 / scene_.textures[texture].scale.x;
-        period_ = !found_ || period == period_ ? period : 0;
-        found_ = true;
+// The period that all solid checkers among these textures have; 0 if they differ or there are none.
+double commonPeriod(std::span<const Texture* const> textures) {
+    std::optional<double> common;
+    for (const Texture* texture : textures) {
+        if (!solidChecker(*texture)) continue;
+        const double period = 2 / texture->scale.x;
+        common = period == common.value_or(period) ? period : 0;
     }
-    double value() const { return period_; }
-
-  private:
-    const Scene& scene_;
-    bool found_ = false;
-    double period_ = 0;
-};
+    return common.value_or(0);
+}
 
 double periodOf(const Scene& scene, const Object& object, const CubeOrigin& cubes) {
     const auto* mesh = std::get_if<MeshShape>(&object.shape);
     if (cubes.period > 0 || (mesh != nullptr && !mesh->mesh->materials.empty())) return cubes.period;
-    const Material& material = scene.materials[object.material];
-    CommonPeriod period(scene);
-    for (const uint32_t texture : {material.ambientTexture, material.diffuseTexture, material.specularTexture,
-                                   material.mirrorTexture, material.transmissionTexture})
-        period.include(texture);
-    return period.value();
+    std::vector<const Texture*> textures;
+    for (const auto texture : kMaterialTextures) {
+        const uint32_t index = scene.materials[object.material].*texture;
+        if (index != Material::kNoTexture) textures.push_back(&scene.textures[index]);
+    }
+    return commonPeriod(textures);
 }
 
 CubeOrigin cubeOrigin(const Scene& scene) {
-    CommonPeriod period(scene);
-    std::optional<dvec3> corner;
-    for (uint32_t i = 0; i < scene.textures.size(); ++i) {
-        period.include(i);
-        const auto* checker = std::get_if<CheckerTexture>(&scene.textures[i].source);
-        if (checker != nullptr && checker->solid && !corner) corner = checker->corner;
-    }
-    return {corner.value_or(dvec3(0)), period.value()};
+    std::vector<const Texture*> solid;
+    for (const Texture& texture : scene.textures)
+        if (solidChecker(texture)) solid.push_back(&texture);
+    if (solid.empty()) return {};
+    return {solidChecker(*solid.front())->corner, commonPeriod(solid)};
 }
 
 // A coordinate counted from that corner: as it is, or, where fp32 tells no cubes apart, in the period around
@@ -204,23 +198,16 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
 }
 
 bool hasTexture(const Material& m) {
-    for (const uint32_t texture :
-         {m.ambientTexture, m.diffuseTexture, m.specularTexture, m.mirrorTexture, m.transmissionTexture})
-        if (texture != Material::kNoTexture) return true;
-    return false;
+    return std::ranges::any_of(kMaterialTextures,
+                               [&](auto texture) { return m.*texture != Material::kNoTexture; });
 }
 
 namespace {
 
 uint32_t wrapFlag(Wrap wrap) {
-    switch (wrap) {
-        case Wrap::Clamp:
-            return shared::kTextureWrapClamp;
-        case Wrap::Mirror:
-            return shared::kTextureWrapMirror;
-        default:
-            return shared::kTextureWrapRepeat;
-    }
+    constexpr uint32_t kFlags[] = {shared::kTextureWrapRepeat, shared::kTextureWrapClamp,
+                                   shared::kTextureWrapMirror};  // in the order of Wrap
+    return kFlags[static_cast<size_t>(wrap)];
 }
 
 // A sample that no tracer can carry on with (an HDR file may hold any bits) becomes 0, or the greatest

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 
@@ -17,18 +16,6 @@ namespace {
 constexpr glm::dvec3 kTowardsEye{0.42, 0.40, 1.0};
 constexpr double kFovY = 40;
 constexpr double kMargin = 1.08;  // of the picture's half size that stays free around the model, as a factor
-
-// Axis-aligned, in some frame.
-struct Box {
-    glm::dvec3 low{std::numeric_limits<double>::infinity()};
-    glm::dvec3 high{-std::numeric_limits<double>::infinity()};
-
-    bool empty() const { return low.x > high.x; }
-    void add(const glm::dvec3& point) {
-        low = glm::min(low, point);
-        high = glm::max(high, point);
-    }
-};
 
 // Which vertices of a mesh triangles without a bad one have.
 std::vector<uint8_t> drawnVertices(const Mesh& mesh) {
@@ -113,7 +100,7 @@ class PartVisitor {
 // instances.
 template <typename Visit>
 void forEachPart(const Scene& scene, const Visit& visit) {
-    std::map<const Mesh*, std::pair<size_t, Box>> shared;
+    std::map<const Mesh*, std::pair<size_t, BoundingBox>> shared;
     for (const Object& object : scene.objects)
         if (const auto* shape = std::get_if<MeshShape>(&object.shape)) shared[shape->mesh.get()].first++;
     for (const Object& object : scene.objects) {
@@ -123,12 +110,12 @@ void forEachPart(const Scene& scene, const Visit& visit) {
             std::visit(visitor, object.shape);
             continue;
         }
-        Box& box = shared[shape->mesh.get()].second;
+        BoundingBox& box = shared[shape->mesh.get()].second;
         if (box.empty()) {
-            const auto add = [&box](const glm::dvec3& center, const glm::dmat3*) { box.add(center); };
+            const auto add = [&box](const glm::dvec3& center, const glm::dmat3*) { box.include(center); };
             PartVisitor<decltype(add)>({}, add)(*shape);
         }
-        if (!box.empty()) visitor.corners(box.low, box.high);
+        if (!box.empty()) visitor.corners(box.lo, box.hi);
     }
 }
 
@@ -187,14 +174,14 @@ void frameCamera(Scene& scene, UpAxis up) {
     scene.camera = Camera{};
     scene.camera.up = fromYUp(scene.camera.up, up);
     const CameraFrame frame = viewFrame(up);
-    Box box;
+    BoundingBox box;
     forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3* axes) {
         const glm::dvec3 extent(reach(axes, {1, 0, 0}), reach(axes, {0, 1, 0}), reach(axes, {0, 0, 1}));
-        box.add(center - extent);
-        box.add(center + extent);
+        box.include(center - extent);
+        box.include(center + extent);
     });
     if (box.empty()) return;
-    const glm::dvec3 middle = box.low + 0.5 * (box.high - box.low);
+    const glm::dvec3 middle = box.lo + 0.5 * (box.hi - box.lo);
     double distance = viewingDistance(scene, frame, middle);
     // A single point has no size to go by; stay far enough away for the eye to differ from it in double and
     // in float.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <unordered_set>
 
@@ -50,13 +49,10 @@ std::optional<Shape> bakedShape(const MeshShape& shape, const Affine& transform)
 }
 
 glm::dvec3 halfSizeOfMesh(const Mesh& mesh) {
-    glm::dvec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
-    for (const glm::dvec3& p : mesh.positions) {
-        if (!isFinite(p)) continue;
-        lo = glm::min(lo, p);
-        hi = glm::max(hi, p);
-    }
-    return lo.x > hi.x ? glm::dvec3(0) : 0.5 * hi - 0.5 * lo;
+    BoundingBox box;
+    for (const glm::dvec3& p : mesh.positions)
+        if (isFinite(p)) box.include(p);
+    return box.empty() ? glm::dvec3(0) : 0.5 * box.hi - 0.5 * box.lo;
 }
 
 // The same object with the unit disc, so that discs of any size share one prototype.
@@ -64,9 +60,7 @@ void makeUnit(Object& object) {
     if (const auto* disc = std::get_if<DiscShape>(&object.shape)) {
         const glm::dvec3 size = glm::abs(disc->normal);
         const glm::dvec3 n = glm::normalize(disc->normal / greatestMagnitude(size));
-        glm::dvec3 aside(0);
-        aside[std::abs(n.x) < 0.6 ? 0 : std::abs(n.y) < 0.6 ? 1 : 2] = 1;
-        const glm::dvec3 u = glm::normalize(glm::cross(aside, n));
+        const glm::dvec3 u = tangentOf(n);
         if (disc->center != glm::dvec3(0) || disc->normal != kUnitNormal || disc->radius != 1) {
             const Affine own{disc->radius * glm::dmat3(u, glm::cross(n, u), n), disc->center};
             object.transform = then(own, *object.transform);

@@ -110,13 +110,10 @@ std::optional<PolygonPlane> polygonPlane(std::span<const glm::dvec3> vertices) {
 }
 
 double planarTolerance(std::span<const glm::dvec3> vertices) {
-    glm::dvec3 lo = vertices[0], hi = vertices[0];
-    for (const glm::dvec3& v : vertices) {
-        lo = glm::min(lo, v);
-        hi = glm::max(hi, v);
-    }
-    const double size = greatestMagnitude(hi - lo),
-                 scale = std::max(greatestMagnitude(lo), greatestMagnitude(hi));
+    BoundingBox box;
+    for (const glm::dvec3& v : vertices) box.include(v);
+    const double size = greatestMagnitude(box.hi - box.lo),
+                 scale = std::max(greatestMagnitude(box.lo), greatestMagnitude(box.hi));
     return 2 * std::numbers::sqrt3 * std::max(5e-6 * size, 0x1p-24 * scale);
 }
 

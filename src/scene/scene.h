@@ -203,6 +203,9 @@ struct Material {
     // Alpha of the diffuse texture below which the surface is cut out; 0 ignores alpha.
     double alphaCutoff = 0;
 };
+inline constexpr uint32_t Material::*kMaterialTextures[] = {
+    &Material::ambientTexture, &Material::diffuseTexture, &Material::specularTexture,
+    &Material::mirrorTexture, &Material::transmissionTexture};
 
 // Polygons already split into triangles. `corners` index `positions`; `normalCorners` index `normals` and is
 // either empty (no vertex normals at all) or as long as `corners`, with kNoIndex thrice for a triangle

@@ -136,14 +136,16 @@ std::optional<double> similarityFactor(const glm::dmat3& linear) {
     return greatest * std::sqrt(square);
 }
 
+glm::dvec3 tangentOf(const glm::dvec3& n) {
+    glm::dvec3 aside(0);  // an axis far from n, so that the cross product is not small
+    aside[std::abs(n.x) < 0.6 ? 0 : std::abs(n.y) < 0.6 ? 1 : 2] = 1;
+    return glm::normalize(glm::cross(aside, n));
+}
+
 std::optional<double> discFactor(const glm::dvec3& normal, const glm::dmat3& linear) {
     const double greatest = greatestElement(linear);
     const glm::dvec3 n = glm::normalize(normal / greatestMagnitude(normal));
-    // An axis far from n, so that the cross product is not small.
-    const int axis = std::abs(n.x) < 0.6 ? 0 : std::abs(n.y) < 0.6 ? 1 : 2;
-    glm::dvec3 tangent(0);
-    tangent[axis] = 1;
-    tangent = glm::normalize(glm::cross(n, tangent));
+    const glm::dvec3 tangent = tangentOf(n);
     const glm::dvec3 a = linear / greatest * tangent, b = linear / greatest * glm::cross(n, tangent);
     const double square = (glm::dot(a, a) + glm::dot(b, b)) / 2;
     const double skew = std::max(std::abs(glm::dot(a, a) - square), std::abs(glm::dot(a, b)));

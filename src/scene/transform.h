@@ -31,6 +31,9 @@ double conditionNumber(const glm::dmat3& linear);
 // that matrices written with seven digits pass; otherwise nothing.
 std::optional<double> similarityFactor(const glm::dmat3& linear);
 
+// A unit vector across a unit vector.
+glm::dvec3 tangentOf(const glm::dvec3& normal);
+
 // The factor by which a disc with this normal (any length but zero) grows, if it stays round: if, within
 // 1e-6, the transform scales all directions of the disc's plane alike.
 std::optional<double> discFactor(const glm::dvec3& normal, const glm::dmat3& linear);

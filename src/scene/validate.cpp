@@ -38,16 +38,16 @@ std::string got(const glm::dvec3& v) {
 }
 
 void checkPoint(const Place& place, std::string_view key, const glm::dvec3& point) {
-    if (!isFinite(point)) place.fail(key, "must be finite" + got(point));
+    if (!isFinite(point)) place.fail(key, "must be finite", got(point));
     if (greatestMagnitude(point) >= kMaxCoordinate)
-        place.fail(key, "coordinates must be below " + describe(kMaxCoordinate) + got(point));
+        place.fail(key, "coordinates must be below ", kMaxCoordinate, got(point));
 }
 
 // Both ends are in the range; `unit` follows the greatest number.
 void checkRange(const Place& place, std::string_view key, double value, double least, double most,
                 const std::string& unit = "") {
     if (!(value >= least && value <= most))
-        place.fail(key, "must be from " + describe(least) + " to " + describe(most) + unit + got(value));
+        place.fail(key, "must be from ", least, " to ", most, unit, got(value));
 }
 
 std::string gotColor(const Color& c) {
@@ -56,7 +56,7 @@ std::string gotColor(const Color& c) {
 
 void checkDirection(const Place& place, std::string_view key, const glm::dvec3& direction) {
     checkPoint(place, key, direction);
-    if (greatestMagnitude(direction) < kMinLength) place.fail(key, "must not be zero" + got(direction));
+    if (greatestMagnitude(direction) < kMinLength) place.fail(key, "must not be zero", got(direction));
 }
 
 // Names the fault of a colour; empty for a valid one.
@@ -73,32 +73,28 @@ void checkColor(const Place& place, std::string_view key, const Color& color) {
 
 void checkInteger(const Place& place, std::string_view key, int value, int least, int most) {
     if (value < least || value > most)
-        place.fail(key, "must be a whole number from " + std::to_string(least) + " to " +
-                            std::to_string(most) + got(value));
+        place.fail(key, "must be a whole number from ", least, " to ", most, got(value));
 }
 
 void checkNumber(const Place& place, std::string_view key, const char* what, size_t index, size_t count) {
-    if (index >= count)
-        place.fail(key, std::string("there is no ") + what + " number " + std::to_string(index) +
-                            " (there are " + std::to_string(count) + ")");
+    if (index >= count) place.fail(key, "there is no ", what, " number ", index, " (there are ", count, ")");
 }
 
 void checkView(const Camera& camera, const Place& place) {
     const glm::dvec3 view = camera.target - camera.eye;
     if (!(glm::length(view) >= kMinLength))
-        place.fail({}, "eye and target must differ (both " + text(camera.eye) + ")");
+        place.fail({}, "eye and target must differ (both ", text(camera.eye), ")");
     if (camera.planeNormal) {
         checkDirection(place, "planeNormal", *camera.planeNormal);
         if (!(std::abs(glm::dot(glm::normalize(*camera.planeNormal), glm::normalize(view))) >=
               kMinPlaneCosine))
-            place.fail("planeNormal", "must not be perpendicular to the view direction " + text(view) +
-                                          got(*camera.planeNormal));
+            place.fail("planeNormal", "must not be perpendicular to the view direction ", text(view),
+                       got(*camera.planeNormal));
     }
     const glm::dvec3 axis = camera.planeNormal.value_or(view);
     if (!(glm::length(glm::cross(glm::normalize(camera.up), glm::normalize(axis))) >= kMinUpSine))
-        place.fail("up", std::string("must not be parallel to the ") +
-                             (camera.planeNormal ? "planeNormal " : "view direction ") + text(axis) +
-                             got(camera.up));
+        place.fail("up", "must not be parallel to the ",
+                   (camera.planeNormal ? "planeNormal " : "view direction "), text(axis), got(camera.up));
 }
 
 void checkWindowSize(const Camera& camera, const Place& place) {
@@ -106,19 +102,17 @@ void checkWindowSize(const Camera& camera, const Place& place) {
         const ViewWindow& window = *camera.window;
         for (const double edge : {window.left, window.right, window.bottom, window.top})
             if (!(std::abs(edge) < kMaxCoordinate))
-                place.fail("window",
-                           "edges must be finite and below " + describe(kMaxCoordinate) + got(edge));
+                place.fail("window", "edges must be finite and below ", kMaxCoordinate, got(edge));
         const auto checkOrder = [&](const std::string& rule, double less, double greater) {
-            if (!(less < greater))
-                place.fail("window", rule + " (got " + describe(less) + " and " + describe(greater) + ")");
+            if (!(less < greater)) place.fail("window", rule, " (got ", less, " and ", greater, ")");
         };
         checkOrder("left must be less than right", window.left, window.right);
         checkOrder("bottom must be less than top", window.bottom, window.top);
     } else if (camera.projection == Projection::Orthographic) {
-        if (!(camera.height > 0)) place.fail("height", "must be > 0" + got(camera.height));
+        if (!(camera.height > 0)) place.fail("height", "must be > 0", got(camera.height));
         checkRange(place, "height", camera.height, kMinLength, kMaxCoordinate);
     } else if (!(camera.fovY > 0 && camera.fovY < 180)) {
-        place.fail("fovY", "must be between 0 and 180 degrees" + got(camera.fovY));
+        place.fail("fovY", "must be between 0 and 180 degrees", got(camera.fovY));
     }
 }
 
@@ -126,11 +120,11 @@ void checkSpot(const SpotLight& spot, const Place& place) {
     checkPoint(place, "position", spot.position);
     checkDirection(place, "direction", spot.direction);
     checkRange(place, "angle", spot.angle, 0, 180, " degrees");
-    if (!(spot.penumbra >= 0)) place.fail("penumbra", "must be >= 0 degrees" + got(spot.penumbra));
+    if (!(spot.penumbra >= 0)) place.fail("penumbra", "must be >= 0 degrees", got(spot.penumbra));
     const double edge = spot.angle + spot.penumbra;
     if (!(edge >= kMinSpotAngle && edge <= 180))
-        place.fail({}, "angle + penumbra must be from " + describe(kMinSpotAngle) + " to 180 degrees" +
-                           got(describe(spot.angle) + " + " + describe(spot.penumbra)));
+        place.fail({}, "angle + penumbra must be from ", kMinSpotAngle, " to 180 degrees",
+                   got(describe(spot.angle) + " + " + describe(spot.penumbra)));
     checkColor(place, "intensity", spot.intensity);
 }
 
@@ -140,22 +134,21 @@ void checkVertices(const Mesh& mesh, const Place& place, const char* ofWhat) {
             place.fail("color of vertex " + std::to_string(i), wrong);
     for (size_t i = 0; i < mesh.positions.size(); i++)
         if (isFinite(mesh.positions[i]) && greatestMagnitude(mesh.positions[i]) >= kMaxCoordinate)
-            place.fail({}, "vertex " + std::to_string(i) + ofWhat + ": coordinates must be below " +
-                               describe(kMaxCoordinate) + got(mesh.positions[i]));
+            place.fail({}, "vertex ", i, ofWhat, ": coordinates must be below ", kMaxCoordinate,
+                       got(mesh.positions[i]));
 }
 
 void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount) {
     const auto checkSize = [&](const char* what, size_t size) {
         if (size != 0 && size != mesh.corners.size())
-            place.fail({}, std::string("the mesh has ") + std::to_string(size) + " " + what + " for " +
-                               std::to_string(mesh.corners.size()) + " triangles");
+            place.fail({}, "the mesh has ", size, " ", what, " for ", mesh.corners.size(), " triangles");
     };
     checkSize("face indices", mesh.faces.size());
     checkSize("material indices", mesh.materials.size());
     const auto checkIndex = [&](const char* what, size_t triangle, size_t index, size_t count) {
         if (index >= count)
-            place.fail({}, "triangle " + std::to_string(triangle) + " of the mesh uses " + what + " " +
-                               std::to_string(index) + ", there are " + std::to_string(count));
+            place.fail({}, "triangle ", triangle, " of the mesh uses ", what, " ", index, ", there are ",
+                       count);
     };
     for (size_t i = 0; i < mesh.corners.size(); i++)
         for (int k = 0; k < 3; k++) checkIndex("vertex", i, mesh.corners[i][k], mesh.positions.size());
@@ -174,28 +167,27 @@ void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount
 
 void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
     if (vertices.size() > kMaxPolygonVertices)
-        place.fail("vertices", "must be at most " + std::to_string(kMaxPolygonVertices) + " points (got " +
-                                   std::to_string(vertices.size()) +
-                                   "); faces of a mesh are split into triangles and may have more");
+        place.fail("vertices", "must be at most ", kMaxPolygonVertices, " points (got ", vertices.size(),
+                   "); faces of a mesh are split into triangles and may have more");
     for (size_t i = 0; i < vertices.size(); i++)
         checkPoint(place, "vertices/" + std::to_string(i), vertices[i]);
     std::set<std::tuple<double, double, double>> distinct;
     for (const glm::dvec3& v : vertices) distinct.emplace(v.x, v.y, v.z);
     if (distinct.size() < 3)
-        place.fail("vertices",
-                   "must have three distinct points or more" + got(std::to_string(distinct.size())));
+        place.fail("vertices", "must have three distinct points or more",
+                   got(std::to_string(distinct.size())));
     const auto plane = polygonPlane(vertices);
     if (!plane) place.fail("vertices", "the polygon has no area: its points lie on a line");
     const double tolerance = planarTolerance(vertices);
     if (plane->deviation > tolerance)
         place.fail("vertices/" + std::to_string(plane->farthest),
-                   "the polygon is not planar: this point lies " + sixDigits(plane->deviation) +
-                       " off the plane of all, the limit is " + sixDigits(tolerance) +
-                       " (split the polygon into triangles)");
+                   "the polygon is not planar: this point lies ", sixDigits(plane->deviation),
+                   " off the plane of all, the limit is ", sixDigits(tolerance),
+                   " (split the polygon into triangles)");
 }
 
 void checkLength(const Place& place, std::string_view key, double length) {
-    if (!(length > 0)) place.fail(key, "must be > 0" + got(length));
+    if (!(length > 0)) place.fail(key, "must be > 0", got(length));
     checkRange(place, key, length, kMinRadius, kMaxRadius);
 }
 
@@ -205,10 +197,10 @@ void checkAxis(const Place& place, std::string_view fromKey, const glm::dvec3& f
     checkPoint(place, fromKey, from);
     checkPoint(place, toKey, to);
     const double height = glm::length(to - from);
-    if (!(height >= kMinRadius)) place.fail(toKey, "must differ from " + std::string(fromKey) + got(to));
+    if (!(height >= kMinRadius)) place.fail(toKey, "must differ from ", fromKey, got(to));
     if (!(height <= kMaxAspect * radius && radius <= kMaxAspect * height))
-        place.fail({}, "height and radius must not differ by more than a factor of " + describe(kMaxAspect) +
-                           " (got " + describe(height) + " and " + describe(radius) + ")");
+        place.fail({}, "height and radius must not differ by more than a factor of ", kMaxAspect, " (got ",
+                   height, " and ", radius, ")");
 }
 
 struct ShapeCheck {
@@ -233,9 +225,9 @@ struct ShapeCheck {
         checkPoint(place, "max", box.max);
         for (int axis = 0; axis < 3; axis++)
             if (!(box.max[axis] - box.min[axis] >= kMinRadius))
-                place.fail("max", std::string("must be greater than min along each axis, by ") +
-                                      describe(kMinRadius) + " at least, which " + "xyz"[axis] + " is not" +
-                                      got(text(box.min) + " and " + text(box.max)));
+                place.fail("max", "must be greater than min along each axis, by ", kMinRadius,
+                           " at least, which ", "xyz"[axis], " is not",
+                           got(text(box.min) + " and " + text(box.max)));
     }
     void operator()(const TriangleShape& triangle) const {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
@@ -246,18 +238,16 @@ struct ShapeCheck {
         checkPoint(place, "bounds/1", shape.hi);
         for (int axis = 0; axis < 3; axis++)
             if (!(shape.lo[axis] < shape.hi[axis]))
-                place.fail("bounds", "the first corner must be less than the second in x, y and z" +
-                                         got(text(shape.lo) + " and " + text(shape.hi)));
+                place.fail("bounds", "the first corner must be less than the second in x, y and z",
+                           got(text(shape.lo) + " and " + text(shape.hi)));
         if (greatestMagnitude(shape.hi - shape.lo) < kMinRadius)
-            place.fail("bounds",
-                       "must be " + describe(kMinRadius) + " wide or more" + got(shape.hi - shape.lo));
+            place.fail("bounds", "must be ", kMinRadius, " wide or more", got(shape.hi - shape.lo));
         bool any = false;
         for (int i = 0; i < 10; i++) {
             const double c = shape.coefficients[i];
             if (!(std::abs(c) <= kMaxCoefficient))
-                place.fail("coefficients/" + std::to_string(i), "must be from -" + describe(kMaxCoefficient) +
-                                                                    " to " + describe(kMaxCoefficient) +
-                                                                    got(c));
+                place.fail("coefficients/" + std::to_string(i), "must be from -", kMaxCoefficient, " to ",
+                           kMaxCoefficient, got(c));
             any = any || (i < 9 && c != 0);
         }
         if (!any)
@@ -276,15 +266,15 @@ struct ShapeCheck {
         if (shape.radius != 0 || !(shape.topRadius > 0)) checkLength(place, "radius", shape.radius);
         if (shape.topRadius != 0) checkLength(place, "topRadius", shape.topRadius);
         if (shape.radius == shape.topRadius)
-            place.fail("topRadius",
-                       "must not be the radius, or the cone is a cylinder" + got(shape.topRadius));
+            place.fail("topRadius", "must not be the radius, or the cone is a cylinder",
+                       got(shape.topRadius));
         checkAxis(place, "base", shape.base, "apex", shape.apex, std::max(shape.radius, shape.topRadius));
     }
     void operator()(const HyperboloidShape& shape) const {
         checkLength(place, "radius", shape.radius);
         checkLength(place, "waist", shape.waist);
         if (!(shape.waist < shape.radius))
-            place.fail("waist", "must be less than the radius, " + describe(shape.radius) + got(shape.waist));
+            place.fail("waist", "must be less than the radius, ", shape.radius, got(shape.waist));
         checkAxis(place, "base", shape.base, "top", shape.top, shape.radius);
     }
     void operator()(const ParaboloidShape& shape) const {
@@ -303,8 +293,8 @@ void checkTransform(const Object& object, const Place& place) {
     const double condition = conditionNumber(object.transform->linear);
     checkPoint(place, "transform", object.transform->offset);
     if (!(condition <= kMaxCondition))
-        place.fail("transform", "is nearly singular (condition number " + sixDigits(condition) +
-                                    ", the limit is " + describe(kMaxCondition) + ")");
+        place.fail("transform", "is nearly singular (condition number ", sixDigits(condition),
+                   ", the limit is ", kMaxCondition, ")");
     // Meshes are instances only where little is lost; the frames of quadrics are as round as they can be.
     const bool isBox = std::holds_alternative<BoxShape>(object.shape);
     if (std::holds_alternative<MeshShape>(object.shape) || (takesTransform(object.shape) && !isBox) ||
@@ -312,9 +302,9 @@ void checkTransform(const Object& object, const Place& place) {
         return;
     const double loss = transformLoss(object.transform->linear, halfSizeOf(object.shape));
     if (loss > kMaxTransformLoss)
-        place.fail("transform", "stretches too unevenly for single precision, which would be off by " +
-                                    sixDigits(loss) + " roundings (the limit is " +
-                                    describe(kMaxTransformLoss) + "); give the shape as a mesh");
+        place.fail("transform", "stretches too unevenly for single precision, which would be off by ",
+                   sixDigits(loss), " roundings (the limit is ", kMaxTransformLoss,
+                   "); give the shape as a mesh");
 }
 
 void checkImage(const ImageSettings& image, const Place& place) {
@@ -326,7 +316,7 @@ void checkImage(const ImageSettings& image, const Place& place) {
         const Place adaptive{place.file, place.pointer + "/adaptive"};
         checkInteger(adaptive, "maxSamples", image.adaptive->maxSamples, 1, kMaxSamplesPerPixel);
         if (!(image.adaptive->threshold > 0 && image.adaptive->threshold <= 1))
-            adaptive.fail("threshold", "must be > 0 and at most 1" + got(image.adaptive->threshold));
+            adaptive.fail("threshold", "must be > 0 and at most 1", got(image.adaptive->threshold));
     }
     if (const std::string wrong = samplingConflict(image); !wrong.empty()) place.fail({}, wrong);
 }
@@ -335,11 +325,11 @@ void checkImage(const ImageSettings& image, const Place& place) {
 void checkLens(const Camera& camera, const Place& place) {
     for (const auto& [key, value] :
          {std::pair("lensRadius", camera.lensRadius), std::pair("focusDistance", camera.focusDistance)}) {
-        if (!(value >= 0)) place.fail(key, "must be >= 0" + got(value));
+        if (!(value >= 0)) place.fail(key, "must be >= 0", got(value));
         if (value > 0) checkRange(place, key, value, kMinLength, kMaxCoordinate);
     }
     if (camera.lensRadius > 0 && camera.projection == Projection::Orthographic)
-        place.fail("lensRadius", "an orthographic camera has no lens" + got(camera.lensRadius));
+        place.fail("lensRadius", "an orthographic camera has no lens", got(camera.lensRadius));
 }
 
 void checkLight(const Light& light, const Place& place) {
@@ -358,9 +348,9 @@ void checkLight(const Light& light, const Place& place) {
 void checkTexture(const Texture& texture, const Place& place) {
     for (const double number : {texture.scale.x, texture.scale.y})
         if (!(std::abs(number) <= kMaxCoordinate) || number == 0)
-            place.fail("scale", "must be finite and not 0" + got(number));
+            place.fail("scale", "must be finite and not 0", got(number));
     for (const double number : {texture.offset.x, texture.offset.y})
-        if (!(std::abs(number) <= kMaxCoordinate)) place.fail("offset", "must be finite" + got(number));
+        if (!(std::abs(number) <= kMaxCoordinate)) place.fail("offset", "must be finite", got(number));
     if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {
         checkColor(place, "checker/0", checker->a);
         checkColor(place, "checker/1", checker->b);
@@ -375,7 +365,7 @@ void checkEnvironment(const Scene& scene, const Place& place) {
     if (!scene.environment) return;
     if (!scene.environment->image) place.fail("environment", "the image is missing");
     if (!std::isfinite(scene.environment->rotation))
-        place.fail("rotation", "must be finite" + got(scene.environment->rotation));
+        place.fail("rotation", "must be finite", got(scene.environment->rotation));
     checkColor(place, "intensity", scene.environment->intensity);
 }
 
@@ -413,7 +403,7 @@ std::string sixDigits(double number) {
     return rounded;
 }
 
-void Place::fail(std::string_view key, const std::string& what) const {
+void Place::failWith(std::string_view key, const std::string& what) const {
     std::string where = pointer;
     if (!key.empty()) where += "/" + std::string(key);
     throw Error(ErrorKind::Scene, printable(file + ": " + (where.empty() ? "" : where + ": ") + what));
@@ -427,9 +417,9 @@ void validateCamera(const Camera& camera, const Place& place) {
     checkWindowSize(camera, place);
     checkLens(camera, place);
     if (!(camera.nearT >= 0 && std::isfinite(camera.nearT)))
-        place.fail("near", "must be >= 0 and finite" + got(camera.nearT));
+        place.fail("near", "must be >= 0 and finite", got(camera.nearT));
     if (!(camera.farT > camera.nearT))
-        place.fail("far", "must be greater than near, " + describe(camera.nearT) + got(camera.farT));
+        place.fail("far", "must be greater than near, ", camera.nearT, got(camera.farT));
 }
 
 void validateCameras(const Scene& scene, const std::string& name) {
@@ -446,7 +436,7 @@ void validateMaterial(const Material& material, const Place& place) {
     for (const auto& [key, color] :
          {std::pair("mirror", material.mirror), std::pair("transmission", material.transmission)}) {
         checkColor(place, key, color);
-        if (greatestMagnitude(color) > 1) place.fail(key, "must be from 0 to 1" + gotColor(color));
+        if (greatestMagnitude(color) > 1) place.fail(key, "must be from 0 to 1", gotColor(color));
     }
     checkRange(place, "ior", material.ior, kMinIor, kMaxIor);
     checkColor(place, "attenuation", material.attenuation);
@@ -467,8 +457,8 @@ void validateFramedScene(const Scene& scene, const std::string& name) {
         checkObjects(scene, name);
         Place{name, ""}.fail({},
                              "the model is too large or too far away for a camera in front of it (whose "
-                             "coordinates must be below " +
-                                 describe(kMaxCoordinate) + ", too)");
+                             "coordinates must be below ",
+                             kMaxCoordinate, ", too)");
     }
     validateScene(scene, name);
 }

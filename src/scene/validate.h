@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/text_file.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -24,7 +25,11 @@ std::string sixDigits(double number);
 struct Place {
     std::string file;
     std::string pointer;
-    [[noreturn]] void fail(std::string_view key, const std::string& what) const;
+    [[noreturn]] void failWith(std::string_view key, const std::string& what) const;
+    template <typename... Parts>
+    [[noreturn]] void fail(std::string_view key, const Parts&... what) const {
+        failWith(key, concat(what...));
+    }
 };
 
 void validateCamera(const Camera& camera, const Place& place);
