@@ -4,7 +4,7 @@
 
 #include <glm/glm.hpp>
 
-#include "trace/packed_samples.h"
+#include "trace/request.h"
 
 namespace glint::bench::peer {
 

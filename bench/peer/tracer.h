@@ -8,7 +8,7 @@
 #include "core/image.h"
 #include "pack/packed_scene.h"
 #include "peer/geometry.h"
-#include "trace/packed_samples.h"
+#include "trace/request.h"
 
 namespace glint::bench::peer {
 

@@ -20,7 +20,6 @@
 #include "render/kernel_choice.h"
 #include "scene/frame_model.h"
 #include "scene/scene.h"
-#include "trace/backend.h"
 #include "trace/methods.h"
 #include "trace/picture.h"
 #include "trace/request.h"

@@ -12,7 +12,7 @@
 #include "pack/loaded_scene.h"
 #include "reference/tracer.h"
 #include "render/renderer.h"
-#include "trace/backend.h"
+#include "trace/methods.h"
 #include "trace/picture.h"
 #include "trace/request.h"
 

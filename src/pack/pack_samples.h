@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "scene/scene.h"
-#include "trace/packed_samples.h"
 #include "trace/request.h"
 
 namespace glint {

@@ -5,7 +5,7 @@
 
 #include "render/kernels.h"
 #include "render/path_state.h"
-#include "trace/trail.h"
+#include "trace/picture.h"
 
 namespace glint::render {
 

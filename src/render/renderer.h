@@ -14,7 +14,6 @@
 #include "render/kernels.h"
 #include "trace/picture.h"
 #include "trace/request.h"
-#include "trace/trail.h"
 
 namespace glint::render {
 

@@ -12,7 +12,7 @@
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "report/plan.h"
-#include "trace/backend.h"
+#include "trace/methods.h"
 
 namespace glint::report {
 

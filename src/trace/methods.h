@@ -1,5 +1,5 @@
-// How rays are tried against triangles and spheres: the textbooks' ways, and the ones that hold
-// (docs/reference/command-line.md).
+// The backends, and how rays are tried against triangles and spheres: the textbooks' ways, and the ones that
+// hold (docs/reference/command-line.md).
 #pragma once
 
 #include <compare>
@@ -8,6 +8,22 @@
 #include "core/enum_names.h"
 
 namespace glint {
+
+enum class Backend {
+    Gpu,  // the shaders, on a Vulkan device
+    Cpu   // the reference in double precision, on the host
+};
+constexpr auto entriesOf(Backend) {
+    return std::to_array<EnumEntry<Backend>>({{Backend::Gpu, "gpu"}, {Backend::Cpu, "cpu"}});
+}
+
+// Backend that continues after a device failure.
+enum class Fallback { None, Cpu };
+constexpr auto entriesOf(Fallback) {
+    return std::to_array<EnumEntry<Fallback>>(
+        {{Fallback::None, "none", "the device's failure is the command's"},
+         {Fallback::Cpu, "cpu", "the reference draws on, with a warning"}});
+}
 
 // The values are those of INTERSECTOR and SPHERE_FORM in shaders/shared/dispatch.h.
 enum class TriangleMethod : uint32_t { Watertight, Barycentric, Projection, Planar3d };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace glint {
@@ -18,63 +19,30 @@ void fillVector(const glm::vec3& v, float* out) {
     out[2] = v.z;
 }
 
-int channelsOf(Aov aov) {
-    switch (aov) {
-        case Aov::Radiance:
-        case Aov::Position:
-        case Aov::Normal:
-            return 3;
-        case Aov::Uv:
-            return 2;
-        case Aov::Alpha:
-        case Aov::Depth:
-        case Aov::ObjectId:
-        case Aov::PrimitiveId:
-        case Aov::MaterialId:
-        case Aov::Bounces:
-        case Aov::Cost:
-        case Aov::Error:
-        case Aov::Samples:
-            return 1;
-    }
-    return 0;
-}
-
-void fill(Aov aov, const PixelData& p, float* out) {
-    switch (aov) {
-        case Aov::Radiance:
-        case Aov::Alpha:
-        case Aov::Error:
-        case Aov::Samples:
-            return;  // not of the data
-        case Aov::Depth:
-            *out = static_cast<float>(p.depth);
-            return;
-        case Aov::Position:
-            return fillVector(glm::vec3(p.position), out);
-        case Aov::Normal:
-            return fillVector(p.normal, out);
-        case Aov::Uv:
-            out[0] = p.u;
-            out[1] = p.v;
-            return;
-        case Aov::ObjectId:
-            *out = index(p.object);
-            return;
-        case Aov::PrimitiveId:
-            *out = index(p.primitive);
-            return;
-        case Aov::MaterialId:
-            *out = index(p.material);
-            return;
-        case Aov::Bounces:
-            *out = static_cast<float>(p.bounces);
-            return;
-        case Aov::Cost:
-            *out = static_cast<float>(p.cost);
-            return;
-    }
-}
+// The channels of a layer, and how it is made of a pixel's data; null for layers that do not come from it.
+struct LayerSource {
+    int channels;
+    void (*fill)(const PixelData& p, float* out);
+};
+constexpr LayerSource kSources[] = {
+    {3, nullptr},  // Radiance, and so on in the order of Aov
+    {1, nullptr},
+    {1, [](const PixelData& p, float* out) { *out = static_cast<float>(p.depth); }},
+    {3, [](const PixelData& p, float* out) { fillVector(glm::vec3(p.position), out); }},
+    {3, [](const PixelData& p, float* out) { fillVector(p.normal, out); }},
+    {2,
+     [](const PixelData& p, float* out) {
+         out[0] = p.u;
+         out[1] = p.v;
+     }},
+    {1, [](const PixelData& p, float* out) { *out = index(p.object); }},
+    {1, [](const PixelData& p, float* out) { *out = index(p.primitive); }},
+    {1, [](const PixelData& p, float* out) { *out = index(p.material); }},
+    {1, [](const PixelData& p, float* out) { *out = static_cast<float>(p.bounces); }},
+    {1, [](const PixelData& p, float* out) { *out = static_cast<float>(p.cost); }},
+    {1, nullptr},
+    {1, nullptr}};
+static_assert(std::size(kSources) == kEnumEntries<Aov>.size());
 
 Image colorChannels(const Picture& picture, int first, int count) {
     Image image(picture.color.width, picture.color.height, count);
@@ -122,14 +90,14 @@ std::vector<Layer> makeLayers(const Picture& picture, std::span<const Aov> aovs)
     std::vector<Layer> layers;
     for (const Aov aov : aovs) {
         const std::string name(nameOf(aov));
-        const int channels = channelsOf(aov);
-        if (!needsData(aov)) {
+        const LayerSource& source = kSources[static_cast<size_t>(aov)];
+        if (!source.fill) {
             layers.push_back({name, ownLayer(picture, aov)});
             continue;
         }
-        Image image(picture.region.width(), picture.region.height(), channels);
+        Image image(picture.region.width(), picture.region.height(), source.channels);
         for (size_t i = 0; i < picture.data.size(); ++i)
-            fill(aov, picture.data[i], &image.pixels[i * static_cast<size_t>(channels)]);
+            source.fill(picture.data[i], &image.pixels[i * static_cast<size_t>(source.channels)]);
         layers.push_back({name, std::move(image)});
     }
     return layers;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/device_layout.h"
 #include "core/enum_names.h"
 #include "core/image.h"
 
@@ -146,5 +147,17 @@ constexpr bool needsData(Aov aov) {
 
 // Layers of a picture, under the names of the AOVs; black where it has no data for them.
 std::vector<Layer> makeLayers(const Picture& picture, std::span<const Aov> aovs);
+
+// ---- Paths
+
+// A ray of one path, in local coordinates.
+struct TrailRay {
+    glm::dvec3 origin{0}, direction{0};
+    double t = 0;                 // of the hit
+    uint32_t id = shared::kNone;  // of the primitive; kNone: a miss
+    glm::dvec3 throughput{1};     // before the ray, with the sample's weight
+    glm::dvec3 sum{0};            // radiance of all earlier rays, with the sample's weight
+};
+using Trail = std::vector<TrailRay>;  // in the order in which a tracer followed them
 
 }  // namespace glint

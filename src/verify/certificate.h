@@ -3,7 +3,7 @@
 #pragma once
 
 #include "reference/tracer.h"
-#include "trace/trail.h"
+#include "trace/picture.h"
 #include "verify/quantities.h"
 
 namespace glint::verify {

@@ -8,7 +8,7 @@
 
 #include "reference/rounding.h"
 #include "reference/tracer.h"
-#include "trace/packed_samples.h"
+#include "trace/request.h"
 
 namespace glint::verify {
 
