@@ -4,7 +4,6 @@
 #include <array>
 #include <set>
 
-#include "import/scene_keys.h"
 #include "scene/limits.h"
 
 namespace glint {
@@ -25,25 +24,23 @@ void checkTarget(const JsonCursor& root, const JsonCursor& target, const Animati
                                                                "ambient", "lights",  "materials"};
     const std::string& first = track.steps.front();
     if (first != "objects" && std::find(kParts.begin(), kParts.end(), first) == kParts.end())
-        target.fail("\"" + first +
+        target.fail("\"", first,
                     "\" cannot be animated (camera, cameras, background, ambient, lights, materials and "
                     "objects can)");
     const JsonValue* value = &root.value();
     for (size_t i = 0; i < track.steps.size(); ++i) {
         const JsonValue* next = value->child(track.steps[i]);
         if (!next && i + 1 == track.steps.size() && value->object()) return;
-        if (!next)
-            target.fail("the scene has nothing of that name (\"" + track.steps[i] + "\" is not there)");
+        if (!next) target.fail("the scene has nothing of that name (\"", track.steps[i], "\" is not there)");
         value = next;
     }
     if (!value->number() && !isNumbers(*value))
-        target.fail("is " + describe(*value) + "; numbers and lists of numbers can be animated");
+        target.fail("is ", describe(*value), "; numbers and lists of numbers can be animated");
     // A colour may be grey, one number, here or there.
     const size_t there = value->number() ? 1 : value->array()->size(), wanted = track.keyframes.components;
     const bool mayBeColors = (there == 1 || there == 3) && (wanted == 1 || wanted == 3);
     if (there != wanted && !mayBeColors)
-        target.fail("has " + std::to_string(there) + " numbers, and the track's values have " +
-                    std::to_string(wanted));
+        target.fail("has ", there, " numbers, and the track's values have ", wanted);
 }
 
 void readTimes(const JsonCursor& times, Keyframes& keyframes) {
@@ -62,8 +59,7 @@ void readValue(const JsonCursor& value, bool first, AnimationTrack& track) {
     const bool isList = value.value().number() == nullptr;
     const size_t count = isList && value.value().array() ? value.size() : 1;
     if (isList && (!value.value().array() || count == 0 || count > kMostComponents))
-        value.failWanted("must be a number or a list of up to " + std::to_string(kMostComponents) +
-                         " numbers");
+        value.failWanted("must be a number or a list of up to ", kMostComponents, " numbers");
     if (first) {
         track.isList = isList;
         track.keyframes.components = count;
@@ -100,8 +96,8 @@ AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
     const JsonCursor values = cursor.require("values");
     const size_t each = keyframes.interpolation == Interpolation::Cubic ? 3 : 1;
     if (!values.value().array() || values.size() != each * keyframes.times.size())
-        values.fail("must be " + std::to_string(each * keyframes.times.size()) + " values: " +
-                    (each == 3 ? "tangent, value, tangent for each time" : "one for each time"));
+        values.fail("must be ", each * keyframes.times.size(),
+                    " values: ", (each == 3 ? "tangent, value, tangent for each time" : "one for each time"));
     for (size_t i = 0; i < values.size(); ++i) readValue(values.item(i), i == 0, track);
     keyframes.rotation = track.steps.back() == "quaternion";
     if (keyframes.rotation) checkRotations(values, track);
@@ -113,7 +109,6 @@ AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
 
 Animation parseAnimation(const JsonCursor& root) {
     Animation animation;
-    root.expectObject();  // no other function has checked the file yet
     const auto cursor = root.find("animation");
     if (!cursor) return animation;
     cursor->expectKeys(keys::of("animation"));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/error.h"
 #include "import/json_document.h"
@@ -104,19 +105,14 @@ std::string withCameras(const std::string& text, const std::string& file,
                         const std::vector<NamedCamera>& cameras) {
     const JsonValue document = parseJson(text, file);
     const JsonCursor root(document, file);
-    root.expectObject();
-    std::vector<std::string> names;
+    std::set<std::string> names;
     const auto there = root.find("cameras");
-    if (there) {
-        there->expectObject();
-        for (size_t i = 0; i < there->memberCount(); ++i) names.emplace_back(there->memberName(i));
-    }
-    for (const NamedCamera& camera : cameras) {
-        if (std::find(names.begin(), names.end(), camera.name) != names.end())
+    if (there)
+        for (const auto& [name, camera] : there->members()) names.emplace(name);
+    for (const NamedCamera& camera : cameras)
+        if (!names.insert(camera.name).second)
             throw Error(ErrorKind::Argument,
                         file + ": there is a camera " + jsonString(camera.name) + " already");
-        names.push_back(camera.name);
-    }
     if (cameras.empty()) return text;
     const size_t mark = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
     std::vector<std::string> members;
@@ -128,14 +124,14 @@ std::string withCameras(const std::string& text, const std::string& file,
         const std::string outer = writer.indentation(brace), indent = Writer::deeper(outer);
         const std::string list =
             "\"cameras\": {" + writer.lines(members, Writer::deeper(indent)) + writer.lines({"}"}, indent);
-        writer.addFirst(brace, writer.lines({list}, indent), outer, root.memberCount() == 0);
-    } else if (there->memberCount() == 0) {
+        writer.addFirst(brace, writer.lines({list}, indent), outer, root.object().keys.empty());
+    } else if (there->object().keys.empty()) {
         const size_t brace = mark + there->value().begin;
         const std::string indent = writer.indentation(brace);
         writer.addFirst(brace, writer.lines(members, Writer::deeper(indent)), indent, true);
     } else {
-        const JsonCursor last = there->member(there->memberCount() - 1);
-        last.expectObject();
+        const JsonCursor last = there->members().back().second;
+        last.object();
         const std::string indent = Writer::deeper(writer.indentation(mark + there->value().begin));
         writer.addLast(mark + last.value().end, writer.lines(members, indent));
     }

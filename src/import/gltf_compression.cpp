@@ -42,12 +42,11 @@ std::string decodeMeshopt(GltfFile& file, const JsonCursor& extension, std::stri
     const bool attributes = mode == "ATTRIBUTES";
     const bool strideFits =
         attributes ? stride >= 4 && stride <= 256 && stride % 4 == 0 : stride == 2 || stride == 4;
-    if (!strideFits) extension.fail("byteStride " + std::to_string(stride) + " does not fit its mode");
+    if (!strideFits) extension.fail("byteStride ", stride, " does not fit its mode");
     if (mode == "TRIANGLES" && count % 3 != 0) extension.fail("count must be a multiple of 3");
     // At its best 16 attributes take a bit each, and an index two bytes of a triangle.
     if (count / 64 > compressed.size())
-        extension.fail(std::to_string(count) + " elements cannot be in " + std::to_string(compressed.size()) +
-                       " bytes");
+        extension.fail(count, " elements cannot be in ", compressed.size(), " bytes");
     file.files().take(count * stride, file.name() + ": " + extension.pointer());
     std::string decoded(count * stride, '\0');
     const auto* bytes = reinterpret_cast<const unsigned char*>(compressed.data());
@@ -134,13 +133,11 @@ void decodeDraco(GltfFile& file, const JsonCursor& primitive, const JsonCursor& 
     buffer.Init(bytes.data(), bytes.size());
     auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
     if (!decoded.ok())
-        extension.fail("the compressed data are damaged: " + decoded.status().error_msg_string());
+        extension.fail("the compressed data are damaged: ", decoded.status().error_msg_string());
     const draco::Mesh& mesh = *decoded.value();
     const JsonCursor attributes = primitive.require("attributes"), ids = extension.require("attributes");
-    ids.expectObject();
-    for (size_t i = 0; i < ids.memberCount(); i++) {
-        const auto accessor = attributes.find(ids.memberName(i));
-        const JsonCursor id = ids.member(i);
+    for (const auto& [name, id] : ids.members()) {
+        const auto accessor = attributes.find(name);
         const draco::PointAttribute* attribute =
             mesh.GetAttributeByUniqueId(static_cast<uint32_t>(id.integer(0, 1 << 30)));
         if (!attribute) id.fail("there is no such attribute in the compressed data");

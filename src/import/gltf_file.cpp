@@ -7,7 +7,6 @@
 #include "core/binary_numbers.h"
 #include "core/error.h"
 #include "core/text_file.h"
-#include "import/text_scanner.h"
 
 namespace glint {
 
@@ -81,7 +80,8 @@ GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
       folder_(path.parent_path()),
       name_(path.string()),
       bytes_(files.read(path)),
-      text_(bytes_) {
+      text_(bytes_),
+      warnings_(name_, lines_) {
     const bool binary = bytes_.starts_with("glTF");
     if (binary) openBinary();
     if (!binary && lowerExtension(path) == ".glb" && !std::string_view(text_).starts_with('{'))
@@ -90,7 +90,6 @@ GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
         const ProgressPart part(files_, 0, 0.2);
         document_ = parseJson(text_, name_, files_.context());
     }
-    root().expectObject();
     checkHeader();
     buffers_.resize(count("buffers"));
 }
@@ -98,7 +97,7 @@ GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
 // Header and chunks of a .glb: the specification, section 4.4.
 void GltfFile::openBinary() {
     const auto fail = [this](size_t at, const std::string& what) {
-        failFile(name_, "byte " + std::to_string(at) + ": " + what);
+        failFile(name_, "byte ", at, ": ", what);
     };
     if (bytes_.size() < 20) fail(bytes_.size(), "the file ends within its header");
     if (word(bytes_, 4) != 2)
@@ -124,18 +123,16 @@ void GltfFile::openBinary() {
 
 void GltfFile::checkHeader() {
     const JsonCursor asset = root().require("asset");
-    asset.expectObject();
     const JsonCursor version = asset.require("version");
     if (!version.string().starts_with("2."))
-        version.fail("glTF of version " + version.string().substr(0, 20) +
-                     " is not supported, only version 2");
+        version.fail("glTF of version ", version.string().substr(0, 20), " is not supported, only version 2");
     for (const char* list : {"extensionsRequired", "extensionsUsed"})
         for (size_t i = 0; i < count(list); i++) {
             const JsonCursor extension = find(list)->item(i);
             const std::string text = "the extension " + extension.string().substr(0, 60);
             if (supported(extension.string())) continue;
-            if (list == std::string_view("extensionsRequired")) extension.fail(text + " is not supported");
-            warn(text + " is ignored");
+            if (list == std::string_view("extensionsRequired")) extension.fail(text, " is not supported");
+            warn(text, " is ignored");
         }
 }
 
@@ -154,9 +151,7 @@ size_t GltfFile::count(std::string_view list) const {
 }
 
 JsonCursor GltfFile::item(std::string_view list, size_t index) const {
-    const JsonCursor found = find(list)->item(index);
-    found.expectObject();
-    return found;
+    return find(list)->item(index);
 }
 
 size_t GltfFile::index(std::string_view list, const JsonCursor& reference) const {
@@ -165,8 +160,7 @@ size_t GltfFile::index(std::string_view list, const JsonCursor& reference) const
         reference.failWanted("must be an index, a whole number from 0");
     const size_t there = count(list);
     if (!(*value < static_cast<double>(there)))
-        reference.fail("there is no item " + describe(*value) + " in \"" + std::string(list) + "\" (it has " +
-                       std::to_string(there) + ")");
+        reference.fail("there is no item ", describe(*value), " in \"", list, "\" (it has ", there, ")");
     return static_cast<size_t>(*value);
 }
 
@@ -181,7 +175,7 @@ std::string GltfFile::readUri(const JsonCursor& uri, bool picture) {
         return std::move(*bytes);
     }
     if (text.find("://") != std::string::npos)
-        uri.fail("only files beside the model and data: URIs are read (got " + text.substr(0, 60) + ")");
+        uri.fail("only files beside the model and data: URIs are read (got ", text.substr(0, 60), ")");
     std::filesystem::path path;
     try {
         const std::string name = percentDecoded(text);
@@ -189,7 +183,7 @@ std::string GltfFile::readUri(const JsonCursor& uri, bool picture) {
     } catch (const Error& error) {
         uri.fail(error.what());
     }
-    if (!files_.exists(path)) uri.fail("no such file: " + path.string());
+    if (!files_.exists(path)) uri.fail("no such file: ", path.string());
     return files_.read(path);
 }
 
@@ -209,8 +203,7 @@ std::string_view GltfFile::buffer(size_t index) {
         bytes = *binary_;
     }
     if (bytes.size() < length)
-        buffer.fail("byteLength is " + std::to_string(length) + ", but there are only " +
-                    std::to_string(bytes.size()) + " bytes");
+        buffer.fail("byteLength is ", length, ", but there are only ", bytes.size(), " bytes");
     return bytes.substr(0, length);
 }
 
@@ -232,14 +225,9 @@ std::string_view GltfFile::range(const JsonCursor& view) {
     const std::string_view bytes = buffer(this->index("buffers", view.require("buffer")));
     const uint64_t offset = gltfSize(view, "byteOffset", 0), length = gltfSize(view, "byteLength", 0);
     if (offset > bytes.size() || length > bytes.size() - offset)
-        view.fail("bytes " + std::to_string(offset) + " to " + std::to_string(offset + length) +
-                  " lie outside the buffer, which has " + std::to_string(bytes.size()));
+        view.fail("bytes ", offset, " to ", offset + length, " lie outside the buffer, which has ",
+                  bytes.size());
     return bytes.substr(offset, length);
-}
-
-void GltfFile::warn(const std::string& what) {
-    const std::string line = printable(name_ + ": " + what);
-    if (said_.insert(line).second) warnings_.push_back(line);
 }
 
 void GltfFile::warnOf(const std::exception& error, const std::string& consequence) {
@@ -250,9 +238,8 @@ void GltfFile::warnOf(const std::exception& error, const std::string& consequenc
 std::optional<JsonCursor> extensionOf(const JsonCursor& object, std::string_view name) {
     const auto extensions = object.find("extensions");
     if (!extensions) return std::nullopt;
-    extensions->expectObject();
     const auto extension = extensions->find(name);
-    if (extension) extension->expectObject();
+    if (extension) extension->object();
     return extension;
 }
 
@@ -324,15 +311,14 @@ Source opened(Source source, GltfFile& file, const JsonCursor& object, size_t co
         const JsonCursor view = file.item("bufferViews", viewIndex);
         stride = gltfSize(view, "byteStride", size);
         if (stride < size || stride > 252)
-            view.fail("byteStride must be from the size of an element, " + std::to_string(size) +
-                      ", to 252 (got " + std::to_string(stride) + ")");
+            view.fail("byteStride must be from the size of an element, ", size, ", to 252 (got ", stride,
+                      ")");
     }
     const bool fits = count == 0 || (offset <= bytes.size() && size <= bytes.size() - offset &&
                                      count - 1 <= (bytes.size() - offset - size) / stride);
     if (!fits)
-        object.fail(std::to_string(count) + " elements of " + std::to_string(size) + " bytes from byte " +
-                    std::to_string(offset) + " do not fit buffer view " + std::to_string(viewIndex) +
-                    ", which has " + std::to_string(bytes.size()) + " bytes");
+        object.fail(count, " elements of ", size, " bytes from byte ", offset, " do not fit buffer view ",
+                    viewIndex, ", which has ", bytes.size(), " bytes");
     source.bytes = bytes.substr(std::min<uint64_t>(offset, bytes.size()));
     source.stride = static_cast<size_t>(stride);
     return source;
@@ -341,18 +327,14 @@ Source opened(Source source, GltfFile& file, const JsonCursor& object, size_t co
 void substitute(GltfFile& file, const JsonCursor& accessor, const Source& kind, GltfNumbers& numbers) {
     const auto sparse = accessor.find("sparse");
     if (!sparse) return;
-    sparse->expectObject();
     const JsonCursor indices = sparse->require("indices"), values = sparse->require("values");
-    indices.expectObject();
-    values.expectObject();
     const uint64_t count = gltfSize(*sparse, "count", 0);
     const Source from = opened(kind, file, values, numbers.components, count, false);
     const Source to = opened({numberTypeOf(indices), false, {}}, file, indices, 1, count, false);
     for (size_t i = 0; i < count; i++) {
         const double element = to.at(i, 0);
         if (!(element >= 0 && element < static_cast<double>(numbers.count)) || std::floor(element) != element)
-            indices.fail("element " + describe(element) + " is out of range, the accessor has " +
-                         std::to_string(numbers.count));
+            indices.fail("element ", describe(element), " is out of range, the accessor has ", numbers.count);
         for (size_t k = 0; k < numbers.components; k++)
             numbers.values[static_cast<size_t>(element) * numbers.components + k] = from.at(i, k);
     }
@@ -366,12 +348,11 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
     if (std::find(types.begin(), types.end(), type.string()) == types.end()) {
         std::string wanted;
         for (const std::string_view t : types) wanted += (wanted.empty() ? "" : " or ") + std::string(t);
-        type.failWanted("must be " + wanted + " for what it is used for");
+        type.failWanted("must be ", wanted, " for what it is used for");
     }
     if (const GltfNumbers* decoded = file.decoded(index)) {
         if (decoded->components != componentsOf(type))
-            type.failWanted("must have " + std::to_string(decoded->components) +
-                            " components, as the compressed data");
+            type.failWanted("must have ", decoded->components, " components, as the compressed data");
         takeMemory(file, accessor, decoded->count, decoded->components);
         return *decoded;
     }
@@ -383,8 +364,7 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
     const bool hasData = accessor.find("bufferView").has_value();
     if (hasData) source = opened(source, file, accessor, numbers.components, count, true);
     if (!hasData && count > kMostZeros)
-        accessor.fail(std::to_string(count) + " elements without a buffer view, the limit is " +
-                      std::to_string(kMostZeros));
+        accessor.fail(count, " elements without a buffer view, the limit is ", kMostZeros);
     takeMemory(file, accessor, count, numbers.components);
     numbers.count = count;
     numbers.values.resize(count * numbers.components);

@@ -5,13 +5,13 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "import/json_document.h"
 #include "import/scene_files.h"
+#include "import/text_scanner.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -34,7 +34,7 @@ class GltfFile {
     const std::string& name() const { return name_; }
     JsonCursor root() const { return {document_, name_}; }
     // The lists of the document ("nodes"), and "lights" of KHR_lights_punctual, whose items others refer to
-    // by index. `index` must be below count; items are objects.
+    // by index. `index` must be below count.
     size_t count(std::string_view list) const;
     JsonCursor item(std::string_view list, size_t index) const;
     // The index at `reference`, or its item; both fail if the list has no such item.
@@ -56,11 +56,13 @@ class GltfFile {
     // For SceneFiles::take.
     SceneFiles& files() { return files_; }
 
-    // Each line once, however often it is given.
-    void warn(const std::string& what);
+    template <typename... Parts>
+    void warn(const Parts&... what) {
+        warnings_.add(what...);
+    }
     // The same for an error that only needs a warning: "what; `consequence`".
     void warnOf(const std::exception& error, const std::string& consequence);
-    std::vector<std::string> takeWarnings() { return std::move(warnings_); }
+    std::vector<std::string> takeWarnings() { return std::move(lines_); }
 
   private:
     void openBinary();
@@ -82,8 +84,8 @@ class GltfFile {
     // Lists by name: a file may have many keys that glint does not know.
     mutable std::map<std::string, std::optional<JsonCursor>> lists_;
     std::map<size_t, GltfNumbers> decoded_;
-    std::set<std::string> said_;
-    std::vector<std::string> warnings_;
+    std::vector<std::string> lines_;  // of warnings_
+    FileWarnings warnings_;
 };
 
 // A byte count or offset: a whole number from 0 to 2^53.

@@ -125,23 +125,24 @@ class Materials final : public GltfMaterials {
         if (!surface.texCoord) surface.texCoord = reference.texCoord;
     }
 
-    void readBaseTexture(const JsonCursor& pbr, std::string_view key, Surface& surface) {
-        const auto info = pbr.find(key);
-        if (!info) return;
-        const Reference reference = texture(*info);
-        surface.baseTexture = reference.texture;
-        noteTexCoord(reference, surface);
-    }
-
-    void readMetallicRoughness(const JsonCursor& pbr, Surface& surface) {
-        const std::vector<double> factor = pbr.numbers("baseColorFactor", 4);
+    void readBaseColor(const JsonCursor& pbr, std::string_view factorKey, std::string_view textureKey,
+                       Surface& surface) {
+        const std::vector<double> factor = pbr.numbers(factorKey, 4);
         if (!factor.empty()) {
             surface.base = {factor[0], factor[1], factor[2]};
             surface.alpha = std::clamp(factor[3], 0.0, 1.0);
         }
+        if (const auto info = pbr.find(textureKey)) {
+            const Reference reference = texture(*info);
+            surface.baseTexture = reference.texture;
+            noteTexCoord(reference, surface);
+        }
+    }
+
+    void readMetallicRoughness(const JsonCursor& pbr, Surface& surface) {
+        readBaseColor(pbr, "baseColorFactor", "baseColorTexture", surface);
         surface.metallic = pbr.number("metallicFactor", 1);
         surface.roughness = pbr.number("roughnessFactor", 1);
-        readBaseTexture(pbr, "baseColorTexture", surface);
         if (const auto info = pbr.find("metallicRoughnessTexture")) {
             file_.warn("metallicRoughnessTexture is replaced by its mean values");
             surface.roughness *= mean(*info, 1);
@@ -154,14 +155,7 @@ class Materials final : public GltfMaterials {
         file_.warn(
             "KHR_materials_pbrSpecularGlossiness is drawn as metallic-roughness is, which took its place");
         surface.metallic = 0;
-        surface.base = Color(1);
-        surface.baseTexture = Material::kNoTexture;
-        const std::vector<double> factor = pbr.numbers("diffuseFactor", 4);
-        if (!factor.empty()) {
-            surface.base = {factor[0], factor[1], factor[2]};
-            surface.alpha = std::clamp(factor[3], 0.0, 1.0);
-        }
-        readBaseTexture(pbr, "diffuseTexture", surface);
+        readBaseColor(pbr, "diffuseFactor", "diffuseTexture", surface);
         Color specular = pbr.vector3("specularFactor", Color(1));
         double glossiness = pbr.number("glossinessFactor", 1);
         if (const auto info = pbr.find("specularGlossinessTexture")) {
@@ -180,7 +174,6 @@ class Materials final : public GltfMaterials {
         if (const auto old = extensionOf(material, "KHR_materials_pbrSpecularGlossiness")) {
             readSpecularGlossiness(*old, surface);
         } else if (const auto pbr = material.find("pbrMetallicRoughness")) {
-            pbr->expectObject();
             readMetallicRoughness(*pbr, surface);
         }
         surface.metallic = std::clamp(surface.metallic, 0.0, 1.0);
@@ -319,13 +312,12 @@ class Materials final : public GltfMaterials {
 
     // Null, with a warning, for an image that is missing or cannot be read.
     std::shared_ptr<const Image> image(size_t index) {
-        if (const auto known = images_.find(index); known != images_.end()) return known->second;
         const JsonCursor image = file_.item("images", index);
         const auto uri = image.find("uri");
-        const std::string source = uri ? uri->string() : "";
-        if (const auto known = byUri_.find(source); uri && known != byUri_.end())
-            return images_[index] = known->second;
-        std::shared_ptr<const Image> decoded;
+        const auto key = uri ? std::pair(uri->string(), size_t{0}) : std::pair(std::string(), index + 1);
+        const auto [known, isNew] = images_.try_emplace(key);
+        std::shared_ptr<const Image>& decoded = known->second;
+        if (!isNew) return decoded;
         try {
             const std::string owned = uri ? file_.readUri(*uri, true) : "";
             const std::string_view bytes =
@@ -339,17 +331,15 @@ class Materials final : public GltfMaterials {
         } catch (const Error& error) {
             file_.warnOf(error, "drawn without this picture");
         }
-        if (uri) byUri_[source] = decoded;
-        return images_[index] = decoded;
+        return decoded;
     }
 
     std::optional<size_t> imageOf(const JsonCursor& info) {
-        info.expectObject();
         const JsonCursor texture = file_.at("textures", info.require("index"));
         if (const auto source = texture.find("source")) return file_.index("images", *source);
         if (const auto webp = extensionOf(texture, "EXT_texture_webp"))
             return file_.index("images", webp->require("source"));
-        file_.warn(texture.pointer() + ": no \"source\"; drawn without this texture");
+        file_.warn(texture.pointer(), ": no \"source\"; drawn without this texture");
         return std::nullopt;
     }
 
@@ -424,8 +414,7 @@ class Materials final : public GltfMaterials {
     bool anyEmission_ = false;
     std::optional<uint32_t> default_;
     std::map<size_t, Use> uses_;
-    std::map<size_t, std::shared_ptr<const Image>> images_;
-    std::map<std::string, std::shared_ptr<const Image>> byUri_;
+    std::map<std::pair<std::string, size_t>, std::shared_ptr<const Image>> images_;  // by uri, or index + 1
     std::map<size_t, Means> means_;
 };
 

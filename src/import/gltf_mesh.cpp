@@ -4,6 +4,7 @@
 
 #include "core/room.h"
 #include "import/gltf_file.h"
+#include "import/mesh_builder.h"
 
 namespace glint {
 
@@ -28,14 +29,11 @@ class MeshReader {
         const JsonCursor primitives = mesh.require("primitives");
         for (size_t i = 0; i < primitives.size(); i++) {
             const JsonCursor primitive = primitives.item(i);
-            primitive.expectObject();
             const ProgressPart part(file_.files(), i, primitives.size());
             readPrimitive(primitive);
         }
         if (mesh_.corners.empty()) return nullptr;
-        dropUnused(mesh_.normals, mesh_.normalCorners);
-        dropUnused(mesh_.uvs, mesh_.uvCorners);
-        dropUnused(mesh_.colors, mesh_.colorCorners);
+        dropUnusedAttributes(mesh_);
         return std::make_shared<const Mesh>(std::move(mesh_));
     }
 
@@ -51,10 +49,9 @@ class MeshReader {
         }
         if (primitive.find("targets")) file_.warn("morph targets are ignored");
         const JsonCursor attributes = primitive.require("attributes");
-        attributes.expectObject();
         const auto position = attributes.find("POSITION");
         if (!position) {
-            file_.warn(attributes.pointer() + ": no POSITION; not drawn");
+            file_.warn(attributes.pointer(), ": no POSITION; not drawn");
             return;
         }
         const auto draco = extensionOf(primitive, "KHR_draco_mesh_compression");
@@ -69,15 +66,15 @@ class MeshReader {
         const std::string uvName = "TEXCOORD_" + std::to_string(use.texCoord);
         const auto uv = use.needsTexCoord ? attributes.find(uvName) : std::nullopt;
         if (use.needsTexCoord && !uv)
-            file_.warn(attributes.pointer() + ": no " + uvName + ", which its material's texture goes by");
+            file_.warn(attributes.pointer(), ": no ", uvName, ", which its material's texture goes by");
         context().report(0.5);
         const Range uvs = uv ? readUvs(*uv, use) : Range{};
         const auto color = attributes.find("COLOR_0");
         const Range colors = color ? readColors(*color) : Range{};
         for (const Range& range : {normals, uvs, colors})
             if (range.count != 0 && range.count != positions.count)
-                attributes.fail("the attributes have " + std::to_string(positions.count) + " and " +
-                                std::to_string(range.count) + " elements; they must have the same number");
+                attributes.fail("the attributes have ", positions.count, " and ", range.count,
+                                " elements; they must have the same number");
 
         const auto add = [&](const glm::uvec3& v) {
             const auto cornersOf = [&v](const Range& range) {
@@ -101,8 +98,7 @@ class MeshReader {
             order = readIndexAccessor(file_, file_.index("accessors", *reference));
             for (size_t i = 0; i < order.size(); i++)
                 if (order[i] >= count)
-                    reference->fail("element " + std::to_string(i) + " is vertex " +
-                                    std::to_string(order[i]) + ", there are " + std::to_string(count) +
+                    reference->fail("element ", i, " is vertex ", order[i], ", there are ", count,
                                     " (numbered from 0)");
         } else {
             order.resize(count);
@@ -164,14 +160,6 @@ class MeshReader {
                               file_.warn("the alpha of vertex colours (COLOR_0) is ignored");
                           return Color(v[0], v[1], v[2]);
                       });
-    }
-
-    template <typename Element>
-    static void dropUnused(std::vector<Element>& array, std::vector<glm::uvec3>& corners) {
-        if (!std::all_of(corners.begin(), corners.end(), [](const glm::uvec3& c) { return c == kNone; }))
-            return;
-        array.clear();
-        corners.clear();
     }
 
     GltfFile& file_;

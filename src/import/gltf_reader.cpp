@@ -76,8 +76,8 @@ void checkKeyframes(const JsonCursor& sampler, const Keyframes& keyframes) {
     for (size_t i = 1; i < times.size(); ++i)
         if (!(times[i] > times[i - 1])) sampler.fail("its times must ascend");
     if (keyframes.values.size() != times.size() * keyframes.stride())
-        sampler.fail("has " + std::to_string(times.size()) + " times, and values for " +
-                     std::to_string(keyframes.values.size() / keyframes.stride()));
+        sampler.fail("has ", times.size(), " times, and values for ",
+                     keyframes.values.size() / keyframes.stride());
     if (!keyframes.rotation) return;
     const size_t stride = keyframes.stride(), first = stride == 12 ? 4 : 0;
     for (size_t at = first; at < keyframes.values.size(); at += stride) {
@@ -136,8 +136,7 @@ std::vector<Channel> readChannels(GltfFile& file) {
     const auto animations = file.root().find("animations");
     if (!animations || animations->size() == 0) return result;
     const JsonCursor first = animations->item(0);
-    if (animations->size() > 1)
-        file.warn("of " + std::to_string(animations->size()) + " animations only the first is shown");
+    if (animations->size() > 1) file.warn("of ", animations->size(), " animations only the first is shown");
     try {
         const JsonCursor samplers = first.require("samplers"), channels = first.require("channels");
         for (size_t i = 0; i < channels.size(); ++i)
@@ -225,8 +224,7 @@ class Reader final : public GltfScene {
         if (file_.count("scenes") > 0) {
             const size_t index = chosen ? file_.index("scenes", *chosen) : 0;
             if (file_.count("scenes") > 1)
-                file_.warn("of " + std::to_string(file_.count("scenes")) + " scenes only number " +
-                           std::to_string(index) + " is shown");
+                file_.warn("of ", file_.count("scenes"), " scenes only number ", index, " is shown");
             const JsonCursor scene = file_.item("scenes", index);
             if (const auto nodes = scene.find("nodes")) push(*nodes, {}, false, stack);
         } else {
@@ -282,7 +280,6 @@ class Reader final : public GltfScene {
             return;
         }
         const JsonCursor attributes = extension->require("attributes");
-        attributes.expectObject();
         const auto read = [&](std::string_view key, std::string_view type) {
             const auto accessor = attributes.find(key);
             return accessor ? readAccessor(file_, file_.index("accessors", *accessor), {type})
@@ -350,12 +347,11 @@ class Reader final : public GltfScene {
     }
 
     void readPerspective(const JsonCursor& lens, NamedCamera& named) const {
-        lens.expectObject();
         Camera& camera = named.camera;
         const double yfov = lens.require("yfov").number();
         camera.fovY = yfov * kDegrees;
         if (!(camera.fovY > 0 && camera.fovY < 180))
-            lens.require("yfov").fail("must be between 0 and pi (got " + describe(yfov) + ")");
+            lens.require("yfov").fail("must be between 0 and pi (got ", describe(yfov), ")");
         named.aspect = lens.number("aspectRatio", 0);
         if (!(named.aspect > 0)) named.aspect = 1.0 * scene_.image.width / scene_.image.height;
         camera.nearT = std::max(lens.number("znear", 0), 0.0);
@@ -367,7 +363,6 @@ class Reader final : public GltfScene {
     }
 
     static void readOrthographic(const JsonCursor& lens, NamedCamera& named) {
-        lens.expectObject();
         Camera& camera = named.camera;
         camera.projection = Projection::Orthographic;
         const double xmag = lens.require("xmag").number(), ymag = lens.require("ymag").number();
@@ -401,12 +396,11 @@ class Reader final : public GltfScene {
     }
 
     static void readCone(const JsonCursor& cone, SpotLight& spot) {
-        cone.expectObject();
         const double inner = cone.number("innerConeAngle", 0);
         const double outer = cone.number("outerConeAngle", std::numbers::pi / 4);
         if (!(inner >= 0 && inner <= outer && outer <= std::numbers::pi / 2))
-            cone.fail("must have 0 <= innerConeAngle <= outerConeAngle <= pi/2 (got " + describe(inner) +
-                      " and " + describe(outer) + ")");
+            cone.fail("must have 0 <= innerConeAngle <= outerConeAngle <= pi/2 (got ", describe(inner),
+                      " and ", describe(outer), ")");
         spot.angle = inner * kDegrees;
         spot.penumbra = (outer - inner) * kDegrees;
     }
@@ -456,7 +450,7 @@ class Reader final : public GltfScene {
             const JsonCursor node = file_.item("nodes", instance.node);
             const bool flat = flattened(instance);
             if (flat && vanishes(instance.place.linear)) {
-                file_.warn(node.pointer() + ": flattened by its transform; not drawn");
+                file_.warn(node.pointer(), ": flattened by its transform; not drawn");
                 continue;
             }
             const std::shared_ptr<const Mesh>& mesh = meshes_.at(instance.mesh);

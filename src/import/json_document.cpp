@@ -4,11 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <istream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <streambuf>
 
 #include "core/enum_names.h"
-#include "core/error.h"
 #include "core/text_file.h"
 #include "import/text_scanner.h"
 #include "scene/limits.h"
@@ -17,39 +18,26 @@ namespace glint {
 
 namespace {
 
-// Records how far the parser has read: nlohmann gives positions of syntax errors, but not of keys.
-struct TrackedChar {
-    using iterator_category = std::input_iterator_tag;
-    using value_type = char;
-    using difference_type = std::ptrdiff_t;
-    using pointer = const char*;
-    using reference = const char&;
-
-    const char* at = nullptr;
-    const char** furthest = nullptr;
-    ReadingPace* pace = nullptr;
-
-    reference operator*() const { return *at; }
-    TrackedChar& operator++() {
-        *furthest = ++at;
-        pace->reached(at);
-        return *this;
+// Shows how far the parser has read: nlohmann gives positions of syntax errors, but not of keys.
+class Tape : public std::streambuf {
+  public:
+    explicit Tape(std::string_view text) {
+        char* const start = const_cast<char*>(text.data());  // only read
+        setg(start, start, start + text.size());
     }
-    TrackedChar operator++(int) {
-        const TrackedChar before = *this;
-        ++*this;
-        return before;
-    }
-    bool operator==(const TrackedChar& other) const { return at == other.at; }
-    bool operator!=(const TrackedChar& other) const { return at != other.at; }
+    size_t taken() const { return static_cast<size_t>(gptr() - eback()); }
 };
 
 class TreeBuilder {
   public:
-    TreeBuilder(std::string_view text, const std::string& file, const char* const& furthest)
-        : text_(text), file_(file), furthest_(furthest) {}
+    TreeBuilder(std::string_view text, const std::string& file, const Context& context)
+        : text_(text), file_(file), tape_(text), pace_(context, text.data(), text.data() + text.size()) {}
 
-    JsonValue takeRoot() { return std::move(root_); }
+    JsonValue parse() {
+        std::istream stream(&tape_);
+        nlohmann::json::sax_parse(stream, this, nlohmann::json::input_format_t::json, true, true);
+        return std::move(root_);
+    }
 
     // The interface that nlohmann::json::sax_parse calls.
     bool null() { return add({}); }
@@ -66,9 +54,9 @@ class TreeBuilder {
 
     bool key(std::string& name) {
         if (!open_.back().seen.insert(name).second)
-            failAt(readSoFar(), "the key \"" + name + "\" stands here twice");
+            failAt(tape_.taken(), "the key \"", name, "\" stands here twice");
         std::get<JsonObject>(open_.back().value->data).keys.push_back(std::move(name));
-        token_ = readSoFar();
+        token_ = tape_.taken();
         return true;
     }
 
@@ -79,7 +67,7 @@ class TreeBuilder {
         const size_t last = before.find_last_not_of(" \t\r\n");
         if (at < text_.size() && (text_[at] == '}' || text_[at] == ']') && last != before.npos &&
             text_[last] == ',')
-            failAt(last, "a comma must not stand before '" + std::string(1, text_[at]) + "'");
+            failAt(last, "a comma must not stand before '", text_[at], "'");
         const std::string_view what = error.what();
         const size_t place = what.find(": "), kind = what.find("] ");
         std::string text(what.substr((place != what.npos ? place : kind) + 2));
@@ -95,16 +83,17 @@ class TreeBuilder {
         std::set<std::string> seen;  // no hashes: whoever writes the file may make all of them equal
     };
 
-    size_t readSoFar() const { return static_cast<size_t>(furthest_ - text_.data()); }
+    template <typename... Parts>
+    [[noreturn]] void failAt(size_t offset, const Parts&... what) {
+        countTo(offset);
+        failFile(concat(file_, ':', line_, ':', column_), what...);
+    }
 
-    [[noreturn]] void failAt(size_t offset, const std::string& what) const {
-        const std::string_view before = text_.substr(0, offset);
-        const auto line = 1 + std::count(before.begin(), before.end(), '\n');
-        const std::string_view start = before.substr(before.rfind('\n') + 1);
-        const auto column =
-            1 + std::count_if(start.begin(), start.end(), [](char c) { return (c & 0xc0) != 0x80; });
-        throw Error(ErrorKind::Scene, printable(file_ + ":" + std::to_string(line) + ":" +
-                                                std::to_string(column) + ": " + what));
+    void countTo(size_t offset) {
+        for (; counted_ < offset; counted_++) {
+            if (text_[counted_] == '\n') line_++;
+            column_ = text_[counted_] == '\n' ? 1 : column_ + ((text_[counted_] & 0xc0) != 0x80);
+        }
     }
 
     // Marks the start of the value that was just read, after the preceding blanks, commas and comments.
@@ -119,21 +108,19 @@ class TreeBuilder {
             else
                 break;
         }
-        for (; counted_ < token_; counted_++) {
-            if (text_[counted_] == '\n') line_++;
-            column_ = text_[counted_] == '\n' ? 1 : column_ + ((text_[counted_] & 0xc0) != 0x80);
-        }
+        countTo(token_);
         value.line = line_;
         value.column = column_;
         value.begin = static_cast<uint32_t>(token_);
-        token_ = readSoFar();
+        pace_.reached(text_.data() + token_);
+        token_ = tape_.taken();
     }
 
     JsonValue* place(JsonValue value) {
         mark(value);
         if (++count_ > kMaxJsonValues)
-            failAt(readSoFar(), "more than " + std::to_string(kMaxJsonValues) +
-                                    " values: put large geometry into a mesh file");
+            failAt(tape_.taken(), "more than ", kMaxJsonValues,
+                   " values: put large geometry into a mesh file");
         if (open_.empty()) {
             root_ = std::move(value);
             return &root_;
@@ -151,19 +138,20 @@ class TreeBuilder {
     }
     bool open(JsonValue value) {
         if (open_.size() >= kMaxJsonDepth)
-            failAt(readSoFar() - 1, "nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
+            failAt(tape_.taken() - 1, "nested deeper than ", kMaxJsonDepth, " levels");
         open_.push_back({place(std::move(value)), {}});
         return true;
     }
     bool close() {
-        open_.back().value->end = static_cast<uint32_t>(readSoFar());
+        open_.back().value->end = static_cast<uint32_t>(tape_.taken());
         open_.pop_back();
         return true;
     }
 
     std::string_view text_;
     const std::string& file_;
-    const char* const& furthest_;
+    Tape tape_;
+    ReadingPace pace_;
     JsonValue root_;
     std::vector<Open> open_;
     size_t count_ = 0;
@@ -172,23 +160,22 @@ class TreeBuilder {
 };
 
 void describeInto(const JsonValue& value, std::string& out) {
-    struct Visitor {
-        std::string& out;
-        void operator()(std::monostate) const { out += "null"; }
-        void operator()(bool b) const { out += b ? "true" : "false"; }
-        void operator()(double d) const { out += describe(d); }
-        void operator()(const std::string& s) const { out += '"' + s + '"'; }
-        void operator()(const JsonObject&) const { out += "an object"; }
-        void operator()(const JsonArray& items) const {
-            out += '[';
-            for (size_t i = 0; i < items.size() && out.size() < 80; i++) {
-                if (i > 0) out += ", ";
-                describeInto(items[i], out);
-            }
-            out += ']';
+    if (const JsonArray* const items = value.array()) {
+        out += '[';
+        for (size_t i = 0; i < items->size() && out.size() < 80; i++) {
+            if (i > 0) out += ", ";
+            describeInto((*items)[i], out);
         }
-    };
-    std::visit(Visitor{out}, value.data);
+        out += ']';
+    } else if (value.string()) {
+        out += '"' + *value.string() + '"';
+    } else if (value.number()) {
+        out += describe(*value.number());
+    } else if (value.boolean()) {
+        out += *value.boolean() ? "true" : "false";
+    } else {
+        out += value.object() ? "an object" : "null";
+    }
 }
 
 // Keys as other programs have them, and what to write here. `what` is the beginning of a table's name.
@@ -248,17 +235,9 @@ std::vector<std::string> stepsOf(std::string_view pointer) {
 JsonValue parseJson(std::string_view text, const std::string& file, const Context& context) {
     text = withoutByteOrderMark(text, file);
     if (text.size() > kMaxJsonBytes)
-        throw Error(ErrorKind::Scene, file + ": larger than " + std::to_string(kMaxJsonBytes >> 20) +
-                                          " MiB: put large geometry into a mesh file");
-    if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
-        throw Error(ErrorKind::Scene, file + ": the file is empty");
-    const char* furthest = text.data();
-    TreeBuilder builder(text, file, furthest);
-    ReadingPace pace(context, text.data(), text.data() + text.size());
-    nlohmann::json::sax_parse(TrackedChar{text.data(), &furthest, &pace},
-                              TrackedChar{text.data() + text.size(), &furthest, &pace}, &builder,
-                              nlohmann::json::input_format_t::json, true, true);
-    return builder.takeRoot();
+        failFile(file, "larger than ", kMaxJsonBytes >> 20, " MiB: put large geometry into a mesh file");
+    if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) failFile(file, "the file is empty");
+    return TreeBuilder(text, file, context).parse();
 }
 
 std::string describe(const JsonValue& value) {
@@ -271,30 +250,8 @@ std::string describe(const JsonValue& value) {
     return text.substr(0, kLongest);
 }
 
-void JsonCursor::fail(const std::string& what) const {
-    throw Error(ErrorKind::Scene,
-                printable(*file_ + ": " + (pointer_.empty() ? "" : pointer_ + ": ") + what));
-}
-
-void JsonCursor::failWanted(const std::string& wanted) const {
-    fail(wanted + " (got " + describe(*value_) + ")");
-}
-
-void JsonCursor::expectObject() const {
-    if (!value_->object()) failWanted("must be an object {...}");
-}
-
-void JsonCursor::expectKeys(const KeyTable& table) const {
-    expectObject();
-    for (size_t i = 0; i < memberCount(); i++) {
-        const std::string_view key = memberName(i);
-        if (std::ranges::find(table.keys(), key) != table.keys().end()) continue;
-        for (const Synonym& known : kSynonyms)
-            if (key == known.key && table.what.starts_with(known.what))
-                member(i).fail("unknown key (" + std::string(known.advice) + ")");
-        const std::string hint = suggestion(key, table.keys(), "known");
-        member(i).fail("unknown key" + (hint.empty() ? "" : " (" + hint + ")"));
-    }
+void JsonCursor::failWith(const std::string& what) const {
+    failFile(pointer_.empty() ? *file_ : *file_ + ": " + pointer_, what);
 }
 
 size_t JsonCursor::size() const {
@@ -306,29 +263,43 @@ JsonCursor JsonCursor::item(size_t index) const {
     return {*this, (*value_->array())[index], std::to_string(index)};
 }
 
-size_t JsonCursor::memberCount() const {
-    return value_->object()->keys.size();
-}
-
-std::string_view JsonCursor::memberName(size_t index) const {
-    return value_->object()->keys[index];
+const JsonObject& JsonCursor::object() const {
+    if (!value_->object()) failWanted("must be an object {...}");
+    return *value_->object();
 }
 
 JsonCursor JsonCursor::member(size_t index) const {
-    const JsonObject& object = *value_->object();
-    return {*this, object.values[index], escapePointer(object.keys[index])};
+    return {*this, object().values[index], escapePointer(object().keys[index])};
+}
+
+void JsonCursor::expectKeys(const KeyTable& table) const {
+    for (size_t i = 0; i < object().keys.size(); i++) {
+        const std::string& key = object().keys[i];
+        if (std::ranges::find(table.keys(), key) != table.keys().end()) continue;
+        for (const Synonym& known : kSynonyms)
+            if (key == known.key && table.what.starts_with(known.what))
+                member(i).fail("unknown key (", known.advice, ")");
+        const std::string hint = suggestion(key, table.keys(), "known");
+        member(i).fail("unknown key", (hint.empty() ? "" : " (" + hint + ")"));
+    }
+}
+
+std::vector<std::pair<std::string_view, JsonCursor>> JsonCursor::members() const {
+    std::vector<std::pair<std::string_view, JsonCursor>> all;
+    for (size_t i = 0; i < object().keys.size(); i++) all.emplace_back(object().keys[i], member(i));
+    return all;
 }
 
 std::optional<JsonCursor> JsonCursor::find(std::string_view key) const {
-    const auto& keys = value_->object()->keys;
-    const auto at = std::find(keys.begin(), keys.end(), key);
+    const std::vector<std::string>& keys = object().keys;
+    const auto at = std::ranges::find(keys, key);
     if (at == keys.end()) return std::nullopt;
     return member(static_cast<size_t>(at - keys.begin()));
 }
 
 JsonCursor JsonCursor::require(std::string_view key) const {
     const auto found = find(key);
-    if (!found) fail("missing key \"" + std::string(key) + "\"");
+    if (!found) fail("missing key \"", key, "\"");
     return *found;
 }
 
@@ -346,8 +317,7 @@ double JsonCursor::number() const {
 int JsonCursor::integer(int least, int greatest) const {
     const double* number = value_->number();
     if (!number || !(*number >= least && *number <= greatest) || std::floor(*number) != *number)
-        failWanted("must be a whole number from " + std::to_string(least) + " to " +
-                   std::to_string(greatest));
+        failWanted("must be a whole number from ", least, " to ", greatest);
     return static_cast<int>(*number);
 }
 
@@ -357,7 +327,7 @@ const std::string& JsonCursor::string() const {
 }
 
 void JsonCursor::expectItems(size_t count, const std::string& wanted) const {
-    if (!value_->array() || value_->array()->size() != count) failWanted("must be " + wanted);
+    if (!value_->array() || value_->array()->size() != count) failWanted("must be ", wanted);
 }
 
 std::vector<double> JsonCursor::numbers(size_t count, const std::string& wanted) const {

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -69,16 +70,21 @@ class JsonCursor {
 
     const JsonValue& value() const { return *value_; }
     const std::string& pointer() const { return pointer_; }
-    [[noreturn]] void fail(const std::string& what) const;
-    [[noreturn]] void failWanted(const std::string& wanted) const;  // adds "(got ...)"
+    [[noreturn]] void failWith(const std::string& what) const;
+    template <typename... Parts>
+    [[noreturn]] void fail(const Parts&... what) const {
+        failWith(concat(what...));
+    }
+    template <typename... Parts>
+    [[noreturn]] void failWanted(const Parts&... wanted) const {
+        fail(wanted..., " (got ", describe(*value_), ")");
+    }
 
-    void expectObject() const;
-    void expectKeys(const KeyTable& table) const;  // an object without other keys
-    size_t size() const;                           // of an array; fails for anything else
+    size_t size() const;  // of an array; fails for anything else
     JsonCursor item(size_t index) const;
-    size_t memberCount() const;
-    std::string_view memberName(size_t index) const;
-    JsonCursor member(size_t index) const;
+    const JsonObject& object() const;              // fails for anything else, as all of the following do
+    void expectKeys(const KeyTable& table) const;  // no other keys
+    std::vector<std::pair<std::string_view, JsonCursor>> members() const;
     std::optional<JsonCursor> find(std::string_view key) const;
     JsonCursor require(std::string_view key) const;
 
@@ -119,6 +125,7 @@ class JsonCursor {
     std::vector<double> numbers(std::string_view key, size_t count) const;  // or nothing
 
   private:
+    JsonCursor member(size_t index) const;
     JsonCursor(const JsonCursor& parent, const JsonValue& value, const std::string& step)
         : value_(&value), file_(parent.file_), pointer_(parent.pointer_ + '/' + step) {}
 

@@ -137,9 +137,9 @@ Scene completed(ImportedScene imported, const std::filesystem::path& path, const
 void settleCamera(Scene& scene, const std::filesystem::path& path, const std::string& camera) {
     if (!camera.empty()) return chooseCamera(scene, camera, path.string());
     if (scene.cameras.size() < 2) return;
-    const std::string first = scene.cameras.front().name;  // whoever wrote several must hear that
-    scene.warnings.push_back(path.string() + ": has " + std::to_string(scene.cameras.size()) +
-                             " cameras; the first is used, \"" + printable(first) + "\"");
+    scene.warnings.push_back(concat(path.string(), ": has ", scene.cameras.size(),
+                                    " cameras; the first is used, \"", printable(scene.cameras.front().name),
+                                    '"'));
 }
 
 // Part of a scene file's load time for its text; its objects take the rest.

@@ -7,17 +7,12 @@
 #include "core/quantize.h"
 #include "core/text_file.h"
 #include "core/vectors.h"
-#include "import/text_scanner.h"
 
 namespace glint {
 
 namespace {
 
 constexpr glm::uvec3 kNoCorners(Mesh::kNoIndex);
-
-bool areNone(const std::vector<glm::uvec3>& corners) {
-    return std::ranges::all_of(corners, [](const glm::uvec3& c) { return c == kNoCorners; });
-}
 
 bool hasThreeDifferent(const std::vector<uint32_t>& corners) {
     if (corners.size() < 3) return false;
@@ -28,35 +23,48 @@ bool hasThreeDifferent(const std::vector<uint32_t>& corners) {
 
 }  // namespace
 
+void dropUnusedAttributes(Mesh& mesh) {
+    const auto drop = [](auto& elements, std::vector<glm::uvec3>& corners) {
+        if (std::ranges::any_of(corners, [](const glm::uvec3& c) { return c != kNoCorners; })) return;
+        elements.clear();
+        corners.clear();
+    };
+    drop(mesh.normals, mesh.normalCorners);
+    drop(mesh.uvs, mesh.uvCorners);
+    drop(mesh.colors, mesh.colorCorners);
+}
+
 void MeshBuilder::reserve(size_t triangles) {
-    mesh_.corners.reserve(triangles);
-    if (!normals.empty()) mesh_.normalCorners.reserve(triangles);
-    if (!uvs.empty()) mesh_.uvCorners.reserve(triangles);
-    if (!colors.empty()) mesh_.colorCorners.reserve(triangles);
+    Mesh& mesh = result.mesh;
+    mesh.corners.reserve(triangles);
+    if (!mesh.normals.empty()) mesh.normalCorners.reserve(triangles);
+    if (!mesh.uvs.empty()) mesh.uvCorners.reserve(triangles);
+    if (!mesh.colors.empty()) mesh.colorCorners.reserve(triangles);
 }
 
 void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material) {
-    const size_t triangle = mesh_.corners.size();
+    Mesh& mesh = result.mesh;
+    const size_t triangle = mesh.corners.size();
     const auto pick = [&](const std::vector<uint32_t>& from) {
         return from.empty() ? kNoCorners : glm::uvec3(from[a], from[b], from[c]);
     };
-    mesh_.corners.push_back(pick(corners_));
+    mesh.corners.push_back(pick(corners_));
     // The list of an attribute starts with the first triangle that has one.
     const auto keep = [&](std::vector<glm::uvec3>& list, const std::vector<uint32_t>& from) {
         list.resize(triangle, kNoCorners);
         list.push_back(pick(from));
     };
-    if (!normals.empty()) keep(mesh_.normalCorners, normalCorners_);
-    if (!uvs.empty()) keep(mesh_.uvCorners, uvCorners_);
-    if (!colors.empty()) keep(mesh_.colorCorners, colorCorners_);
-    if (!mesh_.materials.empty() || material != Mesh::kNoIndex) {
-        mesh_.materials.resize(triangle, Mesh::kNoIndex);
-        mesh_.materials.push_back(material);
+    if (!mesh.normals.empty()) keep(mesh.normalCorners, normalCorners_);
+    if (!mesh.uvs.empty()) keep(mesh.uvCorners, uvCorners_);
+    if (!mesh.colors.empty()) keep(mesh.colorCorners, colorCorners_);
+    if (!mesh.materials.empty() || material != Mesh::kNoIndex) {
+        mesh.materials.resize(triangle, Mesh::kNoIndex);
+        mesh.materials.push_back(material);
     }
     // The list of faces stays empty as long as each triangle is the face of its own number.
-    if (mesh_.faces.empty() && polygons_ == triangle) return;
-    for (size_t i = mesh_.faces.size(); i < triangle; i++) mesh_.faces.push_back(static_cast<uint32_t>(i));
-    mesh_.faces.push_back(polygons_);
+    if (mesh.faces.empty() && polygons_ == triangle) return;
+    for (size_t i = mesh.faces.size(); i < triangle; i++) mesh.faces.push_back(static_cast<uint32_t>(i));
+    mesh.faces.push_back(polygons_);
 }
 
 void MeshBuilder::addPolygon(const Corners& polygon, uint32_t material) {
@@ -76,32 +84,32 @@ void MeshBuilder::addPolygon(const Corners& polygon, uint32_t material) {
     } else {
         points_.clear();
         triangles_.clear();
-        for (const uint32_t corner : corners_) points_.push_back(positions[corner]);
+        for (const uint32_t corner : corners_) points_.push_back(result.mesh.positions[corner]);
         if (!splitPolygon(points_, triangles_)) crossing_++;
         for (const auto& [a, b, c] : triangles_) addTriangle(a, b, c, material);
     }
     polygons_++;
 }
 
-void MeshBuilder::decodeColors(const std::string& file, std::vector<std::string>& warnings) {
-    const auto isBad = [](const Color& c) { return !(c.x >= 0 && c.y >= 0 && c.z >= 0); };
+void MeshBuilder::decodeColors() {
     double greatest = 0;
     size_t bad = 0;
-    for (Color& color : colors) {
-        bad += isBad(color);
-        if (isBad(color)) color = kNoColor;
+    for (Color& color : result.mesh.colors) {
+        if (!(color.x >= 0 && color.y >= 0 && color.z >= 0)) {
+            bad++;
+            color = kNoColor;
+        }
         if (color != kNoColor) greatest = std::max({greatest, color.x, color.y, color.z});
     }
     if (bad > 0)
-        warnings.push_back(file + ": " + counted(bad, "vertex colour") + (bad == 1 ? " is" : " are") +
-                           " negative or no number; white is used");
+        warnings.add(counted(bad, "vertex colour"), (bad == 1 ? " is" : " are"),
+                     " negative or no number; white is used");
     const bool integers = colorCodes == ColorCodes::Integers;
     const bool codes = integers || greatest > 2;
     if (codes && !integers)
-        warnings.push_back(file + ": colours up to " + describe(greatest) +
-                           " are taken as codes, not fractions");
+        warnings.add("colours up to ", describe(greatest), " are taken as codes, not fractions");
     const double white = !codes ? 1 : greatest <= 255 ? 255 : greatest <= 65535 ? 65535 : 4294967295.0;
-    for (Color& color : colors) {
+    for (Color& color : result.mesh.colors) {
         if (color == kNoColor)
             color = Color(1);
         else if (codes || colorCodes == ColorCodes::Srgb)
@@ -111,56 +119,41 @@ void MeshBuilder::decodeColors(const std::string& file, std::vector<std::string>
 
 // A normal that is not finite would spread through the shading; the triangle is flat without it.
 void MeshBuilder::dropBadNormals() {
-    const auto bad = [this](uint32_t index) { return !isFinite(normals[index]); };
-    for (glm::uvec3& corners : mesh_.normalCorners) {
+    const auto bad = [this](uint32_t index) { return !isFinite(result.mesh.normals[index]); };
+    size_t dropped = 0;
+    for (glm::uvec3& corners : result.mesh.normalCorners) {
         if (corners == kNoCorners || !(bad(corners.x) || bad(corners.y) || bad(corners.z))) continue;
         corners = kNoCorners;
-        badNormals_++;
+        dropped++;
     }
-    if (areNone(mesh_.normalCorners)) {
-        mesh_.normalCorners.clear();
-        normals.clear();
+    if (dropped > 0)
+        warnings.add("the vertex normals of ", counted(dropped, "triangle"),
+                     " are not finite and are not used");
+}
+
+void MeshBuilder::assignDefaultMaterial() {
+    std::vector<uint32_t>& used = result.mesh.materials;
+    if (used.empty()) {
+        result.materials.clear();
+    } else if (std::ranges::find(used, Mesh::kNoIndex) != used.end()) {
+        std::ranges::replace(used, Mesh::kNoIndex, static_cast<uint32_t>(result.materials.size()));
+        result.materials.emplace_back().name = "default";
     }
 }
 
-void MeshBuilder::assignDefaultMaterial(std::vector<Material>& materials) {
-    const auto missing = [](uint32_t material) { return material == Mesh::kNoIndex; };
-    if (mesh_.materials.empty()) {
-        materials.clear();
-        return;
-    }
-    if (std::none_of(mesh_.materials.begin(), mesh_.materials.end(), missing)) return;
-    Material material;
-    material.name = "default";
-    std::replace(mesh_.materials.begin(), mesh_.materials.end(), Mesh::kNoIndex,
-                 static_cast<uint32_t>(materials.size()));
-    materials.push_back(material);
-}
-
-ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> materials,
-                                 std::vector<std::string> warnings) {
-    if (polygons_ == 0) failFile(file, "holds no faces; points and lines cannot be rendered");
-    if (mesh_.corners.empty()) failFile(file, "no face has three different vertices");
-    dropBadNormals();
-    decodeColors(file, warnings);
-    for (auto* list : {&mesh_.uvCorners, &mesh_.colorCorners})
-        if (areNone(*list)) list->clear();
-    if (!mesh_.uvCorners.empty()) mesh_.uvs = std::move(uvs);
-    if (!mesh_.colorCorners.empty()) mesh_.colors = std::move(colors);
-    assignDefaultMaterial(materials);
+ImportedMesh MeshBuilder::finish() {
+    if (polygons_ == 0) failFile(file_, "holds no faces; points and lines cannot be rendered");
+    if (result.mesh.corners.empty()) failFile(file_, "no face has three different vertices");
     if (degenerate_ > 0)
-        warnings.push_back(file + ": " + counted(degenerate_, "face") +
-                           " with fewer than three different vertices left out");
+        warnings.add(counted(degenerate_, "face"), " with fewer than three different vertices left out");
     if (crossing_ > 0)
-        warnings.push_back(file + ": " + counted(crossing_, "face") +
-                           (crossing_ == 1 ? " crosses itself" : " cross themselves") +
-                           ": the triangles that they are split into overlap");
-    if (badNormals_ > 0)
-        warnings.push_back(file + ": the vertex normals of " + counted(badNormals_, "triangle") +
-                           " are not finite and are not used");
-    mesh_.positions = std::move(positions);
-    mesh_.normals = std::move(normals);
-    return {std::move(mesh_), std::move(materials), {}, std::move(warnings)};
+        warnings.add(counted(crossing_, "face"), (crossing_ == 1 ? " crosses itself" : " cross themselves"),
+                     ": the triangles that they are split into overlap");
+    dropBadNormals();
+    decodeColors();
+    dropUnusedAttributes(result.mesh);
+    assignDefaultMaterial();
+    return std::move(result);
 }
 
 // ---- Polygons into triangles

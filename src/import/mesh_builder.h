@@ -9,16 +9,18 @@
 #include <vector>
 
 #include "import/load.h"
+#include "import/text_scanner.h"
 
 namespace glint {
 
 class MeshBuilder {
   public:
-    // Filled by the reader; positions must be complete before the first polygon that uses them is added.
-    std::vector<glm::dvec3> positions;
-    std::vector<glm::dvec3> normals;
-    std::vector<glm::dvec2> uvs;
-    std::vector<Color> colors;  // as they stand in the file, kNoColor for white
+    explicit MeshBuilder(const std::string& file) : warnings(file, result.warnings), file_(file) {}
+
+    // The reader fills materials, textures and the attributes of vertices. Positions must be complete before
+    // the first polygon that uses them is added. Colours are as they stand in the file, kNoColor for white.
+    ImportedMesh result;
+    FileWarnings warnings;
     // Integers and Srgb are sRGB codes. White is 1 for Srgb, and for Integers the least of 255, 65535 and
     // 2^32 - 1 that holds all values. Colours above 2 are taken as Integers.
     enum class ColorCodes { Linear, Srgb, Integers } colorCodes = ColorCodes::Linear;
@@ -36,28 +38,29 @@ class MeshBuilder {
 
     void reserve(size_t triangles);
 
-    // The mesh, with warnings that start with `file`. Throws Error(Scene) if there is no triangle. Polygons
-    // without a material get a default one if others have one.
-    ImportedMesh finish(const std::string& file, std::vector<Material> materials,
-                        std::vector<std::string> warnings);
+    // Moves the result out. Throws Error(Scene) if there is no triangle. Polygons without a material get a
+    // default one if others have one.
+    ImportedMesh finish();
 
   private:
     // Adds a triangle of the current polygon, given the places of its corners in the scratch arrays.
     void addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material);
-    void decodeColors(const std::string& file, std::vector<std::string>& warnings);
+    void decodeColors();
     void dropBadNormals();
-    void assignDefaultMaterial(std::vector<Material>& materials);
+    void assignDefaultMaterial();
 
-    Mesh mesh_;
+    const std::string file_;
     uint32_t polygons_ = 0;
     size_t degenerate_ = 0;
     size_t crossing_ = 0;
-    size_t badNormals_ = 0;
     // Scratch of addPolygon.
     std::vector<uint32_t> corners_, normalCorners_, uvCorners_, colorCorners_;
     std::vector<glm::dvec3> points_;
     std::vector<std::array<uint32_t, 3>> triangles_;
 };
+
+// Clears the attributes that no triangle of the mesh has.
+void dropUnusedAttributes(Mesh& mesh);
 
 // Splits the polygon with these corners (three or more) into size - 2 triangles of the same winding and
 // appends them to `triangles` as indices into `corners`. A convex polygon becomes a fan about its first

@@ -3,7 +3,6 @@
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "core/error.h"
@@ -18,15 +17,33 @@ namespace glint {
 
 namespace {
 
-// ---- Image maps
-
 // An image as a material names it.
 struct MtlMap {
     std::string file;
     glm::dvec2 scale{1}, offset{0};
     bool clamp = false;
 };
-using MtlMapTable = std::map<std::string, MtlMap>;  // by key, in lower case: "map_kd"
+
+// A material as the file describes it, by keys in lower case. Values are colours, or numbers in the first
+// component.
+struct MtlMaterial {
+    std::string name;
+    std::map<std::string, Color> values;
+    std::map<std::string, MtlMap> maps;
+
+    bool has(const char* key) const { return values.contains(key); }
+    Color color(const char* key, const Color& missing = Color(0)) const {
+        return has(key) ? values.at(key) : missing;
+    }
+    double number(const char* key, double missing) const { return color(key, Color(missing)).x; }
+    const MtlMap* map(const char* key) const {
+        const auto found = maps.find(key);
+        return found == maps.end() ? nullptr : &found->second;
+    }
+};
+
+// ---- Textures
+
 using SharedImage = std::shared_ptr<const Image>;
 
 // `color` (or white, if null) with the grey of `cover` as alpha, in the size of `color`. A grey image is
@@ -48,52 +65,26 @@ Image withAlpha(const Image* color, const Image& cover) {
     return result;
 }
 
-// Loads the maps of one file's materials. A missing or damaged image gives one warning, and its material is
-// drawn without it, as models often come without their images.
-class MtlMaps {
+// Makes textures of the maps of one file's materials. A missing or damaged image gives one warning, and its
+// material is drawn without it, as models often come without their images.
+class MtlTextures {
   public:
-    MtlMaps(const std::filesystem::path& file, SceneFiles& files, std::vector<Texture>& textures,
-            std::vector<std::string>& warnings)
+    MtlTextures(const std::filesystem::path& file, SceneFiles& files, std::vector<Texture>& textures,
+                FileWarnings& warnings)
         : file_(file), files_(files), textures_(textures), warnings_(warnings) {}
 
-    // map_ka, map_kd, map_ks as textures; map_d as the diffuse texture's alpha, which is cut at one half.
-    void apply(const MtlMapTable& maps, Material& material) {
-        const auto mapOf = [&](const char* key) {
-            const auto map = maps.find(key);
-            return map == maps.end() ? nullptr : &map->second;
-        };
-        const MtlMap *diffuse = mapOf("map_kd"), *ambient = mapOf("map_ka"), *cover = mapOf("map_d");
-        const bool ambientIsDiffuse = material.ambient == material.diffuse;
-        material.diffuseTexture = add(diffuse, cover, material);
-        // Some exporters write a black colour beside a map: then the map counts alone.
-        const auto tint = [this](Color& color, const MtlMap* map, uint32_t texture) {
-            if (texture != Material::kNoTexture && color == Color(0) && load(map)) color = Color(1);
-        };
-        tint(material.diffuse, diffuse, material.diffuseTexture);
-        if (!ambient || (diffuse && ambient->file == diffuse->file)) {
-            if (ambientIsDiffuse) material.ambient = material.diffuse;
-            material.ambientTexture = material.diffuseTexture;
-        } else {
-            material.ambientTexture = add(ambient, nullptr, material);
-            tint(material.ambient, ambient, material.ambientTexture);
-        }
-        if (material.specular != Color(0)) material.specularTexture = add(mapOf("map_ks"), nullptr, material);
-        if (material.mirror != Color(0)) material.mirrorTexture = material.specularTexture;
-    }
-
-  private:
     // Null, with a warning, for an image that cannot be read.
     SharedImage load(const MtlMap* map) {
         try {
             return map ? files_.image(files_.findOrBeside(file_.parent_path(), map->file)) : nullptr;
         } catch (const Error& e) {
-            const std::string warning = file_.string() + ": " + e.what() + "; drawn without it";
-            if (warned_.insert(warning).second) warnings_.push_back(warning);
+            warnings_.add(e.what(), "; drawn without it");
             return nullptr;
         }
     }
 
-    // The texture of a map, with the grey of `cover` as its alpha. Both may be null.
+    // The texture of a map, with the grey of `cover` as its alpha, which is cut at one half. Both may be
+    // null.
     uint32_t add(const MtlMap* map, const MtlMap* cover, Material& material) {
         SharedImage color = load(map);
         const bool ownAlpha = color && cover && cover->file == map->file && color->channels == 4;
@@ -109,6 +100,7 @@ class MtlMaps {
         return static_cast<uint32_t>(textures_.size() - 1);
     }
 
+  private:
     SharedImage combined(const SharedImage& color, const SharedImage& cover) {
         SharedImage& made = combined_[{color, cover}];
         if (made) return made;
@@ -120,29 +112,15 @@ class MtlMaps {
         return made;
     }
 
-    std::filesystem::path file_;
+    const std::filesystem::path& file_;
     SceneFiles& files_;
     std::vector<Texture>& textures_;
-    std::vector<std::string>& warnings_;
-    std::set<std::string> warned_;
+    FileWarnings& warnings_;
     // Colours with their coverage, by both: many materials may share one.
     std::map<std::pair<SharedImage, SharedImage>, SharedImage> combined_;
 };
 
 // ---- Materials
-
-// A material as the file describes it.
-struct MtlMaterial {
-    std::string name;
-    std::map<std::string, Color> values;  // of kValues; numbers in the first component
-    bool colored = false;                 // has a colour besides ke
-    MtlMapTable maps;
-
-    Color color(const char* key) const { return values.count(key) ? values.at(key) : Color(0); }
-    double number(const char* key, double missing) const {
-        return values.count(key) ? values.at(key).x : missing;
-    }
-};
 
 struct MtlValue {
     std::string_view key;
@@ -167,19 +145,25 @@ bool readNumber(std::string_view word, double& value) {
 
 class MtlReader {
   public:
-    MtlReader(const Context& context, const std::string& text, const std::filesystem::path& path,
-              std::vector<std::string>& warnings)
-        : file_(path.string()), scanner_(context, text, file_, 1, true), warnings_(warnings) {}
+    MtlReader(const std::string& text, const std::filesystem::path& path, SceneFiles& files,
+              ImportedMesh& result)
+        : path_(path),
+          scanner_(files.context(), text, path.string(), 1, true),
+          result_(result),
+          warnings_(path.string(), result.warnings),
+          textures_(path_, files, result.textures, warnings_) {}
 
-    std::vector<MtlMaterial> read() {
+    void read() {
         while (scanner_.nextLine()) readLine(std::string(scanner_.word()));
-        ignored_.warn(file_, warnings_);
-        return std::move(materials_);
-    }
-
-    // Warns once for each `about`, however many materials cause it.
-    void warnOnce(const std::string& about, const std::string& what) {
-        if (said_.insert(about).second) warnings_.push_back(printable(file_ + ": " + what));
+        warnings_.addIgnored();
+        for (const MtlMaterial& m : materials_) {
+            Material material = convert(m);
+            if (!letThrough(m, material))
+                warnings_.addOnce("invisible", "material \"" + m.name +
+                                                   "\": d, Tr or Tf would make it invisible; drawn opaque");
+            validateMaterial(material, {path_.string(), "material \"" + m.name + "\""});
+            result_.materials.push_back(std::move(material));
+        }
     }
 
   private:
@@ -190,35 +174,28 @@ class MtlReader {
             materials_.emplace_back().name = scanner_.restOfLine();
             return;
         }
-        if (materials_.empty() || scanner_.lineDone()) return ignored_.add(word);
-        MtlMaterial& material = materials_.back();
+        if (materials_.empty() || scanner_.lineDone()) return warnings_.ignore(word);
         const auto value = std::ranges::find(kValues, key, &MtlValue::key);
         if (value != std::end(kValues))
-            readValue(word, *value, material);
+            readValue(word, *value);
         else if (key == "map_ka" || key == "map_kd" || key == "map_ks" || key == "map_d")
-            material.maps[key] = readMap(word);
+            materials_.back().maps[key] = readMap(word);
         else
-            ignored_.add(word);
+            warnings_.ignore(word);
     }
 
     // The second and third number are the first where they are missing.
-    void readValue(const std::string& word, const MtlValue& value, MtlMaterial& material) {
-        for (const char* other : {"spectral", "xyz"})
-            if (nextWordIs(other)) return ignored_.add(word + " " + other);
-        if (nextWordIs("-halo")) ignored_.add(word + " -halo");
+    void readValue(const std::string& word, const MtlValue& value) {
+        TextScanner ahead = scanner_;
+        const std::string next(ahead.word());
+        if (next == "spectral" || next == "xyz" || next == "-halo") warnings_.ignore(word + " " + next);
+        if (next == "spectral" || next == "xyz") return;
+        if (next == "-halo") scanner_ = ahead;
         Color color(number(word, value));
         for (int i = 1; i < value.numbers && !scanner_.lineDone(); i++) color[i] = number(word, value);
-        material.values[std::string(value.key)] = color;
-        const bool glows = value.key == "ke";
-        if (glows && color != Color(0)) ignored_.add(word);  // surfaces do not glow, exporters write black
-        material.colored = material.colored || (value.numbers == 3 && !glows);
-    }
-
-    bool nextWordIs(std::string_view word) {
-        TextScanner ahead = scanner_;
-        if (ahead.word() != word) return false;
-        scanner_ = ahead;
-        return true;
+        materials_.back().values[std::string(value.key)] = color;
+        // Surfaces do not glow, exporters write black.
+        if (value.key == "ke" && color != Color(0)) warnings_.ignore(word);
     }
 
     double number(const std::string& key, const MtlValue& range) {
@@ -226,8 +203,8 @@ class MtlReader {
         const bool none = std::isnan(value) || (range.least > 0 && value <= 0);
         const double used = none ? range.otherwise : std::clamp(value, range.least, range.most);
         if (used != value)
-            warnOnce(key, key + " " + describe(value) + " in line " + std::to_string(scanner_.line()) +
-                              " is out of range, " + describe(used) + " is used");
+            warnings_.addOnce(key, concat(key, " ", value, " in line ", scanner_.line(), " is out of range, ",
+                                          used, " is used"));
         return used;
     }
 
@@ -247,89 +224,105 @@ class MtlReader {
             for (int i = 0; moves && i < std::min(count, 2); i++)
                 (option == "-s" ? map.scale : map.offset)[i] = numbers[i];
             if (option == "-clamp") map.clamp = word == "on";
-            if (!moves && option != "-clamp") ignored_.add(key + " " + option);
+            if (!moves && option != "-clamp") warnings_.ignore(key + " " + option);
         }
         map.file = scanner_.restOfLine();
         return map;
     }
 
-    std::string file_;
+    Material convert(const MtlMaterial& m) {
+        Material material;
+        material.name = m.name;
+        // A material that gives no colour at all is grey.
+        const bool colored = m.has("ka") || m.has("kd") || m.has("ks") || m.has("tf");
+        material.diffuse = colored ? m.color("kd") : Color(0.8);
+        // Exporters without an ambient term write Ka 0 0 0 or leave it out. Both mean the diffuse colour, as
+        // a missing "ambient" does in a scene file; otherwise the unlit side of most models would be black.
+        const double illum = m.number("illum", 2);
+        const Color ambient = m.color("ka");
+        material.ambient = illum == 0 || ambient == Color(0) ? material.diffuse : ambient;
+        material.shininess = m.number("ns", 1);
+        const Color specular = illum == 0 ? Color(0) : m.color("ks");
+        // An exponent of 0 would add Ks to every lit point; exporters mean "no highlight" by Ns 0.
+        if (material.shininess > 0) material.specular = specular;
+        // Illumination models from 3 up trace rays (3: mirror, 4 to 7: glass and Fresnel, 8 and 9: without
+        // rays).
+        if (illum >= 3) material.mirror = glm::min(specular, Color(1));
+        addTextures(m, material);
+        return material;
+    }
+
+    void addTextures(const MtlMaterial& m, Material& material) {
+        const MtlMap *diffuse = m.map("map_kd"), *ambient = m.map("map_ka");
+        const bool ambientIsDiffuse = material.ambient == material.diffuse;
+        material.diffuseTexture = textures_.add(diffuse, m.map("map_d"), material);
+        // Some exporters write a black colour beside a map: then the map counts alone.
+        const auto tint = [this](Color& color, const MtlMap* map) {
+            if (map && color == Color(0) && textures_.load(map)) color = Color(1);
+        };
+        tint(material.diffuse, diffuse);
+        if (!ambient || (diffuse && ambient->file == diffuse->file)) {
+            if (ambientIsDiffuse) material.ambient = material.diffuse;
+            material.ambientTexture = material.diffuseTexture;
+        } else {
+            material.ambientTexture = textures_.add(ambient, nullptr, material);
+            tint(material.ambient, ambient);
+        }
+        const MtlMap* const specular = m.map("map_ks");
+        if (material.specular != Color(0))
+            material.specularTexture = textures_.add(specular, nullptr, material);
+        if (material.mirror != Color(0)) material.mirrorTexture = material.specularTexture;
+    }
+
+    // The light that passes through: 1 - d, filtered by Tf; or all of it, where the illumination model is one
+    // of clear things and Tf says so. Tf black stands for no Tf: exporters write both. The models 6 and 7
+    // refract, with Fresnel's law in the place of the mirror colour; all others let light go straight on.
+    // What passes is not there to reflect. False: nothing of the surface would be seen, so it stays opaque.
+    // MeshLab, openMVS and others write Tr 1 of opaque materials.
+    static bool letThrough(const MtlMaterial& m, Material& material) {
+        const double illum = m.number("illum", 2);
+        const bool refracts = illum == 6 || illum == 7;
+        const bool clear = refracts || illum == 4 || illum == 9;
+        const Color filter = glm::min(m.color("tf"), Color(1));
+        const double through = 1 - m.number("d", 1 - m.number("tr", 0));
+        const double ior = refracts ? m.number("ni", 1) : 1;
+        const Color passing = through > 0 && filter == Color(0) ? Color(1) : filter;
+        const Color transmission = (through > 0 ? through : clear ? 1 : 0) * passing;
+        if (transmission == Color(0)) return true;
+        if (transmission == Color(1) && ior == 1) return false;
+        material.transmission = transmission;
+        material.ior = ior;
+        for (Color* part : {&material.ambient, &material.diffuse, &material.specular, &material.mirror})
+            *part *= 1 - through;
+        if (refracts) material.mirror = Color(0);
+        return true;
+    }
+
+    const std::filesystem::path path_;
     TextScanner scanner_;
-    std::vector<std::string>& warnings_;
+    ImportedMesh& result_;
+    FileWarnings warnings_;
+    MtlTextures textures_;
     std::vector<MtlMaterial> materials_;
-    std::set<std::string> said_;
-    IgnoredNames ignored_;
 };
-
-Material convert(const MtlMaterial& m) {
-    Material material;
-    material.name = m.name;
-    // A material that gives no colour at all is grey.
-    material.diffuse = m.colored ? m.color("kd") : Color(0.8);
-    // Exporters without an ambient term write Ka 0 0 0 or leave it out. Both mean the diffuse colour, as a
-    // missing "ambient" does in a scene file; otherwise the unlit side of most models would be black.
-    const double illum = m.number("illum", 2);
-    const Color ambient = m.color("ka");
-    material.ambient = illum == 0 || ambient == Color(0) ? material.diffuse : ambient;
-    material.shininess = m.number("ns", 1);
-    const Color specular = illum == 0 ? Color(0) : m.color("ks");
-    // An exponent of 0 would add Ks to every lit point; exporters mean "no highlight" by Ns 0.
-    if (material.shininess > 0) material.specular = specular;
-    // Illumination models from 3 up trace rays (3: mirror, 4 to 7: glass and Fresnel, 8 and 9: without rays).
-    if (illum >= 3) material.mirror = glm::min(specular, Color(1));
-    return material;
-}
-
-// The light that passes through: 1 - d, filtered by Tf; or all of it, where the illumination model is one of
-// clear things and Tf says so. Tf black stands for no Tf: exporters write both. The models 6 and 7 refract,
-// with Fresnel's law in the place of the mirror colour; all others let light go straight on. What passes is
-// not there to reflect. False: nothing of the surface would be seen, so it stays opaque. MeshLab, openMVS
-// and others write Tr 1 of opaque materials.
-bool letThrough(const MtlMaterial& m, Material& material) {
-    const double illum = m.number("illum", 2);
-    const bool refracts = illum == 6 || illum == 7;
-    const bool clear = refracts || illum == 4 || illum == 9;
-    const Color filter = glm::min(m.color("tf"), Color(1));
-    const double through = 1 - m.number("d", 1 - m.number("tr", 0));
-    const double ior = refracts ? m.number("ni", 1) : 1;
-    const Color passing = through > 0 && filter == Color(0) ? Color(1) : filter;
-    const Color transmission = (through > 0 ? through : clear ? 1 : 0) * passing;
-    if (transmission == Color(0)) return true;
-    if (transmission == Color(1) && ior == 1) return false;
-    material.transmission = transmission;
-    material.ior = ior;
-    for (Color* part : {&material.ambient, &material.diffuse, &material.specular, &material.mirror})
-        *part *= 1 - through;
-    if (refracts) material.mirror = Color(0);
-    return true;
-}
 
 }  // namespace
 
 void readMtl(const std::string& text, const std::filesystem::path& path, SceneFiles& files,
-             std::vector<Material>& materials, std::vector<Texture>& textures,
-             std::vector<std::string>& warnings) {
-    MtlReader reader(files.context(), text, path, warnings);
-    MtlMaps maps(path, files, textures, warnings);
-    for (const MtlMaterial& m : reader.read()) {
-        Material material = convert(m);
-        maps.apply(m.maps, material);
-        if (!letThrough(m, material))
-            reader.warnOnce("invisible",
-                            "material \"" + m.name + "\": d, Tr or Tf would make it invisible; drawn opaque");
-        validateMaterial(material, {path.string(), "material \"" + m.name + "\""});
-        materials.push_back(material);
-    }
+             ImportedMesh& result) {
+    MtlReader(text, path, files, result).read();
 }
 
-std::optional<Material> texturedMaterial(const std::string& image, const std::filesystem::path& path,
-                                         SceneFiles& files, std::vector<Texture>& textures,
-                                         std::vector<std::string>& warnings) {
+void addTexturedMaterial(const std::string& image, const std::filesystem::path& path, SceneFiles& files,
+                         ImportedMesh& result) {
     Material material;
     material.name = image;
     material.ambient = material.diffuse = Color(1);
-    MtlMaps(path, files, textures, warnings).apply({{"map_kd", {image}}}, material);
-    return material.diffuseTexture == Material::kNoTexture ? std::nullopt : std::optional(material);
+    FileWarnings warnings(path.string(), result.warnings);
+    const MtlMap map{image};
+    MtlTextures textures(path, files, result.textures, warnings);
+    material.ambientTexture = material.diffuseTexture = textures.add(&map, nullptr, material);
+    if (material.diffuseTexture != Material::kNoTexture) result.materials.push_back(std::move(material));
 }
 
 }  // namespace glint

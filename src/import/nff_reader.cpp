@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "core/text_file.h"
@@ -74,7 +75,7 @@ class NffReader {
 
     double number(const char* owner) {
         const double value = scanner_.numberPastLines(owner);
-        if (!std::isfinite(value)) scanner_.fail(std::string(owner) + " has a number that is not finite");
+        if (!std::isfinite(value)) scanner_.fail(owner, " has a number that is not finite");
         return value;
     }
     glm::dvec3 vector(const char* owner) {
@@ -83,23 +84,22 @@ class NffReader {
     }
     Color readColor(const char* owner) {
         const Color color = vector(owner);
-        if (std::min({color.x, color.y, color.z}) < 0)
-            scanner_.fail(std::string(owner) + " has a negative colour");
+        if (std::min({color.x, color.y, color.z}) < 0) scanner_.fail(owner, " has a negative colour");
         return color;
     }
 
     void readViewPart(const std::string& name) {
         const auto known = std::ranges::find(kViewParts, name, &ViewPart::name);
         if (known == std::end(kViewParts))
-            scanner_.fail('"' + name.substr(0, 40) + "\" is no entity of NFF (v, b, l, f, c, s, p, pp)");
-        if (!view_) scanner_.fail('"' + name + "\" must follow \"v\"");
+            scanner_.fail('"', name.substr(0, 40), "\" is no entity of NFF (v, b, l, f, c, s, p, pp)");
+        if (!view_) scanner_.fail('"', name, "\" must follow \"v\"");
         std::vector<double> numbers(known->count);
         for (double& value : numbers) value = number(name.c_str());
         if (name == "angle" && !(numbers[0] > 0 && numbers[0] < 180))
             scanner_.fail("angle must be between 0 and 180 degrees");
         for (const double value : numbers)
             if (name == "resolution" && !(value >= 1 && value <= kMaxImageSize && std::floor(value) == value))
-                scanner_.fail("resolution must be whole numbers from 1 to " + std::to_string(kMaxImageSize));
+                scanner_.fail("resolution must be whole numbers from 1 to ", kMaxImageSize);
         (*view_)[name] = std::move(numbers);
     }
 
@@ -197,8 +197,7 @@ class NffReader {
     size_t cornerCount(const char* owner) {
         const double count = number(owner);
         if (!(count >= 3 && count <= static_cast<double>(kMaxPolygonCorners)) || std::floor(count) != count)
-            scanner_.fail(std::string(owner) + " must have from 3 to " + std::to_string(kMaxPolygonCorners) +
-                          " vertices");
+            scanner_.fail(owner, " must have from 3 to ", kMaxPolygonCorners, " vertices");
         return static_cast<size_t>(count);
     }
 
@@ -239,23 +238,23 @@ class NffReader {
     void addPatch(const std::vector<glm::dvec3>& vertices, const std::vector<glm::dvec3>& normals,
                   size_t line) {
         if (!patches_) {
-            patches_.emplace();
+            patches_.emplace(file_);
             patchLine_ = line;
         }
-        std::vector<uint32_t> corners, normalCorners;
-        for (size_t i = 0; i < vertices.size(); i++) {
-            corners.push_back(static_cast<uint32_t>(patches_->positions.size()));
-            patches_->positions.push_back(vertices[i]);
-            if (normals.empty()) continue;
-            normalCorners.push_back(static_cast<uint32_t>(patches_->normals.size()));
-            patches_->normals.push_back(normals[i]);
-        }
+        const auto append = [](const std::vector<glm::dvec3>& elements, std::vector<glm::dvec3>& all) {
+            std::vector<uint32_t> indices(elements.size());
+            std::iota(indices.begin(), indices.end(), static_cast<uint32_t>(all.size()));
+            all.insert(all.end(), elements.begin(), elements.end());
+            return indices;
+        };
+        const auto corners = append(vertices, patches_->result.mesh.positions);
+        const auto normalCorners = append(normals, patches_->result.mesh.normals);
         patches_->addPolygon({corners, normalCorners});
     }
 
     void flushPatches() {
         if (!patches_) return;
-        ImportedMesh imported = patches_->finish(file_, {}, {});
+        ImportedMesh imported = patches_->finish();
         patches_.reset();
         addObject(MeshShape{std::make_shared<const Mesh>(std::move(imported.mesh))}, patchLine_);
     }
@@ -272,7 +271,7 @@ class NffReader {
     void finishCamera() {
         for (const ViewPart& part : kViewParts)
             if (part.name != "hither" && !view_->contains(std::string(part.name)))
-                scanner_.fail("the view (v) lacks \"" + std::string(part.name) + '"');
+                scanner_.fail("the view (v) lacks \"", part.name, '"');
         const auto vector = [this](const char* part) {
             const std::vector<double>& v = view_->at(part);
             return glm::dvec3(v[0], v[1], v[2]);

@@ -25,14 +25,21 @@ constexpr Color kWhite = MeshBuilder::kNoColor;
 // Indices of a face corner by kind. They count from 0 and may be out of range, as a face may come before its
 // vertices.
 enum Kind { kVertex, kUv, kNormal };
-constexpr const char* kKinds[] = {"vertex", "texture vertex", "normal"};
+constexpr Kind kAllKinds[] = {kVertex, kUv, kNormal};
+constexpr const char* kKindNames[] = {"vertex", "texture vertex", "normal"};
 using Corner = std::array<int64_t, 3>;
+
+// A name that usemtl or a material library gives.
+struct NamedMaterial {
+    size_t firstUse = 0;                 // line; 0: not used
+    uint32_t material = Mesh::kNoIndex;  // its first definition, which may follow the use
+};
 
 struct Face {
     size_t firstCorner;
     size_t cornerCount;
     size_t line;
-    uint32_t material;
+    const NamedMaterial* material;  // or null
 };
 
 class ObjReader {
@@ -41,7 +48,8 @@ class ObjReader {
         : path_(path),
           files_(files),
           text_(files.read(path)),
-          scanner_(files.context(), text_, path.string(), 1, true) {}
+          scanner_(files.context(), text_, path.string(), 1, true),
+          builder_(path.string()) {}
 
     ImportedMesh read() {
         {
@@ -49,19 +57,20 @@ class ObjReader {
             while (scanner_.nextLine()) readLine();
         }
         checkIndices();
-        resolveMaterials();
+        for (const auto& [name, named] : materials_)
+            if (named.firstUse > 0 && named.material == Mesh::kNoIndex)
+                warn(named.firstUse,
+                     "material \"" + name + "\" is not defined in a material file; grey is used");
         builder_.colorCodes = MeshBuilder::ColorCodes::Srgb;  // as MeshLab, Blender and others mean them
-        if (!builder_.colors.empty()) builder_.colors.resize(builder_.positions.size(), kWhite);
+        if (!mesh_.colors.empty()) mesh_.colors.resize(mesh_.positions.size(), kWhite);
         const ProgressPart part(files_, kRead, 1);
         builder_.reserve(faces_.size());
         for (size_t i = 0; i < faces_.size(); i++) {
             files_.context().pace(i, faces_.size());
             addFace(faces_[i]);
         }
-        ignored_.warn(path_.string(), warnings_);
-        ImportedMesh imported = builder_.finish(path_.string(), std::move(materials_), std::move(warnings_));
-        imported.textures = std::move(textures_);
-        return imported;
+        builder_.warnings.addIgnored();
+        return builder_.finish();
     }
 
   private:
@@ -70,39 +79,39 @@ class ObjReader {
     void readLine() {
         const std::string_view keyword = scanner_.word();
         if (keyword == "v") {
-            const double x = scanner_.number("a vertex"), y = scanner_.number("a vertex");
-            builder_.positions.emplace_back(x, y, scanner_.number("a vertex"));
+            mesh_.positions.push_back(readVector("a vertex"));
             readColor();
         } else if (keyword == "vt") {
             const double u = scanner_.number("a texture vertex");
             // v may be missing, a third coordinate may follow.
-            builder_.uvs.emplace_back(u, scanner_.lineDone() ? 0 : scanner_.number("a texture vertex"));
+            mesh_.uvs.emplace_back(u, scanner_.lineDone() ? 0 : scanner_.number("a texture vertex"));
         } else if (keyword == "vn") {
-            const double x = scanner_.number("a normal"), y = scanner_.number("a normal");
-            builder_.normals.emplace_back(x, y, scanner_.number("a normal"));
+            mesh_.normals.push_back(readVector("a normal"));
         } else if (keyword == "f" || keyword == "fo") {  // fo: the old word for f
             readFace();
         } else if (keyword == "usemtl") {
-            useMaterial(std::string(scanner_.restOfLine()));
+            NamedMaterial& named = materials_[std::string(scanner_.restOfLine())];
+            if (named.firstUse == 0) named.firstUse = scanner_.line();
+            material_ = &named;
         } else if (keyword == "mtllib") {
             readLibraries();
         } else if (!keyword.empty() && keyword != "o" && keyword != "g" && keyword != "s") {
-            ignored_.add(keyword);  // lines, curves, and what is no OBJ
+            builder_.warnings.ignore(keyword);  // lines, curves, and what is no OBJ
         }
+    }
+
+    glm::dvec3 readVector(const char* owner) {
+        const double x = scanner_.number(owner), y = scanner_.number(owner);
+        return {x, y, scanner_.number(owner)};
     }
 
     // Three numbers or more after a vertex are its colour (ZBrush, MeshLab); a single one is a weight.
     void readColor() {
-        double rgb[3] = {};
-        size_t count = 0;
-        while (!scanner_.lineDone()) {
-            const double number = scanner_.number("a vertex");
-            if (count < 3) rgb[count] = number;
-            count++;
-        }
-        if (count < 3) return;
-        builder_.colors.resize(builder_.positions.size() - 1, kWhite);
-        builder_.colors.emplace_back(rgb[0], rgb[1], rgb[2]);
+        std::vector<double> rgb;
+        while (!scanner_.lineDone()) rgb.push_back(scanner_.number("a vertex"));
+        if (rgb.size() < 3) return;
+        mesh_.colors.resize(mesh_.positions.size() - 1, kWhite);
+        mesh_.colors.emplace_back(rgb[0], rgb[1], rgb[2]);
     }
 
     void readFace() {
@@ -111,8 +120,7 @@ class ObjReader {
             corners_.push_back(readCorner(word));
         face.cornerCount = corners_.size() - face.firstCorner;
         if (face.cornerCount > kMaxPolygonCorners)
-            scanner_.fail("face has " + std::to_string(face.cornerCount) + " vertices, the limit is " +
-                          std::to_string(kMaxPolygonCorners));
+            scanner_.fail("face has ", face.cornerCount, " vertices, the limit is ", kMaxPolygonCorners);
         faces_.push_back(face);
     }
 
@@ -120,22 +128,20 @@ class ObjReader {
     Corner readCorner(std::string_view word) {
         Corner corner = {kNone, kNone, kNone};
         const char* at = word.data();
-        const char* end = at + word.size();
-        const auto slash = [&] { return at < end && *at == '/' && ++at < end; };
-        corner[kVertex] = readIndex(at, end, word, kVertex);
-        if (slash()) {
-            if (*at != '/') corner[kUv] = readIndex(at, end, word, kUv);
-            if (slash()) corner[kNormal] = readIndex(at, end, word, kNormal);
+        const char* const end = at + word.size();
+        for (const Kind kind : kAllKinds) {
+            if (kind != kVertex && at < end) at++;  // a slash
+            if (kind == kVertex || (at < end && *at != '/')) corner[kind] = readIndex(at, end, word, kind);
         }
         if (at != end) badCorner(word);
         return corner;
     }
 
     // Items of a kind so far.
-    int64_t countOf(size_t kind) const {
-        return static_cast<int64_t>(kind == kVertex ? builder_.positions.size()
-                                    : kind == kUv   ? builder_.uvs.size()
-                                                    : builder_.normals.size());
+    int64_t countOf(Kind kind) const {
+        return static_cast<int64_t>(kind == kVertex ? mesh_.positions.size()
+                                    : kind == kUv   ? mesh_.uvs.size()
+                                                    : mesh_.normals.size());
     }
 
     // An index that ends at a slash or at the word's end, counted from 0.
@@ -147,40 +153,19 @@ class ObjReader {
         if (index > 0) return index - 1;
         const int64_t have = countOf(kind);  // negative indices count back from the last one so far
         if (index < 0 && index >= -have) return have + index;
-        if (index < 0 && have == 0 && !builder_.positions.empty()) return kMissing;
+        if (index < 0 && have == 0 && !mesh_.positions.empty()) return kMissing;
         scanner_.fail(
-            std::string("face uses ") + kKinds[kind] + " " + std::to_string(index) +
+            "face uses ", kKindNames[kind], " ", index,
             (index == 0 ? ", indices start at 1" : ", there are " + std::to_string(have) + " so far"));
     }
 
     [[noreturn]] void badCorner(std::string_view word) const {
-        scanner_.fail("\"" + std::string(word.substr(0, 40)) +
-                      "\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
-    }
-
-    // A library may follow the first use of its materials, so names become indices at the end.
-    void useMaterial(const std::string& name) {
-        const auto [use, isNew] = useOf_.try_emplace(name, static_cast<uint32_t>(uses_.size()));
-        if (isNew) uses_.emplace_back(scanner_.line(), name);
-        material_ = use->second;
-    }
-
-    void resolveMaterials() {
-        std::vector<uint32_t> indices(uses_.size(), Mesh::kNoIndex);
-        for (size_t i = 0; i < uses_.size(); i++) {
-            const auto& [line, name] = uses_[i];
-            const auto known = materialIndices_.find(name);
-            if (known != materialIndices_.end())
-                indices[i] = known->second;
-            else
-                warn(line, "material \"" + name + "\" is not defined in a material file; grey is used");
-        }
-        for (Face& face : faces_)
-            if (face.material != Mesh::kNoIndex) face.material = indices[face.material];
+        scanner_.fail("\"", word.substr(0, 40), "\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
     }
 
     void warn(size_t line, const std::string& what) {
-        warnings_.push_back(printable(path_.string() + ":" + std::to_string(line) + ": " + what));
+        builder_.result.warnings.push_back(
+            printable(path_.string() + ":" + std::to_string(line) + ": " + what));
     }
 
     // Reads the libraries of a line: one file, whose name may hold blanks, or several.
@@ -208,38 +193,37 @@ class ObjReader {
             warn(scanner_.line(), error.what() + std::string("; drawn without these materials"));
             return true;
         }
-        const size_t first = materials_.size();
-        readMtl(text, file, files_, materials_, textures_, warnings_);
-        for (size_t i = first; i < materials_.size(); i++)  // the first definition counts
-            materialIndices_.emplace(materials_[i].name, static_cast<uint32_t>(i));
+        const std::vector<Material>& all = builder_.result.materials;
+        const size_t first = all.size();
+        readMtl(text, file, files_, builder_.result);
+        for (size_t i = first; i < all.size(); i++) {
+            uint32_t& known = materials_[all[i].name].material;
+            if (known == Mesh::kNoIndex) known = static_cast<uint32_t>(i);
+        }
         return true;
     }
 
-    // Faces may name texture vertices and normals that the file leaves out altogether.
-    void dropMissing(Kind kind, const char* what) {
-        const auto names = [&](const Corner& corner) { return corner[kind] != kNone; };
-        if (std::none_of(corners_.begin(), corners_.end(), names)) return;
-        for (Corner& corner : corners_) corner[kind] = kNone;
-        warnings_.push_back(path_.string() + ": faces name " + what +
-                            ", but the file has none; drawn without them");
-    }
-
     void checkIndices() {
-        if (builder_.uvs.empty()) dropMissing(kUv, "texture vertices (vt)");
-        if (builder_.normals.empty()) dropMissing(kNormal, "normals (vn)");
+        // Faces may name texture vertices and normals that the file leaves out altogether.
+        for (const auto& [kind, what] :
+             {std::pair(kUv, "texture vertices (vt)"), {kNormal, "normals (vn)"}}) {
+            const auto names = [&](const Corner& corner) { return corner[kind] != kNone; };
+            if (countOf(kind) > 0 || std::ranges::none_of(corners_, names)) continue;
+            for (Corner& corner : corners_) corner[kind] = kNone;
+            builder_.warnings.add("faces name ", what, ", but the file has none; drawn without them");
+        }
         for (const Face& face : faces_)
             for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++)
-                for (const Kind kind : {kVertex, kUv, kNormal})
+                for (const Kind kind : kAllKinds)
                     if (corners_[i][kind] >= countOf(kind))
-                        scanner_.failAt(face.line, std::string("face uses ") + kKinds[kind] + " " +
-                                                       std::to_string(corners_[i][kind] + 1) +
-                                                       ", the file has " + std::to_string(countOf(kind)));
-        for (const Kind kind : {kVertex, kUv, kNormal})
+                        scanner_.failAt(face.line, "face uses ", kKindNames[kind], " ", corners_[i][kind] + 1,
+                                        ", the file has ", countOf(kind));
+        for (const Kind kind : kAllKinds)
             if (countOf(kind) >= int64_t{Mesh::kNoIndex}) scanner_.fail("more than 2^32 - 2 vertices");
     }
 
     void addFace(const Face& face) {
-        for (const Kind kind : {kVertex, kUv, kNormal}) {
+        for (const Kind kind : kAllKinds) {
             std::vector<uint32_t>& list = scratch_[kind];
             list.clear();
             for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++)
@@ -247,8 +231,8 @@ class ObjReader {
             if (list.size() != face.cornerCount) list.clear();  // some have none: flat
         }
         MeshBuilder::Corners corners{scratch_[kVertex], scratch_[kNormal], scratch_[kUv]};
-        if (!builder_.colors.empty()) corners.colors = scratch_[kVertex];
-        builder_.addPolygon(corners, face.material);
+        if (!mesh_.colors.empty()) corners.colors = scratch_[kVertex];
+        builder_.addPolygon(corners, face.material ? face.material->material : Mesh::kNoIndex);
     }
 
     std::filesystem::path path_;
@@ -256,17 +240,12 @@ class ObjReader {
     std::string text_;
     TextScanner scanner_;
     MeshBuilder builder_;
+    Mesh& mesh_ = builder_.result.mesh;
     std::vector<Corner> corners_;
     std::vector<Face> faces_;
-    std::vector<Material> materials_;
-    std::vector<Texture> textures_;
-    std::set<std::filesystem::path> libraries_;  // that were looked for
-    std::map<std::string, uint32_t> materialIndices_;
-    std::vector<std::pair<size_t, std::string>> uses_;  // of materials: line of the first one, and name
-    std::map<std::string, uint32_t> useOf_;
-    IgnoredNames ignored_;
-    std::vector<std::string> warnings_;
-    uint32_t material_ = Mesh::kNoIndex;
+    std::set<std::filesystem::path> libraries_;       // that were looked for
+    std::map<std::string, NamedMaterial> materials_;  // by name
+    const NamedMaterial* material_ = nullptr;
     std::array<std::vector<uint32_t>, 3> scratch_;  // of addFace
 };
 

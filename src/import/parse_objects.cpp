@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "import/load.h"
 #include "import/parse_scene.h"
-#include "import/scene_keys.h"
 #include "scene/limits.h"
 #include "scene/transform.h"
 #include "scene/validate.h"
@@ -80,13 +79,12 @@ constexpr OtherName kOtherNames[] = {
 // ---- Transforms
 
 Affine parseMatrix(const JsonCursor& list) {
-    if (list.size() != 16)
-        list.fail("a matrix must have 16 numbers, row after row (got " + std::to_string(list.size()) + ")");
+    if (list.size() != 16) list.fail("a matrix must have 16 numbers, row after row (got ", list.size(), ")");
     double rows[16];
     for (size_t i = 0; i < 16; i++) rows[i] = list.item(i).number();
     if (rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1)
-        list.fail("the last row of the matrix must be 0 0 0 1 (got " + describe(rows[12]) + " " +
-                  describe(rows[13]) + " " + describe(rows[14]) + " " + describe(rows[15]) + ")");
+        list.fail("the last row of the matrix must be 0 0 0 1 (got ", describe(rows[12]), " ",
+                  describe(rows[13]), " ", describe(rows[14]), " ", describe(rows[15]), ")");
     Affine result;
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 3; column++) result.linear[column][row] = rows[4 * row + column];
@@ -115,10 +113,10 @@ Affine parseQuaternion(const JsonCursor& turn) {
 
 Affine parseStep(const JsonCursor& step) {
     step.expectKeys(keys::of("transformStep"));
-    if (step.memberCount() != 1)
+    const auto members = step.members();
+    if (members.size() != 1)
         step.fail("must hold exactly one of \"scale\", \"rotate\", \"quaternion\" and \"translate\"");
-    const JsonCursor value = step.member(0);
-    const std::string_view kind = step.memberName(0);
+    const auto& [kind, value] = members.front();
     if (kind == "rotate") return parseRotation(value);
     if (kind == "quaternion") return parseQuaternion(value);
     if (kind == "translate") return translation(value.vector3());
@@ -132,11 +130,11 @@ Affine parseStep(const JsonCursor& step) {
 void checkTransform(const Affine& result, const JsonCursor& transform, const std::string& context) {
     const double condition = conditionNumber(result.linear);
     if (std::isnan(condition) || !std::isfinite(result.offset.x + result.offset.y + result.offset.z))
-        transform.fail("is not finite" + context);
-    if (std::isinf(condition)) transform.fail("is singular, it flattens the object" + context);
+        transform.fail("is not finite", context);
+    if (std::isinf(condition)) transform.fail("is singular, it flattens the object", context);
     if (condition > kMaxCondition)
-        transform.fail("is nearly singular" + context + " (condition number " + sixDigits(condition) +
-                       ", the limit is " + describe(kMaxCondition) + ")");
+        transform.fail("is nearly singular", context, " (condition number ", sixDigits(condition),
+                       ", the limit is ", describe(kMaxCondition), ")");
 }
 
 // A list of steps, applied first to last, or 16 numbers by rows.
@@ -163,33 +161,33 @@ std::optional<Affine> composed(const JsonCursor& object, const std::optional<Aff
     return both;
 }
 
-// Refuses a name that is missing in `names`.
-[[noreturn]] void failName(const JsonCursor& cursor, const std::string& what,
-                           const std::vector<std::string_view>& names) {
+// Refuses a name that is no key of `known`.
+template <typename Map>
+[[noreturn]] void failName(const JsonCursor& cursor, const std::string& what, const Map& known) {
+    std::vector<std::string_view> names;
+    for (const auto& entry : known) names.push_back(entry.first);
     const std::string hint = suggestion(cursor.string(), names, "defined");
-    cursor.fail("no " + what + " \"" + cursor.string() + "\" (" +
-                (hint.empty() ? "the scene defines none" : hint) + ")");
+    cursor.fail("no ", what, " \"", cursor.string(), "\" (", (hint.empty() ? "the scene defines none" : hint),
+                ")");
 }
 
 class ObjectParser {
   public:
-    // `meshes` is the scene's object of that name, or null.
+    // `meshes` is the scene's object of that name, if it has one.
     ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
-                 SceneFiles& files, MeshMemory& memory, const JsonCursor* meshes)
-        : scene_(scene), file_(file), folder_(folder), files_(files), memory_(memory), meshes_(meshes) {
+                 SceneFiles& files, MeshMemory& memory, const std::optional<JsonCursor>& meshes)
+        : scene_(scene), file_(file), folder_(folder), files_(files), memory_(memory) {
         for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
-        for (size_t i = 0; meshes && i < meshes->memberCount(); i++)
-            meshNames_.emplace(meshes->memberName(i), i);
+        if (!meshes) return;
+        for (const auto& [name, mesh] : meshes->members()) meshes_.emplace(name, mesh);
     }
 
     // Appends the object, or those of a group, to the scene.
     void parse(const JsonCursor& object) { parse(object, {}); }
     void warnOfUnusedMeshes() {
-        if (!meshes_) return;
-        for (size_t i = 0; i < meshes_->memberCount(); i++)
-            if (!loaded_.contains(meshes_->memberName(i)))
-                scene_.warnings.push_back(file_ + ": " + meshes_->member(i).pointer() +
-                                          ": no object uses this mesh");
+        for (const auto& [name, mesh] : meshes_)
+            if (!loaded_.contains(name))
+                scene_.warnings.push_back(file_ + ": " + mesh.pointer() + ": no object uses this mesh");
     }
 
   private:
@@ -207,7 +205,6 @@ class ObjectParser {
     };
 
     void parse(const JsonCursor& object, const Surrounding& around) {
-        object.expectObject();
         const std::string type(readType(object.require("type"), "object"));
         if (type == "group") return parseGroup(object, around);
         object.expectKeys(keys::of("object/" + type));
@@ -233,7 +230,7 @@ class ObjectParser {
     void parseGroup(const JsonCursor& group, const Surrounding& around) {
         group.expectKeys(keys::of("object/group"));
         if (around.depth == kMaxGroupDepth)
-            group.fail("groups must not be nested deeper than " + std::to_string(kMaxGroupDepth));
+            group.fail("groups must not be nested deeper than ", kMaxGroupDepth);
         Surrounding inside = around;
         ++inside.depth;
         inside.transform = composed(group, around.transform);
@@ -265,22 +262,17 @@ class ObjectParser {
         const auto known = loaded_.find(name);
         if (known != loaded_.end()) return *known->second;
 
-        const auto found = meshNames_.find(name);
-        if (found == meshNames_.end()) {
-            std::vector<std::string_view> names;
-            for (size_t i = 0; meshes_ && i < meshes_->memberCount(); i++)
-                names.push_back(meshes_->memberName(i));
-            failName(nameCursor, "mesh", names);
-        }
-        const JsonCursor entry = meshes_->member(found->second), file = entry.require("file");
+        const auto found = meshes_.find(name);
+        if (found == meshes_.end()) failName(nameCursor, "mesh", meshes_);
+        const JsonCursor file = found->second.require("file");
         std::filesystem::path path;
         try {
             path = files_.resolve(folder_, file.string());
         } catch (const Error& error) {
             file.fail(error.what());
         }
-        if (!files_.exists(path)) file.fail("no such file: " + path.string());
-        if (!isMeshFile(path)) file.fail(path.string() + ": " + kNoMeshFile);
+        if (!files_.exists(path)) file.fail("no such file: ", path.string());
+        if (!isMeshFile(path)) file.fail(path.string(), ": ", kNoMeshFile);
         std::shared_ptr<LoadedMesh>& shared = byFile_[files_.real(path)];
         if (!shared) shared = std::make_shared<LoadedMesh>(readMesh(path));
         return *loaded_.emplace(name, shared).first->second;
@@ -294,26 +286,24 @@ class ObjectParser {
         const auto firstTexture = static_cast<uint32_t>(scene_.textures.size());
         scene_.textures.insert(scene_.textures.end(), read.textures.begin(), read.textures.end());
         for (Material material : read.materials) {
-            for (uint32_t* texture :
-                 {&material.ambientTexture, &material.diffuseTexture, &material.specularTexture,
-                  &material.mirrorTexture, &material.transmissionTexture})
-                if (*texture != Material::kNoTexture) *texture += firstTexture;
+            for (const auto texture : kMaterialTextures)
+                if (material.*texture != Material::kNoTexture) material.*texture += firstTexture;
             scene_.materials.push_back(std::move(material));
         }
         mesh.own = read.mesh;
         return mesh;
     }
 
-    // A mesh that was read for an earlier moment of an animation has its materials at the same place as then.
+    // Reads a file, unless that was done for an earlier moment of an animation.
     const MeshMemory::Read& remembered(const std::filesystem::path& path) {
         const auto firstMaterial = static_cast<uint32_t>(scene_.materials.size());
-        MeshMemory::Read& read = memory_.files[path];
-        if (read.mesh && (read.firstMaterial == firstMaterial || read.mesh->materials.empty())) return read;
+        MeshMemory::Read& read = memory_.files[{path, firstMaterial}];
+        if (read.mesh) return read;
         ImportedMesh imported = importMesh(path, files_);
         validateVertices(imported.mesh, path.string());
         for (uint32_t& material : imported.mesh.materials) material += firstMaterial;
         read = {std::move(imported.materials), std::move(imported.textures), std::move(imported.warnings),
-                std::make_shared<const Mesh>(std::move(imported.mesh)), firstMaterial};
+                std::make_shared<const Mesh>(std::move(imported.mesh))};
         return read;
     }
 
@@ -322,9 +312,7 @@ class ObjectParser {
             nameCursor.fail("must be a name: put the material into \"materials\": {\"NAME\": {...}}");
         const auto found = materials_.find(nameCursor.string());
         if (found != materials_.end()) return found->second;
-        std::vector<std::string_view> names;
-        for (const auto& [known, index] : materials_) names.push_back(known);
-        failName(nameCursor, "material", names);
+        failName(nameCursor, "material", materials_);
     }
 
     uint32_t defaultMaterial() {
@@ -340,8 +328,7 @@ class ObjectParser {
     const std::filesystem::path& folder_;
     SceneFiles& files_;
     MeshMemory& memory_;
-    const JsonCursor* meshes_;
-    std::map<std::string_view, size_t> meshNames_;  // index of each member of `meshes_`
+    std::map<std::string_view, JsonCursor> meshes_;
     std::map<std::string, uint32_t, std::less<>> materials_;
     std::map<std::string, std::shared_ptr<LoadedMesh>, std::less<>> loaded_;  // by name
     std::map<std::filesystem::path, std::shared_ptr<LoadedMesh>> byFile_;     // several names may share one
@@ -357,23 +344,20 @@ std::string_view readType(const JsonCursor& type, std::string_view kind) {
     std::string hint = suggestion(name, types, "supported");
     for (const OtherName& other : kOtherNames)
         if (other.kind == kind && other.name == name) hint = other.advice;
-    type.fail("unknown " + std::string(kind) + " type \"" + name + "\" (" + hint + ")");
+    type.fail("unknown ", kind, " type \"", name, "\" (", hint, ")");
 }
 
 void parseObjects(const JsonCursor& root, const std::string& name, const std::filesystem::path& folder,
                   SceneFiles& files, MeshMemory& memory, Scene& scene, SceneErrors& errors) {
     const auto meshes = root.find("meshes");
     if (meshes) {
-        meshes->expectObject();
-        for (size_t i = 0; i < meshes->memberCount(); i++) {
+        for (const auto& member : meshes->members())
             errors.attempt([&] {
-                const JsonCursor mesh = meshes->member(i);
-                mesh.expectKeys(keys::of("mesh"));
-                mesh.require("file").string();
+                member.second.expectKeys(keys::of("mesh"));
+                member.second.require("file").string();
             });
-        }
     }
-    ObjectParser parser(scene, name, folder, files, memory, meshes ? &*meshes : nullptr);
+    ObjectParser parser(scene, name, folder, files, memory, meshes);
     if (const auto objects = root.find("objects"))
         for (size_t i = 0; i < objects->size(); i++) {
             const ProgressPart part(files, i, objects->size());

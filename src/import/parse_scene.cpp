@@ -7,7 +7,6 @@
 #include "import/json_document.h"
 #include "import/load.h"
 #include "import/parse_scene.h"
-#include "import/scene_keys.h"
 #include "scene/limits.h"
 #include "scene/placement.h"
 #include "scene/sampling.h"
@@ -182,7 +181,6 @@ Projection readProjection(const JsonCursor& camera) {
 }
 
 void readCamera(const JsonCursor& camera, Camera& result) {
-    camera.expectObject();
     result.projection = readProjection(camera);
     camera.expectKeys(keys::of("camera/" + std::string(nameOf(result.projection))));
     result.eye = camera.vector3("eye", result.eye);
@@ -223,7 +221,6 @@ SpotLight parseSpot(const JsonCursor& light) {
 }
 
 Light parseLight(const JsonCursor& light) {
-    light.expectObject();
     const std::string_view type = readType(light.require("type"), "light");
     if (type == "point") return parsePoint(light);
     if (type == "spot") return parseSpot(light);
@@ -334,11 +331,10 @@ void parseCameras(const JsonCursor& root, Scene& scene) {
     if (const auto camera = root.find("camera")) readCamera(*camera, scene.camera);
     const auto cameras = root.find("cameras");
     if (!cameras) return;
-    cameras->expectObject();
-    for (size_t i = 0; i < cameras->memberCount(); i++) {
-        NamedCamera named{std::string(cameras->memberName(i)), {}};
-        if (named.name.empty()) cameras->fail("a camera's name must not be empty");
-        readCamera(cameras->member(i), named.camera);
+    for (const auto& [name, camera] : cameras->members()) {
+        NamedCamera named{std::string(name), {}};
+        if (name.empty()) cameras->fail("a camera's name must not be empty");
+        readCamera(camera, named.camera);
         scene.cameras.push_back(std::move(named));
     }
 }
@@ -346,7 +342,7 @@ void parseCameras(const JsonCursor& root, Scene& scene) {
 Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files, MeshMemory& memory) {
     const JsonCursor root(document, name);
-    root.expectObject();
+    root.object();  // checked once, before the parts
 
     Scene scene;
     SceneErrors errors(document, name);
@@ -371,14 +367,11 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
     errors.attempt([&] {
         const auto materials = root.find("materials");
         if (!materials) return;
-        materials->expectObject();
-        for (size_t i = 0; i < materials->memberCount(); i++) {
+        for (const auto& member : materials->members()) {
             // Objects may name it, whatever is wrong with it.
-            scene.materials.emplace_back().name = materials->memberName(i);
-            errors.attempt([&] {
-                Material read = parseMaterial(materials->member(i), materials->memberName(i), textures);
-                scene.materials[i] = std::move(read);
-            });
+            scene.materials.emplace_back().name = member.first;
+            errors.attempt(
+                [&] { scene.materials.back() = parseMaterial(member.second, member.first, textures); });
         }
     });
     errors.attempt([&] { parseObjects(root, name, folder, files, memory, scene, errors); });

@@ -59,16 +59,16 @@ NumberType readType(TextScanner& line) {
     const std::string_view word = line.word();
     for (size_t i = 0; i < std::size(kTypeNames); i++)
         if (word == kTypeNames[i][0] || word == kTypeNames[i][1]) return static_cast<NumberType>(i);
-    line.fail("unknown property type \"" + std::string(word) + "\"");
+    line.fail("unknown property type \"", word, "\"");
 }
 
 PlyFormat readFormat(TextScanner& line) {
     constexpr std::string_view kFormats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
     const std::string_view format = line.word(), version = line.word();
-    if (version != "1.0") line.fail("format version \"" + std::string(version) + "\" is not 1.0");
+    if (version != "1.0") line.fail("format version \"", version, "\" is not 1.0");
     const auto known = std::ranges::find(kFormats, format);
     if (known == std::end(kFormats))
-        line.fail("unknown format \"" + std::string(format) + "\" (known: " + joinNames(kFormats) + ")");
+        line.fail("unknown format \"", format, "\" (known: ", joinNames(kFormats), ")");
     return static_cast<PlyFormat>(known - kFormats);
 }
 
@@ -121,17 +121,17 @@ PlyHeader readPlyHeader(const Context& context, std::string_view bytes, const st
             PlyElement& element = header.elements.emplace_back();
             element.name = lines.word();
             const int64_t count = lines.integer("an element count");
-            if (count < 0) lines.fail("element count " + std::to_string(count) + " is negative");
+            if (count < 0) lines.fail("element count ", count, " is negative");
             element.count = static_cast<uint64_t>(count);
             if (!names.insert(element.name).second)
-                lines.fail("element \"" + element.name + "\" stands here twice");
+                lines.fail("element \"", element.name, "\" stands here twice");
         } else if (keyword == "property") {
             if (header.elements.empty()) lines.fail("a property before the first element");
             header.elements.back().properties.push_back(readProperty(lines));
         } else if (keyword == "comment") {
             if (lines.word() == "TextureFile") header.textures.emplace_back(lines.restOfLine());
         } else if (!keyword.empty() && keyword != "obj_info") {
-            lines.fail("unknown header word \"" + std::string(keyword.substr(0, 40)) + "\"");
+            lines.fail("unknown header word \"", keyword.substr(0, 40), "\"");
         }
     }
     lines.fail("the file ends before end_header");
@@ -176,9 +176,10 @@ class PlyNumbers {
             lines_.fail("the line has more numbers than the header announces");
     }
     // Fails at the present element.
-    [[noreturn]] void fail(const std::string& what) const {
-        if (format_ == PlyFormat::Ascii) lines_.fail(element_->name + " " + what);
-        failFile(file_, element_->name + " " + std::to_string(index_) + " " + what);
+    template <typename... Parts>
+    [[noreturn]] void fail(const Parts&... what) const {
+        if (format_ == PlyFormat::Ascii) lines_.fail(element_->name, ' ', what...);
+        failFile(file_, element_->name, ' ', index_, ' ', what...);
     }
 
   private:
@@ -207,12 +208,16 @@ class PlyNumbers {
 constexpr const char* kNumberNames =
     "x,y,z,nx,ny,nz,s u texture_u,t v texture_v,red diffuse_red,green diffuse_green,blue diffuse_blue";
 
-// The roles of an element's properties, and the groups of numbers that are complete.
-struct PlyRoles {
-    std::vector<size_t> ofProperty;
-    bool positions = false, normals = false, uvs = false, colors = false;
-    bool codedColors = false;  // integers
-};
+// The use of a property: a number of kNumberNames, whose groups begin here, or a list.
+enum Role : size_t { kPosition, kNormal = 3, kUv = 6, kColor = 8, kIndices = 11, kCornerUvs, kUnused };
+constexpr std::pair<Role, Role> kGroups[] = {
+    {kPosition, kNormal}, {kNormal, kUv}, {kUv, kColor}, {kColor, kIndices}};
+
+using Roles = std::vector<size_t>;  // of an element's properties
+
+bool has(const Roles& roles, size_t role) {
+    return std::ranges::find(roles, role) != roles.end();
+}
 
 class PlyReader {
     static constexpr double kRead = 0.9;  // part of the time for reading; the rest is for the faces
@@ -222,19 +227,24 @@ class PlyReader {
         : files_(files),
           header_(header),
           file_(file),
-          numbers_(files.context(), std::string_view(bytes).substr(header.bodyOffset), file, header) {}
+          numbers_(files.context(), std::string_view(bytes).substr(header.bodyOffset), file, header),
+          builder_(file) {}
 
-    // `materials` is empty or holds the material of all faces.
-    ImportedMesh read(std::vector<Material> materials, std::vector<std::string> warnings) {
+    ImportedMesh read() {
+        for (size_t i = 0; i < std::min<size_t>(header_.textures.size(), 9); i++) {
+            if (i == 0)
+                addTexturedMaterial(header_.textures[0], file_, files_, builder_.result);
+            else
+                builder_.warnings.add("TextureFile ", header_.textures[i],
+                                      " is ignored, all faces have the first one");
+        }
         readElements();
-        addFaces(materials.empty() ? Mesh::kNoIndex : 0);
-        ignored_.warn(file_, warnings);
-        return builder_.finish(file_, std::move(materials), std::move(warnings));
+        addFaces();
+        builder_.warnings.addIgnored();
+        return builder_.finish();
     }
 
   private:
-    // The use of a property: a number of kNumberNames, whose groups begin here, or a list.
-    enum Role : size_t { kPosition, kNormal = 3, kUv = 6, kColor = 8, kIndices = 11, kCornerUvs, kUnused };
     static constexpr uint32_t kStripEnd = Mesh::kNoIndex;
     // The ends of a face's corners and of its own attributes in the lists of faces.
     struct FaceEnd {
@@ -252,74 +262,63 @@ class PlyReader {
                 readFaces(element);
             } else if (element.name == "tristrips") {
                 faces += element.count;
-                forEach(element, rolesWithIndices(element, kUnused, "triangle strips"),
+                forEach(element, rolesWithIndices(element, kIndices, "triangle strips"),
                         [&](const double*) { addStrip(); });
             } else {
-                ignored_.add("element " + element.name);
+                builder_.warnings.ignore("element " + element.name);
                 if (element.properties.empty()) continue;  // they take no bytes in the file
-                forEach(element, {std::vector<size_t>(element.properties.size(), kUnused)},
-                        [](const double*) {});
+                forEach(element, Roles(element.properties.size(), kUnused), [](const double*) {});
             }
         }
-        if (faces == 0) fail("holds no faces; a point cloud cannot be rendered");
+        if (faces == 0) failFile(file_, "holds no faces; a point cloud cannot be rendered");
     }
 
-    [[noreturn]] void fail(const std::string& what) const { failFile(file_, what); }
-
-    // Gives roles to the numbers from `firstWanted` on, and ignores groups that are not complete.
-    PlyRoles rolesOf(const PlyElement& element, size_t firstWanted, const PlyProperty* indices = nullptr) {
-        PlyRoles roles;
-        roles.ofProperty.assign(element.properties.size(), kUnused);
-        bool found[kIndices] = {};
-        const auto give = [&](const PlyProperty& property, size_t role) {
-            roles.ofProperty[static_cast<size_t>(&property - element.properties.data())] = role;
+    // Gives roles to the groups of numbers from `firstWanted` on that are complete, and to the lists of a
+    // face or strip whose vertices are `indices`. Ignores all other properties.
+    Roles rolesOf(const PlyElement& element, Role firstWanted, const PlyProperty* indices = nullptr) {
+        Roles roles(element.properties.size(), kUnused);
+        const auto give = [&](const PlyProperty* property, size_t role) {
+            roles[static_cast<size_t>(property - element.properties.data())] = role;
         };
         const std::vector<std::string> names = split(kNumberNames, ',');
         for (size_t role = firstWanted; role < kIndices; role++)
             for (const std::string& name : split(names[role], ' ')) {
                 const PlyProperty* const property = element.find(name);
-                if (!property || property->isList || found[role]) continue;
-                give(*property, role);
-                found[role] = true;
-                if (role == kColor) roles.codedColors = isInteger(property->type);
+                if (property && !property->isList && !has(roles, role)) give(property, role);
             }
-        const auto has = [&](size_t first, size_t end) {
-            const bool all = std::all_of(found + first, found + end, [](bool there) { return there; });
-            for (size_t& role : roles.ofProperty)
-                if (!all && role >= first && role < end) role = kUnused;
-            return all;
-        };
-        roles.positions = has(kPosition, kNormal);
-        roles.normals = has(kNormal, kUv);
-        roles.uvs = has(kUv, kColor);
-        roles.colors = has(kColor, kIndices);
-        if (indices) {
-            give(*indices, kIndices);
-            const PlyProperty* const uvs = element.find("texcoord");
-            if (uvs && uvs->isList) give(*uvs, kCornerUvs);
+        for (const auto& group : kGroups) {
+            const auto belongs = [&](size_t role) { return role >= group.first && role < group.second; };
+            const auto found = static_cast<size_t>(std::ranges::count_if(roles, belongs));
+            if (found < group.second - group.first) std::ranges::replace_if(roles, belongs, size_t{kUnused});
         }
-        for (size_t p = 0; p < element.properties.size(); p++)
-            if (roles.ofProperty[p] == kUnused) ignored_.add(element.name + " " + element.properties[p].name);
+        if (indices) {
+            give(indices, kIndices);
+            const PlyProperty* const uvs = element.find("texcoord");
+            if (uvs && uvs->isList) give(uvs, kCornerUvs);
+        }
+        for (size_t p = 0; p < roles.size(); p++)
+            if (roles[p] == kUnused)
+                builder_.warnings.ignore(element.name + " " + element.properties[p].name);
         return roles;
     }
 
     // The same with the vertex lists of the faces or strips, which may stand before the vertices.
-    PlyRoles rolesWithIndices(const PlyElement& element, size_t firstWanted, const std::string& plural) {
+    Roles rolesWithIndices(const PlyElement& element, Role firstWanted, const std::string& plural) {
         const auto vertices = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
-        if (vertices == header_.elements.end()) fail("holds no vertices");
+        if (vertices == header_.elements.end()) failFile(file_, "holds no vertices");
         vertexCount_ = static_cast<int64_t>(vertices->count);
         const PlyProperty* found = element.find("vertex_indices");
-        if (found == nullptr) found = element.find("vertex_index");
-        if (found == nullptr) fail("the " + plural + " have neither a list vertex_indices nor vertex_index");
+        if (!found) found = element.find("vertex_index");
+        if (!found) failFile(file_, "the ", plural, " have neither a list vertex_indices nor vertex_index");
         if (!found->isList || !isInteger(found->type))
-            fail("\"" + found->name + "\" must be a list of integers");
+            failFile(file_, "\"", found->name, "\" must be a list of integers");
         return rolesOf(element, firstWanted, found);
     }
 
     // Reads all elements of a kind: add(numbers) receives the numbers of each by role; its lists are in
     // indices_ and cornerUvs_.
     template <typename Add>
-    void forEach(const PlyElement& element, const PlyRoles& roles, const Add& add) {
+    void forEach(const PlyElement& element, const Roles& roles, const Add& add) {
         for (uint64_t i = 0; i < element.count; i++) {
             double values[kUnused + 1] = {};
             indices_.clear();
@@ -328,9 +327,9 @@ class PlyReader {
             for (size_t p = 0; p < element.properties.size(); p++) {
                 const PlyProperty& property = element.properties[p];
                 if (property.isList)
-                    readList(property, roles.ofProperty[p], element.name == "face");
+                    readList(property, roles[p], element.name == "face");
                 else
-                    values[roles.ofProperty[p]] = numbers_.number(property.type);
+                    values[roles[p]] = numbers_.number(property.type);
             }
             numbers_.endElement();
             add(values);
@@ -339,11 +338,9 @@ class PlyReader {
 
     void readList(const PlyProperty& property, size_t role, bool isFace) {
         const int64_t count = numbers_.integer(property.countType);
-        if (count < 0)
-            numbers_.fail("list \"" + property.name + "\" has " + std::to_string(count) + " entries");
+        if (count < 0) numbers_.fail("list \"", property.name, "\" has ", count, " entries");
         if (role == kIndices && isFace && count > static_cast<int64_t>(kMaxPolygonCorners))
-            numbers_.fail("has " + std::to_string(count) + " vertices, the limit is " +
-                          std::to_string(kMaxPolygonCorners));
+            numbers_.fail("has ", count, " vertices, the limit is ", kMaxPolygonCorners);
         for (int64_t i = 0; i < count; i++) {
             if (role == kIndices) {
                 indices_.push_back(checkedVertex(numbers_.integer(property.type), isFace));
@@ -358,37 +355,40 @@ class PlyReader {
     uint32_t checkedVertex(int64_t index, bool isFace) const {
         if (index == -1 && !isFace) return kStripEnd;
         if (index < 0 || index >= vertexCount_)
-            numbers_.fail("uses vertex " + std::to_string(index) + ", the file has " +
-                          std::to_string(vertexCount_) + " (numbered from 0)");
+            numbers_.fail("uses vertex ", index, ", the file has ", vertexCount_, " (numbered from 0)");
         return static_cast<uint32_t>(index);
     }
 
     void readVertices(const PlyElement& element) {
-        const PlyRoles roles = rolesOf(element, kPosition);
-        if (!roles.positions) fail("the vertices lack one of the properties x, y, z");
-        if (element.count >= Mesh::kNoIndex) fail("more than 2^32 - 2 vertices");
-        setColorCodes(roles);
+        const Roles roles = rolesOf(element, kPosition);
+        if (!has(roles, kPosition)) failFile(file_, "the vertices lack one of the properties x, y, z");
+        if (element.count >= Mesh::kNoIndex) failFile(file_, "more than 2^32 - 2 vertices");
+        setColorCodes(element, roles);
+        const bool normals = has(roles, kNormal), uvs = has(roles, kUv), colors = has(roles, kColor);
         forEach(element, roles, [&](const double* v) {
-            builder_.positions.emplace_back(v[0], v[1], v[2]);
-            if (roles.normals) builder_.normals.emplace_back(v[3], v[4], v[5]);
-            if (roles.uvs) builder_.uvs.emplace_back(v[6], v[7]);
-            if (roles.colors) builder_.colors.emplace_back(v[8], v[9], v[10]);
+            mesh_.positions.emplace_back(v[0], v[1], v[2]);
+            if (normals) mesh_.normals.emplace_back(v[3], v[4], v[5]);
+            if (uvs) mesh_.uvs.emplace_back(v[6], v[7]);
+            if (colors) mesh_.colors.emplace_back(v[8], v[9], v[10]);
         });
     }
 
     // Integers are sRGB codes, floats are linear.
-    void setColorCodes(const PlyRoles& roles) {
-        if (roles.colors && roles.codedColors) builder_.colorCodes = MeshBuilder::ColorCodes::Integers;
+    void setColorCodes(const PlyElement& element, const Roles& roles) {
+        for (size_t p = 0; p < roles.size(); p++)
+            if (roles[p] == kColor && isInteger(element.properties[p].type))
+                builder_.colorCodes = MeshBuilder::ColorCodes::Integers;
     }
 
     void readFaces(const PlyElement& element) {
-        const PlyRoles roles = rolesWithIndices(element, kColor, "faces");
-        if (builder_.colors.empty()) setColorCodes(roles);
+        const Roles roles = rolesWithIndices(element, kColor, "faces");
+        if (mesh_.colors.empty()) setColorCodes(element, roles);
+        const bool colors = has(roles, kColor);
         forEach(element, roles, [&](const double* v) {
             corners_.insert(corners_.end(), indices_.begin(), indices_.end());
             for (size_t i = 0; i + 1 < cornerUvs_.size(); i += 2)
                 faceUvs_.emplace_back(cornerUvs_[i], cornerUvs_[i + 1]);
-            if (roles.colors) faceColors_.emplace_back(v[8], v[9], v[10]);
+            if (colors) faceColors_.emplace_back(v[8], v[9], v[10]);
             faces_.push_back({corners_.size(), faceUvs_.size(), faceColors_.size()});
         });
     }
@@ -416,17 +416,19 @@ class PlyReader {
 
     // Adds the faces, whose own attributes replace those of their vertices. A list of texture coordinates
     // must have two for each corner.
-    void addFaces(uint32_t material) {
+    void addFaces() {
         const ProgressPart part(files_, kRead, 1);
-        const bool vertexUvs = !builder_.uvs.empty(), vertexColors = !builder_.colors.empty();
-        const size_t firstUv = builder_.uvs.size(), firstColor = builder_.colors.size();
-        if (firstUv + faceUvs_.size() >= Mesh::kNoIndex) fail("more than 2^32 - 2 texture coordinates");
+        const uint32_t material = builder_.result.materials.empty() ? Mesh::kNoIndex : 0;
+        const bool vertexUvs = !mesh_.uvs.empty(), vertexColors = !mesh_.colors.empty();
+        const size_t firstUv = mesh_.uvs.size(), firstColor = mesh_.colors.size();
+        if (firstUv + faceUvs_.size() >= Mesh::kNoIndex)
+            failFile(file_, "more than 2^32 - 2 texture coordinates");
         if (vertexColors && !faceColors_.empty()) {
-            ignored_.add("face red, green, blue");
+            builder_.warnings.ignore("face red, green, blue");
             faceColors_.clear();
         }
-        builder_.uvs.insert(builder_.uvs.end(), faceUvs_.begin(), faceUvs_.end());
-        builder_.colors.insert(builder_.colors.end(), faceColors_.begin(), faceColors_.end());
+        mesh_.uvs.insert(mesh_.uvs.end(), faceUvs_.begin(), faceUvs_.end());
+        mesh_.colors.insert(mesh_.colors.end(), faceColors_.begin(), faceColors_.end());
         builder_.reserve(faces_.size());
         std::vector<uint32_t> ownUvs, ownColors;
         FaceEnd begin;
@@ -436,7 +438,7 @@ class PlyReader {
             const size_t count = end.corners - begin.corners;
             const auto corners = std::span<const uint32_t>(corners_).subspan(begin.corners, count);
             MeshBuilder::Corners polygon{corners};
-            if (!builder_.normals.empty()) polygon.normals = corners;
+            if (!mesh_.normals.empty()) polygon.normals = corners;
             if (vertexUvs) polygon.uvs = corners;
             if (vertexColors) polygon.colors = corners;
             if (count > 0 && end.uvs - begin.uvs == count) {
@@ -457,7 +459,7 @@ class PlyReader {
     const std::string& file_;
     PlyNumbers numbers_;
     MeshBuilder builder_;
-    IgnoredNames ignored_;
+    Mesh& mesh_ = builder_.result.mesh;
     int64_t vertexCount_ = 0;
     // Lists of the element at hand.
     std::vector<uint32_t> indices_;
@@ -472,23 +474,9 @@ class PlyReader {
 }  // namespace
 
 ImportedMesh readPly(const std::filesystem::path& path, SceneFiles& files) {
-    const std::string file = path.string();
     const std::string bytes = files.read(path);
-    const PlyHeader header = readPlyHeader(files.context(), bytes, file);
-    std::vector<Texture> textures;
-    std::vector<std::string> warnings;
-    std::vector<Material> materials;  // that of the file's texture, if it has one
-    for (size_t i = 0; i < std::min<size_t>(header.textures.size(), 9); i++) {
-        if (i > 0)
-            warnings.push_back(printable(file + ": TextureFile " + header.textures[i] +
-                                         " is ignored, all faces have the first one"));
-        else if (const auto found = texturedMaterial(header.textures[0], path, files, textures, warnings))
-            materials.push_back(*found);
-    }
-    ImportedMesh imported =
-        PlyReader(files, bytes, header, file).read(std::move(materials), std::move(warnings));
-    imported.textures = std::move(textures);
-    return imported;
+    const PlyHeader header = readPlyHeader(files.context(), bytes, path.string());
+    return PlyReader(files, bytes, header, path.string()).read();
 }
 
 }  // namespace glint

@@ -59,16 +59,14 @@ std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFile
 
 // ---- Materials of OBJ and PLY
 
-// Appends the materials of an MTL file with this text, and the textures that they index
+// Appends the materials of an MTL file with this text, the textures that they index and warnings to `result`
 // (docs/reference/file-formats.md). Throws Error(Scene) for text in the place of a number.
 void readMtl(const std::string& text, const std::filesystem::path& path, SceneFiles& files,
-             std::vector<Material>& materials, std::vector<Texture>& textures,
-             std::vector<std::string>& warnings);
+             ImportedMesh& result);
 
-// A white material with this image as its diffuse texture, as a PLY file names it; nothing, with a warning,
-// if the image cannot be read.
-std::optional<Material> texturedMaterial(const std::string& image, const std::filesystem::path& path,
-                                         SceneFiles& files, std::vector<Texture>& textures,
-                                         std::vector<std::string>& warnings);
+// Appends a white material with this image as its diffuse texture, as a PLY file names it; only a warning if
+// the image cannot be read.
+void addTexturedMaterial(const std::string& image, const std::filesystem::path& path, SceneFiles& files,
+                         ImportedMesh& result);
 
 }  // namespace glint

@@ -44,6 +44,10 @@ struct PointHash {
 // Makes a mesh of separate triangles by merging equal vertices.
 class FacetCollector {
   public:
+    explicit FacetCollector(const std::string& file) : builder_(file) {}
+
+    FileWarnings& warnings() { return builder_.warnings; }
+
     void reserve(size_t facets) {
         builder_.reserve(facets);
         indices_.reserve(facets / 2);  // closed meshes have half as many vertices as triangles
@@ -57,24 +61,22 @@ class FacetCollector {
         builder_.addPolygon({corners});
     }
 
-    ImportedMesh finish(const std::string& file, std::vector<std::string> warnings) {
+    ImportedMesh finish() {
         if (disagreeing_ > 0)
-            warnings.push_back(file + ": the stored normals of " + std::to_string(disagreeing_) +
-                               " facets point against the winding of their vertices, which counts");
-        return builder_.finish(file, {}, std::move(warnings));
+            warnings().add("the stored normals of ", disagreeing_,
+                           " facets point against the winding of their vertices, which counts");
+        return builder_.finish();
     }
 
   private:
     uint32_t indexOf(const glm::dvec3& vertex) {
         const glm::dvec3 key = vertex + 0.0;  // -0 becomes 0
-        const auto next = static_cast<uint32_t>(builder_.positions.size());
-        if (key != key) {  // NaN equals nothing: the search would visit all of them
-            builder_.positions.push_back(key);
-            return next;
-        }
-        const auto [at, isNew] = indices_.try_emplace(key, next);
-        if (isNew) builder_.positions.push_back(key);
-        return at->second;
+        std::vector<glm::dvec3>& positions = builder_.result.mesh.positions;
+        uint32_t index = static_cast<uint32_t>(positions.size());
+        // NaN equals nothing: the search would visit all of them.
+        if (key == key) index = indices_.try_emplace(key, index).first->second;
+        if (index == positions.size()) positions.push_back(key);
+        return index;
     }
 
     MeshBuilder builder_;
@@ -86,7 +88,7 @@ class FacetCollector {
 class AsciiStl {
   public:
     AsciiStl(const Context& context, std::string_view text, const std::string& file)
-        : file_(file), scanner_(context, text, file) {}
+        : scanner_(context, text, file), facets_(file) {}
 
     ImportedMesh read() {
         // Some programs sign their files before the first solid.
@@ -98,12 +100,12 @@ class AsciiStl {
             if (!scanner_.skipToWord()) break;
             expect("solid");
         }
-        return facets_.finish(file_, {});
+        return facets_.finish();
     }
 
   private:
     std::string nextWord(const std::string& wanted) {
-        if (!scanner_.skipToWord()) scanner_.fail("the file ends where \"" + wanted + "\" is expected");
+        if (!scanner_.skipToWord()) scanner_.fail("the file ends where \"", wanted, "\" is expected");
         return lowerCase(scanner_.word());
     }
 
@@ -112,8 +114,8 @@ class AsciiStl {
     bool expect(const std::string& keyword, const std::string& other = {}) {
         const std::string word = nextWord(keyword);
         if (word != keyword && (other.empty() || word != other))
-            scanner_.fail("expected " + (other.empty() ? "" : '"' + other + "\" or ") + '"' + keyword +
-                          "\" (got \"" + word.substr(0, 40) + "\")");
+            scanner_.fail("expected ", (other.empty() ? "" : '"' + other + "\" or "), '"', keyword,
+                          "\" (got \"", word.substr(0, 40), "\")");
         return word == keyword;
     }
 
@@ -141,7 +143,6 @@ class AsciiStl {
         facets_.add(normal, vertices);
     }
 
-    const std::string& file_;
     TextScanner scanner_;
     FacetCollector facets_;
 };
@@ -152,9 +153,9 @@ ImportedMesh readBinary(const Context& context, std::string_view bytes, const st
     const uint64_t count = loadNumber<uint32_t>(bytes.data() + kHeaderSize - 4);
     const uint64_t available = (bytes.size() - kHeaderSize) / kFacetSize;
     if (available < count)
-        failFile(file, "byte " + std::to_string(bytes.size()) + ": the file ends after " +
-                           std::to_string(available) + " of " + std::to_string(count) + " triangles");
-    FacetCollector facets;
+        failFile(file, "byte ", bytes.size(), ": the file ends after ", available, " of ", count,
+                 " triangles");
+    FacetCollector facets(file);
     facets.reserve(count);
     size_t attributes = 0;
     for (uint64_t i = 0; i < count; i++) {
@@ -166,14 +167,12 @@ ImportedMesh readBinary(const Context& context, std::string_view bytes, const st
         facets.add(vectors[0], {vectors[1], vectors[2], vectors[3]});
         if (loadNumber<uint16_t>(facet + 48) != 0) attributes++;
     }
-    std::vector<std::string> warnings;
     if (attributes > 0)
-        warnings.push_back(file + ": the attribute bytes of " + std::to_string(attributes) +
-                           " facets, in which some programs keep colours, are ignored");
+        facets.warnings().add("the attribute bytes of ", attributes,
+                              " facets, in which some programs keep colours, are ignored");
     const uint64_t rest = bytes.size() - kHeaderSize - count * kFacetSize;
-    if (rest > 0)
-        warnings.push_back(file + ": " + std::to_string(rest) + " bytes after the last triangle are ignored");
-    return facets.finish(file, std::move(warnings));
+    if (rest > 0) facets.warnings().add(rest, " bytes after the last triangle are ignored");
+    return facets.finish();
 }
 
 // Binary files may start with "solid" too, so the size decides first: four characters of an ascii file, read

@@ -6,12 +6,13 @@
 #include <cstdlib>
 #include <type_traits>
 
+#include "core/enum_names.h"
 #include "core/error.h"
 #include "core/text_file.h"
 
 namespace glint {
 
-void failFile(const std::string& file, const std::string& what) {
+void failWith(const std::string& file, const std::string& what) {
     throw Error(ErrorKind::Scene, printable(file + ": " + what));
 }
 
@@ -28,17 +29,20 @@ std::string_view withoutByteOrderMark(std::string_view text, const std::string& 
     return text.substr(text.starts_with("\xef\xbb\xbf") ? 3 : 0);
 }
 
-void IgnoredNames::add(std::string_view name) {
-    constexpr size_t kShown = 16, kLongest = 40;
-    if (names_.size() > kShown) return;
-    const std::string shown(names_.size() == kShown ? "..." : name.substr(0, kLongest));
-    if (std::find(names_.begin(), names_.end(), shown) == names_.end()) names_.push_back(shown);
+void FileWarnings::addOnce(const std::string& about, const std::string& what) {
+    if (added_.insert(about).second) lines_.push_back(printable(file_ + ": " + what));
 }
 
-void IgnoredNames::warn(const std::string& file, std::vector<std::string>& warnings) const {
-    std::string list;
-    for (const std::string& name : names_) list += (list.empty() ? "" : ", ") + name;
-    if (!list.empty()) warnings.push_back(printable(file + ": ignored: " + list));
+void FileWarnings::ignore(std::string_view name) {
+    constexpr size_t kShown = 16, kLongest = 40;
+    if (ignored_.size() > kShown) return;
+    const std::string shown(ignored_.size() == kShown ? "..." : name.substr(0, kLongest));
+    if (std::ranges::find(ignored_, shown) == ignored_.end()) ignored_.push_back(shown);
+}
+
+void FileWarnings::addIgnored() {
+    const std::vector<std::string_view> names(ignored_.begin(), ignored_.end());
+    if (!names.empty()) add("ignored: " + joinNames(names));
 }
 
 TextScanner::TextScanner(const Context& context, std::string_view text, std::string file, size_t line,
@@ -122,20 +126,16 @@ int64_t TextScanner::integer(const char* owner) {
 }
 
 double TextScanner::numberPastLines(const char* owner) {
-    if (!skipToWord()) fail(std::string("the file ends within ") + owner);
+    if (!skipToWord()) fail("the file ends within ", owner);
     return number(owner);
 }
 
 void TextScanner::failWord(const char* start, const char* owner, const char* kind) const {
     const char* stop = start;
     while (stop < lineEnd_ && !blank(*stop) && stop - start < 40) stop++;
-    if (start == stop || *start == '#') fail(std::string(owner) + " needs " + kind + " more");
+    if (start == stop || *start == '#') fail(owner, " needs ", kind, " more");
     const std::string word(start, stop);
-    fail('"' + word + "\" is not " + kind + " (" + owner + " needs one)");
-}
-
-void TextScanner::failAt(size_t line, const std::string& what) const {
-    failFile(file_ + ":" + std::to_string(line), what);
+    fail('"', word, "\" is not ", kind, " (", owner, " needs one)");
 }
 
 }  // namespace glint

@@ -2,32 +2,50 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/context.h"
+#include "core/text_file.h"
 
 namespace glint {
 
 // `text` without a UTF-8 byte order mark. Throws Error(Scene) "FILE: is UTF-16 text ..." for UTF-16.
 std::string_view withoutByteOrderMark(std::string_view text, const std::string& file);
 
-// Throws Error(Scene) "FILE: what" with printable text.
-[[noreturn]] void failFile(const std::string& file, const std::string& what);
+// Throws Error(Scene) "FILE: what", `what` being the parts in printable form.
+[[noreturn]] void failWith(const std::string& file, const std::string& what);
+template <typename... Parts>
+[[noreturn]] void failFile(const std::string& file, const Parts&... what) {
+    failWith(file, concat(what...));
+}
 
 // `text` with the letters A to Z in lower case.
 std::string lowerCase(std::string_view text);
 
-// Collects unknown names of a file for one warning.
-class IgnoredNames {
+// Warnings about one file, and one for all names that its reader ignored.
+class FileWarnings {
   public:
-    void add(std::string_view name);
-    // "FILE: ignored: a, b, c", if there are any.
-    void warn(const std::string& file, std::vector<std::string>& warnings) const;
+    // Appends to `lines`, which must outlive it.
+    FileWarnings(const std::string& file, std::vector<std::string>& lines) : file_(file), lines_(lines) {}
+
+    // Adds "FILE: what", once for each `about`, or for each `what`, which is the parts as one text.
+    void addOnce(const std::string& about, const std::string& what);
+    template <typename... Parts>
+    void add(const Parts&... what) {
+        const std::string text = concat(what...);
+        addOnce(text, text);
+    }
+    void ignore(std::string_view name);
+    void addIgnored();  // "FILE: ignored: a, b, c", if there are any
 
   private:
-    std::vector<std::string> names_;  // each once, in order
+    const std::string file_;
+    std::vector<std::string>& lines_;
+    std::set<std::string> added_;
+    std::vector<std::string> ignored_;  // each once, in order
 };
 
 class TextScanner {
@@ -56,8 +74,14 @@ class TextScanner {
     // The next word as a number, past line ends; fails if the file ends before.
     double numberPastLines(const char* owner);
 
-    [[noreturn]] void fail(const std::string& what) const { failAt(line_, what); }
-    [[noreturn]] void failAt(size_t line, const std::string& what) const;
+    template <typename... Parts>
+    [[noreturn]] void fail(const Parts&... what) const {
+        failAt(line_, what...);
+    }
+    template <typename... Parts>
+    [[noreturn]] void failAt(size_t line, const Parts&... what) const {
+        failFile(concat(file_, ':', line), what...);
+    }
 
   private:
     bool blank(char c) const {

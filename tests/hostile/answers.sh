@@ -42,6 +42,14 @@ printf '{"\xc2\x9b31m\xe2\x80\xae": 1}' >steer.json
     printf '], "animation": {"tracks": [{"target": "/objects/0/radius", "times": [0], "values": [1]}'
     seq -f ', {"target": "/objects/%.0f/radius", "times": [0], "values": [1]}' 40000 && printf ']}}'
 } >tracks.json
+# Keys at the root that no reader knows, before those that each of many nodes asks for.
+{
+    printf '{' && seq -f '"k%.0f": 0,' 100000
+    printf '"asset": {"version": "2.0"}, "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "accessors": [{"bufferView": 0,'
+    printf '"componentType": 5126, "count": 3, "type": "VEC3"}], "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{'
+    printf '"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}], "nodes": ['
+    seq -f '{"mesh": 0, "translation": [%.0f, 0, 0]},' 30000 && printf '{"mesh": 0}]}'
+} >keys.gltf
 # Each file that is not there is a warning.
 { printf 'mtllib ' && seq -s ' ' -f 'm%.0f.mtl' 20000 && printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n'; } >gone.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >one.obj
@@ -91,7 +99,7 @@ for file in $(cd "$folder/scenes" && ls | grep -E '\.(json|gltf|obj|ply|stl|nff)
 done
 for file in elements.ply parts.obj name.json steer.json; do answer 3 render $file --backend cpu --size 8x8 -o picture.png; done
 answer 3 trace one.obj --backend cpu --rays /dev/zero
-for file in objects.json names.json tracks.json nans.stl; do answer 0 render $file --backend cpu --size 8x8 -o picture.png; done
+for file in objects.json names.json tracks.json nans.stl keys.gltf; do answer 0 render $file --backend cpu --size 8x8 -o picture.png; done
 answer 0 render gone.obj --backend cpu --size 8x8 -o picture.png
 answer 0 render libs.obj --backend cpu --size 8x8 -o picture.png
 echo "$count answers, $faults of them wrong"

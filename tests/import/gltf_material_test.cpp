@@ -11,12 +11,7 @@
 namespace glint::test::gltf_material_test {
 
 Scene load(const std::string& bytes) {
-    const TemporaryFolder folder;
-    Scene scene = loadScene(folder.write("a.gltf", bytes));
-    const std::string prefix = (folder.path() / "a.gltf").string() + ": ";
-    for (std::string& warning : scene.warnings)
-        if (warning.starts_with(prefix)) warning = warning.substr(prefix.size());
-    return scene;
+    return OneFile("a.gltf").scene(bytes);
 }
 
 // Of the material with these members; `rest` goes into the document.

@@ -13,12 +13,7 @@ using glm::dvec3;
 using glm::uvec3;
 
 Scene load(const std::string& bytes, const char* name = "a.gltf") {
-    const TemporaryFolder folder;
-    Scene scene = loadScene(folder.write(name, bytes));
-    const std::string prefix = (folder.path() / name).string() + ": ";
-    for (std::string& warning : scene.warnings)
-        if (warning.starts_with(prefix)) warning = warning.substr(prefix.size());
-    return scene;
+    return OneFile(name).scene(bytes);
 }
 
 const Mesh& meshOf(const Scene& scene, size_t object = 0) {

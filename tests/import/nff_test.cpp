@@ -13,25 +13,11 @@ using glm::dvec3;
 const std::string kView = "v\nfrom 0 -4 1\nat 0 0 0.5\nup 0 0 1\nangle 45\nhither 0.5\nresolution 513 513\n";
 
 Scene load(const std::string& text) {
-    const TemporaryFolder folder;
-    return loadScene(folder.write("a.nff", text));
+    return OneFile("a.nff").scene(text);
 }
 
-// Without the path.
 std::string error(const std::string& text) {
-    const TemporaryFolder folder;
-    const auto path = folder.write("a.nff", text);
-    const std::string message = errorOf([&] { loadScene(path); });
-    return message.starts_with(path.string()) ? message.substr(path.string().size()) : message;
-}
-
-std::vector<std::string> warnings(const std::string& text) {
-    const TemporaryFolder folder;
-    const auto path = folder.write("a.nff", text);
-    std::vector<std::string> lines = loadScene(path).warnings;
-    for (std::string& line : lines)
-        if (line.starts_with(path.string())) line = line.substr(path.string().size());
-    return lines;
+    return OneFile("a.nff").error(text);
 }
 
 TEST(Nff, View) {
@@ -152,16 +138,17 @@ TEST(Nff, PatchesThatFollowEachOtherAreOneMesh) {
 }
 
 TEST(Nff, WhatIsWarnedAbout) {
-    EXPECT_EQ(warnings("s 0 0 0 -2\n"),
-              std::vector<std::string>{": 1 surfaces with a negative radius are seen from outside too"});
+    EXPECT_EQ(load("s 0 0 0 -2\n").warnings,
+              std::vector<std::string>{"1 surfaces with a negative radius are seen from outside too"});
     EXPECT_EQ(std::get<SphereShape>(load("s 0 0 0 -2\n").objects[0].shape).radius, 2);
-    EXPECT_EQ(warnings("s 0 0 0 1\np 3 0 0 0 1 1 1 2 2 2\npp 3 0 0 0 0 0 1 0 0 0 0 0 1 1 0 0 0 0 1\n"),
-              std::vector<std::string>{": 2 polygons without area left out"});
+    EXPECT_EQ(load("s 0 0 0 1\np 3 0 0 0 1 1 1 2 2 2\npp 3 0 0 0 0 0 1 0 0 0 0 0 1 1 0 0 0 0 1\n").warnings,
+              std::vector<std::string>{"2 polygons without area left out"});
     const std::string bent = "p 4 0 0 0 1 0 0 1 1 0.5 0 1 0\n";
-    EXPECT_EQ(warnings(bent),
-              std::vector<std::string>{": 1 polygons are not planar and were split into triangles"});
+    EXPECT_EQ(load(bent).warnings,
+              std::vector<std::string>{"1 polygons are not planar and were split into triangles"});
     EXPECT_EQ(std::get<MeshShape>(load(bent).objects[0].shape).mesh->corners.size(), 2u);
-    EXPECT_EQ(warnings("v from 0 -4 1 at 0 0 0 up 0 0 1 angle 45 resolution 400 300 s 0 0 0 1").size(), 1u);
+    EXPECT_EQ(load("v from 0 -4 1 at 0 0 0 up 0 0 1 angle 45 resolution 400 300 s 0 0 0 1").warnings.size(),
+              1u);
 }
 
 TEST(Nff, Errors) {

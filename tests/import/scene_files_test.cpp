@@ -177,8 +177,8 @@ TEST(Load, FilesThatCannotBeRead) {
     EXPECT_EQ(errorOf([&] { loadScene(directory); }), directory.string() + ": is a folder, not a file");
     EXPECT_EQ(errorOf([&] { loadScene(folder.path()); }),
               folder.path().string() + ": is a folder, not a file");
-    for (const std::string name : {"empty.json", "empty.obj", "empty.ply"}) {
-        const auto path = folder.write(name, "");
+    for (const std::string kind : {"json", "gltf", "glb", "obj", "ply", "stl", "nff"}) {
+        const auto path = folder.write("empty." + kind, "");
         EXPECT_EQ(errorOf([&] { loadScene(path); }), path.string() + ": the file is empty");
     }
     const auto link = folder.path() / "zero.json";

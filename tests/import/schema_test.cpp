@@ -10,7 +10,7 @@
 
 #include "core/text_file.h"
 #include "import/load.h"
-#include "import/scene_keys.h"
+#include "import/parse_scene.h"
 #include "support.h"
 
 namespace glint::test::schema_test {
@@ -253,37 +253,18 @@ const char* const kGood[] = {
 const char* const kBad[] = {
     R"([])",
     R"({"x": 1})",
-    R"({"ambient": -1})",
-    R"({"ambient": [1, 2]})",
     R"({"background": "blue"})",
-    R"({"maxDepth": 1.5})",
-    R"({"maxDepth": 1001})",
-    R"({"image": {"width": 0}})",
-    R"({"image": {"samplesPerPixel": 65537}})",
     R"({"camera": {"type": "oblique"}})",
     R"({"camera": {"type": "orthographic", "fovY": 40}})",
-    R"({"camera": {"type": "orthographic", "height": 0}})",
     R"({"camera": {"type": "perspective", "height": 4}})",
     R"({"camera": {"height": 4}})",
     R"({"camera": {"planeNormal": 1}})",
-    R"({"camera": {"fovY": 0}})",
-    R"({"camera": {"fovY": 180}})",
-    R"({"camera": {"near": -1}})",
-    R"({"camera": {"far": 0}})",
-    R"({"camera": {"window": [0, 1]}})",
-    R"({"camera": {"eye": [0, 0, 1e18]}})",
     R"({"cameras": [{}]})",
     R"({"cameras": {"": {}}})",
     R"({"cameras": {"a": 1}})",
     R"({"cameras": {"a": {"name": "b"}}})",
-    R"({"lights": [{"type": "point"}]})",
     R"({"lights": [{"type": "directional", "direction": [0, -1, 0], "position": [0, 0, 0]}]})",
-    R"({"lights": [{"type": "spot", "position": [0, 0, 0]}]})",
-    R"({"lights": [{"type": "spot", "position": [0, 0, 0], "direction": [0, -1, 0], "angle": 181}]})",
-    R"({"lights": [{"type": "spot", "position": [0, 0, 0], "direction": [0, -1, 0], "angle": 1, "penumbra": -1}]})",
     R"({"lights": [{"type": "point", "position": [0, 0, 0], "falloff": "linear"}]})",
-    R"({"materials": {"a": {"mirror": 2}}})",
-    R"({"materials": {"a": {"shininess": -1}}})",
     R"({"materials": {"a": {"diffuse": {"texture": 3}}}})",
     R"({"materials": {"a": {"diffuse": {"texture": "images/leaf.png", "wrap": "tile"}}}})",
     R"({"materials": {"a": {"diffuse": {"texture": "images/leaf.png", "wrap": ["clamp"]}}}})",
@@ -295,14 +276,7 @@ const char* const kBad[] = {
     R"({"background": {"environment": "images/sky.hdr", "turn": 1}})",
     R"({"background": {"texture": "images/sky.hdr"}})",
     R"({"materials": []})",
-    R"({"meshes": {"a": {}}})",
     R"({"meshes": {"a": {"file": 3}}})",
-    R"({"objects": [{"type": "sphere", "center": [0, 0, 0]}]})",
-    R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0}]})",
-    R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1e-15}]})",
-    R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2e18}]})",
-    R"({"objects": [{"type": "disc", "center": [0, 0, 0], "radius": 1}]})",
-    R"({"objects": [{"type": "disc", "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 0}]})",
     R"({"objects": [{"type": "disc", "point": [0, 0, 0], "normal": [0, 1, 0], "radius": 1}]})",
     R"({"objects": [{"type": "polygon", "vertices": [[0,0,0],[1,0,0]]}]})",
     R"({"objects": [{"type": "polygon", "vertices": [[0,0,0],[1,0,0],[1,1]]}]})",
@@ -310,9 +284,7 @@ const char* const kBad[] = {
     R"({"objects": [{"type": "triangle", "vertices": [[0,0,0],[1,0,0]]}]})",
     R"({"objects": [{"type": "mesh"}]})",
     R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [1, 2, 3]}]})",
-    R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"scale": 1, "translate": [0, 0, 0]}]}]})",
-    R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{}]}]})",
-    R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"rotate": [0, 1, 0]}]}]})"};
+    R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"scale": 1, "translate": [0, 0, 0]}]}]})"};
 
 TEST(Schema, AgreesWithTheParserOnExamples) {
     const json schema = loadSceneSchema();
@@ -326,15 +298,15 @@ TEST(Schema, AgreesWithTheParserOnExamples) {
     }
 }
 
-// Of a scene that both accept, each number is replaced by wrong values in turn, and each key by an unknown
-// one.
+// In a scene that both accept, each value is replaced by wrong ones in turn, each number by others, and each
+// value and key removed. A number that the parser refuses at its own place must be out of the schema's range.
 TEST(Schema, AgreesWithTheParserOnEveryKey) {
     const json schema = loadSceneSchema();
     const json scene = json::parse(R"({
         "image": {"width": 8, "height": 6, "samplesPerPixel": 2},
         "camera": {"type": "perspective", "eye": [0, 0, 5], "target": [0, 0, 1], "up": [0, 1, 0], "fovY": 40,
-                   "planeNormal": [0, 1, 2], "window": [-1, 1, -1, 1], "near": 0.1, "far": 9},
-        "cameras": {"top": {"type": "orthographic", "eye": [0, 9, 1], "target": [0, 0, 0], "height": 3}},
+                   "planeNormal": [0, 1, 2], "near": 0.1, "far": 9},
+        "cameras": {"window": {"window": [-1, 1, -1, 1]}, "top": {"type": "orthographic", "eye": [0, 9, 1], "target": [0, 0, 0], "height": 3}},
         "background": 0.5, "ambient": [0.1, 0.2, 0.3], "maxDepth": 3,
         "lights": [{"type": "point", "position": [1, 2, 3], "intensity": 2, "falloff": "none"},
                    {"type": "directional", "direction": [1, 2, 3], "intensity": [1, 1, 1]},
@@ -342,7 +314,7 @@ TEST(Schema, AgreesWithTheParserOnEveryKey) {
                     "intensity": 2, "falloff": "none"}],
         "materials": {"m": {"ambient": 1, "diffuse": 1, "specular": 1, "shininess": 1, "mirror": 1}},
         "meshes": {"unused": {"file": "unused.obj"}},
-        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m", "transform": [{"scale": 2}]},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m", "transform": [{"scale": 0.5}]},
                     {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "m",
                      "transform": [{"rotate": [0, 1, 0, 30]}]},
                     {"type": "disc", "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "material": "m"},
@@ -366,15 +338,32 @@ TEST(Schema, AgreesWithTheParserOnEveryKey) {
             EXPECT_TRUE(beyondSchema || schemaViolation(schema, mutant) != "") << pointer << " " << wrong;
             mutants++;
         }
+        for (const double number : {-1.0, 0.0, 1e-15, 0.5, 1.01, 180.0, 181.0, 1001.0, 65537.0, 1e18, 2e18}) {
+            if (!value.is_number()) continue;
+            json mutant = scene;
+            mutant[json::json_pointer(pointer)] = number;
+            const std::string error = parseError(mutant.dump());
+            const bool isRange = error.find(": " + pointer + ": must be") != std::string::npos &&
+                                 error.find("greater than near") == std::string::npos;
+            const bool refused = !schemaViolation(schema, mutant).empty();
+            EXPECT_TRUE(refused ? !error.empty() : !isRange) << pointer << ' ' << number << ' ' << error;
+            mutants++;
+        }
         const json::json_pointer parent = json::json_pointer(pointer).parent_pointer();
         json mutant = scene;
+        if (mutant[parent].is_array())
+            mutant[parent].erase(0);
+        else
+            mutant[parent].erase(json::json_pointer(pointer).back());
+        EXPECT_EQ(parseError(mutant.dump()).empty(), schemaViolation(schema, mutant).empty()) << pointer;
+        mutant = scene;
         if (!mutant[parent].is_object()) continue;
         mutant[parent]["unknownKey"] = 1;
         EXPECT_NE(parseError(mutant.dump()), "") << pointer;
         EXPECT_NE(schemaViolation(schema, mutant), "") << pointer;
         mutants++;
     }
-    EXPECT_GT(mutants, 300);
+    EXPECT_GT(mutants, 1000);
 }
 
 TEST(Schema, SceneFilesOfTheProjectFollowIt) {

@@ -47,25 +47,6 @@ std::string asciiFacet(const std::string& normal, const std::string& a, const st
 
 const std::string kFacet = asciiFacet("0 0 1", "0 0 0", "1 0 0", "0 1 0");
 
-struct Folder {
-    TemporaryFolder folder;
-    ImportedMesh read(const std::string& bytes) { return importMesh(folder.write("m.stl", bytes)); }
-    std::string errorOfBytes(const std::string& bytes) {
-        const auto path = folder.write("m.stl", bytes);
-        const std::string error = errorOf([&] { importMesh(path); });
-        return error.starts_with(path.string()) ? error.substr(path.string().size()) : error;
-    }
-    std::vector<std::string> warnings(const std::string& bytes) {
-        std::vector<std::string> lines = read(bytes).warnings;
-        const std::string prefix = (folder.path() / "m.stl").string() + ": ";
-        for (std::string& line : lines) {
-            EXPECT_TRUE(line.starts_with(prefix)) << line;
-            line = line.substr(prefix.size());
-        }
-        return lines;
-    }
-};
-
 double signedVolume(const Mesh& mesh) {
     double volume = 0;
     for (const glm::uvec3& c : mesh.corners)
@@ -74,8 +55,8 @@ double signedVolume(const Mesh& mesh) {
 }
 
 TEST(Stl, BinaryVerticesAreWelded) {
-    Folder f;
-    const ImportedMesh imported = f.read(binary(kTetrahedron));
+    const OneFile f("m.stl");
+    const ImportedMesh imported = f.mesh(binary(kTetrahedron));
     EXPECT_EQ(imported.mesh.corners.size(), 4u);
     EXPECT_EQ(imported.mesh.positions.size(), 4u);
     EXPECT_TRUE(imported.mesh.normals.empty());
@@ -85,15 +66,15 @@ TEST(Stl, BinaryVerticesAreWelded) {
 }
 
 TEST(Stl, BinaryThatStartsWithSolid) {
-    Folder f;
+    const OneFile f("m.stl");
     EXPECT_EQ(
-        f.read(binary(kTetrahedron, "solid things come from ascii files as a rule")).mesh.corners.size(), 4u);
+        f.mesh(binary(kTetrahedron, "solid things come from ascii files as a rule")).mesh.corners.size(), 4u);
 }
 
 TEST(Stl, AsciiNumbersAreRead) {
-    Folder f;
+    const OneFile f("m.stl");
     const ImportedMesh imported =
-        f.read("solid a name with facet and vertex in it\n" +
+        f.mesh("solid a name with facet and vertex in it\n" +
                asciiFacet("0 0 0", "1.0000000001 +2 -3e-2", "123456.123456789 0 0", "0 1 0") +
                "endsolid a name with facet and vertex in it\n");
     ASSERT_EQ(imported.mesh.positions.size(), 3u);
@@ -103,35 +84,35 @@ TEST(Stl, AsciiNumbersAreRead) {
 }
 
 TEST(Stl, AsciiLayoutIsFree) {
-    Folder f;
-    EXPECT_EQ(f.read("solid\r\nFACET NORMAL 0 0 1 OUTER LOOP VERTEX 0 0 0 VERTEX 1 0 0 VERTEX 0 1 0 ENDLOOP "
+    const OneFile f("m.stl");
+    EXPECT_EQ(f.mesh("solid\r\nFACET NORMAL 0 0 1 OUTER LOOP VERTEX 0 0 0 VERTEX 1 0 0 VERTEX 0 1 0 ENDLOOP "
                      "ENDFACET\r\nENDSOLID\r\n")
                   .mesh.corners.size(),
               1u);
 }
 
 TEST(Stl, OddTextIsRead) {
-    Folder f;
+    const OneFile f("m.stl");
     const std::string text = "solid a\n" + kFacet + "endsolid a\n";
     const std::string odd =
         "solid a\n" + asciiFacet("-1.#IND nan 1,0", "0 0 0", "1 0 0", "0 1 0") + "endsolid\n";
     for (const std::string& bytes :
          {"\xef\xbb\xbf" + text, "; made by x\n# y\n" + text, text + std::string(900, '\0'), odd}) {
-        EXPECT_EQ(f.read(bytes).mesh.corners.size(), 1u) << bytes;
-        EXPECT_TRUE(f.warnings(bytes).empty());
+        EXPECT_EQ(f.mesh(bytes).mesh.corners.size(), 1u) << bytes;
+        EXPECT_TRUE(f.mesh(bytes).warnings.empty());
     }
     for (const bool big : {false, true}) {
         std::string wide = big ? "\xfe\xff" : "\xff\xfe";
         for (const char c : text) wide += big ? std::string(1, '\0') + c : c + std::string(1, '\0');
-        EXPECT_EQ(f.errorOfBytes(wide), ": is UTF-16 text, save it as UTF-8");
+        EXPECT_EQ(f.error(wide), ": is UTF-16 text, save it as UTF-8");
     }
-    EXPECT_EQ(f.read(binary(kTetrahedron, "\xff\xfe")).mesh.corners.size(), 4u) << "a title of a binary file";
-    EXPECT_EQ(f.read(binary(kTetrahedron, "a")).mesh.corners.size(), 4u);
+    EXPECT_EQ(f.mesh(binary(kTetrahedron, "\xff\xfe")).mesh.corners.size(), 4u) << "a title of a binary file";
+    EXPECT_EQ(f.mesh(binary(kTetrahedron, "a")).mesh.corners.size(), 4u);
 }
 
 TEST(Stl, SeveralSolidsAreOneMesh) {
-    Folder f;
-    const Mesh mesh = f.read("solid a\n" + kFacet + "endsolid a\nsolid b\n" +
+    const OneFile f("m.stl");
+    const Mesh mesh = f.mesh("solid a\n" + kFacet + "endsolid a\nsolid b\n" +
                              asciiFacet("0 0 1", "1 0 0", "1 1 0", "0 1 0") + "endsolid\n")
                           .mesh;
     EXPECT_EQ(mesh.corners.size(), 2u);
@@ -139,69 +120,63 @@ TEST(Stl, SeveralSolidsAreOneMesh) {
 }
 
 TEST(Stl, ZerosOfBothSignsAreEqual) {
-    Folder f;
-    EXPECT_EQ(f.read("solid\n" + kFacet + asciiFacet("0 0 1", "-0 0 0", "0 1 -0.0", "-1 0 0") + "endsolid\n")
+    const OneFile f("m.stl");
+    EXPECT_EQ(f.mesh("solid\n" + kFacet + asciiFacet("0 0 1", "-0 0 0", "0 1 -0.0", "-1 0 0") + "endsolid\n")
                   .mesh.positions.size(),
               4u);
 }
 
 TEST(Stl, NormalsAgainstTheWindingAreWarnedAbout) {
-    Folder f;
+    const OneFile f("m.stl");
     std::vector<Facet> facets = kTetrahedron;
     facets[1].normal = -facets[1].normal;
     facets[3].normal = dvec3(0);
     EXPECT_EQ(
-        f.warnings(binary(facets)),
+        f.mesh(binary(facets)).warnings,
         std::vector<std::string>{
             "the stored normals of 1 facets point against the winding of their vertices, which counts"});
-    EXPECT_DOUBLE_EQ(signedVolume(f.read(binary(facets)).mesh), 1.0 / 6);
+    EXPECT_DOUBLE_EQ(signedVolume(f.mesh(binary(facets)).mesh), 1.0 / 6);
 }
 
 TEST(Stl, WhatElseIsWarnedAbout) {
-    Folder f;
+    const OneFile f("m.stl");
     std::vector<Facet> facets = kTetrahedron;
     facets[0].attribute = 0x8123;
     facets[2].attribute = 1;
-    EXPECT_EQ(f.warnings(binary(facets) + "tail"),
+    EXPECT_EQ(f.mesh(binary(facets) + "tail").warnings,
               (std::vector<std::string>{
                   "the attribute bytes of 2 facets, in which some programs keep colours, are ignored",
                   "4 bytes after the last triangle are ignored"}));
     facets = kTetrahedron;
     facets.push_back({{0, 0, 1}, {1, 1, 1}, {1, 1, 1}, {2, 2, 2}});
-    EXPECT_EQ(f.warnings(binary(facets)),
+    EXPECT_EQ(f.mesh(binary(facets)).warnings,
               std::vector<std::string>{"1 face with fewer than three different vertices left out"});
 }
 
 TEST(Stl, Errors) {
-    Folder f;
+    const OneFile f("m.stl");
     const std::string whole = binary(kTetrahedron);
-    EXPECT_EQ(f.errorOfBytes(whole.substr(0, 84 + 3 * 50 + 49)),
-              ": byte 283: the file ends after 3 of 4 triangles");
-    EXPECT_EQ(f.errorOfBytes(whole.substr(0, 83)),
-              ": neither ascii STL (\"solid ...\") nor long enough for binary");
-    EXPECT_EQ(f.errorOfBytes(""), ": the file is empty");
-    EXPECT_EQ(f.errorOfBytes(binary({})), ": holds no faces; points and lines cannot be rendered");
-    EXPECT_EQ(f.errorOfBytes("solid a\nendsolid a\n"),
-              ": holds no faces; points and lines cannot be rendered");
-    EXPECT_EQ(f.errorOfBytes("solid a\n" + kFacet), ":8: the file ends where \"endsolid\" is expected");
-    EXPECT_EQ(f.errorOfBytes("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 x\n"),
+    EXPECT_EQ(f.error(whole.substr(0, 84 + 3 * 50 + 49)), ": byte 283: the file ends after 3 of 4 triangles");
+    EXPECT_EQ(f.error(whole.substr(0, 83)), ": neither ascii STL (\"solid ...\") nor long enough for binary");
+    EXPECT_EQ(f.error(binary({})), ": holds no faces; points and lines cannot be rendered");
+    EXPECT_EQ(f.error("solid a\nendsolid a\n"), ": holds no faces; points and lines cannot be rendered");
+    EXPECT_EQ(f.error("solid a\n" + kFacet), ":8: the file ends where \"endsolid\" is expected");
+    EXPECT_EQ(f.error("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 x\n"),
               ":5: \"x\" is not a number (a vertex needs one)");
-    EXPECT_EQ(f.errorOfBytes("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"),
+    EXPECT_EQ(f.error("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"),
               ":5: the file ends within a vertex");
-    EXPECT_EQ(f.errorOfBytes("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 "
-                             "1 0\nvertex 0 1 0\nendloop\n"),
+    EXPECT_EQ(f.error("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 "
+                      "1 0\nvertex 0 1 0\nendloop\n"),
               ":7: expected \"endloop\" (got \"vertex\")");
-    EXPECT_EQ(f.errorOfBytes("solid a\nface normal\n"),
-              ":2: expected \"facet\" or \"endsolid\" (got \"face\")");
+    EXPECT_EQ(f.error("solid a\nface normal\n"), ":2: expected \"facet\" or \"endsolid\" (got \"face\")");
 }
 
 // Any prefix of a good file is read or refused, never worse.
 TEST(Stl, TruncationsAreRefused) {
-    Folder f;
+    const OneFile f("m.stl");
     const std::string whole = binary(kTetrahedron), text = "solid a\n" + kFacet + "endsolid\n";
-    for (size_t n = 1; n < whole.size(); n++) EXPECT_NE(f.errorOfBytes(whole.substr(0, n)), "no error") << n;
-    for (size_t n = 1; n + 9 < text.size(); n++)
-        EXPECT_NE(f.errorOfBytes(text.substr(0, n)), "no error") << n;
+    for (size_t n = 1; n < whole.size(); n++) EXPECT_NE(f.error(whole.substr(0, n)), "no error") << n;
+    for (size_t n = 1; n + 9 < text.size(); n++) EXPECT_NE(f.error(text.substr(0, n)), "no error") << n;
 }
 
 TEST(Stl, AModelAloneAndAMeshOfASceneFile) {

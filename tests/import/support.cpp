@@ -1,8 +1,7 @@
 #include "support.h"
 
+#include <algorithm>
 #include <regex>
-
-#include "import/load.h"
 
 namespace glint::test {
 
@@ -20,6 +19,36 @@ Scene parse(const std::string& text) {
 
 std::string parseErrorOf(const std::string& text) {
     return errorOf([&] { parse(text); });
+}
+
+namespace {
+
+void removePath(const std::filesystem::path& path, std::vector<std::string>& warnings) {
+    const std::string prefix = path.string() + ": ";
+    for (std::string& line : warnings) {
+        EXPECT_TRUE(line.starts_with(prefix)) << line;
+        line = line.substr(std::min(prefix.size(), line.size()));
+    }
+}
+
+}  // namespace
+
+Scene OneFile::scene(const std::string& bytes) const {
+    Scene scene = loadScene(folder_.write(path_.filename(), bytes));
+    removePath(path_, scene.warnings);
+    return scene;
+}
+
+ImportedMesh OneFile::mesh(const std::string& bytes) const {
+    ImportedMesh imported = importMesh(folder_.write(path_.filename(), bytes));
+    removePath(path_, imported.warnings);
+    return imported;
+}
+
+std::string OneFile::error(const std::string& bytes) const {
+    folder_.write(path_.filename(), bytes);
+    const std::string message = errorOf([&] { loadScene(path_); });
+    return message.substr(message.starts_with(path_.string()) ? path_.string().size() : 0);
 }
 
 const char* const kCubeObj =

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "import/load.h"
 #include "scene/scene.h"
 #include "support/support.h"
 
@@ -19,6 +20,19 @@ std::string errorOf(const std::function<void()>& action);
 // Parses with the file name "s.json" and an empty folder.
 Scene parse(const std::string& text);
 std::string parseErrorOf(const std::string& text);
+
+// Reads files of one name. Warnings come without the path and ": ", errors without the path (":3: what").
+class OneFile {
+  public:
+    explicit OneFile(const std::string& name) : path_(folder_.path() / name) {}
+    Scene scene(const std::string& bytes) const;
+    ImportedMesh mesh(const std::string& bytes) const;
+    std::string error(const std::string& bytes) const;  // of reading it as a scene
+
+  private:
+    TemporaryFolder folder_;
+    std::filesystem::path path_;
+};
 
 // A cube [0,1]^3 with outward winding as OBJ text: 8 vertices, 6 quads.
 extern const char* const kCubeObj;
