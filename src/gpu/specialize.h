@@ -34,7 +34,6 @@ enum Op : uint32_t {
     OpEntryPoint = 15,
     OpCapability = 17,
     OpTypeVoid = 19,
-    OpTypeStruct = 30,
     OpTypePointer = 32,
     OpTypeForwardPointer = 39,
     OpConstantTrue = 41,

@@ -15,25 +15,12 @@ class Ids {
   public:
     explicit Ids(Code& code) : code_(code) {
         for (const Instruction& i : code.globals) {
-            if (opOf(i) == OpTypeStruct) structs_[i[1]].assign(i.begin() + 2, i.end());
             if (opOf(i) == OpTypePointer) pointees_[i[1]] = i[3];
             if (opOf(i) == OpConstant) constants_[i[2]] = i[3];
         }
     }
 
     uint32_t fresh() { return code_.header[kBound]++; }
-    bool isStruct(uint32_t type) const { return structs_.contains(type); }
-    const std::vector<uint32_t>& membersOf(uint32_t type) const { return structs_.at(type); }
-    // The types of a structure's members, of their members, and so on. Of another type: itself.
-    std::vector<uint32_t> leavesOf(uint32_t type) const {
-        if (!isStruct(type)) return {type};
-        std::vector<uint32_t> leaves;
-        for (const uint32_t member : membersOf(type)) {
-            const std::vector<uint32_t> more = leavesOf(member);
-            leaves.insert(leaves.end(), more.begin(), more.end());
-        }
-        return leaves;
-    }
     uint32_t pointeeOf(uint32_t pointerType) const { return pointees_.at(pointerType); }
     // Value of an integer constant; null for other ids.
     const uint32_t* constantOf(uint32_t id) const {
@@ -51,7 +38,6 @@ class Ids {
 
   private:
     Code& code_;
-    std::unordered_map<uint32_t, std::vector<uint32_t>> structs_;
     std::unordered_map<uint32_t, uint32_t> pointees_, constants_, undefined_;
 };
 
@@ -64,9 +50,8 @@ bool hasEffect(const Instruction& i) {
 }
 
 // Whatever a function stores to and loads from its own variables becomes values (M. Braun et al., "Simple and
-// Efficient Construction of Static Single Assignment Form", CC 2013), structures member by member.
-// Instructions whose results are then unused are removed. Variables that are passed to a function or have an
-// index that is not constant remain.
+// Efficient Construction of Static Single Assignment Form", CC 2013). Instructions whose results are then
+// unused are removed. Variables that are passed to a function or have an index that is not constant remain.
 class Values {
   public:
     Values(Function& function, Ids& ids)
@@ -90,14 +75,14 @@ class Values {
     }
 
   private:
-    // A part of a variable: leaf `slot` and those that follow it, or what `rest` leads to within that leaf.
+    // A part of a variable, or all of it without indices.
     struct Place {
-        uint32_t variable, slot, type;
-        std::vector<uint32_t> rest;
+        uint32_t variable;
+        std::vector<uint32_t> indices;
     };
 
     struct Phi {
-        uint32_t id, slot;
+        uint32_t id, variable;
         size_t block;
         std::vector<uint32_t> values;  // one for each predecessor
     };
@@ -105,10 +90,8 @@ class Values {
     void findPlaces() {
         for (const Instruction& i : function_.blocks.front().body) {
             if (opOf(i) != OpVariable || i[3] != kFunction) continue;
-            const uint32_t type = ids_.pointeeOf(i[1]);
-            places_[i[2]] = {i[2], static_cast<uint32_t>(slotTypes_.size()), type, {}};
-            const std::vector<uint32_t> leaves = ids_.leavesOf(type);
-            slotTypes_.insert(slotTypes_.end(), leaves.begin(), leaves.end());
+            places_[i[2]] = {i[2], {}};
+            types_[i[2]] = ids_.pointeeOf(i[1]);
         }
         for (const Block& block : function_.blocks) {
             for (const Instruction& i : block.body) {
@@ -133,14 +116,7 @@ class Values {
                 kept_.insert(place.variable);
                 break;
             }
-            if (place.rest.empty() && ids_.isStruct(place.type)) {
-                const std::vector<uint32_t>& members = ids_.membersOf(place.type);
-                for (uint32_t m = 0; m < *index; ++m)
-                    place.slot += static_cast<uint32_t>(ids_.leavesOf(members[m]).size());
-                place.type = members[*index];
-            } else {
-                place.rest.push_back(*index);
-            }
+            place.indices.push_back(*index);
         }
         places_[chain[2]] = std::move(place);
     }
@@ -162,21 +138,21 @@ class Values {
         }
     }
 
-    // Value of a leaf at the end of the processed part of a block.
-    uint32_t read(uint32_t slot, size_t block) {
-        const auto known = defined_[block].find(slot);
+    // Value of a variable at the end of the processed part of a block.
+    uint32_t read(uint32_t variable, size_t block) {
+        const auto known = defined_[block].find(variable);
         if (known != defined_[block].end()) return known->second;
         const std::vector<size_t>& before = before_[block];
         uint32_t value;
         if (before.empty()) {
-            value = ids_.undefined(slotTypes_[slot]);
+            value = ids_.undefined(types_.at(variable));
         } else if (before.size() == 1 && processed_[before[0]]) {
-            value = read(slot, before[0]);
+            value = read(variable, before[0]);
         } else {
             value = ids_.fresh();
-            phis_.push_back({value, slot, block, {}});
+            phis_.push_back({value, variable, block, {}});
         }
-        defined_[block][slot] = value;
+        defined_[block][variable] = value;
         return value;
     }
 
@@ -188,10 +164,7 @@ class Values {
             load(i, *place);
         } else if (const Place* target = op == OpStore ? placeOf(i[1]) : nullptr) {
             store(i, *target);
-        } else if (op == OpCompositeExtract) {
-            replaced_[i[2]] = partOf(i[3], i[1], {i.begin() + 4, i.end()});
         } else {
-            if (op == OpCompositeConstruct && ids_.isStruct(i[1])) constructs_[i[2]] = i;
             add(std::move(i));
         }
     }
@@ -199,60 +172,33 @@ class Values {
     void add(Instruction i) { function_.blocks[at_].body.push_back(std::move(i)); }
 
     void load(const Instruction& i, const Place& place) {
-        uint32_t slot = place.slot;
-        const uint32_t value = place.rest.empty() ? wholeOf(place.type, slot) : read(slot, at_);
-        replaced_[i[2]] = partOf(value, i[1], place.rest);
-    }
-
-    // The value of the leaves from `slot` on, which it moves behind them.
-    uint32_t wholeOf(uint32_t type, uint32_t& slot) {
-        if (!ids_.isStruct(type)) return read(slot++, at_);
-        std::vector<uint32_t> words{type, ids_.fresh()};
-        for (const uint32_t member : ids_.membersOf(type)) words.push_back(wholeOf(member, slot));
-        add(constructs_[words[1]] = make(OpCompositeConstruct, words));
-        return words[1];
-    }
-
-    // The part of a value that the indices lead to.
-    uint32_t partOf(uint32_t value, uint32_t type, const std::vector<uint32_t>& indices) {
-        value = resolved(value);
-        size_t at = 0;
-        for (auto made = constructs_.find(value); at < indices.size() && made != constructs_.end(); ++at) {
-            value = resolved(made->second[3 + indices[at]]);
-            made = constructs_.find(value);
-        }
-        if (at == indices.size()) return value;
-        std::vector<uint32_t> words{type, ids_.fresh(), value};
-        words.insert(words.end(), indices.begin() + static_cast<std::ptrdiff_t>(at), indices.end());
-        add(make(OpCompositeExtract, words));
-        return words[1];
+        const uint32_t value = read(place.variable, at_);
+        if (place.indices.empty())
+            replaced_[i[2]] = value;
+        else
+            add(make(OpCompositeExtract, joined({i[1], i[2], value}, place.indices)));
     }
 
     void store(const Instruction& i, const Place& place) {
-        uint32_t slot = place.slot;
-        if (place.rest.empty()) return storeLeaves(i[2], place.type, {}, slot);
-        std::vector<uint32_t> words{slotTypes_[slot], ids_.fresh(), i[2], read(slot, at_)};
-        words.insert(words.end(), place.rest.begin(), place.rest.end());
-        add(make(OpCompositeInsert, words));
-        defined_[at_][slot] = words[1];
+        uint32_t value = i[2];
+        if (!place.indices.empty()) {
+            value = ids_.fresh();
+            const uint32_t before = read(place.variable, at_);
+            add(make(OpCompositeInsert,
+                     joined({types_.at(place.variable), value, i[2], before}, place.indices)));
+        }
+        defined_[at_][place.variable] = value;
     }
 
-    void storeLeaves(uint32_t value, uint32_t type, std::vector<uint32_t> indices, uint32_t& slot) {
-        if (!ids_.isStruct(type)) {
-            defined_[at_][slot++] = partOf(value, type, indices);
-            return;
-        }
-        indices.push_back(0);
-        for (const uint32_t member : ids_.membersOf(type)) {
-            storeLeaves(value, member, indices, slot);
-            ++indices.back();
-        }
+    static std::vector<uint32_t> joined(std::vector<uint32_t> words, const std::vector<uint32_t>& more) {
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
     }
 
     void fillPhis() {
         for (size_t p = 0; p < phis_.size(); ++p) {  // read() may add more
             for (const size_t from : before_[phis_[p].block]) {
-                const uint32_t value = read(phis_[p].slot, from);
+                const uint32_t value = read(phis_[p].variable, from);
                 phis_[p].values.push_back(value);
             }
         }
@@ -284,7 +230,7 @@ class Values {
 
     void addPhis() {
         for (const Phi& phi : phis_) {
-            std::vector<uint32_t> words{slotTypes_[phi.slot], phi.id};
+            std::vector<uint32_t> words{types_.at(phi.variable), phi.id};
             for (size_t from = 0; from < phi.values.size(); ++from) {
                 words.push_back(phi.values[from]);
                 words.push_back(function_.blocks[before_[phi.block][from]].label);
@@ -326,9 +272,8 @@ class Values {
     std::unordered_set<uint32_t> kept_;                            // variables that remain
     std::vector<std::vector<size_t>> before_;                      // predecessors, by block
     std::vector<bool> processed_;                                  // by block
-    std::vector<uint32_t> slotTypes_;                              // of all leaves of all variables
-    std::vector<std::unordered_map<uint32_t, uint32_t>> defined_;  // by block and slot
-    std::unordered_map<uint32_t, Instruction> constructs_;         // structures that are put together, by id
+    std::unordered_map<uint32_t, uint32_t> types_;                 // by variable
+    std::vector<std::unordered_map<uint32_t, uint32_t>> defined_;  // by block and variable
     std::vector<Phi> phis_;
     std::unordered_map<uint32_t, uint32_t> replaced_;  // loads and trivial phis, by the value that they are
     size_t at_ = 0;                                    // current block
