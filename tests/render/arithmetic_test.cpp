@@ -202,16 +202,11 @@ TEST_F(ArithmeticTest, PowersOfCosines) {
 }
 
 TEST_F(ArithmeticTest, PowersAtTheEnds) {
+    constexpr float kPowers[][3] = {{0, 3, 0}, {1, 1e18f, 1}, {0.5f, 1e18f, 0}, {1, 0.001f, 1}};
     std::vector<Operands> cases(64, Operands{0, 1, 1, 0});
-    cases[0] = {0, 3, 0, 0};
-    cases[1] = {1, 1e18f, 0, 0};
-    cases[2] = {0.5f, 1e18f, 0, 0};
-    cases[3] = {1, 0.001f, 0, 0};
+    for (size_t i = 0; i < std::size(kPowers); ++i) cases[i] = {kPowers[i][0], kPowers[i][1], 0, 0};
     const std::vector<Result> results = run(cases, false);
-    EXPECT_EQ(results[0].power, 0.0f);
-    EXPECT_EQ(results[1].power, 1.0f);
-    EXPECT_EQ(results[2].power, 0.0f);
-    EXPECT_EQ(results[3].power, 1.0f);
+    for (size_t i = 0; i < std::size(kPowers); ++i) EXPECT_EQ(results[i].power, kPowers[i][2]) << i;
 }
 
 }  // namespace glint::render::test::arithmetic_test

@@ -1,5 +1,6 @@
 // Arrays beyond what a device can bind: rendered by the other access, or refused by name.
 #include <algorithm>
+#include <map>
 #include <type_traits>
 
 #include "core/device_layout.h"
@@ -42,18 +43,6 @@ TEST(ChooseAccess, TexelBuffersOnLlvmpipeAndWhereOneStorageBufferIsTooSmall) {
     EXPECT_EQ(choose(true, 16, 16, GLINT_BINDING_COUNT), TexelBuffer);
     EXPECT_EQ(choose(true, 16, 16, GLINT_BINDING_COUNT - 1), StorageBuffer);
     EXPECT_EQ(choose(false, 16, kStorage + 16, 4), StorageBuffer);
-}
-
-TEST(HasAccess, AsManyArraysAndAsLargeAsTheDeviceBinds) {
-    const auto has = [&](gpu::Access access, uint64_t largest, uint64_t sum, uint32_t images) {
-        return hasAccess(deviceWith(kStorage, kTexels, false, images), access, {largest, sum});
-    };
-    using enum gpu::Access;
-    EXPECT_TRUE(has(TexelBuffer, 2 * kStorage, 9 * kStorage, GLINT_BINDING_COUNT));
-    EXPECT_FALSE(has(TexelBuffer, 2 * kStorage + 16, 9 * kStorage, GLINT_BINDING_COUNT));
-    EXPECT_FALSE(has(TexelBuffer, 16, 16, GLINT_BINDING_COUNT - 1));
-    EXPECT_TRUE(has(StorageBuffer, 16, kStorage, 0));
-    EXPECT_FALSE(has(StorageBuffer, 16, kStorage + 16, 1000));
 }
 
 // lavapipe's limit is 65,535 trips of a subgroup; 64 lanes need another budget than 8.
@@ -187,6 +176,58 @@ TEST_F(LeastLimits, WhatDoesNotFitIsRefusedWithBothFigures) {
     EXPECT_TRUE(message.starts_with("array \"all arrays together\" needs 1342")) << message;
     EXPECT_TRUE(message.ends_with("bytes, but this device binds at most 134217728 bytes as a storage buffer"))
         << message;
+}
+
+// ---- what is bound for arrays that a scene does not have ----
+
+class SceneBuffersTest : public RenderTest {
+  protected:
+    static std::vector<uint32_t> words(const gpu::Buffer& buffer, uint64_t first, size_t count) {
+        std::vector<uint32_t> found(count);
+        gpu::download(device(), buffer, std::as_writable_bytes(std::span(found)), first);
+        return found;
+    }
+    static bool allZero(const std::vector<uint32_t>& found) {
+        return std::all_of(found.begin(), found.end(), [](uint32_t word) { return word == 0; });
+    }
+    // Bindings of arrays that a scene of one triangle lacks, and how many bytes their first element takes.
+    static std::map<uint32_t, size_t> absent(const PackedScene& scene) {
+        std::map<uint32_t, size_t> found;
+#define GLINT_ADD_ABSENT(binding, field, Struct, ROWS) \
+    if (isAbsent(scene, #field)) found[binding] = sizeof(shared::Struct);
+        GLINT_SCENE_ARRAYS(GLINT_ADD_ABSENT)
+#undef GLINT_ADD_ABSENT
+        return found;
+    }
+    static bool isAbsent(const PackedScene& scene, const std::string& field) {
+        return (field == "optics" && scene.optics.empty()) ||
+               (field == "textures" && scene.textures.empty()) ||
+               (field == "instances" && scene.instances.empty()) ||
+               (field == "objectFrames" && scene.objectFrames.empty()) ||
+               (field == "lights" && scene.lights.empty()) ||
+               (field == "vertexAttributes" && scene.vertexAttributes.empty()) || field == "samples";
+    }
+    static PackedScene oneTriangle() {
+        Scene scene = emptyScene();
+        addTriangle(scene, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+        return packScene(scene);
+    }
+};
+
+TEST_F(SceneBuffersTest, AbsentArraysAreZeros) {
+    const PackedScene scene = oneTriangle();
+    ASSERT_EQ(absent(scene).size(), 7u);
+    const SceneBuffers apart(device(), scene, gpu::Access::TexelBuffer, {}),
+        together(device(), scene, gpu::Access::StorageBuffer, {});
+    const std::vector<uint32_t> first = words(together.at(2), 0, GLINT_BINDING_COUNT);
+    for (const auto& [binding, bytes] : absent(scene)) {
+        const gpu::Buffer& bound = apart.at(binding);
+        ASSERT_GE(bound.size(), bytes) << binding;
+        EXPECT_TRUE(allZero(words(bound, 0, bound.size() / 4))) << binding;
+        if (binding == shared::kSamplesBinding) continue;
+        EXPECT_TRUE(allZero(words(together.at(2), uint64_t{16} * first[binding], bytes / 4))) << binding;
+    }
+    EXPECT_TRUE(allZero(words(together.at(3), 0, together.at(3).size() / 4)));
 }
 
 }  // namespace glint::render::test::limits_test

@@ -5,46 +5,6 @@
 #include "support.h"
 
 namespace glint::render::test::live_paths_test {
-// ---- the rule ----
-
-shared::Dispatch told(const LivePaths& live) {
-    shared::Dispatch dispatch;
-    live.writeTo(dispatch);
-    return dispatch;
-}
-
-TEST(LivePathsTest, AllPathsOfTheSliceAtFirst) {
-    const LivePaths live(640);
-    EXPECT_EQ(live.groups(), 10u);
-    EXPECT_EQ(told(live).listed, 0u);
-}
-
-TEST(LivePathsTest, GoesByTheListOnceAPathHasEnded) {
-    LivePaths live(640);
-    live.bounced(640);
-    EXPECT_EQ(told(live).listed, 0u) << "no path has ended";
-    EXPECT_EQ(live.groups(), 10u);
-    live.bounced(639);
-    EXPECT_EQ(told(live).listed, 639u);
-    EXPECT_EQ(live.groups(), 10u);
-    live.bounced(129);
-    EXPECT_EQ(told(live).listed, 129u);
-    EXPECT_EQ(live.groups(), 3u);
-}
-
-// The list that a bounce wrote (the one that is not read) is read until another one is taken up.
-TEST(LivePathsTest, AListIsReadUntilAnotherIsTakenUp) {
-    LivePaths live(640);
-    const uint32_t first = told(live).listRead ^ 1u;
-    live.bounced(100);
-    EXPECT_EQ(told(live).listRead, first);
-    live.bounced(100);
-    EXPECT_EQ(told(live).listRead, first) << "as many go on as before: the list at hand holds them";
-    EXPECT_EQ(told(live).listed, 100u);
-    live.bounced(99);
-    EXPECT_NE(told(live).listRead, first);
-}
-
 TEST(PathRowsTest, ScenesWithoutBouncesHaveNoLists) {
     SceneFeatures plain, mirrors, glass;
     mirrors.mirrors = true;
@@ -52,6 +12,31 @@ TEST(PathRowsTest, ScenesWithoutBouncesHaveNoLists) {
     EXPECT_EQ(pathRows(plain, {}, {}), shared::kPathRows);
     EXPECT_EQ(pathRows(mirrors, {}, {}), shared::kPathRows + shared::kListRows);
     EXPECT_EQ(firstTreeRow(glass, {}), shared::kPathRows + shared::kListRows);
+}
+
+// Kernels are first run over these, whose numbers lanes follow: none may be what was in the memory before.
+TEST_F(RenderTest, EndedPathsHaveNoNumberToFollow) {
+    constexpr uint32_t kRows = shared::kPathRows + 6, kGroup = shared::kWorkgroupSize;
+    const PathState state(device(), gpu::Access::TexelBuffer, 100, kRows);
+    RowEntry garbage;
+    std::fill_n(garbage.u, 4, 0x05050505u);
+    for (uint32_t row = 0; row < kRows; ++row)
+        state.writeRow(device(), row, std::vector<RowEntry>(100, garbage));
+    state.writeEnded(device());
+    std::vector<RowEntry> found(kRows * kGroup);
+    gpu::download(device(), state.buffer(), std::as_writable_bytes(std::span(found)));
+    for (uint32_t row = 0; row < kRows; ++row) {
+        for (uint32_t path = 0; path < kGroup; ++path) {
+            const RowEntry& entry = found[row * kGroup + path];
+            for (uint32_t word = 0; word < 4; ++word) {
+                if (row == shared::kRowDirection && word == 3)
+                    EXPECT_EQ(entry.f[word], shared::kInfinity) << path;
+                else
+                    EXPECT_EQ(entry.u[word], row == shared::kRowHit && word == 3 ? shared::kNone : 0u)
+                        << row << ' ' << path;
+            }
+        }
+    }
 }
 
 // ---- the same bits ----

@@ -29,7 +29,6 @@ mutant(long_shadows shading/lighting.glsl "s.tMax = kShadowEnd;" "s.tMax = kInfi
 mutant(disc_rim primitives/flat.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
 mutant(polygon_side primitives/flat.glsl "up ? edge > 0.0 : edge < 0.0" "edge > 0.0" intersect light)
 mutant(quadric_disc primitives/quadric.glsl "disc = B * B - A * C" "disc = B * B - 1.02 * A * C" intersect light)
-mutant(diffuse_gain shading/scatter.glsl "at.material.diffuse * max(" "1.01 * at.material.diffuse * max(" light)
 # Of defects that are small, or rare, or in the dark.
 mutant(diffuse_little shading/scatter.glsl "at.material.diffuse * max(" "1.001 * at.material.diffuse * max(" light)
 mutant(shininess_little shading/scatter.glsl "clamp(cosine, 0.0, 1.0), shininess)" "clamp(cosine, 0.0, 1.0), 1.005 * shininess)" light)

@@ -13,7 +13,7 @@ class NearSolidsTest : public RenderTest {
   protected:
     // The report of verify on an image of one shape.
     static verify::Report seen(const Shape& shape, const std::optional<Affine>& transform, const dvec3& eye,
-                               const dvec3& target, double fovY = 90) {
+                               const dvec3& target, double fovY) {
         Scene scene = emptyScene();
         scene.materials[addMaterial(scene, Color(0.7))].specular = Color(0.3);
         scene.objects.push_back({"/objects/0", shape, 0});
@@ -31,38 +31,36 @@ void expectExact(const verify::Report& report) {
     EXPECT_EQ(report.roundings + report.unexplained, 0u);
 }
 
-// Their near ends are at the origin, so that the way is short to everything that a hit is a sum of.
-TEST_F(NearSolidsTest, TurnedBoxes) {
+TEST_F(NearSolidsTest, HitsErrByTheWayAndNotTheSize) {
     const Affine turned = rotation({1, 2, 3}, 50);
-    expectExact(seen(BoxShape{{-5, -2, -3}, {2000, 2, 3}}, turned, turned.linear * dvec3(0, 6, 1),
-                     turned.linear * dvec3(3, 0, 0)));
-}
-
-TEST_F(NearSolidsTest, TruncatedCones) {
-    const Affine turned = rotation({1, 2, 3}, 50);
-    expectExact(seen(ConeShape{{-101, -10, 0}, {-101, 400, 0}, 100, 30, true}, turned,
-                     turned.linear * dvec3(1.5, 0, 0), turned.linear * dvec3(0, 2, 3)));
-}
-
-// They are measured from near the eye and from the tip: neither do hits here err by their size, nor is the
-// tip, which the second picture shows, open.
-TEST_F(NearSolidsTest, ConesWithATip) {
-    const Affine turned = rotation({1, 2, 3}, 50);
-    const ConeShape cone{{-101, -10, 0}, {-101, 400, 0}, 100, 0, true};
-    for (const dvec3 target : {dvec3(0, 2, 3), dvec3(-101, 380, 0)})
-        expectExact(seen(cone, turned, turned.linear * dvec3(1.5, 0, 0), turned.linear * target));
-}
-
-// From its apex this one is a hundred radii away, and the eye a radius.
-TEST_F(NearSolidsTest, LongConesWithATip) {
-    const ConeShape cone{{0, 0, 0}, {-390, -47, -140}, 4.5, 0, true};
-    expectExact(seen(cone, std::nullopt, {3.3, 5.8, -0.6}, {-1, 1, 0}));
-}
-
-// Corners sixty times as far away as the hits, which are seen aslant.
-TEST_F(NearSolidsTest, TrianglesSeenAslant) {
-    const TriangleShape triangle{{{59, 98.9, 1456}, {-17.3, -114, 2794}, {-33.6, 36.4, -1914}}};
-    expectExact(seen(triangle, std::nullopt, {10.76, 25.45, 34.13}, {-2.27, -0.2, 2.08}, 40));
+    const ConeShape tipped{{-101, -10, 0}, {-101, 400, 0}, 100, 0, true};
+    const struct {
+        Shape shape;
+        std::optional<Affine> transform;
+        dvec3 eye, target;  // before the transform
+        double fovY = 90;
+    } rows[] = {
+        // Their near ends are at the origin, so that the way is short to everything that a hit is a sum of.
+        {BoxShape{{-5, -2, -3}, {2000, 2, 3}}, turned, {0, 6, 1}, {3, 0, 0}},
+        {ConeShape{{-101, -10, 0}, {-101, 400, 0}, 100, 30, true}, turned, {1.5, 0, 0}, {0, 2, 3}},
+        // Cones with a tip are measured from near the eye and from the tip: neither do hits err by their
+        // size,
+        // nor is the tip, which the second picture shows, open.
+        {tipped, turned, {1.5, 0, 0}, {0, 2, 3}},
+        {tipped, turned, {1.5, 0, 0}, {-101, 380, 0}},
+        // From its apex this one is a hundred radii away, and the eye a radius.
+        {ConeShape{{0, 0, 0}, {-390, -47, -140}, 4.5, 0, true}, {}, {3.3, 5.8, -0.6}, {-1, 1, 0}},
+        // Corners sixty times as far away as the hits, which are seen aslant.
+        {TriangleShape{{{59, 98.9, 1456}, {-17.3, -114, 2794}, {-33.6, 36.4, -1914}}},
+         {},
+         {10.76, 25.45, 34.13},
+         {-2.27, -0.2, 2.08},
+         40}};
+    for (const auto& row : rows) {
+        SCOPED_TRACE(&row - rows);
+        const glm::dmat3 turn = row.transform ? row.transform->linear : glm::dmat3(1);
+        expectExact(seen(row.shape, row.transform, turn * row.eye, turn * row.target, row.fovY));
+    }
 }
 
 // A needle of 347 by 0.01, of which the edge functions say where a ray passes it to no more than a

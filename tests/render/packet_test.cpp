@@ -1,12 +1,15 @@
-// Packets of rays: where they are chosen, and that they find what lanes find, to the bit.
+// All traversals (with a stack, without one, packets) find the same hits, to the bit; where packets are
+// chosen.
+#include <cmath>
 #include <cstdio>
 
 #include "core/error.h"
-#include "hard_rays.h"
 #include "render/path_limits.h"
+#include "support.h"
 
 namespace glint::render::test::packet_test {
 using glm::dvec3;
+using glm::vec3;
 
 // ---- the rule ----
 
@@ -92,13 +95,204 @@ TEST(TraversalRule, ScenesThatPacketsDoNotKnowAreTracedByLanes) {
     EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, PackedScene()).packets);
 }
 
-// ---- the same bits ----
+// ---- scenes and rays that try a traversal ----
+
+struct RayCase {
+    Case c;
+    std::vector<RayInput> rays;
+};
+
+// A crowd of triangles and spheres over a plane, and rays of all octants and axes, from everywhere.
+RayCase crowdedCase(uint32_t triangles, size_t rays, uint32_t seed) {
+    Scene scene = emptyScene();
+    Random random(7);
+    for (uint32_t i = 0; i < triangles; ++i) {
+        const dvec3 at = random.box(2);
+        addTriangle(scene, at, at + random.box(0.5), at + random.box(0.5));
+        if (i % 4 == 0) addSphere(scene, random.box(2), random.uniform(0.02, 0.3));
+    }
+    addPlane(scene, {0, -2, 0}, {0.1, 1, 0.2});
+    RayCase result{makeCase(scene, 8, 8), {}};
+    Random directions(seed);
+    while (result.rays.size() < rays) result.rays.push_back(rayTowards(directions.box(3), directions.box(2)));
+    return result;
+}
+
+// Along axes and diagonals, where signs, inverses and the largest component are in doubt; from points that
+// many boxes have sides in; and intervals that hold nothing.
+RayCase axisCase() {
+    Scene scene = emptyScene();
+    addGrid(scene, 24);
+    addGrid(scene, 24, {0, 0, -0.25});
+    addSphere(scene, {0.5, 0.5, 0.25}, 0.25);
+    RayCase result{makeCase(scene, 8, 8), {}};
+    std::vector<RayInput>& rays = result.rays;
+    for (int x = -1; x <= 1; ++x) {
+        for (int y = -1; y <= 1; ++y) {
+            for (int z = -1; z <= 1; ++z) {
+                for (int i = 0; i < 49; ++i) {
+                    const vec3 from(static_cast<float>(i % 7) / 6.0f, static_cast<float>(i / 7) / 6.0f, 0.5f);
+                    rays.push_back(rayOf(from - vec3(x, y, z), vec3(x, y, z)));
+                    rays.push_back(rayOf(from, vec3(x, y, -0.0f)));
+                    if (i % 5 == 0) rays.back().tMax = 0;
+                    if (i % 9 == 0) rays.back().tMin = 0.75f;
+                }
+            }
+        }
+    }
+    return result;
+}
+
+// Triangles and spheres in turn across the x axis at 1, 1/2, 1/4...: a node holds the largest and all that is
+// smaller, which is entered first, while the others wait; two kinds, as a leaf holds one. The rays start
+// inside the smallest, which is object kNestedCount - 1 and hit by all.
+constexpr uint32_t kNestedCount = 60;
+RayCase nestedCase() {
+    Scene scene = emptyScene();
+    for (uint32_t i = 0; i < kNestedCount; ++i) {
+        const double s = std::ldexp(1.0, -static_cast<int>(i));
+        if (i % 2 == 0)
+            addTriangle(scene, {s, -s, -s}, {s, s, -s}, {s, 0, s});
+        else
+            addSphere(scene, {s, 0, 0}, 0.3 * s);
+    }
+    RayCase result{makeCase(scene, 8, 8), {}};
+    for (int i = 0; i < 64; ++i)
+        result.rays.push_back(
+            rayOf(vec3(0), {1, 0.01f * static_cast<float>(i % 8), 0.01f * static_cast<float>(i / 8)}));
+    return result;
+}
+
+// Clusters of small spheres on the diagonal, smaller and smaller towards the origin, where the rays start and
+// go through all boxes: what is nearest holds all clusters but seven, so that some wait on every level.
+RayCase outwardCase(int clusters) {
+    Scene scene = emptyScene();
+    Random random(23);
+    for (int k = 0; k < clusters; ++k) {
+        const double s = std::pow(0.8, k);
+        for (int i = 0; i < 8; ++i) addSphere(scene, dvec3(s) + random.box(0.04 * s), 1e-4 * s);
+    }
+    RayCase result{makeCase(scene, 8, 8), {}};
+    while (result.rays.size() < 256) result.rays.push_back(rayOf(vec3(0), vec3(1) + vec3(random.box(0.01))));
+    return result;
+}
+
+// Concentric spheres by the same numbers, more than a leaf holds, and rays of all directions that start in
+// their middle: whichever leaf comes first, they hit object 0.
+RayCase concentricCase() {
+    Scene scene = emptyScene();
+    for (int i = 0; i < 40; ++i) addSphere(scene, {0.5, 0.25, -0.5}, 0.75);
+    RayCase result{makeCase(scene, 8, 8), {}};
+    Random random(37);
+    while (result.rays.size() < 512) {
+        const dvec3 from = dvec3(0.5, 0.25, -0.5) + random.box(0.2);
+        result.rays.push_back(rayTowards(from, from + random.box(1)));
+    }
+    return result;
+}
+
+// Five meshes in the same place. All rays hit object 0, as the lowest id wins.
+RayCase tiedCase() {
+    Scene scene = emptyScene();
+    for (int i = 0; i < 5; ++i) addGrid(scene, 16);
+    RayCase result{makeCase(scene, 8, 8), {}};
+    for (int i = 0; i < 1024; ++i) {
+        const vec3 at((static_cast<float>(i % 32) + 0.5f) / 32.0f,
+                      (static_cast<float>(i / 32) + 0.37f) / 32.0f, 1);
+        result.rays.push_back(rayOf(at, {0, 0, -1}));
+    }
+    return result;
+}
+
+// ---- the same hits ----
+
+class WalkTest : public RenderTest {
+  protected:
+    // What the stack traversal of single rays finds, others find too. Those with a budget must resume rays.
+    static void expectSame(const PackedScene& packed, const std::vector<RayInput>& rays,
+                           const std::vector<Options>& others) {
+        RayTracer lane(device(), packed, {.traversal = Traversal::Lane});
+        const std::vector<RayHit> expected = lane.trace(rays, false), any = lane.trace(rays, true);
+        for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(expected[i].hit, any[i].hit) << text(rays[i]);
+        for (const Options& options : others) {
+            if (options.traversal == Traversal::Packet && !runsPackets(device().info())) continue;
+            RayTracer other(device(), packed, options);
+            EXPECT_TRUE(sameBits(other.trace(rays, false), expected, rays));
+            const std::vector<RayHit> found = other.trace(rays, true);
+            for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found[i].hit, any[i].hit) << text(rays[i]);
+            EXPECT_TRUE(options.tripBudget == 0 || packed.nodes.size() < 2 || other.resumes() > 0);
+        }
+    }
+    // Rays that the stackless traversal finishes from the budget on, and packets.
+    static void expectSame(const RayCase& rays, uint32_t budget = 1) {
+        expectSame(rays.c.packed, rays.rays,
+                   {{.tripBudget = budget, .traversal = Traversal::Lane}, {.traversal = Traversal::Packet}});
+    }
+    static void expectLowestId(const RayCase& tied) {
+        const std::vector<RayHit> hits = hitsOf(tied.c.packed, tied.rays, {.traversal = Traversal::Lane});
+        for (size_t i = 0; i < hits.size(); ++i) {
+            ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);
+            EXPECT_EQ(hits[i].data.object, 0u) << text(tied.rays[i]);
+        }
+        expectSame(tied);
+    }
+};
+
+TEST_F(WalkTest, FindsTheSameForAnyRays) {
+    expectSame(crowdedCase(3000, 5000, 11));
+}
+
+TEST_F(WalkTest, FindsTheSameForSpecialRays) {
+    expectSame(axisCase());
+}
+
+// Boxes around the origin are entered at -0, whose bits are those of no float above zero.
+TEST_F(WalkTest, AnIntervalMayBeginAtMinusZero) {
+    RayCase crowd = crowdedCase(3000, 3000, 13);
+    for (RayInput& ray : crowd.rays) {
+        ray.origin *= 0.3f;
+        ray.tMin = -0.0f;
+    }
+    expectSame(crowd);
+}
+
+TEST_F(WalkTest, RaysThatRunOutOfTripsLoseNothing) {
+    const RayCase crowd = crowdedCase(1000, 1000, 17);
+    for (const uint32_t budget : {1u, 2u, 3u, 9u, 20u}) expectSame(crowd, budget);
+}
+
+TEST_F(WalkTest, TiesFromInsideGoToTheLowestId) {
+    expectLowestId(concentricCase());
+}
+
+TEST_F(WalkTest, TiesGoToTheLowestId) {
+    expectLowestId(tiedCase());
+}
+
+// Leaves that are the root, and none.
+TEST_F(WalkTest, SmallestTrees) {
+    for (const uint32_t triangles : {0u, 1u, 9u}) expectSame(crowdedCase(triangles, 300, 19));
+}
+
+// Also with budgets that end within them.
+TEST_F(WalkTest, FindsTheSameInInstances) {
+    RayCase inside{fileCase("instances", 8, 8), {}};
+    const PackedScene& packed = inside.c.packed;
+    ASSERT_GT(packed.instances.size(), 1u);
+    Random random(23);
+    const dvec3 lo(packed.boundsLo), size = dvec3(packed.boundsHi) - lo;
+    const auto point = [&] { return lo + size * (0.5 + 0.5 * random.box(1)); };
+    for (int i = 0; i < 3000; ++i) inside.rays.push_back(rayTowards(point(), point()));
+    for (const uint32_t budget : {1u, 5u, 30u}) expectSame(inside, budget);
+}
+
+// ---- packets alone ----
 
 Options with(Traversal traversal) {
     return {.traversal = traversal};
 }
 
-class PacketTest : public RenderTest {
+class PacketTest : public WalkTest {
   protected:
     void SetUp() override {
         const gpu::DeviceLimits& limits = device().info().limits;
@@ -109,30 +303,16 @@ class PacketTest : public RenderTest {
             << "lavapipe on a machine without 256-bit vectors";
         ASSERT_TRUE(limits.subgroupShuffle);
     }
-    static void expectSameTrace(const PackedScene& packed, const std::vector<RayInput>& rays,
-                                uint32_t tripBudget = 0) {
-        RayTracer lane(device(), packed, with(Traversal::Lane)),
-            packet(device(), packed, {.tripBudget = tripBudget, .traversal = Traversal::Packet});
-        ASSERT_TRUE(packet.traversal().packets);
-        EXPECT_TRUE(sameBits(packet.trace(rays, false), lane.trace(rays, false), rays));
-        const std::vector<RayHit> a = packet.trace(rays, true), b = lane.trace(rays, true);
-        for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(a[i].hit, b[i].hit) << text(rays[i]);
-        EXPECT_TRUE(tripBudget == 0 || packet.resumes() > 0);
+    static void expectSameByPackets(const PackedScene& packed, const std::vector<RayInput>& rays,
+                                    uint32_t tripBudget = 0) {
+        ASSERT_TRUE(RayTracer(device(), packed, with(Traversal::Packet)).traversal().packets);
+        expectSame(packed, rays, {{.tripBudget = tripBudget, .traversal = Traversal::Packet}});
     }
     static void expectSamePicture(const Case& c) {
         EXPECT_TRUE(
             sameBits(draw(device(), c, with(Traversal::Packet)), draw(device(), c, with(Traversal::Lane))));
     }
 };
-
-class PacketSceneTest : public PacketTest, public testing::WithParamInterface<std::string> {};
-
-TEST_P(PacketSceneTest, DrawsWhatLanesDraw) {
-    expectSamePicture(fileCase(GetParam(), 96, 72));
-}
-
-INSTANTIATE_TEST_SUITE_P(All, PacketSceneTest, testing::ValuesIn(sceneNames()),
-                         [](const auto& p) { return p.param; });
 
 TEST_F(PacketTest, PacketsAndTilesMayBePartEmpty) {
     for (const glm::ivec2 size : {glm::ivec2(65, 23), glm::ivec2(1, 1)})
@@ -144,14 +324,14 @@ TEST_F(PacketTest, FindsTheSameForAnyNumberOfRays) {
     RayCase crowd = crowdedCase(200, 257, 13);
     for (const size_t count : {257u, 65u, 64u, 33u, 32u, 31u, 9u, 8u, 7u, 1u}) {
         crowd.rays.resize(count);
-        expectSameTrace(crowd.c.packed, crowd.rays);
+        expectSameByPackets(crowd.c.packed, crowd.rays);
     }
 }
 
 // Packets that run out of trips are finished by lanes.
 TEST_F(PacketTest, PacketsThatGiveUpLoseNothing) {
     const RayCase crowd = crowdedCase(1000, 1000, 17);
-    for (const uint32_t budget : {1u, 9u, 60u}) expectSameTrace(crowd.c.packed, crowd.rays, budget);
+    for (const uint32_t budget : {1u, 9u, 60u}) expectSameByPackets(crowd.c.packed, crowd.rays, budget);
 }
 
 // In one plane, whose triangles have t that differ by rounding: the lowest id that the packet knew is still
@@ -172,7 +352,7 @@ TEST_F(PacketTest, PacketsThatGiveUpKeepTheOrderOfCoincidentSurfaces) {
     const Case c = makeCase(scene, 8, 8, BuildQuality::Fast);
     std::vector<RayInput> rays;
     for (int i = 0; i < 2048; ++i) rays.push_back(rayTowards(up + random.box(1), inPlane(), true));
-    for (const uint32_t budget : {1u, 60u, 300u}) expectSameTrace(c.packed, rays, budget);
+    for (const uint32_t budget : {1u, 60u, 300u}) expectSameByPackets(c.packed, rays, budget);
 }
 
 // More waits than the stack's 32 entries can hold; 60 primitives take too few trips to give up for those.
@@ -182,7 +362,7 @@ TEST_F(PacketTest, PacketsThatRunOutOfStackLoseNothing) {
     const std::vector<RayHit> hits = packet.trace(nested.rays, false);
     EXPECT_GT(packet.resumes(), 0u) << "no packet ran out of stack: the test shows nothing";
     for (const RayHit& hit : hits) EXPECT_EQ(hit.data.object, kNestedCount - 1);
-    expectSameTrace(nested.c.packed, nested.rays);
+    expectSameByPackets(nested.c.packed, nested.rays);
 }
 
 // A subgroup takes several packets of any-hit rays in turn, and passes over those without any.
@@ -197,7 +377,7 @@ TEST_F(PacketTest, PacketsWithoutRaysArePassedOver) {
             const unsigned packet = i / 32 % 8;
             if ((kept >> packet & 1u) == 0 || (packet == 2 && i % 32 != 17)) rays.back().tMax = 0;
         }
-        expectSameTrace(c.packed, rays);
+        expectSameByPackets(c.packed, rays);
     }
 }
 
@@ -218,7 +398,7 @@ TEST_F(PacketTest, ManyTripsOfAllKindsLoseNothing) {
         rays.push_back(rayTowards(random.box(2), random.box(2), true));
         rays.back().tMax = i % 3 == 0 ? 0.02f : 30.0f;
     }
-    expectSameTrace(c.packed, rays);
+    expectSameByPackets(c.packed, rays);
 }
 
 // From far out most rays hit nothing, and the farthest child is visited first, which holds all clusters but
@@ -238,8 +418,8 @@ TEST_F(PacketTest, AnyHitPacketsThatRunOutOfStackLoseNothing) {
     const Case few = outwardCase(20).c, many = outwardCase(130).c;
     EXPECT_EQ(resumesOf(few), 0u);
     EXPECT_GT(resumesOf(many), 0u) << "no packet ran out of stack: the test shows nothing";
-    expectSameTrace(few.packed, rays);
-    expectSameTrace(many.packed, rays);
+    expectSameByPackets(few.packed, rays);
+    expectSameByPackets(many.packed, rays);
 }
 
 TEST_F(PacketTest, ImagesWithCostsTraceSingleRays) {

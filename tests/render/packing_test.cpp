@@ -22,6 +22,15 @@ Break each(std::vector<T> PackedScene::*list, Change change) {
     };
 }
 
+// Gives every element the next material.
+template <class T>
+Break nextMaterial(std::vector<T> PackedScene::*list) {
+    return [list](PackedScene& scene, shared::Camera&) {
+        const auto count = static_cast<uint32_t>(scene.materials.size());
+        for (T& one : scene.*list) one.material = (one.material + 1) % count;
+    };
+}
+
 struct Defect {
     const char* name;
     const char* scene;  // a name, or text
@@ -86,9 +95,7 @@ class PackingTest : public RenderTest, public testing::WithParamInterface<Defect
         return verify::verify(renderer, packed, camera, options, &c.scene);
     }
     static Case caseOf(const char* scene) {
-        constexpr int kWidth = 60, kHeight = 45;
-        if (scene == kCheckedSquare) return makeCase(checkedSquare(), kWidth, kHeight);
-        return *scene == '{' ? textCase(scene, kWidth, kHeight) : fileCase(scene, kWidth, kHeight);
+        return scene == kCheckedSquare ? makeCase(checkedSquare(), 60, 45) : sceneCase(scene, 60, 45);
     }
 };
 
@@ -120,23 +127,11 @@ const Defect kSurfaceDefects[] = {
           })},
     {"instance_mirrored", "instances",
      each(&PackedScene::instances, [](shared::Instance& i) { i.mirrored = 1 - i.mirrored; })},
-    {"instance_material", "instances",
-     [](PackedScene& s, shared::Camera&) {
-         for (shared::Instance& i : s.instances)
-             i.material = (i.material + 1) % static_cast<uint32_t>(s.materials.size());
-     }},
+    {"instance_material", "instances", nextMaterial(&PackedScene::instances)},
     {"instance_id", "instances", each(&PackedScene::instances, [](shared::Instance& i) { ++i.idBase; })},
     {"prototype_root", "instances", each(&PackedScene::instances, [](shared::Instance& i) { ++i.root; })},
-    {"triangle_material", "vertex_colors",
-     [](PackedScene& s, shared::Camera&) {
-         for (shared::TriangleSurface& surface : s.triangleSurfaces)
-             surface.material = (surface.material + 1) % static_cast<uint32_t>(s.materials.size());
-     }},
-    {"sphere_material", "spheres",
-     [](PackedScene& s, shared::Camera&) {
-         for (shared::Sphere& sphere : s.spheres)
-             sphere.material = (sphere.material + 1) % static_cast<uint32_t>(s.materials.size());
-     }},
+    {"triangle_material", "vertex_colors", nextMaterial(&PackedScene::triangleSurfaces)},
+    {"sphere_material", "spheres", nextMaterial(&PackedScene::spheres)},
     {"uv_swapped", kCheckedSquare,
      [](PackedScene& s, shared::Camera&) {
          for (shared::TriangleSurface& surface : s.triangleSurfaces) {
@@ -203,8 +198,7 @@ TEST_P(RepresentationTest, RoundingExplainsWhatItShows) {
     EXPECT_TRUE(report.passed());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, RepresentationTest, testing::ValuesIn(sceneNames()),
-                         [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(All, RepresentationTest, testing::ValuesIn(sceneNames()), sceneName);
 
 // Seen from afar, its corners' last places are a thousandth of a face, whose normal they turn; at an edge few
 // of the moved scenes take the packed one's path.

@@ -1,10 +1,8 @@
-// Polygons on the device: the even-odd rule, shared edges, outlines too long for one dispatch.
+// Polygons on the device: the even-odd rule and shared edges.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "loop_limit.h"
-#include "mutant_kernels.h"
 #include "support.h"
 
 namespace glint::render::test::polygon_test {
@@ -116,71 +114,6 @@ TEST_F(PolygonTest, ClosedPrism) {
         rays.push_back(rayTowards(from, glm::mix(edge[0], edge[1], random.uniform(0, 1)), i % 2));
     }
     EXPECT_EQ(missesOf(packScene(scene), rays), 0u);
-}
-
-// As many corners as a polygon may have.
-std::vector<dvec3> longRing(double radius, double z) {
-    std::vector<dvec3> ring;
-    for (uint32_t i = 0; i < 8192; ++i) {
-        const double angle = 2 * std::numbers::pi * i / 8192;
-        ring.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
-    }
-    return ring;
-}
-
-// Rings of growing size behind each other: a ray half a unit from every outline goes by the smaller ones.
-TEST_F(PolygonTest, LongOutlinesHitAndMissed) {
-    constexpr uint32_t kRings = 12;
-    Scene scene = emptyScene();
-    scene.camera.eye = {0, 0, 4};
-    for (uint32_t r = 0; r < kRings; ++r) addPolygon(scene, longRing(1 + r, -0.125 * r));
-    const PackedScene packed = packScene(scene);
-    ASSERT_EQ(packed.polygons.size(), kRings);
-    std::vector<RayInput> rays;
-    std::vector<uint32_t> nearest;
-    Random random(8);
-    for (int i = 0; i < 256; ++i) {
-        nearest.push_back(random.below(kRings));
-        const double angle = random.uniform(0, 7), radius = nearest.back() + 0.5;
-        rays.push_back(rayOf({radius * std::cos(angle), radius * std::sin(angle), 3}, {0, 0, -1}));
-    }
-    const std::vector<RayHit> hits = hitsOf(packed, rays);
-    for (size_t i = 0; i < rays.size(); ++i) {
-        ASSERT_TRUE(hits[i].hit) << text(rays[i]);
-        ASSERT_EQ(hits[i].data.object, nearest[i]) << text(rays[i]);
-        ASSERT_EQ(hits[i].t, 3 + 0.125f * static_cast<float>(nearest[i]));
-    }
-    // A budget of one trip: every leaf in a dispatch of its own, and the same answers.
-    RayTracer tight(device(), packed, {.tripBudget = 1});
-    const std::vector<RayInput> some(rays.begin(), rays.begin() + 64);
-    EXPECT_TRUE(sameBits(tight.trace(some, false), {hits.begin(), hits.begin() + 64}, some));
-    EXPECT_GT(tight.resumes(), 0u);
-}
-
-// Rays through a corner of the boxes of 40 rings, outside all outlines: 40 x 2048 loop trips to follow them,
-// where lavapipe ends all loops after 65,535. The triangle behind them is met last.
-TEST_F(PolygonTest, MoreEdgesThanLavapipeAllows) {
-    constexpr uint32_t kRings = 40;
-    Scene scene = emptyScene();
-    scene.camera.eye = {0, 0, 4};
-    for (uint32_t r = 0; r < kRings; ++r) addPolygon(scene, longRing(20, -0.125 * r));
-    addTriangle(scene, {-90, -90, -9}, {90, -90, -9}, {0, 90, -9});
-    const PackedScene packed = packScene(scene);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 64; ++i)
-        rays.push_back(rayOf(vec3(15 + 0.25 * (i % 8), -15 - 0.25 * (i / 8), 3), {0, 0, -1}));
-    const auto found = [](const std::vector<RayHit>& hits) {
-        return std::count_if(hits.begin(), hits.end(),
-                             [](const RayHit& h) { return h.hit && h.data.object == kRings; });
-    };
-    RayTracer renderer(device(), packed);
-    EXPECT_EQ(found(renderer.trace(rays, false)), 64);
-    EXPECT_GT(renderer.resumes(), 0u);
-    const KernelCode naive = mutantKernels("naive");
-    Options options = optionsWith(naive);
-    options.tripBudget = 1u << 30;
-    RayTracer ignorant(device(), packed, options);
-    EXPECT_EQ(found(ignorant.trace(rays, false)) < 64, endsLoops(device()));
 }
 
 }  // namespace glint::render::test::polygon_test

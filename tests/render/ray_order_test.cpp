@@ -92,11 +92,14 @@ TEST(RayOrder, WideStepsAreNoPicturesForPackets) {
     EXPECT_TRUE(orderOf(picture(100, 83, 20), true).coherent);
 }
 
-TEST(RayOrder, CoherentRaysWithoutRowsStayAsTheyAre) {
-    const RayOrder order = orderOf(picture(9000, 1, 0.5f));
+TEST(RayOrder, CoherentRaysWithoutRowsAndFewRaysStayAsTheyAre) {
+    const RayOrder order = orderOf(picture(9000, 1, 0.5f)), few = orderOf(anyhow(1000));
     EXPECT_TRUE(order.coherent);
     EXPECT_EQ(order.data(), nullptr);
     EXPECT_EQ(order.count, 9000u);
+    EXPECT_FALSE(few.coherent);
+    EXPECT_EQ(few.data(), nullptr);
+    EXPECT_EQ(few.count, 1000u);
 }
 
 TEST(RayOrder, OthersAreSorted) {
@@ -120,13 +123,6 @@ TEST(RayOrder, RaysFromOnePointAreSorted) {
     EXPECT_EQ(order.run, 1u);
     ASSERT_NE(order.data(), nullptr);
     EXPECT_LT(step(rays, order), 0.3 * step(rays, {rays.size(), false, {}}));
-}
-
-TEST(RayOrder, FewStayAsTheyAre) {
-    const RayOrder order = orderOf(anyhow(1000));
-    EXPECT_FALSE(order.coherent);
-    EXPECT_EQ(order.data(), nullptr);
-    EXPECT_EQ(order.count, 1000u);
 }
 
 // Not finite, without direction, all alike: an order, whatever it is.

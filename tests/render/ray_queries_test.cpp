@@ -36,6 +36,12 @@ std::vector<RayInput> raysThrough(size_t count) {
     return rays;
 }
 
+ReadRays readerOf(const std::vector<RayInput>& rays) {
+    return [&rays](const RayNumbers& numbers, std::span<RayInput> out) {
+        for (size_t i = 0; i < out.size(); ++i) out[i] = rays.at(numbers[i]);
+    };
+}
+
 class RayQueriesTest : public RenderTest {
   protected:
     static void countSheets(uint32_t sheets);
@@ -48,9 +54,7 @@ class RayQueriesTest : public RenderTest {
         RayTask task;
         task.ask = ask;
         task.count = rays.size();
-        task.fill = [&](const RayNumbers& numbers, std::span<RayInput> out) {
-            for (size_t i = 0; i < out.size(); ++i) out[i] = rays.at(numbers[i]);
-        };
+        task.fill = readerOf(rays);
         task.take = [&](const RayNumbers& numbers, const FoundHits& found) {
             const bool nearest = ask == RayTask::Ask::Nearest;
             for (size_t i = 0; i < found.size(); ++i) {
@@ -76,9 +80,7 @@ TEST_F(RayQueriesTest, AnswersThatGoToManyPlacesComeInOrder) {
     RayTask task;
     task.spreads = true;
     task.count = rays.size();
-    task.fill = [&](const RayNumbers& numbers, std::span<RayInput> out) {
-        for (size_t i = 0; i < out.size(); ++i) out[i] = rays.at(numbers[i]);
-    };
+    task.fill = readerOf(rays);
     task.take = [&](const RayNumbers& numbers, const FoundHits& found) {
         for (size_t i = 0; i < found.size(); ++i) {
             const bool hit = found.primitive(i) != shared::kNone;

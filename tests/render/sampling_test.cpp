@@ -149,36 +149,6 @@ TEST_F(Sampling, EveryRoundIsDecidedAsTheReferenceWould) {
     EXPECT_LT(doubtful, 10u);
 }
 
-// Bars 0.26 pixels wide every 0.52 pixels: a pixel's mean is grey, and that of four pixels, 7.7 periods, is
-// 0.5 to within 0.35 * 0.26 / 4 = 0.023. Samples half a pixel apart see nearly one phase and draw false bars
-// 13 pixels wide at full contrast, of which blocks of four columns keep most; 64 random ones have a standard
-// error of at most 0.5 / 8. The root mean square over 16 blocks tells them apart.
-TEST_F(Sampling, NoFalseBars) {
-    std::string text = R"({"camera": {"type": "orthographic", "eye": [0, 0, 5], "height": 4}, "ambient": 1,
-        "materials": {"white": {"diffuse": 0, "ambient": 1}}, "objects": [)";
-    for (int i = 0; i < 128; ++i) {
-        const double x = -33 + 0.52 * i;
-        const std::string left = std::to_string(x), right = std::to_string(x + 0.26);
-        text += std::string(i > 0 ? "," : "") + R"({"type": "polygon", "material": "white", "vertices": [[)" +
-                left + ",-9,0],[" + right + ",-9,0],[" + right + ",9,0],[" + left + ",9,0]]}";
-    }
-    const Case c = textCase(text + "]}", 64, 4);
-    Renderer renderer(device(), c.packed);
-    const auto error = [&](Sampler sampler) {
-        const Picture p = renderer.render(c.camera, settingsOf(c, imageOf(sampler, Filter::Box, 0.5, 4)));
-        double sum = 0;
-        for (int block = 0; block < 16; ++block) {
-            double mean = 0;
-            for (int i = 0; i < 16; ++i) mean += p.color.at(4 * block + i % 4, i / 4, 0) / 16;
-            sum += (mean - 0.5) * (mean - 0.5) / 16;
-        }
-        return std::sqrt(sum);
-    };
-    EXPECT_GT(error(Sampler::Grid), 0.25);
-    EXPECT_LT(error(Sampler::Jittered), 2 * (0.5 / 8 + 0.023));
-    EXPECT_LT(error(Sampler::LowDiscrepancy), 2 * (0.5 / 8 + 0.023));
-}
-
 // 512 samples of a small picture: no submission holds more than one sample's bounce.
 TEST_F(Sampling, ManySamplesAreManySubmissions) {
     const Case c = fileCase("lens", 16, 16);

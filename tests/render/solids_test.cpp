@@ -22,9 +22,7 @@ class SphereTest : public RenderTest {
         scene.camera.eye = dvec3(ray.origin);
         scene.camera.target = scene.camera.eye + dvec3(0, 0, -1);
         addSphere(scene, center, radius);
-        const PackedScene packed = packScene(scene);
-        EXPECT_EQ(packed.origin, dvec3(0));
-        const RayHit hit = RenderTest::hitOf(packed, ray);
+        const RayHit hit = RenderTest::hitOf(scene, ray);
         return hit.hit ? std::optional<float>(hit.t) : std::nullopt;
     }
     static RayInput after(RayInput ray, float tMin) {

@@ -68,6 +68,12 @@ RayHit RenderTest::hitOf(const PackedScene& scene, const RayInput& ray) {
     return hit;
 }
 
+RayHit RenderTest::hitOf(const Scene& scene, const RayInput& ray) {
+    const PackedScene packed = packScene(scene);
+    EXPECT_EQ(packed.origin, glm::dvec3(0));
+    return hitOf(packed, ray);
+}
+
 size_t RenderTest::missesOf(const PackedScene& scene, const std::vector<RayInput>& rays) {
     RayTracer tracer(device(), scene);
     const size_t count = misses(tracer.trace(rays, false));

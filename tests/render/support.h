@@ -67,6 +67,8 @@ class RenderTest : public testing::Test {
     static std::vector<RayHit> hitsOf(const PackedScene& scene, const std::vector<RayInput>& rays,
                                       const Options& options = {});
     static RayHit hitOf(const PackedScene& scene, const RayInput& ray);
+    // Of a scene that fp32 counts from 0.
+    static RayHit hitOf(const Scene& scene, const RayInput& ray);
     static size_t missesOf(const PackedScene& scene, const std::vector<RayInput>& rays);
     // An image and the statistics of its render.
     struct Drawn {
@@ -93,8 +95,15 @@ Case makeCase(Scene scene, int width, int height, BuildQuality quality = BuildQu
 Case fileCase(const std::string& name, int width, int height);
 // Scene text as in a file.
 Case textCase(const std::string& text, int width, int height);
-// The names of all scenes/*.json.
+// Scene text, or the name of a file in scenes/.
+inline Case sceneCase(const std::string& scene, int width, int height) {
+    return scene.starts_with('{') ? textCase(scene, width, height) : fileCase(scene, width, height);
+}
+// The names of all scenes/*.json, for tests of each.
 std::vector<std::string> sceneNames();
+inline std::string sceneName(const testing::TestParamInfo<std::string>& scene) {
+    return scene.param;
+}
 // With boxes that hold everything, so that each ray is tested against each primitive.
 PackedScene withOpenBoxes(PackedScene scene);
 

@@ -101,44 +101,30 @@ TEST_F(TextureTest, NearestAndCheckers) {
 }
 
 // A corner 25,000 from its object is known to 2 x 10^-3 in fp32, in the object's coordinates or the world's.
-// Against the scene as it is read, before any rounding.
-TEST_F(TextureTest, SolidCheckersKeepTheirCubesWhereverTheirCornerIs) {
-    const std::string moved =
-        R"({"type": "sphere", "center": [0, 0, 0], "radius": 2, "transform": [{"translate": [3, 5, -7]}], "material": "m"}],
-            "camera": {"type": "orthographic", "eye": [2, 10, -8], "target": [3, 5, -7], "height": 6},)";
-    const std::string farOut =
-        R"({"type": "sphere", "center": [17466, 0, -202], "radius": 2, "material": "m"}],
-            "camera": {"type": "orthographic", "eye": [17464, 5, -203], "target": [17466, 0, -202], "height": 6},)";
-    for (const auto& [objects, corner] : {std::pair(moved, "[298.116, 5587.24, 25022.0969]"),
-                                          std::pair(farOut, "[17464.97, -0.66, -203.5]")}) {
-        SCOPED_TRACE(corner);
-        const Case c = textCase(
-            "{\"objects\": [" + objects +
-                R"("ambient": 1, "materials": {"m": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true,
-            "corner": )" +
-                corner + "}}}}",
-            160, 120);
-        const verify::Report report = verified(c, true);
-        EXPECT_TRUE(report.passed());
-        EXPECT_EQ(report.explained() + report.representation->explained, 0u);
-    }
-}
-
 // Each object counts the cubes that it shows itself from near itself, whatever other objects show, and one
-// that shows two checkers of one size those of both.
-TEST_F(TextureTest, SolidCheckersOfTwoSizesKeepTheirCubesFarOut) {
-    const Case c = textCase(
+// that shows two checkers of one size those of both. Against the scene as it is read, before any rounding.
+TEST_F(TextureTest, SolidCheckersKeepTheirCubesWhereverTheirCornerIs) {
+    const char* const scenes[] = {
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2, "transform": [{"translate": [3, 5, -7]}], "material": "m"}],
+            "camera": {"type": "orthographic", "eye": [2, 10, -8], "target": [3, 5, -7], "height": 6}, "ambient": 1,
+            "materials": {"m": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true,
+                                            "corner": [298.116, 5587.24, 25022.0969]}}}})",
+        R"({"objects": [{"type": "sphere", "center": [17466, 0, -202], "radius": 2, "material": "m"}],
+            "camera": {"type": "orthographic", "eye": [17464, 5, -203], "target": [17466, 0, -202], "height": 6}, "ambient": 1,
+            "materials": {"m": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true,
+                                            "corner": [17464.97, -0.66, -203.5]}}}})",
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2, "transform": [{"translate": [3, 5, -7]}], "material": "m"},
             {"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"translate": [4, 8, -9]}], "material": "n"}],
             "camera": {"type": "orthographic", "eye": [2, 10, -8], "target": [3, 5, -7], "height": 6},
             "ambient": 1, "lights": [{"type": "directional", "direction": [1, -3, 2]}], "materials": {
             "m": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true, "corner": [298.116, 5587.24, 25022.0969]},
                   "diffuse": {"checker": [0.1, 0.9], "scale": 2.08, "solid": true, "corner": [-6298.4, 7.24, 25021.31]}},
-            "n": {"ambient": {"checker": [0.3, 0.7], "scale": 3.08, "solid": true, "corner": [9298.1, -7.3, -25022.7]}}}})",
-        160, 120);
-    const verify::Report report = verified(c, true);
-    EXPECT_TRUE(report.passed());
-    EXPECT_EQ(report.explained() + report.representation->explained, 0u);
+            "n": {"ambient": {"checker": [0.3, 0.7], "scale": 3.08, "solid": true, "corner": [9298.1, -7.3, -25022.7]}}}})"};
+    for (const char* scene : scenes) {
+        const verify::Report report = verified(textCase(scene, 160, 120), true);
+        EXPECT_TRUE(report.passed()) << scene;
+        EXPECT_EQ(report.explained() + report.representation->explained, 0u) << scene;
+    }
 }
 
 // Whole numbers added to coordinates change nothing as long as they have digits left; beyond 1e9 they are 0.

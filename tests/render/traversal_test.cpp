@@ -301,9 +301,8 @@ TEST_F(RenderTest, RoundSurfacesInOnePlaceAreOneWhateverTheirNumbers) {
                                     "]}",
                                 32, 24);
         ASSERT_EQ(c.packed.origin, dvec3(0));
-        Renderer renderer(device(), c.packed);
-        EXPECT_TRUE(verified(renderer, c).passed()) << second;
-        const Picture picture = renderer.render(c.camera, wholeWithData(c));
+        EXPECT_TRUE(verified(c).passed()) << second;
+        const Picture picture = draw(device(), c);
         size_t hits = 0;
         for (int i = 0; i < 32 * 24; ++i) {
             EXPECT_NE(picture.at(i % 32, i / 32).object, 1u) << second;

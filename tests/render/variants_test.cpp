@@ -1,27 +1,27 @@
-// What must not change a picture by a single bit: leaving features out, how arrays are read, how the picture
-// is cut into slices and regions, who else has rendered before.
+// What must not change a picture by a single bit: leaving features out, how arrays are read, the traversal,
+// how the picture is cut into slices, who else has rendered before, the number of threads.
 #include <algorithm>
+#include <cstdlib>
+#include <sstream>
 
-#include "reference/render.h"
 #include "support.h"
+#include "support/support.h"
 
 namespace glint::render::test::variants_test {
-class VariantTest : public RenderTest, public testing::WithParamInterface<std::string> {
-  protected:
-    Case case_ = fileCase(GetParam(), 96, 72);
-};
+class VariantTest : public RenderTest, public testing::WithParamInterface<std::string> {};
 
-TEST_P(VariantTest, PrunedAndFullPipelineDrawTheSame) {
-    EXPECT_TRUE(sameBits(draw(device(), case_), draw(device(), case_, {.leaveOut = false})));
+TEST_P(VariantTest, DrawsTheSame) {
+    const Case c = fileCase(GetParam(), 96, 72);
+    const Picture picture = draw(device(), c, {.traversal = Traversal::Lane});
+    EXPECT_TRUE(sameBits(picture, draw(device(), c, {.leaveOut = false})));
+    EXPECT_TRUE(sameBits(picture, draw(device(), c, {.access = gpu::Access::StorageBuffer})));
+    EXPECT_TRUE(sameBits(picture, draw(device(), c, {.access = gpu::Access::TexelBuffer})));
+    if (runsPackets(device().info())) {
+        EXPECT_TRUE(sameBits(picture, draw(device(), c, {.traversal = Traversal::Packet})));
+    }
 }
 
-TEST_P(VariantTest, BothAccessesDrawTheSame) {
-    EXPECT_TRUE(sameBits(draw(device(), case_, {.access = gpu::Access::StorageBuffer}),
-                         draw(device(), case_, {.access = gpu::Access::TexelBuffer})));
-}
-
-INSTANTIATE_TEST_SUITE_P(All, VariantTest, testing::ValuesIn(sceneNames()),
-                         [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(All, VariantTest, testing::ValuesIn(sceneNames()), sceneName);
 
 class PictureTest : public RenderTest {};
 
@@ -33,48 +33,6 @@ TEST_F(PictureTest, SlicesAndRepetitionDrawTheSame) {
     Renderer sliced(device(), c.packed, {.maxSlicePixels = 1024});
     EXPECT_TRUE(sameBits(picture, draw(sliced, c)));
     EXPECT_GT(sliced.times().slices, 5u);  // 108 tiles of 64 pixels
-}
-
-TEST_F(PictureTest, OddSizesAgreeWithTheReference) {
-    for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(7, 5), glm::ivec2(65, 63)}) {
-        const Case c = fileCase("spheres", size.x, size.y);
-        const Picture picture = draw(device(), c);
-        ASSERT_TRUE(picture.complete);
-        ASSERT_EQ(picture.data.size(), static_cast<size_t>(size.x) * size.y);
-        EXPECT_EQ(std::count(picture.done.begin(), picture.done.end(), 1), size.x * size.y);
-        const Picture expected = reference::render(c.packed, c.camera, wholeWithData(c));
-        int differing = 0;
-        for (int y = 0; y < size.y; ++y) {
-            for (int x = 0; x < size.x; ++x)
-                differing += picture.at(x, y).pathHash != expected.at(x, y).pathHash;
-        }
-        EXPECT_LE(differing, size.x * size.y / 200) << size.x << "x" << size.y;
-    }
-}
-
-TEST_F(PictureTest, RegionsAreCutFromTheWholePicture) {
-    const Case c = fileCase("lights", 65, 63);
-    Renderer renderer(device(), c.packed);
-    const Picture whole = draw(renderer, c);
-    for (const Region region :
-         {Region{0, 0, 8, 8}, Region{13, 11, 14, 12}, Region{5, 7, 62, 29}, Region{64, 0, 65, 63}}) {
-        auto settings = sized<Request>(c);
-        settings.region = region;
-        settings.data = true;
-        const Picture part = renderer.render(c.camera, settings);
-        Picture cut;
-        cut.region = region;
-        cut.color = Image(region.width(), region.height(), 4);
-        cut.done.assign(static_cast<size_t>(region.width()) * region.height(), 1);
-        for (int y = region.y0; y < region.y1; ++y) {
-            for (int x = region.x0; x < region.x1; ++x) {
-                for (int i = 0; i < 4; ++i)
-                    cut.color.at(x - region.x0, y - region.y0, i) = whole.color.at(x, y, i);
-                cut.data.push_back(whole.at(x, y));
-            }
-        }
-        EXPECT_TRUE(sameBits(part, cut)) << region.x0 << "," << region.y0;
-    }
 }
 
 TEST_F(PictureTest, CostIsCountedAndChangesNothing) {
@@ -120,6 +78,27 @@ TEST_F(PictureTest, CancelledRenderKeepsFinishedSlices) {
     progress = 0;
     EXPECT_TRUE(sameBits(renderer.render(c.camera, settings), whole));
     EXPECT_EQ(progress, 1.0);
+}
+
+// llvmpipe reads LP_NUM_THREADS once a process, so this runs the program itself.
+TEST(Threads, PicturesDoNotDependOnTheirNumber) {
+    const glint::test::TemporaryFolder folder;
+    const auto renderedWith = [&](int threads, const std::string& scene) {
+        const std::filesystem::path out = folder.path() / (scene + std::to_string(threads) + ".exr");
+        std::ostringstream command;
+        command << "LP_NUM_THREADS=" << threads << " \"" << GLINT_PROGRAM << "\" render \""
+                << glint::test::sourcePath("scenes/" + scene + ".json")
+                << "\" -q --size 96x72 --spp 2 --aov "
+                   "color,alpha,depth,position,normal,uv,object,primitive,bounces -o "
+                << out;
+        EXPECT_EQ(std::system(command.str().c_str()), 0) << command.str();
+        return glint::test::readBytes(out);
+    };
+    for (const std::string scene : {"spheres", "triangles", "knot"}) {
+        const std::vector<uint8_t> one = renderedWith(1, scene);
+        EXPECT_GT(one.size(), 1000u) << scene;
+        EXPECT_TRUE(one == renderedWith(8, scene)) << scene;
+    }
 }
 
 }  // namespace glint::render::test::variants_test

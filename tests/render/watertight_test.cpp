@@ -40,62 +40,6 @@ TEST_F(WatertightTest, ClosedFans) {
     }
 }
 
-// pbrt-v4, Triangle.Watertight: origins within 0.5 of the centre, all radii are at least 1.
-class BumpySphereTest : public WatertightTest {
-  protected:
-    BumpySphereTest() {
-        Scene scene = emptyScene();
-        std::vector<dvec3> positions(mesh_.vertices.begin(), mesh_.vertices.end());
-        addMesh(scene, positions, mesh_.triangles);
-        packed_ = packScene(scene);
-    }
-    size_t missesAt(const std::function<dvec3()>& target) {
-        std::vector<RayInput> rays;
-        for (int i = 0; i < 100000; ++i) {
-            const dvec3 from = random_.box(.28);  // 0.28 sqrt(3) < 0.5
-            rays.push_back(rayTowards(from, target(), i % 2));
-        }
-        return missesOf(packed_, rays);
-    }
-    const glint::test::BumpyMesh mesh_ = glint::test::makeBumpyMesh(15);
-    PackedScene packed_;
-    Random random_{16};
-};
-
-TEST_F(BumpySphereTest, RaysAtVerticesHit) {
-    const auto count = static_cast<uint32_t>(mesh_.vertices.size());
-    EXPECT_EQ(missesAt([&] { return dvec3(mesh_.vertices[random_.below(count)]); }), 0u);
-}
-
-TEST_F(BumpySphereTest, RaysAtEdgesHit) {
-    const auto count = static_cast<uint32_t>(mesh_.triangles.size());
-    EXPECT_EQ(missesAt([&] {
-                  const glm::uvec3& t = mesh_.triangles[random_.below(count)];
-                  return glm::mix(dvec3(mesh_.vertices[t.x]), dvec3(mesh_.vertices[t.y]),
-                                  random_.uniform(0, 1));
-              }),
-              0u);
-}
-
-// Rays through the line of a needle that is thinner than a unit of the last place, far beyond its ends, where
-// its edges' products round to the same number.
-TEST_F(WatertightTest, NeedlesAreNotMetBeyondTheirEnds) {
-    Random random(17);
-    Scene scene = emptyScene();
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 64; ++i) {
-        const dvec3 middle = random.box(2), along = random.direction();
-        addTriangle(scene, middle - 4e-4 * along, middle + 4e-4 * along, middle + 1e-8 * random.direction());
-        for (int k = 0; k < 500; ++k) {
-            const double away = random.uniform(0.1, 3);
-            rays.push_back(rayTowards({0, 0, 6}, middle + (k % 2 ? away : -away) * along, true));
-        }
-    }
-    const PackedScene packed = withOpenBoxes(packScene(scene));
-    EXPECT_GT(packed.triangles.size(), 20u);
-    EXPECT_EQ(missesOf(packed, rays), rays.size());
-}
-
 // Unit squares far from the origin; a second grid opposite keeps the packing from moving it there.
 TEST_F(WatertightTest, DistantGrids) {
     constexpr uint32_t kSquares = 16;

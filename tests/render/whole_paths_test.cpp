@@ -123,8 +123,7 @@ TEST_P(WholePathsSceneTest, DrawsTheSame) {
     expectSame(c, requestOf(c));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, WholePathsSceneTest, testing::ValuesIn(sceneNames()),
-                         [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(All, WholePathsSceneTest, testing::ValuesIn(sceneNames()), sceneName);
 
 TEST_F(WholePathsTest, OtherWaysToReadArraysDrawTheSame) {
     for (const char* name : {"showcase", "textures"}) {
