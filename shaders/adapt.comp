@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // After a sample: adds it to the pixel's film; after the last one of a round: does the pixel need another
 // round? (docs/guide/sampling.md)
-#include "path.glsl"
+#include "storage.glsl"
 
 // True if the mean of `count` samples is uncertain. spread: sum of the squared differences of the samples
 // from the mean.

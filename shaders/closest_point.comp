@@ -7,14 +7,11 @@
 // A point first descends to a leaf by the nearer children, for a bound, and then traverses the tree as a ray
 // does, past boxes farther than the bound. Traversal::hit.t is the square of the distance.
 #include "path_rows.glsl"
-#include "primitives/textbook.glsl"
 #include "traversal/state.glsl"
 const uint kMostLeaves = 1u;
-#include "traversal/leaves.glsl"
 #include "traversal/stackless.glsl"
 
 bool isAnyHit(Traversal traversal) { return false; }
-bool isShadowRay(Traversal traversal) { return false; }
 void testPlanes(inout Traversal traversal, uint planeCount) {}
 
 // At most the square of the distance to the box: it and its product with a stretch round by 12 u.
@@ -122,8 +119,8 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     } while (index < end);
 }
 
-void testLeaves(inout Traversal traversal, Leaves leaves) {
-    if (leaves.list[0] != kNone) testLeaf(traversal, leaves.list[0]);
+void testLeaves(inout Traversal traversal, uint leaves[kMostLeaves]) {
+    if (leaves[0] != kNone) testLeaf(traversal, leaves[0]);
 }
 
 void main() {

@@ -2,9 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // How often each ray crosses surfaces in its interval, and with MODE_LIST where. Rows of a ray: kRowHit holds
-// tMax, the number of crossings, doubts about it (crossings.glsl), 0; with MODE_LIST kRowThroughput holds the
-// place of the first crossing in the list and the number of crossings.
-#define GLINT_CROSSINGS
+// tMax, the number of crossings, doubts about it (traversal/count.glsl), 0; with MODE_LIST kRowThroughput
+// holds the place of the first crossing in the list and the number of crossings.
+#define GLINT_CROSSINGS true
 #include "path_rows.glsl"
 #include "traversal/count.glsl"
 

@@ -5,14 +5,6 @@
 #include "path_rows.glsl"
 #include "shading/scatter.glsl"
 
-void startTree(uint path, Environment environment) {
-    if (dispatch.sampleIndex == 0u) storeLedger(path, emptyLedger());
-    if (FEATURE_TRANSMISSION) {
-        storeRow(treeRow(kTreeRowMedia), path, eyeMedia(environment));
-        storeRow(treeRow(kTreeRowBranch), path, uvec4(0u));
-    }
-}
-
 void main() {
     uint path = pathIndex();
     uvec2 pixel;
@@ -25,6 +17,10 @@ void main() {
     storeRay(path, ray);
     storeRow(kRowThroughput, path, packRow(weight, kHashStart));
     storeRow(kRowWalk, path, uvec4(kNone, 0u, 0u, 0u));
-    startTree(path, loadEnvironment(0u));
+    if (dispatch.sampleIndex == 0u) storeLedger(path, emptyLedger());
+    if (FEATURE_TRANSMISSION) {
+        storeRow(treeRow(kTreeRowMedia), path, eyeMedia(loadEnvironment(0u)));
+        storeRow(treeRow(kTreeRowBranch), path, uvec4(0u));
+    }
     if (MODE_ADAPTIVE || dispatch.sampleIndex == 0u) storeRow(kRowRadiance, path, uvec4(0u));
 }

@@ -7,12 +7,11 @@
 #include "traversal/stack.glsl"
 #include "traversal/stackless.glsl"
 
-#ifdef GLINT_ANY_HIT
-bool isAnyHit(Traversal traversal) { return true; }
-#else
-bool isAnyHit(Traversal traversal) { return false; }
+#ifndef GLINT_ANY_HIT
+#define GLINT_ANY_HIT 0
 #endif
-bool isShadowRay(Traversal traversal) { return false; }
+bool isAnyHit(Traversal traversal) { return GLINT_ANY_HIT == 1; }
+bool entersBox(Traversal traversal, vec3 lo, vec3 hi) { return rayEntersBox(traversal, lo, hi); }
 
 void main() {
     bool present;

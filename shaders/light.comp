@@ -3,14 +3,14 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 // Adds the light of the scene's lights to each hit. A dispatch covers as many lights as its loop trips allow
 // (Dispatch::lightEnd).
-#define GLINT_SHADOW_RAYS
+#define GLINT_SHADOW_RAYS true
 #include "primitives/textbook.glsl"
 #include "traversal/stack.glsl"
 #include "traversal/stackless.glsl"
 #include "shading/light.glsl"
 
 bool isAnyHit(Traversal traversal) { return true; }
-bool isShadowRay(Traversal traversal) { return true; }
+bool entersBox(Traversal traversal, vec3 lo, vec3 hi) { return rayEntersBox(traversal, lo, hi); }
 
 void main() {
     bool present;

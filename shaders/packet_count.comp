@@ -1,15 +1,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // How often each ray crosses triangles and planes in its interval, packet by packet: count.comp for subgroups
 // of 8 lanes. A ray's doubts stand in its hit's id.
-#define GLINT_CROSSINGS
+#define GLINT_CROSSINGS true
 #include "path_rows.glsl"
-#include "packet/traverse.glsl"
+#include "packet/packet.glsl"
 #include "traversal/count.glsl"
-
-bool mayHaveRay(uint path) { return true; }
 
 void testTriangle(inout Traversal one, vec3 a, vec3 b, vec3 c, vec3 v0, vec3 normal, uint primitive, uint id,
                   bool present) {

@@ -1,18 +1,14 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // The closest hit of each live path, packet by packet: intersect.comp for subgroups of 8 lanes.
 #include "path_rows.glsl"
 #include "packet/hits.glsl"
-#ifdef GLINT_ANY_HIT
-const uint kTurns = kPacketTurns;
-bool isAnyHit(Traversal traversal) { return true; }
-#else
-const uint kTurns = 1u;
-bool isAnyHit(Traversal traversal) { return false; }
+#ifndef GLINT_ANY_HIT
+#define GLINT_ANY_HIT 0
 #endif
-bool isShadowRay(Traversal traversal) { return false; }
+const uint kTurns = GLINT_ANY_HIT == 1 ? kPacketTurns : 1u;
+bool isAnyHit(Traversal traversal) { return GLINT_ANY_HIT == 1; }
 
 bool mayHaveRay(uint path) { return uintBitsToFloat(loadRow(kRowDirection, path).w) < kInfinity; }
 
@@ -55,13 +51,4 @@ void onePacket(uint turn) {
     if (unfinished > 0u) atomicAdd(counters[kCounterUnfinished], unfinished);
 }
 
-void main() {
-    if (kTurns == 1u) {
-        onePacket(0u);
-        return;
-    }
-    uint turn = 0u;
-    do {
-        onePacket(nextPacket(kTurns, turn));
-    } while (turn < kTurns);
-}
+void main() { eachPacket(kTurns); }

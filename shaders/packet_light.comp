@@ -1,14 +1,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#extension GL_KHR_shader_subgroup_basic : require
 // Adds the light of the scene's lights to each hit, packet by packet: light.comp for subgroups of 8 lanes.
-#define GLINT_SHADOW_RAYS
+#define GLINT_SHADOW_RAYS true
 #include "packet/hits.glsl"
 #include "shading/light.glsl"
 
 bool isAnyHit(Traversal traversal) { return true; }
-bool isShadowRay(Traversal traversal) { return true; }
 
 // A path that hit nothing, or ended before, has nothing to light.
 bool mayHaveRay(uint path) { return loadRow(kRowHit, path).w != kNone; }
@@ -44,9 +42,4 @@ void onePacket(uint turn) {
     }
 }
 
-void main() {
-    uint turn = 0u;
-    do {
-        onePacket(nextPacket(kPacketTurns, turn));
-    } while (turn < kPacketTurns);
-}
+void main() { eachPacket(kPacketTurns); }

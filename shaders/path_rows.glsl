@@ -3,7 +3,6 @@
 #ifndef GLINT_PATH_ROWS_GLSL
 #define GLINT_PATH_ROWS_GLSL
 
-#include "path.glsl"
 #include "traversal/ray.glsl"
 
 // Row kRowWalk of a path. Only resume dispatches and renders with AOVs read its contents.

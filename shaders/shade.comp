@@ -50,15 +50,12 @@ void main() {
     Branch next;
     bool goesOn = false;
     Ledger ledger = loadLedger(path);
-    if (FEATURE_TRANSMISSION) {
-        uvec2 state = loadRow(treeRow(kTreeRowBranch), path).xy;
-        goesOn = nextBranch(path, ledger, alive, at, state, throughput, environment, next);
-        if (goesOn) {
-            storeRow(treeRow(kTreeRowBranch), path, uvec4(state, MODE_TALLY ? next.kind : 0u, 0u));
-            storeRow(treeRow(kTreeRowMedia), path, next.media);
-        }
-    } else if (FEATURE_MIRRORS) {
-        goesOn = nextReflection(ledger, alive, at, dispatch.bounce, throughput, environment, next);
+    uvec2 state = uvec2(dispatch.bounce, 0u);
+    if (FEATURE_TRANSMISSION) state = loadRow(treeRow(kTreeRowBranch), path).xy;
+    if (kBounces) goesOn = nextBranch(path, ledger, alive, at, state, throughput, environment, next);
+    if (FEATURE_TRANSMISSION && goesOn) {
+        storeRow(treeRow(kTreeRowBranch), path, uvec4(state, MODE_TALLY ? next.kind : 0u, 0u));
+        storeRow(treeRow(kTreeRowMedia), path, next.media);
     }
     storeLedger(path, ledger);
     if (kBounces) {

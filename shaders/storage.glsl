@@ -1,6 +1,7 @@
-// The arrays of a scene and the path state. Each array is a storage texel buffer, or, if ARRAYS_TOGETHER, one
-// storage buffer holds all arrays but the samples, for devices with few bindings or small texel buffers
-// (src/render/scene_buffers.h). The host removes the other variables from the kernel (src/gpu/specialize.h).
+// The arrays of a scene, the path state, and an invocation's place in it. Each array is a storage texel
+// buffer, or, if ARRAYS_TOGETHER, one storage buffer holds all arrays but the samples, for devices with few
+// bindings or small texel buffers (src/render/scene_buffers.h). The host removes the other variables from the
+// kernel (src/gpu/specialize.h).
 #ifndef GLINT_STORAGE_GLSL
 #define GLINT_STORAGE_GLSL
 
@@ -31,7 +32,6 @@ uvec4 loadTogether(uint array, uint index) {
             row = imageLoad(name##Texels, int(index & 0x07ffffffu));                                  \
         return row;                                                                                   \
     }
-#define LOAD4(name, index) name##Row(index)
 
 // ---- Structs from their row lists ----
 
@@ -63,17 +63,17 @@ layout(push_constant) uniform DispatchBlock {
 #define GLINT_COUNT_2(A, a, b) +1u
 #define GLINT_COUNT_4(A, a, b, c, d) +1u
 #define GLINT_LOAD_V3F(A, a, b)   \
-    q = LOAD4(A, row);            \
+    q = A##Row(row);              \
     s.a = uintBitsToFloat(q.xyz); \
     s.b = uintBitsToFloat(q.w);   \
     ++row;
 #define GLINT_LOAD_V3U(A, a, b)   \
-    q = LOAD4(A, row);            \
+    q = A##Row(row);              \
     s.a = uintBitsToFloat(q.xyz); \
     s.b = q.w;                    \
     ++row;
 #define GLINT_LOAD_U4(A, a1, b1, c1, d1) \
-    q = LOAD4(A, row);                   \
+    q = A##Row(row);                     \
     s.a1 = q.x;                          \
     s.b1 = q.y;                          \
     s.c1 = q.z;                          \
@@ -128,5 +128,38 @@ layout(constant_id = GLINT_CONVERGENT_ID) const bool CONVERGENT = false;
 GLINT_ARITHMETIC(GLINT_ARITHMETIC_CONSTANT)
 
 #include "arithmetic.glsl"
+
+// ---- The path of an invocation: its pixel, and the rows of the path state ----
+
+layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
+
+uint pathIndex() { return gl_GlobalInvocationID.x; }
+
+// Scenes whose paths go on after the first hit: these list the paths that do.
+const bool kBounces = FEATURE_MIRRORS || FEATURE_TRANSMISSION;
+
+// The pixel of a path in the image; false outside the region. Paths follow a Morton curve in the tile, so
+// that 8 of them make a block of 4x2 pixels and 32 one of 8x4.
+bool pixelOf(uint path, out uvec2 pixel) {
+    uint group = path / kWorkgroupSize;
+    uint tile = dispatch.firstTile + (group % dispatch.run) * dispatch.interleave + group / dispatch.run;
+    uint tilesX = (dispatch.regionWidth + kTileSize - 1u) / kTileSize;
+    uint lane = path % kWorkgroupSize;
+    uvec2 inTile = uvec2((lane & 1u) | ((lane >> 1) & 2u) | ((lane >> 2) & 4u),
+                         ((lane >> 1) & 1u) | ((lane >> 2) & 2u) | ((lane >> 3) & 4u));
+    uvec2 local = uvec2(tile % tilesX, tile / tilesX) * kTileSize + inTile;
+    pixel = local + uvec2(dispatch.regionX, dispatch.regionY);
+    return tile < dispatch.firstTile + dispatch.tileCount && local.x < dispatch.regionWidth &&
+           local.y < dispatch.regionHeight;
+}
+
+// Hit instance, source instance, and where an unfinished walk is: see dispatch.h.
+uint rowInstance() { return MODE_ADAPTIVE ? kPathRowsAdaptive : (MODE_AOVS ? kPathRowsWithAovs : kPathRows); }
+
+// Entries of two lists of paths, one read and one written by a dispatch.
+uint rowList(uint list) { return rowInstance() + (FEATURE_INSTANCES ? 1u : 0u) + list; }
+
+// kTreeRow...: after the others.
+uint treeRow(uint row) { return rowList(kBounces ? kListRows : 0u) + row; }
 
 #endif

@@ -4,7 +4,7 @@
 // A sample from its camera ray to the end of its path in one kernel, without passing the path's state through
 // memory as generate.comp, intersect.comp, light.comp and shade.comp do. If a path runs out of trips or rays,
 // the host renders the slice again by those four.
-#define GLINT_SHADOW_RAYS
+#define GLINT_SHADOW_RAYS true
 #include "primitives/robust.glsl"
 #include "shading/camera.glsl"
 #include "traversal/stack.glsl"
@@ -12,7 +12,6 @@
 
 // Closest hits and shadow rays in turn.
 bool isAnyHit(Traversal traversal) { return traversal.any; }
-bool isShadowRay(Traversal traversal) { return traversal.any; }
 
 const bool kHasLights = FEATURE_POINT_LIGHTS || FEATURE_DIRECTIONAL_LIGHTS || FEATURE_SPOT_LIGHTS;
 
@@ -45,13 +44,8 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
 bool goesOn(uint path, Interaction at, Environment environment, inout Ledger ledger, inout bool complete,
             inout uvec2 state, inout uvec4 media, inout vec3 throughput, inout Ray ray, inout uint followed) {
     Branch next;
-    bool follows;
-    if (FEATURE_TRANSMISSION) {
-        follows = nextBranch(path, ledger, complete, at, state, throughput, environment, next);
-        media = next.media;
-    } else {
-        follows = nextReflection(ledger, complete, at, followed, throughput, environment, next);
-    }
+    bool follows = nextBranch(path, ledger, complete, at, state, throughput, environment, next);
+    media = next.media;
     // The host has counted the trips of so many rays (src/render/path_limits.cpp).
     complete = complete && !(follows && followed == dispatch.bounce);
     follows = follows && complete;

@@ -2,7 +2,8 @@
 #ifndef GLINT_PACKET_HITS_GLSL
 #define GLINT_PACKET_HITS_GLSL
 
-#include "packet/traverse.glsl"
+#include "packet/packet.glsl"
+#include "primitives/robust.glsl"
 #include "traversal/leaf.glsl"
 
 // Records a hit. Any-hit queries need no more than its primitive: 10 % faster (docs/lab/traversal.md).

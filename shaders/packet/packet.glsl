@@ -11,7 +11,6 @@
 #ifndef GLINT_PACKET_GLSL
 #define GLINT_PACKET_GLSL
 
-#include "primitives/robust.glsl"
 #include "traversal/state.glsl"
 
 #define GLINT_EACH_RAY for (uint r = 0u; r < kPacketRays; ++r)
@@ -185,24 +184,22 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normal
     testTriangle(one, a, b, c, v0, fromLane(normals, lane / 3u), primitive, id, present);
 }
 
+// Fields of a ray that tests change.
+#define GLINT_TESTED_FIELDS(X) \
+    X(hit.primitive) X(hit.t) X(hit.u) X(hit.v) X(hit.id) X(nearest) X(ray.tMax) X(crossings)
+
 // Takes the rays of a row out of the packet. `row` has the row's bit alone. By selection: an index that is
 // not constant costs more.
 Traversal takeRow(uint row) {
     Traversal one = packet[0];
     for (uint r = 1u; r < kPacketRays; ++r) {
         bool mine = row == 1u << r;
-        one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
-        one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
-        one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
-        one.ray.source = mine ? packet[r].ray.source : one.ray.source;
-        one.nearest = mine ? packet[r].nearest : one.nearest;
-        one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
-        one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
-        one.hit.t = mine ? packet[r].hit.t : one.hit.t;
-        one.hit.u = mine ? packet[r].hit.u : one.hit.u;
-        one.hit.v = mine ? packet[r].hit.v : one.hit.v;
-        one.hit.id = mine ? packet[r].hit.id : one.hit.id;
-        one.crossings = mine ? packet[r].crossings : one.crossings;
+#define GLINT_TAKE(field) one.field = mine ? packet[r].field : one.field;
+        GLINT_TESTED_FIELDS(GLINT_TAKE)
+        GLINT_TAKE(ray.origin)
+        GLINT_TAKE(ray.tMin)
+        GLINT_TAKE(ray.source)
+        GLINT_TAKE(frame.shear)
     }
     return one;
 }
@@ -211,14 +208,8 @@ Traversal takeRow(uint row) {
 void putRow(uint row, Traversal one) {
     GLINT_EACH_RAY {
         bool mine = row == 1u << r;
-        packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
-        packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
-        packet[r].nearest = mine ? one.nearest : packet[r].nearest;
-        packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
-        packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
-        packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
-        packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
-        packet[r].crossings = mine ? one.crossings : packet[r].crossings;
+#define GLINT_PUT(field) packet[r].field = mine ? one.field : packet[r].field;
+        GLINT_TESTED_FIELDS(GLINT_PUT)
     }
 }
 
@@ -234,7 +225,7 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
             uint index = first;
             do {
                 if (index < end) {
-                    uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
+                    uvec4 texel = trianglesArrayRow(3u * index + lane);
                     vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
                     vec3 normals = turnToZ(loadTriangleSurface(index + (lane & 1u)).normal, axis);
                     testRowTriangle(one, turned, corners, normals, texel.w, 0u, index, true);
@@ -250,8 +241,121 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
     } while (left != 0u);
 }
 
-// Traverses with the rays of a group: packet/traverse.glsl. False if the group was given up.
-bool walkGroup(uint group, uint root, uint lane, inout uint trips);
+// The topmost entry that some ray may still reach, kNone if there is none; all above it are dropped. `end` is
+// the key of the farthest point that any ray may still reach. rows: those that enter its box.
+uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows) {
+    uint height = 0u;
+    for (uint row = 0u; row < GLINT_STACK_ROWS; ++row) {
+        uint place = 8u * row + lane;
+        bool reachable = place < stack.top && stack.key[row] <= end;
+        height = reachable ? place + 1u : height;
+    }
+    height = largestOfLanes(height);
+    bool empty = height == 0u;
+    uint place = height - 1u;
+    uint row = place >> 3;
+    uint held =
+        row == 0u ? stack.child.x : (row == 1u ? stack.child.y : (row == 2u ? stack.child.z : stack.child.w));
+    uint child = subgroupShuffle(held, place & 7u);
+    uint heldKey =
+        row == 0u ? stack.key.x : (row == 1u ? stack.key.y : (row == 2u ? stack.key.z : stack.key.w));
+    rows = subgroupShuffle(heldKey, place & 7u) & kRowsMask;
+    stack.top = empty ? 0u : place;
+    return empty ? kNone : child;
+}
+
+// The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has
+// hit needs nothing more.
+uint updateEnds() {
+    float farthest = -1.0;
+    GLINT_EACH_RAY {
+        if (settled(packet[r])) packet[r].ray.tMax = -1.0;
+        precise float end = packet[r].ray.tMax * kFarPad;
+        packetEnds[r] = end;
+        farthest = larger(farthest, end);
+    }
+    farthest = largestOfLanes(farthest);
+    return farthest < 0.0 ? 0u : floatBitsToUint(farthest);
+}
+
+// Pushes the children of a node that any row enters, the one that comes first last: the nearest for closest
+// hits, the farthest for any hits (isFarthestFirst, traversal/stack.glsl). False if the stack is full or the
+// budget spent; then the group must be given up.
+bool pushChildren(uint node, PacketBounds bounds, bvec3 negative, uint end, uint lane, uint budget,
+                  inout PacketStack stack, inout uint trips) {
+    PacketCorner lower = loadPacketCorner(16u * node + lane);
+    vec3 upper = loadPacketCorner(16u * node + 8u + lane).corner;
+    vec3 nearPlane = mix(lower.corner, upper, negative);
+    vec3 farPlane = mix(upper, lower.corner, negative);
+    float near;
+    bool entered = groupEnters(bounds, nearPlane, farPlane, uintBitsToFloat(end), near);
+    uint key = keyOf(near, lane, entered);
+    if (isAnyHit(packet[0])) key = entered ? (0x7f800000u - (key & ~7u)) | lane : kNone;
+    uint count = sumOfLanes(entered ? 1u : 0u);
+    key = sortLanes(key, lane);
+    uint child = subgroupShuffle(lower.child, key & 7u);
+    bool full = stack.top + count > 8u * GLINT_STACK_ROWS || trips > budget;
+    uint farther = count;
+    do {
+        if (farther > 0u) {
+            --farther;
+            uint nextKey = subgroupShuffle(key, farther);
+            uint nextChild = subgroupShuffle(child, farther);
+            uint place = nextKey & 7u;
+            uint entering = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
+            // Any-hit rays never shorten, so none of their entries gets out of reach.
+            uint distance = isAnyHit(packet[0]) ? 0u : nextKey & ~kRowsMask;
+            pushOne(stack, distance | entering, nextChild, entering != 0u, lane);
+        }
+    } while (farther > 0u);
+    trips += count + 2u;
+    return !full;
+}
+
+// Returns false for a group that ran out of trips or of stack. `trips` is the same in all lanes, so it is at
+// least the driver's count for the subgroup, and at most 40 pass between two checks of the budget (8 children
+// and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The budget of single rays is far below what a
+// packet could use.
+bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
+    PacketStack stack;
+    stack.child = uvec4(kNone);
+    stack.key = uvec4(kNone);
+    stack.top = 0u;
+    uint end = updateEnds();
+    bvec3 negative = signsOf(group);
+    uint axis = group & 3u;
+    PacketBounds bounds = boundsOf(negative);
+    uint current = end == 0u ? kNone : root;
+    uint rows = kRowsMask;
+    bool complete = true;
+    uint budget = dispatch.tripBudget;
+    do {
+        if (current != kNone) {
+            do {
+                if (isNode(current)) {
+                    bool pushed = pushChildren(current, bounds, negative, end, lane, budget, stack, trips);
+                    complete = complete && pushed;
+                    uint popped = popReachable(stack, end, lane, rows);
+                    current = pushed ? popped : kNone;
+                }
+            } while (isNode(current));
+            // Leaves often follow each other: without a loop of their own each would run the nodes' code.
+            do {
+                if (isLeaf(current)) {
+                    testPacketLeaf(current, axis, lane, rows, trips);
+                    end = updateEnds();
+                    uint popped = popReachable(stack, end, lane, rows);
+                    bool spent = trips > budget;
+                    complete = complete && !spent;
+                    current = end == 0u || spent ? kNone : popped;
+                    trips += 4u;
+                }
+            } while (isLeaf(current));
+            ++trips;
+        }
+    } while (current != kNone);
+    return complete;
+}
 
 // Returns false if some group was given up.
 bool traversePacket(uint root) {
@@ -310,31 +414,29 @@ uint packetPath(uint turns, uint turn, uint r, out bool present) {
     return present ? path : 0u;
 }
 
-// Each kernel defines it by one row of the path: false only if the path has no ray to trace.
+// Each kernel defines these: false only if the path has no ray to trace, by one row of the path; and tracing
+// a packet.
 bool mayHaveRay(uint path);
+void onePacket(uint turn);
 
-// A subgroup traces `turns` any-hit packets one after the other, as many packets of shadow rays are empty,
-// and an empty packet would cost the kernel's whole code (traversal/lanes.glsl). Returns the next packet from
-// `turn` on that may have rays, the last if none has; `turn` becomes the one after it.
-uint nextPacket(uint turns, inout uint turn) {
-    uint found = turn;
-    bool searching = turn < turns;
+// A subgroup traces `turns` packets one after the other, but those without rays, if others follow: many
+// packets of shadow rays are empty, and an empty packet would cost the kernel's whole code
+// (traversal/lanes.glsl).
+void eachPacket(uint turns) {
+    uint turn = 0u;
     do {
-        if (searching) {
-            uint some = 0u;
+        uint some = 0u;
+        do {
             GLINT_EACH_RAY {
                 bool present;
-                uint path = packetPath(turns, turn, r, present);
-                bool may = mayHaveRay(path);
+                bool may = mayHaveRay(packetPath(turns, turn, r, present));
                 some |= present && may ? 1u : 0u;
             }
             some = anyOfLanes(some);
-            found = turn;
             ++turn;
-            searching = some == 0u && turn < turns;
-        }
-    } while (searching);
-    return found;
+        } while (some == 0u && turn < turns);
+        onePacket(turn - 1u);
+    } while (turn < turns);
 }
 
 #endif

@@ -3,7 +3,7 @@
 #ifndef GLINT_PRIMITIVES_CUBOID_GLSL
 #define GLINT_PRIMITIVES_CUBOID_GLSL
 
-#include "primitives/surface.glsl"
+#include "traversal/ray.glsl"
 
 // The t at which a line enters and leaves each pair of planes of a closed box (Kay, Kajiya, "Ray Tracing
 // Complex Scenes", SIGGRAPH 1986).

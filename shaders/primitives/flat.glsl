@@ -2,7 +2,7 @@
 #ifndef GLINT_PRIMITIVES_FLAT_GLSL
 #define GLINT_PRIMITIVES_FLAT_GLSL
 
-#include "primitives/surface.glsl"
+#include "traversal/ray.glsl"
 
 // Surface of a flat primitive with this point and unit normal. The hit point is moved back to the plane as an
 // offset from `anchor`. The product with the normal errs by gamma_4 of the offset, the subtraction by a unit.

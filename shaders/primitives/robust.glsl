@@ -5,12 +5,14 @@
 #include "primitives/sphere.glsl"
 #include "primitives/triangle.glsl"
 
-bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
-                  out float v) {
-    return intersectTriangle(ray, frame, triangle, normal, t, u, v);
+bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, inout uint trips, out Hit hit) {
+    float t, u, v;
+    vec3 normal = loadTriangleSurface(primitive & kPrimitiveIndexMask).normal;
+    bool isHit = intersectTriangle(ray, frame, triangle, normal, t, u, v);
+    if (FEATURE_COLORED_SHADOWS) crossesHere = crossesTriangle(ray, frame, triangle);
+    hit = Hit(t, u, v, primitive, kNone, triangle.id);
+    return isHit;
 }
-
-bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) { return crossesTriangle(ray, frame, triangle); }
 
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {
     return intersectSphere(ray, frame, sphere, primitive, hit);

@@ -2,7 +2,7 @@
 #ifndef GLINT_PRIMITIVES_SPHERE_GLSL
 #define GLINT_PRIMITIVES_SPHERE_GLSL
 
-#include "primitives/surface.glsl"
+#include "traversal/ray.glsl"
 
 vec3 sphereCenter(Sphere sphere) {
     return FEATURE_ANCHORED_SPHERES ? sphere.point - sphere.radius * sphere.anchorNormal : sphere.point;
@@ -69,7 +69,7 @@ bool intersectSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, out
     return isHit && near <= ray.tMax;
 }
 
-// The test that the traversals call: primitives/robust.glsl or primitives/textbook.glsl.
+// The test of a leaf's spheres: primitives/robust.glsl, primitives/textbook.glsl or traversal/count.glsl.
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit);
 
 // Outward normal of a hit, turned towards the ray at the limb, where the rounding of t alone decides whether

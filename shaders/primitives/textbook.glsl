@@ -14,7 +14,8 @@ bool inInterval(Ray ray, float t) { return t > 0.0 && t > ray.tMin && t <= ray.t
 // Cramer's rule with a way out after each unknown (Shirley & Marschner, Fundamentals of Computer Graphics,
 // sec. 4.4.2; the same numbers as Moller and Trumbore's, 1997). Each triangle weighs an edge by products of
 // its own, so neighbours may both let a ray through.
-bool triangleByCramer(Ray ray, Triangle triangle, out float t, out float u, out float v) {
+bool triangleByCramer(Ray ray, Triangle triangle, precise out float t, precise out float u,
+                      precise out float v) {
     t = u = v = 0.0;
     precise vec3 p = triangle.v0 - triangle.v1;
     precise vec3 q = triangle.v0 - triangle.v2;
@@ -28,60 +29,54 @@ bool triangleByCramer(Ray ray, Triangle triangle, out float t, out float u, out 
     precise float akJb = p.x * w.y - w.x * p.y;
     precise float jcAl = w.x * p.z - p.x * w.z;
     precise float blKc = p.y * w.z - w.y * p.z;
-    precise float tHit = quotient(-(q.z * akJb + q.y * jcAl + q.x * blKc), m);
-    t = tHit;
-    if (!inInterval(ray, tHit)) return false;
-    precise float gamma = quotient(d.z * akJb + d.y * jcAl + d.x * blKc, m);
-    v = gamma;
-    if (gamma < 0.0 || gamma > 1.0) return false;
-    precise float beta = quotient(w.x * eiHf + w.y * gfDi + w.z * dhEg, m);
-    u = beta;
-    precise float rest = 1.0 - gamma;
-    return beta >= 0.0 && beta <= rest;
+    t = quotient(-(q.z * akJb + q.y * jcAl + q.x * blKc), m);
+    if (!inInterval(ray, t)) return false;
+    v = quotient(d.z * akJb + d.y * jcAl + d.x * blKc, m);
+    if (v < 0.0 || v > 1.0) return false;
+    u = quotient(w.x * eiHf + w.y * gfDi + w.z * dhEg, m);
+    precise float rest = 1.0 - v;
+    return u >= 0.0 && u <= rest;
 }
 
 // The plane's point, then inside or not in the coordinate plane that the normal leans to most (Badouel, "An
 // Efficient Ray-Polygon Intersection", Graphics Gems, 1990).
-bool triangleByProjection(Ray ray, Triangle triangle, out float t, out float u, out float v) {
+bool triangleByProjection(Ray ray, Triangle triangle, precise out float t, precise out float u,
+                          precise out float v) {
     precise vec3 e1 = triangle.v1 - triangle.v0;
     precise vec3 e2 = triangle.v2 - triangle.v0;
     precise vec3 n = cross(e1, e2);
     precise float speed = dot(n, ray.direction);
     precise vec3 w = triangle.v0 - ray.origin;
-    precise float tHit = quotient(dot(n, w), speed);
-    precise vec3 point = tHit * ray.direction - w;
+    t = quotient(dot(n, w), speed);
+    precise vec3 point = t * ray.direction - w;
     vec3 size = abs(n);
     uint axis = size.x > size.y ? (size.x > size.z ? 0u : 2u) : (size.y > size.z ? 1u : 2u);
     vec2 a = turnToZ(e1, axis).xy;
     vec2 b = turnToZ(e2, axis).xy;
     vec2 p = turnToZ(point, axis).xy;
     precise float area = a.x * b.y - a.y * b.x;
-    precise float beta = quotient(p.x * b.y - p.y * b.x, area);
-    precise float gamma = quotient(a.x * p.y - a.y * p.x, area);
-    precise float sum = beta + gamma;
-    t = tHit;
-    u = beta;
-    v = gamma;
-    return speed != 0.0 && inInterval(ray, tHit) && beta >= 0.0 && gamma >= 0.0 && sum <= 1.0;
+    u = quotient(p.x * b.y - p.y * b.x, area);
+    v = quotient(a.x * p.y - a.y * p.x, area);
+    precise float sum = u + v;
+    return speed != 0.0 && inInterval(ray, t) && u >= 0.0 && v >= 0.0 && sum <= 1.0;
 }
 
 // The plane's point, then on which side of each edge it lies, all in space (Shirley & Marschner, sec. 2.9).
-bool triangleInSpace(Ray ray, Triangle triangle, out float t, out float u, out float v) {
+bool triangleInSpace(Ray ray, Triangle triangle, precise out float t, out float u, out float v) {
     precise vec3 e0 = triangle.v2 - triangle.v1;
     precise vec3 e1 = triangle.v0 - triangle.v2;
     precise vec3 e2 = triangle.v1 - triangle.v0;
     precise vec3 n = cross(e2, -e1);
     precise float speed = dot(n, ray.direction);
-    precise float tHit = quotient(dot(n, triangle.v0 - ray.origin), speed);
-    precise vec3 point = ray.origin + tHit * ray.direction;
+    t = quotient(dot(n, triangle.v0 - ray.origin), speed);
+    precise vec3 point = ray.origin + t * ray.direction;
     precise float w0 = dot(n, cross(e0, point - triangle.v1));
     precise float w1 = dot(n, cross(e1, point - triangle.v2));
     precise float w2 = dot(n, cross(e2, point - triangle.v0));
     precise float sum = w0 + w1 + w2;
-    t = tHit;
     u = quotient(w1, sum);
     v = quotient(w2, sum);
-    return speed != 0.0 && inInterval(ray, tHit) && w0 >= 0.0 && w1 >= 0.0 && w2 >= 0.0 && sum > 0.0;
+    return speed != 0.0 && inInterval(ray, t) && w0 >= 0.0 && w1 >= 0.0 && w2 >= 0.0 && sum > 0.0;
 }
 
 bool nearer(Ray ray, float t0, float t1, out float t) {
@@ -119,22 +114,23 @@ bool sphereByDistance(Ray ray, Sphere sphere, bool own, out float t) {
 
 // ---- The choice ----
 
-bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
-                  out float v) {
-    if (INTERSECTOR == kTriangleWatertight) return intersectTriangle(ray, frame, triangle, normal, t, u, v);
-    bool isHit = INTERSECTOR == kTriangleBarycentric  ? triangleByCramer(ray, triangle, t, u, v)
-                 : INTERSECTOR == kTriangleProjection ? triangleByProjection(ray, triangle, t, u, v)
-                                                      : triangleInSpace(ray, triangle, t, u, v);
-    precise vec3 toCorner = triangle.v0 - ray.origin;
-    precise float speed = dot(normal, ray.direction);
-    tSlip = slipOfFlat(frame, normal, triangle.v0, toCorner, ray.direction, t, speed);
-    return isHit && countsAt(ray, t);
-}
-
-// The textbooks' tests do not agree about an edge with each other, so each triangle counts by itself.
-bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
-    if (INTERSECTOR != kTriangleWatertight) return true;
-    return crossesTriangle(ray, frame, triangle);
+bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, inout uint trips, out Hit hit) {
+    float t, u, v;
+    vec3 normal = loadTriangleSurface(primitive & kPrimitiveIndexMask).normal;
+    bool isHit = INTERSECTOR == kTriangleWatertight ? intersectTriangle(ray, frame, triangle, normal, t, u, v)
+                 : INTERSECTOR == kTriangleBarycentric ? triangleByCramer(ray, triangle, t, u, v)
+                 : INTERSECTOR == kTriangleProjection  ? triangleByProjection(ray, triangle, t, u, v)
+                                                       : triangleInSpace(ray, triangle, t, u, v);
+    if (FEATURE_COLORED_SHADOWS) crossesHere = crossesTriangle(ray, frame, triangle);
+    if (INTERSECTOR != kTriangleWatertight) {
+        crossesHere = true;  // these tests do not agree about an edge, so each triangle counts
+        precise vec3 toCorner = triangle.v0 - ray.origin;
+        precise float speed = dot(normal, ray.direction);
+        tSlip = slipOfFlat(frame, normal, triangle.v0, toCorner, ray.direction, t, speed);
+        isHit = isHit && countsAt(ray, t);
+    }
+    hit = Hit(t, u, v, primitive, kNone, triangle.id);
+    return isHit;
 }
 
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {

@@ -2,7 +2,7 @@
 #ifndef GLINT_PRIMITIVES_TRIANGLE_GLSL
 #define GLINT_PRIMITIVES_TRIANGLE_GLSL
 
-#include "primitives/surface.glsl"
+#include "traversal/ray.glsl"
 
 // Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Triangles that share an edge
 // compute the same products with the same roundings, so no ray slips between them. t is that of the plane, as
@@ -137,17 +137,10 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
     }
 }
 
-// The test of a leaf's triangles: traversal/leaf.glsl or traversal/count.glsl.
+// The test of a leaf's triangles: primitives/robust.glsl, primitives/textbook.glsl or traversal/count.glsl.
 bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, inout uint trips, out Hit hit);
-
-// Set with a hit if dielectrics let shadow rays pass: false if the ray crosses another triangle of the edge.
+// It sets this if dielectrics let shadow rays pass: false if the ray crosses another triangle of the edge.
 bool crossesHere;
-
-// The test of closest and any hits, and whether a hit counts as a crossing: primitives/robust.glsl or
-// primitives/textbook.glsl.
-bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
-                  out float v);
-bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle);
 
 void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
     uint first = attributes & kAttributeFirstMask;

@@ -35,13 +35,6 @@ uvec2 owenScrambled(uvec2 x, uvec2 seed) {
     return bitfieldReverse(x);
 }
 
-// Its seeds. Their lowest bits decide most, and pcg4d's results are random in their highest: without the
-// shift, places in neighbouring pixels correlate (docs/lab/accuracy.md).
-uvec4 scrambleSeeds(uvec4 v) {
-    v = pcg4d(v);
-    return v ^ (v >> 16u);
-}
-
 // The sample's point on the film (kPairFilm) or the lens (kPairLens) for this pixel, in units of 2^-32. `s`
 // has both before they are scattered.
 uvec2 samplePair(Sample s, uvec2 pixel, uint pair) {
@@ -57,7 +50,10 @@ uvec2 samplePair(Sample s, uvec2 pixel, uint pair) {
         if (lens) place += pcg4d(uvec4(pixel, kLensKey, s.seed)).zw;
     }
     if (s.scatter == kScatterOwen) {
-        uvec4 seeds = scrambleSeeds(uvec4(pixel, s.key, s.seed));
+        uvec4 seeds = pcg4d(uvec4(pixel, s.key, s.seed));
+        // Their lowest bits decide most, and pcg4d's results are random in their highest: without the shift,
+        // places in neighbouring pixels correlate (docs/lab/accuracy.md).
+        seeds ^= seeds >> 16u;
         place = owenScrambled(place, lens ? seeds.zw : seeds.xy);
     }
     return place;
@@ -66,7 +62,7 @@ uvec2 samplePair(Sample s, uvec2 pixel, uint pair) {
 // Pixels from the left (upper) edge, exact: all numbers here have fewer than 24 bits.
 float filmOffset(uint place, uint table) {
     uint cell = place >> kFilterCellShift;
-    uvec4 row = LOAD4(samplesArray, table * kFilterRows + (cell >> 1));
+    uvec4 row = samplesArrayRow(table * kFilterRows + (cell >> 1));
     ivec2 ends = ivec2((cell & 1u) == 0u ? row.xy : row.zw);
     int fraction = int((place >> (kFilterCellShift - 12u)) & 4095u);
     int distance = ends.x + (((ends.y - ends.x) * fraction) >> 12);

@@ -106,7 +106,9 @@ Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     if (kFiltered) {
         bool near = light.tMax < kInfinity;
-        traversal.passage = startPassage(lit.around, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
+        float reach = near ? 1.0 : 0.0;
+        float scale = near ? length(light.toLight) : 1.0;
+        traversal.passage = Passage(lit.around * (reach * scale), reach, scale);
         if (MODE_RESUME && !begins)
             traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), lit.path).xyz);
     }

@@ -191,9 +191,11 @@ vec3 mirrored(Surface surface, vec3 direction) {
 // ---- Shadow rays ----
 
 // Light that a shadow ray keeps on its straight way through dielectrics. The optical depth is a sum over the
-// surfaces that the ray crosses, in any order, so the traversal may be resumed anywhere.
+// surfaces that the ray crosses, in any order, so the traversal may be resumed anywhere. The way inside a
+// medium is the sum of t over the surfaces where the ray leaves it less that over those where it enters. A
+// light inside is a last surface where it leaves, so every t counts from the light.
 struct Passage {
-    vec3 depth;   // optical depth so far
+    vec3 depth;   // optical depth so far; at first, of the media that the ray starts in, all the way
     float reach;  // t of the light, 0 for one infinitely far away
     float scale;  // length of a unit of t
 };
@@ -202,13 +204,6 @@ struct Passage {
 vec3 attenuationAround(uvec4 media) {
     if (!FEATURE_ATTENUATION) return vec3(0.0);
     return attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);
-}
-
-// The way inside a medium is the sum of t over the surfaces where the ray leaves it less that over those
-// where it enters. A light inside is a last surface where it leaves, so every t counts from the light.
-// around: of the media that the ray starts in.
-Passage startPassage(vec3 around, float reach, float scale) {
-    return Passage(FEATURE_ATTENUATION ? around * (reach * scale) : vec3(0.0), reach, scale);
 }
 
 // False if the surface is opaque. leaving: the ray comes from the inner side. counts: not another triangle of

@@ -3,10 +3,7 @@
 #ifndef GLINT_SCATTER_GLSL
 #define GLINT_SCATTER_GLSL
 
-#include "path.glsl"
 #include "shading/material.glsl"
-
-float greatestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
 // The end of a ray, at a surface or outside of the scene.
 struct Interaction {
@@ -93,7 +90,7 @@ struct Scattering {
 
 Scattering scatteringAt(Interaction at) {
     Scattering s =
-        Scattering(at.isHit && greatestOf(at.material.mirror) > 0.0, false,
+        Scattering(at.isHit && any(greaterThan(at.material.mirror, vec3(0.0))), false,
                    mirrored(at.surface, at.ray.direction), at.ray.direction, at.material.mirror, vec3(0.0));
     if (FEATURE_TRANSMISSION) {
         bool dielectric = at.material.medium != 0u;
@@ -158,11 +155,9 @@ const uint kLostMedia = 3u;
 
 void book(inout Ledger ledger, bool lost, uint reason, float bound) {
     bvec4 here = equal(uvec4(reason), uvec4(0u, 1u, 2u, 3u));
-    vec4 sums = ledger.sums + mix(vec4(0.0), vec4(bound), here);
-    uvec4 counts = ledger.counts + mix(uvec4(0u), uvec4(1u), here);
     if (lost) {
-        ledger.sums = sums;
-        ledger.counts = counts;
+        ledger.sums += mix(vec4(0.0), vec4(bound), here);
+        ledger.counts += uvec4(here);
         ledger.changed = true;
     }
 }
@@ -172,7 +167,7 @@ void book(inout Ledger ledger, bool lost, uint reason, float bound) {
 bool isFollowed(inout Ledger ledger, bool wanted, uint depth, vec3 throughput, Environment environment) {
     bool inDepth = depth < environment.maxDepth;
     if (!MODE_LEDGER) return wanted && inDepth;
-    float most = greatestOf(abs(throughput));
+    float most = greatestComponent(throughput);
     float bound = most < kLeastThroughput ? 0.0 : most * environment.radianceBound;
     bool enough = !(bound < environment.minContribution);
     book(ledger, wanted && !(inDepth && enough), inDepth ? kLostCut : kLostDepth, bound);
@@ -217,29 +212,24 @@ Branch branchFrom(Interaction at, vec3 outwards, vec3 direction, vec3 throughput
     return Branch(ray, throughput, media, depth, kind);
 }
 
-// The path's next ray in scenes without transmission; false at the path's end. depth: rays before the one
-// that hit the surface.
-bool nextReflection(inout Ledger ledger, bool alive, Interaction at, uint depth, vec3 throughput,
-                    Environment environment, out Branch next) {
-    Scattering s = scatteringAt(at);
-    next = branchFrom(at, at.surface.geometricNormal, s.reflected, throughput * s.reflectedWeight, uvec4(0u),
-                      depth + 1u, kRayMirrored);
-    return isFollowed(ledger, alive && s.reflects, depth, next.throughput, environment);
-}
-
 // The path's next ray: one that leaves the interaction, or one that has waited; false at the path's end.
 // state: rays before the current one on the way from the eye; branches waiting.
 bool nextBranch(uint path, inout Ledger ledger, bool alive, Interaction at, inout uvec2 state,
                 vec3 throughput, Environment environment, out Branch next) {
     Scattering s = scatteringAt(at);
-    if (MODE_LEDGER) book(ledger, alive && at.isHit && at.crossing.crowded, kLostMedia, 0.0);
     Branch mirrorBranch =
         branchFrom(at, at.surface.geometricNormal, s.reflected, throughput * s.reflectedWeight,
-                   at.crossing.before, state.x + 1u, kRayMirrored);
+                   FEATURE_TRANSMISSION ? at.crossing.before : uvec4(0u), state.x + 1u, kRayMirrored);
+    bool reflects = isFollowed(ledger, alive && s.reflects, state.x, mirrorBranch.throughput, environment);
+    if (!FEATURE_TRANSMISSION) {
+        next = mirrorBranch;
+        ++state.x;
+        return reflects;
+    }
+    if (MODE_LEDGER) book(ledger, alive && at.isHit && at.crossing.crowded, kLostMedia, 0.0);
     Branch innerBranch =
         branchFrom(at, -at.surface.geometricNormal, s.refracted, throughput * s.refractedWeight,
                    at.crossing.after, state.x + 1u, kRayRefracted);
-    bool reflects = isFollowed(ledger, alive && s.reflects, state.x, mirrorBranch.throughput, environment);
     bool refracts = isFollowed(ledger, alive && s.refracts, state.x, innerBranch.throughput, environment);
 
     bool both = reflects && refracts;
@@ -252,9 +242,9 @@ bool nextBranch(uint path, inout Ledger ledger, bool alive, Interaction at, inou
     }
     // If a second branch exceeds the room for waiting branches, drop the weaker of the two.
     bool crowded = both && state.y >= kMaxWaiting;
-    float weakest = min(greatestOf(abs(next.throughput)), greatestOf(abs(second.throughput)));
+    float weakest = min(greatestComponent(next.throughput), greatestComponent(second.throughput));
     if (MODE_LEDGER) book(ledger, crowded, kLostRoom, weakest * environment.radianceBound);
-    if (crowded && greatestOf(abs(second.throughput)) > greatestOf(abs(next.throughput))) next = second;
+    if (crowded && greatestComponent(second.throughput) > greatestComponent(next.throughput)) next = second;
     uint waiting = state.y;
     if (both && !crowded) {
         storeWaiting(path, waiting, second);

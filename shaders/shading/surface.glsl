@@ -18,20 +18,10 @@ bool hitPrimitive(Ray ray, RayFrame frame, uint kind, uint index, inout uint tri
     uint primitive = (kind << kPrimitiveKindShift) | index;
     bool isHit = false;
     hit = Hit(0.0, 0.0, 0.0, kNone, kNone, 0u);
-    if (FEATURE_TRIANGLES && kind == kKindTriangle)
-        isHit = hitTriangle(ray, frame, loadTriangle(index), primitive, trips, hit);
-    if (FEATURE_SPHERES && kind == kKindSphere)
-        isHit = hitSphere(ray, frame, loadSphere(index), primitive, trips, hit);
-    if (FEATURE_PLANES && kind == kKindPlane)
-        isHit = hitPlane(ray, frame, loadPlane(index), primitive, trips, hit);
-    if (FEATURE_DISCS && kind == kKindDisc)
-        isHit = hitDisc(ray, frame, loadDisc(index), primitive, trips, hit);
-    if (FEATURE_POLYGONS && kind == kKindPolygon)
-        isHit = hitPolygon(ray, frame, loadPolygon(index), primitive, trips, hit);
-    if (FEATURE_QUADRICS && kind == kKindQuadric)
-        isHit = hitQuadric(ray, frame, loadQuadric(index), primitive, trips, hit);
-    if (FEATURE_CUBOIDS && kind == kKindCuboid)
-        isHit = hitCuboid(ray, frame, loadCuboid(index), primitive, trips, hit);
+#define GLINT_HIT(number, Kind, KINDS, kinds, one, many) \
+    if (FEATURE_##KINDS && kind == kKind##Kind)          \
+        isHit = hit##Kind(ray, frame, load##Kind(index), primitive, trips, hit);
+    GLINT_PRIMITIVES(GLINT_HIT, GLINT_NO_KIND)
     return isHit;
 }
 
@@ -58,8 +48,6 @@ Surface surfaceOfPrimitive(Ray ray, Hit hit, Instance instance) {
     return surface;
 }
 
-const bool kSettlesSlivers = FEATURE_SLIVERS && INTERSECTOR == kTriangleWatertight;
-
 // The surface at a hit, in the world. hit.primitive must not be kNone. settles: a sliver's hit is moved to
 // where the ray passes.
 Surface surfaceAt(Ray ray, inout Hit hit, bool settles) {
@@ -67,7 +55,7 @@ Surface surfaceAt(Ray ray, inout Hit hit, bool settles) {
     bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
     if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
     if (inInstance) enterInstance(instance, ray.origin, ray.direction);
-    if (kSettlesSlivers && settles && kindOf(hit) == kKindTriangle)
+    if (FEATURE_SLIVERS && INTERSECTOR == kTriangleWatertight && settles && kindOf(hit) == kKindTriangle)
         settleSliver(ray, inInstance && instance.mirrored != 0u, hit);
     Surface surface = surfaceOfPrimitive(ray, hit, instance);
     if (inInstance) {

@@ -3,7 +3,7 @@
 #ifndef GLINT_TEXTURE_GLSL
 #define GLINT_TEXTURE_GLSL
 
-#include "primitives/surface.glsl"
+#include "traversal/ray.glsl"
 
 // ---- Coordinates ----
 
@@ -89,7 +89,7 @@ Taps tapsAt(float s, uint size, bool nearest, uint wrap) {
     return Taps(uint(low), uint(high), weight);
 }
 
-vec4 texelAt(uint index) { return uintBitsToFloat(LOAD4(texelsArray, index)); }
+vec4 texelAt(uint index) { return uintBitsToFloat(texelsArrayRow(index)); }
 
 vec4 imageAt(Texture image, vec2 uv) {
     bool nearest = (image.flags & kTextureNearest) != 0u;

@@ -109,7 +109,7 @@ GLINT_CONST_UINT(kRowMean, 13u);    // mean of the samples so far, unweighted; t
 GLINT_CONST_UINT(kRowSpread, 14u);  // sum of squared differences from that mean; 1: the pixel goes on, else 0
 GLINT_CONST_UINT(kPathRowsAdaptive, 15u);
 
-// With instances one more row follows, rowInstance() in path.glsl: instance of the best hit, instance the
+// With instances one more row follows, rowInstance() in storage.glsl: instance of the best hit, instance the
 // ray starts on, instance an unfinished ray is in, slot where it goes on in the world's tree; kNone for none.
 
 // Then, with mirrors or transmission, two lists of the paths that go on. Entry i, in the column of path i:

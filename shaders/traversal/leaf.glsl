@@ -9,22 +9,12 @@ bool mayPass(Traversal traversal) {
     return FEATURE_ALPHA_MASK || (FEATURE_COLORED_SHADOWS && isShadowRay(traversal));
 }
 
-bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, inout uint trips, out Hit hit) {
-    float t, u, v;
-    vec3 normal = loadTriangleSurface(primitive & kPrimitiveIndexMask).normal;
-    bool isHit = meetTriangle(ray, frame, triangle, normal, t, u, v);
-    if (FEATURE_COLORED_SHADOWS) crossesHere = crossesOnce(ray, frame, triangle);
-    hit = Hit(t, u, v, primitive, kNone, triangle.id);
-    return isHit;
-}
-
 // True if the ray hits the surface from its inner side. Round primitives return the side with the hit
 // (kTellsSides).
 bool leavesThrough(Traversal traversal, Surface surface, Hit hit) {
     bool isRound =
         (kindOf(hit) == kKindSphere && SPHERE_FORM == kSphereRobust) || kindOf(hit) == kKindQuadric;
-    vec3 direction = traversal.ray.direction;
-    if (FEATURE_INSTANCES && traversal.instance != kNone) direction = traversal.world.direction;
+    vec3 direction = FEATURE_INSTANCES ? traversal.world.direction : traversal.ray.direction;
     return kTellsSides && isRound ? hit.u == kLeaves : dot(surface.geometricNormal, direction) > 0.0;
 }
 
@@ -38,8 +28,6 @@ bool passesThrough(inout Traversal traversal, Hit hit) {
     }
     return through;
 }
-
-bool entersBox(Traversal traversal, vec3 lo, vec3 hi) { return rayEntersBox(traversal, lo, hi); }
 
 void handleHit(inout Traversal traversal, Hit hit) {
     if (!passesThrough(traversal, hit)) accept(traversal, hit);
@@ -86,11 +74,10 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     GLINT_PRIMITIVES(GLINT_TEST, GLINT_NO_KIND)
 }
 
-// Hits shorten the ray, so that a ray tests each leaf at once.
+// Hits shorten the ray, so that it tests each leaf at once (traversal/stackless.glsl).
 const uint kMostLeaves = 1u;
-#include "traversal/leaves.glsl"
-void testLeaves(inout Traversal traversal, Leaves leaves) {
-    if (leaves.list[0] != kNone) testLeaf(traversal, leaves.list[0]);
+void testLeaves(inout Traversal traversal, uint leaves[kMostLeaves]) {
+    if (leaves[0] != kNone) testLeaf(traversal, leaves[0]);
 }
 
 // Planes are infinite and in no leaf: every ray tests all of them. Their trips are in the budget already.

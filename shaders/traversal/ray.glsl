@@ -97,18 +97,6 @@ float nextTowards(float x, float sense) {
 
 // ---- Boxes of the BVH ----
 
-// One child of a node with its box; the slot of a child is 2 * node + side.
-struct Slot {
-    vec3 lo, hi;
-    uint child;
-    uint next;  // the slot that follows the child's subtree
-};
-Slot loadSlot(uint slot) {
-    uvec4 lo = LOAD4(nodesArray, 2u * slot);
-    uvec4 hi = LOAD4(nodesArray, 2u * slot + 1u);
-    return Slot(uintBitsToFloat(lo.xyz), uintBitsToFloat(hi.xyz), lo.w, (slot & 1u) == 0u ? slot + 1u : hi.w);
-}
-
 // Factor of far planes and of the interval's end: a box whose primitive is hit is never missed. 1 + 38 u:
 // twice gamma_7 for the distance of a plane (docs/design/numerics.md 2.2), and twice 11 u for what the
 // triangle test accepts beside the ray (edgeMargin, src/pack/primitives.h), and 2 u.
@@ -196,6 +184,55 @@ vec3 offsetOrigin(vec3 p, vec3 error, vec3 n) {
     precise vec3 moved = p + offset;
     return vec3(nextTowards(moved.x, offset.x), nextTowards(moved.y, offset.y),
                 nextTowards(moved.z, offset.z));
+}
+
+// ---- Points of surfaces ----
+
+struct Surface {
+    vec3 position;
+    vec3 error;            // the true point is within position +- error on each axis
+    vec3 geometricNormal;  // outward, unit
+    vec3 shadingNormal;    // outward, in the hemisphere of geometricNormal, unit
+    uint object;
+    uint primitive;
+    uint material;
+    vec2 uv;     // texture coordinates; of triangles without their own, the barycentrics
+    vec3 color;  // of the vertices, interpolated; white without
+};
+
+// The point anchor + offset with the outward unit normal. `offset` errs by gamma_5, and the sum rounds once
+// more (PBRT 4th ed., sec. 6.8.5).
+void setPoint(vec3 anchor, vec3 offset, vec3 normal, inout Surface surface) {
+    surface.position = anchor + offset;
+    surface.error = gammaBound(7.0) * (abs(offset) + abs(anchor));
+    surface.geometricNormal = normal;
+    surface.shadingNormal = normal;
+}
+
+void setOwner(uint object, uint primitive, uint material, inout Surface surface) {
+    surface.object = object;
+    surface.primitive = primitive;
+    surface.material = material;
+}
+
+// If a line hits two surfaces at one t, kernels that count surfaces must keep both. The same holds for
+// kernels that decide per surface whether light enters or leaves a medium. The normal does not distinguish
+// them if rounding decides its sign. In these kernels round primitives therefore return the side in Hit.u.
+#ifndef GLINT_CROSSINGS
+#define GLINT_CROSSINGS false
+#endif
+#ifndef GLINT_SHADOW_RAYS
+#define GLINT_SHADOW_RAYS false
+#endif
+const bool kTellsSides = GLINT_SHADOW_RAYS && FEATURE_COLORED_SHADOWS;
+const bool kCountsSurfaces = GLINT_CROSSINGS || kTellsSides;
+const float kComesIn = 1.0, kLeaves = 2.0;
+
+// The t of a surface that a line meets after one at `before`, counted from 0: what it touches in one point it
+// enters and leaves.
+float afterT(float before, float t) {
+    bool same = kCountsSurfaces && before > 0.0 && t <= before;
+    return same ? uintBitsToFloat(floatBitsToUint(before) + 1u) : t;
 }
 
 // ---- Into the coordinates of an instance and back (docs/design/numerics.md 2.8) ----

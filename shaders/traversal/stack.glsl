@@ -6,7 +6,6 @@
 #define GLINT_TRAVERSAL_GLSL
 
 #include "traversal/leaf.glsl"
-#include "traversal/state.glsl"
 
 // One entry for each level of the tree at most, and a free place above it.
 uint stack[kMaxBvhDepth + 1u];

@@ -7,11 +7,41 @@
 
 #include "traversal/state.glsl"
 
-// Each query defines: true if a box may hold what it looks for; how many leaves a ray collects
-// (traversal/leaves.glsl), and the test of their primitives; and of the planes.
+// Each query defines: true if a box may hold what it looks for; the test of the primitives of the leaves that
+// a ray has collected, at most kMostLeaves, the last first, then kNone; and of the planes.
 bool entersBox(Traversal traversal, vec3 lo, vec3 hi);
-void testLeaves(inout Traversal traversal, Leaves leaves);
+void testLeaves(inout Traversal traversal, uint leaves[kMostLeaves]);
 void testPlanes(inout Traversal traversal, uint planeCount);
+
+// True if the ray hits the box in its interval.
+bool rayEntersBox(Traversal traversal, vec3 lo, vec3 hi) {
+    precise float tEnd = traversal.ray.tMax * farPad();
+    float near;
+    return intersectBox(traversal.ray, traversal.frame, lo, hi, tEnd, near);
+}
+
+// A leaf of polygons may take so many trips that the budget has room for one (src/render/path_limits.cpp).
+bool isFull(uint leaves[kMostLeaves]) { return leaves[FEATURE_POLYGONS ? 0u : kMostLeaves - 1u] != kNone; }
+
+void addLeaf(inout uint leaves[kMostLeaves], uint leaf) {
+    for (uint i = 0u; i < kMostLeaves; ++i) {
+        uint next = leaves[i];
+        leaves[i] = leaf;
+        leaf = next;
+    }
+}
+
+// One child of a node with its box; the slot of a child is 2 * node + side.
+struct Slot {
+    vec3 lo, hi;
+    uint child;
+    uint next;  // the slot that follows the child's subtree
+};
+Slot loadSlot(uint slot) {
+    uvec4 lo = nodesArrayRow(2u * slot);
+    uvec4 hi = nodesArrayRow(2u * slot + 1u);
+    return Slot(uintBitsToFloat(lo.xyz), uintBitsToFloat(hi.xyz), lo.w, (slot & 1u) == 0u ? slot + 1u : hi.w);
+}
 
 // Tests the box of a slot. Returns the leaf in it if the ray enters that, else kNone; `slot` becomes the
 // next.
@@ -23,7 +53,7 @@ uint stepToLeaf(Traversal traversal, inout uint slot) {
 }
 
 // True while a ray collects leaves, up to an instance.
-bool collects(uint slot, uint leaf, Leaves leaves) {
+bool collects(uint slot, uint leaf, uint leaves[kMostLeaves]) {
     return slot != kNone && !isFull(leaves) && !isInstance(leaf);
 }
 
@@ -33,7 +63,8 @@ uint traverseFrom(inout Traversal traversal, uint slot) {
     do {
         if (slot != kNone && traversal.trips < budget) {
             uint leaf = kNone;
-            Leaves waiting = noLeaves();
+            uint waiting[kMostLeaves];
+            for (uint i = 0u; i < kMostLeaves; ++i) waiting[i] = kNone;
             do {
                 if (collects(slot, leaf, waiting) && traversal.trips < budget) {
                     leaf = stepToLeaf(traversal, slot);

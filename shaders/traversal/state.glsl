@@ -28,9 +28,11 @@ struct Traversal {
     Passage passage;  // light that is left after dielectrics
 };
 
-// Each kernel defines its query: true if any hit will do; and if dielectrics let the ray pass.
+// Each kernel defines its query: true if any hit will do.
 bool isAnyHit(Traversal traversal);
-bool isShadowRay(Traversal traversal);
+
+// True if dielectrics let the ray pass.
+bool isShadowRay(Traversal traversal) { return GLINT_SHADOW_RAYS && isAnyHit(traversal); }
 
 // True if the ray needs no further hit.
 bool settled(Traversal traversal) { return isAnyHit(traversal) && traversal.hit.primitive != kNone; }
@@ -38,13 +40,6 @@ bool settled(Traversal traversal) { return isAnyHit(traversal) && traversal.hit.
 // Gives a lane without work a ray that hits nothing, while other lanes continue (kConvergent).
 void removeRay(inout Traversal traversal) {
     traversal.ray = Ray(vec3(0.0), vec3(0.0), 0.0, -1.0, kNone, kNone);
-}
-
-// True if the ray hits the box in its interval.
-bool rayEntersBox(Traversal traversal, vec3 lo, vec3 hi) {
-    precise float tEnd = traversal.ray.tMax * farPad();
-    float near;
-    return intersectBox(traversal.ray, traversal.frame, lo, hi, tEnd, near);
 }
 
 bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
@@ -137,7 +132,7 @@ bool prepare(inout Traversal traversal, Environment environment) {
 // The surface at a hit of the traversal, in the world.
 Surface surfaceOfHit(Traversal traversal, Hit hit) {
     Ray ray = traversal.ray;
-    if (FEATURE_INSTANCES && traversal.instance != kNone) ray = traversal.world;
+    if (FEATURE_INSTANCES) ray = traversal.world;
     hit = inWorld(traversal, hit);
     return surfaceAt(ray, hit, false);
 }
@@ -145,25 +140,28 @@ Surface surfaceOfHit(Traversal traversal, Hit hit) {
 // Accepts or counts a hit, or lets the ray pass: traversal/leaf.glsl or traversal/count.glsl.
 void handleHit(inout Traversal traversal, Hit hit);
 
-// Tests primitives `first` to `end` - 1 for a ray that may pass through hits: after each hit, the next hit of
-// the same primitive is looked for. One loop for all kinds, as handleHit is much code, in which drivers'
-// compilers would spend seconds for each copy.
+// Tests a primitive for a ray that may pass through hits: its first hit after t = `after`. True if it has no
+// further hits; `after` is then ready for the next primitive.
+bool testNextHit(inout Traversal traversal, uint kind, uint index, inout float after) {
+    Ray rest = traversal.ray;
+    rest.tMin = after;
+    Hit hit;
+    bool isHit = hitPrimitive(rest, traversal.frame, kind, index, traversal.trips, hit);
+    if (isHit) handleHit(traversal, hit);
+    bool further = isHit && hit.t > after && hasFurtherHits(kind);
+    after = further ? hit.t : traversal.ray.tMin;
+    traversal.trips += 2u;  // of the loop around it, and of those in the tests
+    if (MODE_COST && !further) ++traversal.cost;
+    return !further;
+}
+
+// Tests the primitives `first` to `end` - 1 so. One loop for all kinds, as handleHit is much code, in which
+// drivers' compilers would spend seconds for each copy.
 void testEachHit(inout Traversal traversal, uint kind, uint first, uint end) {
     uint index = first;
     float after = traversal.ray.tMin;
     do {
-        if (index < end) {
-            Ray rest = traversal.ray;
-            rest.tMin = after;
-            Hit hit;
-            bool isHit = hitPrimitive(rest, traversal.frame, kind, index, traversal.trips, hit);
-            if (isHit) handleHit(traversal, hit);
-            bool further = isHit && hit.t > after && hasFurtherHits(kind);
-            after = further ? hit.t : traversal.ray.tMin;
-            index += further ? 0u : 1u;
-            traversal.trips += 2u;  // of this loop, and of those in the tests
-            if (MODE_COST && !further) ++traversal.cost;
-        }
+        if (index < end) index += testNextHit(traversal, kind, index, after) ? 1u : 0u;
     } while (index < end);
 }
 

@@ -1,5 +1,5 @@
 // Closest points and crossings, in double and beyond: what shaders/closest_point.comp and
-// shaders/traversal/crossings.glsl find, by formulas of their own.
+// shaders/traversal/count.glsl find, by formulas of their own.
 #pragma once
 
 #include <vector>

@@ -28,13 +28,12 @@ PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "packet_light")
 # rays, with a stack, judge those.
 TRAVERSAL = ("traversal/stack.glsl", "traversal/stackless.glsl", "traversal/state.glsl", "traversal/lanes.glsl", "traversal/leaf.glsl",
              "traversal/ray.glsl", "light.comp",
-             "shading/light.glsl", "shading/lighting.glsl", "intersect.comp", "path.glsl", "path_rows.glsl", "shading/material.glsl", "packet/packet.glsl",
-             "packet/traverse.glsl", "packet/hits.glsl", "packet_intersect.comp", "packet_light.comp", "whole.comp")
+             "shading/light.glsl", "shading/lighting.glsl", "intersect.comp", "path_rows.glsl", "shading/material.glsl", "packet/packet.glsl",
+             "packet/hits.glsl", "packet_intersect.comp", "packet_light.comp", "whole.comp")
 # Cases that are rendered with glint's own quotients and roots judge this file alone.
 ARITHMETIC = "arithmetic.glsl"
 # Shaders that verify never runs: crossing counts are for the library, the probe is for the device.
-LEFT_OUT = ("closest_point.comp", "count.comp", "packet_count.comp", "traversal/count.glsl", "traversal/crossings.glsl", "traversal/leaves.glsl",
-            "probe.comp")
+LEFT_OUT = ("closest_point.comp", "count.comp", "packet_count.comp", "traversal/count.glsl", "probe.comp")
 
 
 def includes(name, seen=None):

@@ -9,8 +9,6 @@
 #include "primitives/robust.glsl"
 #include "shading/surface.glsl"
 
-layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
-
 const uint kProbeBox = 100u;
 const uint kProbeAhead = 101u;
 const uint kProbeSettled = 102u;
