@@ -13,10 +13,6 @@ namespace glint::render {
 
 namespace {
 
-bool isGpu(const gpu::DeviceInfo& device) {
-    return device.type == "discrete GPU" || device.type == "integrated GPU" || device.type == "virtual GPU";
-}
-
 // Features that packets support or need not know. Any other feature, also one that comes later, is traced one
 // ray per lane.
 constexpr std::string_view kKnown[] = {
@@ -37,27 +33,6 @@ std::string unknownToPackets(const SceneFeatures& features) {
     GLINT_FEATURES(GLINT_CHECK)
 #undef GLINT_CHECK
     return unknown;
-}
-
-TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
-                                  const Methods& methods) {
-    const bool able = runsPackets(device);
-    if (wanted == Traversal::Packet && !able) {
-        throw Error(ErrorKind::Device, "packets of rays need subgroups of " +
-                                           std::to_string(shared::kPacketWidth) +
-                                           " lanes that can shuffle; \"" + device.name + "\" has " +
-                                           std::to_string(device.limits.subgroupSize) +
-                                           " lanes: choose the traversal auto or lane");
-    }
-    if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
-    if (const std::string name = unknownToPackets(scene.features); !name.empty())
-        return {false, "packets do not support " + name};
-    if (methods != Methods{}) return {false, "packets support only the default intersection tests"};
-    if (primitivesOfPackets(scene) == 0) return {false, "the scene has no BVH"};
-    if (wanted == Traversal::Packet) return {true, "as asked for"};
-    if (!device.llvmpipe) return {false, "packets are faster only on llvmpipe"};
-    if (primitivesOfPackets(scene) < kFewestForPackets) return {false, "too few primitives for packets"};
-    return {true, "llvmpipe, subgroups of 8 lanes"};
 }
 
 // A ray seldom takes more than a hundred, and paths are short.
@@ -83,8 +58,23 @@ std::string_view nameOf(const TraversalChoice& choice) {
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
                                 const Methods& methods) {
     if (wanted == Traversal::Lane) return {false, "as asked for"};
-    if (wanted == Traversal::Auto && isGpu(device)) return {false, "a GPU"};
-    return chooseOnProcessor(wanted, device, scene, methods);
+    const bool able = runsPackets(device);
+    if (wanted == Traversal::Packet && !able) {
+        throw Error(ErrorKind::Device, "packets of rays need subgroups of " +
+                                           std::to_string(shared::kPacketWidth) +
+                                           " lanes that can shuffle; \"" + device.name + "\" has " +
+                                           std::to_string(device.limits.subgroupSize) +
+                                           " lanes: choose the traversal auto or lane");
+    }
+    if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
+    if (const std::string name = unknownToPackets(scene.features); !name.empty())
+        return {false, "packets do not support " + name};
+    if (methods != Methods{}) return {false, "packets support only the default intersection tests"};
+    if (primitivesOfPackets(scene) == 0) return {false, "the scene has no BVH"};
+    if (wanted == Traversal::Packet) return {true, "as asked for"};
+    if (!device.llvmpipe) return {false, "packets are faster only on llvmpipe"};
+    if (primitivesOfPackets(scene) < kFewestForPackets) return {false, "too few primitives for packets"};
+    return {true, "llvmpipe, subgroups of 8 lanes"};
 }
 
 bool wholePathsKnow(const TraceModes& modes) {

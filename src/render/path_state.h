@@ -7,12 +7,13 @@
 
 #include "core/device_layout.h"
 #include "gpu/compute.h"
+#include "render/kernels.h"
 #include "trace/picture.h"
 
 namespace glint::render {
 
 // Which tiles of a region a slice covers, and which pixel each of its paths belongs to: the host's side of
-// pixelOf in shaders/path.glsl.
+// pixelOf in shaders/storage.glsl.
 struct Slice {
     Region region;
     uint32_t firstTile = 0;
@@ -76,5 +77,32 @@ class LivePaths {
     bool listed_ = false;
     uint32_t list_ = 0;  // the list that is read, if listed
 };
+
+// ---- What the host reads of a slice's pixels ----
+
+// Fills color, done, notFinite and, if adaptive, samples of the slice's pixels.
+void readFilm(const PathState& paths, const gpu::Device& device, const Slice& slice, const TraceModes& modes,
+              Picture& picture);
+
+// Adds up Picture::losses, of the rows kTreeRowLost... from `firstRow` on.
+void readLosses(const PathState& paths, const gpu::Device& device, const Slice& slice,
+                const TraceModes& modes, uint32_t firstRow, Picture& picture);
+
+// Fills data.
+void readData(const PathState& paths, const gpu::Device& device, const Slice& slice, const glm::dvec3& origin,
+              Picture& picture);
+
+// The layers of the first `count` paths, as read back (kRowAov...).
+struct AovRows {
+    std::vector<RowEntry> position, normal, indices, counts, geometry;
+
+    AovRows(const PathState& paths, const gpu::Device& device, uint32_t count);
+    PixelData at(uint32_t path, const glm::dvec3& origin) const;
+};
+
+// Adds the rays of a bounce to their pixels' trails, after its closest hits and before its shading. The rows
+// must hold AOVs.
+void addRays(const PathState& paths, const gpu::Device& device, const Slice& slice,
+             std::vector<Trail>& trails);
 
 }  // namespace glint::render

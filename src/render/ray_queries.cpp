@@ -39,19 +39,13 @@ SceneFeatures hitFeatures(SceneFeatures features) {
 // Behind the rows of the rays: room for hits that are listed, two entries each, four for each ray of a piece.
 constexpr uint32_t kCrossingRows = 8;
 
-KernelId kernelOf(RayTask::Ask ask) {
-    switch (ask) {
-        case RayTask::Ask::Nearest:
-            return KernelId::Intersect;
-        case RayTask::Ask::Any:
-            return KernelId::IntersectAny;
-        case RayTask::Ask::Count:
-            return KernelId::Count;
-        case RayTask::Ask::Point:
-            return KernelId::ClosestPoint;
-    }
-    return KernelId::Intersect;
+KernelId kernelOf(RayTask::Ask ask) {  // in the order of Ask
+    constexpr KernelId kKernelsOfAsk[] = {KernelId::Intersect, KernelId::IntersectAny, KernelId::Count,
+                                          KernelId::ClosestPoint};
+    return kKernelsOfAsk[static_cast<size_t>(ask)];
 }
+
+const RowEntry kNoEntry = {.u = {shared::kNone, shared::kNone, shared::kNone, shared::kNone}};
 
 }  // namespace
 
@@ -85,7 +79,6 @@ struct Slot {
     Pipelines pipelines;
     gpu::Submission submission;
     uint32_t capacity;
-    bool busy = false;
 
     Slot(const gpu::Device& device, Pipelines made, gpu::Access access, const SceneBuffers& scene,
          uint32_t paths, uint32_t rowCount, bool inPlace)
@@ -101,9 +94,7 @@ struct Slot {
         pipelines.bind(counters, rows, scene);
         // Kernels leave the walk row alone but where a ray runs out of trips, and put it back when that is
         // done.
-        RowEntry none;
-        std::fill_n(none.u, 4, shared::kNone);
-        const std::vector<RowEntry> finished(paths, none);
+        const std::vector<RowEntry> finished(paths, kNoEntry);
         gpu::upload(device, rows, std::as_bytes(std::span(finished)), shared::kRowWalk * row);
     }
 
@@ -132,7 +123,8 @@ struct RayQueries::State {
     SceneBuffers buffers;
     std::mutex mutex;
     std::condition_variable freed;
-    std::vector<std::unique_ptr<Slot>> slots;
+    std::vector<std::unique_ptr<Slot>> idle;
+    unsigned made = 0;  // slots
 
     State(const gpu::Device& dev, const PackedScene& packed, Traversal wanted, const KernelCode& code)
         : device(dev),
@@ -150,52 +142,222 @@ struct RayQueries::State {
         piece = static_cast<uint32_t>(std::max<size_t>(piece / kBlock, 1) * kBlock);
     }
 
-    // A free slot, made if there may be one more; waits for one else. While one piece is on a GPU the host
-    // prepares the next.
-    Slot& acquire() {
+    // Pieces that are in flight: while one is on a GPU, one thread prepares the next.
+    unsigned atOnce() const { return inPlace ? 1u : 2u; }
+    Context hostContext() const { return inPlace ? device.context() : Context{.threads = 1}; }
+
+    // Calls use(slot) with a slot that is free, made if there may be one more; waits for one else.
+    template <typename Use>
+    void withSlot(const Use& use) {
         std::unique_lock lock(mutex);
+        freed.wait(lock, [&] { return !idle.empty() || made < atOnce(); });
+        if (idle.empty()) {
+            idle.push_back(std::make_unique<Slot>(device, Pipelines(device, kernels, access, features),
+                                                  access, buffers, piece, rowCount, inPlace));
+            ++made;
+        }
+        struct Held {
+            State& state;
+            std::unique_ptr<Slot> slot;
+            ~Held() {
+                const std::lock_guard lock(state.mutex);
+                state.idle.push_back(std::move(slot));
+                state.freed.notify_one();
+            }
+        } held{*this, std::move(idle.back())};
+        idle.pop_back();
+        lock.unlock();
+        use(*held.slot);
+    }
+
+    void fill(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& numbers,
+              size_t count) const {
+        parallelFor(hostContext(), placement.places(), [&](size_t place) {
+            std::array<RayInput, kBlock> rays;
+            const size_t start = std::min(placement.at(place) * kBlock, count);
+            const size_t present = std::min(kBlock, count - start);
+            if (present > 0) task.fill(numbers.from(start), std::span(rays).first(present));
+            for (size_t i = present; i < kBlock; ++i) rays[i] = RayInput{.tMin = shared::kInfinity};
+            RowEntry* const origin = slot.row(0) + place * kBlock;
+            RowEntry* const direction = slot.row(1) + place * kBlock;
+            RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
+            const float nobody = task.ask == RayTask::Ask::Count ? 0 : std::bit_cast<float>(shared::kNone);
+            for (size_t i = 0; i < kBlock; ++i) {
+                const RayInput& ray = rays[i];
+                origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, ray.tMax}};
+                direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, ray.tMin}};
+                hit[i] = {{ray.tMax, 0, 0, nobody}};
+            }
+            if (features.instances) std::fill_n(slot.row(kInstanceRow) + place * kBlock, kBlock, kNoEntry);
+        });
+    }
+
+    void trace(Slot& slot, size_t paths, KernelId id, TraceModes modes, bool packets) const {
+        const auto groups = static_cast<uint32_t>(paths / shared::kWorkgroupSize);
+        shared::Dispatch dispatch;
+        dispatch.tileCount = dispatch.run = groups;
+        dispatch.interleave = 1;
+        dispatch.regionWidth = dispatch.regionHeight = 1;
+        dispatch.capacity = slot.capacity;
+        dispatch.tripBudget = tripBudget;
+        const auto constants = std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1));
+        const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
+        const size_t staged = slot.staging ? kSlotRows.size() - (features.instances ? 0 : 1) : 0;
+
+        modes.given = true;
+        for (size_t i = 0; i < staged; ++i)
+            slot.submission.copy(slot.staging, i * row, slot.rows, kSlotRows[i] * row, used);
+        const KernelId first = packets ? packetKernel(id) : id;
+        const uint32_t perLane = infoOf(first).raysOfLane;
+        slot.submission.dispatch(slot.pipelines.get(first, modes), (groups + perLane - 1) / perLane,
+                                 constants);
+        modes.resume = true;
         for (;;) {
-            for (const auto& slot : slots) {
-                if (slot->busy) continue;
-                slot->busy = true;
-                return *slot;
-            }
-            if (slots.size() < (inPlace ? 1u : 2u)) {
-                Pipelines pipelines(device, kernels, access, features);
-                slots.push_back(std::make_unique<Slot>(device, std::move(pipelines), access, buffers, piece,
-                                                       rowCount, inPlace));
-                slots.back()->busy = true;
-                return *slots.back();
-            }
-            freed.wait(lock);
+            for (size_t i = kHitRow; i < staged; ++i)
+                slot.submission.copy(slot.rows, kSlotRows[i] * row, slot.staging, i * row, used);
+            slot.unfinished() = 0;
+            slot.submission.submit();
+            if (slot.unfinished() == 0) break;
+            slot.submission.dispatch(slot.pipelines.get(id, modes), groups, constants);
         }
     }
-    void release(Slot& slot) {
-        const std::lock_guard lock(mutex);
-        slot.busy = false;
-        freed.notify_one();
+
+    void take(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& numbers,
+              size_t count, RowEntry* gathered) const {
+        parallelFor(hostContext(), placement.places(), [&](size_t place) {
+            const size_t start = placement.at(place) * kBlock;
+            if (start >= count) return;
+            const size_t present = std::min(kBlock, count - start), at = place * kBlock;
+            if (gathered != nullptr) {
+                const RowEntry* const hits = slot.row(kHitRow) + at;
+                const uint32_t* const order = numbers.order + start;
+                for (size_t i = 0; i < present; ++i) {
+                    if (i + kAhead < present) __builtin_prefetch(gathered + order[i + kAhead], 1);
+                    std::memcpy(gathered + order[i], hits + i, sizeof(RowEntry));
+                }
+                return;
+            }
+            const bool counted = task.ask == RayTask::Ask::Count;
+            const RowEntry* const instances =
+                features.instances && !counted ? slot.row(kInstanceRow) + at : nullptr;
+            task.take(numbers.from(start), {slot.row(kHitRow) + at, instances, present, counted});
+        });
     }
 
-    struct Release {
-        State& state;
-        Slot& slot;
-        ~Release() { state.release(slot); }
-    };
-
-    void fill(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
-              size_t count) const;
-    void trace(Slot& slot, size_t paths, KernelId id, TraceModes modes, bool packets) const;
-    void checkListed(const Slot& slot, std::span<const RowEntry> wanted) const;
-    void listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fill,
-                   const ListTake& take);
-    void take(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
-              size_t count, RowEntry* gathered) const;
     void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets,
-                  RowEntry* gathered);
-    std::unique_ptr<RowEntry[]> gatherFor(const RayTask& task, const RayOrder& order) const;
-    void giveGathered(const RayTask& task, size_t first, const RowEntry* gathered, size_t count) const;
-    void givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered, size_t count) const;
-    RayOrder orderOf(const RayTask& task, size_t first) const;
+                  RowEntry* gathered) {
+        withSlot([&](Slot& slot) {
+            const Placement placement(count, inPlace);
+            fill(slot, placement, task, rays, count);
+            const ProcessorWatch processor;
+            const Stopwatch watch;
+            trace(slot, placement.places() * kBlock, kernelOf(task.ask),
+                  {.leaves = task.leaves, .methods = task.methods}, packets);
+            if (task.kernels) {
+                const std::lock_guard lock(mutex);
+                task.kernels->wall += watch.seconds();
+                task.kernels->processor += processor.seconds();
+            }
+            take(slot, placement, task, rays, count, gathered);
+        });
+    }
+
+    // ---- Hits that go to several arrays of the caller ----
+
+    // Buffer for the hits of sorted rays; null if not needed. Written directly, each ray would need one cache
+    // line per array. The hits are put in order first, one line per ray, and then written array by array.
+    std::unique_ptr<RowEntry[]> gatherFor(const RayTask& task, const RayOrder& order) const {
+        const bool sorted = order.numbers && order.run == 1;
+        if (!sorted || !task.spreads || task.ask != RayTask::Ask::Nearest || features.instances)
+            return nullptr;
+        return std::make_unique_for_overwrite<RowEntry[]>(order.count);
+    }
+
+    void giveGathered(const RayTask& task, size_t first, const RowEntry* gathered, size_t count) const {
+        parallelFor(device.context(), (count + kBlock - 1) / kBlock, [&](size_t block) {
+            const size_t start = block * kBlock, present = std::min(kBlock, count - start);
+            task.take({first + start, nullptr, 1}, {gathered + start, nullptr, present, false});
+        });
+    }
+
+    // Delivers a finished piece of a window that was cancelled before all of it could be delivered.
+    void givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered,
+                   size_t count) const {
+        std::vector<RowEntry> hits(kBlock);
+        for (size_t start = 0; start < count; start += kBlock) {
+            const size_t present = std::min(kBlock, count - start);
+            for (size_t i = 0; i < present; ++i) hits[i] = gathered[rays.order[start + i]];
+            task.take(rays.from(start), {hits.data(), nullptr, present, false});
+        }
+    }
+
+    // ---- Lists of crossings ----
+
+    // Checks that the device listed every crossing: others would be read from uninitialized memory.
+    void checkListed(const Slot& slot, std::span<const RowEntry> wanted) const {
+        for (size_t i = 0; i < wanted.size(); ++i) {
+            const uint32_t listed = slot.row(kHitRow)[i].u[1];
+            if (wanted[i].u[1] != 0 && listed != wanted[i].u[1])
+                throw Error(ErrorKind::Device, "of a ray that crosses " + std::to_string(wanted[i].u[1]) +
+                                                   " surfaces the device has listed " +
+                                                   std::to_string(listed));
+        }
+    }
+
+    // The rays from `first` on, whose hits fit into the room for lists.
+    void listPiece(Slot& slot, std::span<const uint32_t> counts, size_t first, const ListFill& fillRays,
+                   const ListTake& takeHits) const {
+        RayTask task;
+        task.ask = RayTask::Ask::Count;
+        task.fill = [&](const RayNumbers& numbers, std::span<RayInput> rays) {
+            fillRays(first + numbers.first, rays);
+            for (size_t i = 0; i < rays.size(); ++i)
+                if (counts[numbers[i]] == 0) rays[i].tMin = shared::kInfinity;
+        };
+        const Placement placement(counts.size(), inPlace);
+        fill(slot, placement, task, {}, counts.size());
+        std::vector<RowEntry> places(placement.places() * kBlock, RowEntry{{0, 0, 0, 0}});
+        std::vector<uint64_t> starts(counts.size());
+        uint64_t sum = 0;
+        for (size_t place = 0; place < placement.places(); ++place) {
+            const size_t start = placement.at(place) * kBlock;
+            for (size_t i = start; i < std::min(start + kBlock, counts.size()); ++i) {
+                RowEntry& entry = places[place * kBlock + (i - start)];
+                entry.u[0] = static_cast<uint32_t>(sum);
+                entry.u[1] = counts[i];
+                starts[i] = sum;
+                sum += counts[i];
+            }
+        }
+        const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry);
+        gpu::upload(device, slot.rows, std::as_bytes(std::span(places)), shared::kRowThroughput * row);
+        trace(slot, placement.places() * kBlock, KernelId::Count, {.list = true}, false);
+        checkListed(slot, places);
+        std::vector<RowEntry> found(2 * sum);
+        gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)),
+                      (rowCount - kCrossingRows) * row);
+        std::vector<FoundHit> hits;
+        for (size_t i = 0; i < counts.size(); ++i) {
+            hits.clear();
+            for (uint64_t k = starts[i]; k < starts[i] + counts[i]; ++k) {
+                const RowEntry& hit = found[2 * k];
+                hits.push_back({hit.f[0], hit.f[1], hit.f[2], hit.u[3], found[2 * k + 1].u[0]});
+            }
+            takeHits(first + i, hits);
+        }
+    }
+
+    // ---- The order of a batch's rays ----
+
+    // A GPU takes rays as they are given: it was not measured whether sorting would pay there.
+    RayOrder orderOf(const RayTask& task, size_t first) const {
+        const size_t count = task.count - first;
+        const bool coherent = task.coherent || alwaysPackets;
+        if (!inPlace || scene.nodes.size() < kFewestForOrder) return {count, coherent, {}, 1};
+        return orderRays(task.fill, first, count, {scene.boundsLo, scene.boundsHi}, coherent,
+                         device.context());
+    }
+
     // Packets count triangles and planes only.
     bool packetsKnow(const RayTask& task) const {
         const bool isCount = task.ask == RayTask::Ask::Count;
@@ -203,198 +365,19 @@ struct RayQueries::State {
             return false;
         return traversal.packets && task.methods == Methods{};
     }
-    // While one piece is on a GPU, one thread prepares the next.
-    Context hostContext() const { return inPlace ? device.context() : Context{.threads = 1}; }
 };
-
-void RayQueries::State::fill(const Slot& slot, const Placement& placement, const RayTask& task,
-                             const RayNumbers& numbers, size_t count) const {
-    parallelFor(hostContext(), placement.places(), [&](size_t place) {
-        std::array<RayInput, kBlock> rays;
-        const size_t start = std::min(placement.at(place) * kBlock, count);
-        const size_t present = std::min(kBlock, count - start);
-        if (present > 0) task.fill(numbers.from(start), std::span(rays).first(present));
-        for (size_t i = present; i < kBlock; ++i) rays[i] = RayInput{.tMin = shared::kInfinity};
-        RowEntry* const origin = slot.row(0) + place * kBlock;
-        RowEntry* const direction = slot.row(1) + place * kBlock;
-        RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
-        const float nobody = task.ask == RayTask::Ask::Count ? 0 : std::bit_cast<float>(shared::kNone);
-        for (size_t i = 0; i < kBlock; ++i) {
-            const RayInput& ray = rays[i];
-            origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, ray.tMax}};
-            direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, ray.tMin}};
-            hit[i] = {{ray.tMax, 0, 0, nobody}};
-        }
-        if (!features.instances) return;
-        RowEntry none;
-        std::fill_n(none.u, 4, shared::kNone);
-        std::fill_n(slot.row(kInstanceRow) + place * kBlock, kBlock, none);
-    });
-}
-
-void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, TraceModes modes, bool packets) const {
-    const auto groups = static_cast<uint32_t>(paths / shared::kWorkgroupSize);
-    shared::Dispatch dispatch;
-    dispatch.tileCount = dispatch.run = groups;
-    dispatch.interleave = 1;
-    dispatch.regionWidth = dispatch.regionHeight = 1;
-    dispatch.capacity = slot.capacity;
-    dispatch.tripBudget = tripBudget;
-    const auto constants = std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1));
-    const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
-    const size_t staged = slot.staging ? kSlotRows.size() - (features.instances ? 0 : 1) : 0;
-
-    modes.given = true;
-    for (size_t i = 0; i < staged; ++i)
-        slot.submission.copy(slot.staging, i * row, slot.rows, kSlotRows[i] * row, used);
-    const uint32_t perLane = packets ? infoOf(packetKernel(id)).raysOfLane : 1;
-    slot.submission.dispatch(slot.pipelines.get(packets ? packetKernel(id) : id, modes),
-                             (groups + perLane - 1) / perLane, constants);
-    modes.resume = true;
-    for (;;) {
-        for (size_t i = kHitRow; i < staged; ++i)
-            slot.submission.copy(slot.rows, kSlotRows[i] * row, slot.staging, i * row, used);
-        slot.unfinished() = 0;
-        slot.submission.submit();
-        if (slot.unfinished() == 0) break;
-        slot.submission.dispatch(slot.pipelines.get(id, modes), groups, constants);
-    }
-}
-
-// Buffer for the hits of sorted rays that go to several arrays of the caller; null if not needed. Written
-// directly, each ray would need one cache line per array. The hits are put in order first, one line per ray,
-// and then written array by array.
-std::unique_ptr<RowEntry[]> RayQueries::State::gatherFor(const RayTask& task, const RayOrder& order) const {
-    const bool sorted = order.numbers && order.run == 1;
-    if (!sorted || !task.spreads || task.ask != RayTask::Ask::Nearest || features.instances) return nullptr;
-    return std::make_unique_for_overwrite<RowEntry[]>(order.count);
-}
-
-void RayQueries::State::giveGathered(const RayTask& task, size_t first, const RowEntry* gathered,
-                                     size_t count) const {
-    parallelFor(device.context(), (count + kBlock - 1) / kBlock, [&](size_t block) {
-        const size_t start = block * kBlock, present = std::min(kBlock, count - start);
-        task.take({first + start, nullptr, 1}, {gathered + start, nullptr, present, false});
-    });
-}
-
-// Delivers a finished piece of a window that was cancelled before all of it could be delivered.
-void RayQueries::State::givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered,
-                                  size_t count) const {
-    std::vector<RowEntry> hits(kBlock);
-    for (size_t start = 0; start < count; start += kBlock) {
-        const size_t present = std::min(kBlock, count - start);
-        for (size_t i = 0; i < present; ++i) hits[i] = gathered[rays.order[start + i]];
-        task.take(rays.from(start), {hits.data(), nullptr, present, false});
-    }
-}
-
-void RayQueries::State::take(const Slot& slot, const Placement& placement, const RayTask& task,
-                             const RayNumbers& numbers, size_t count, RowEntry* gathered) const {
-    parallelFor(hostContext(), placement.places(), [&](size_t place) {
-        const size_t start = placement.at(place) * kBlock;
-        if (start >= count) return;
-        const size_t present = std::min(kBlock, count - start), at = place * kBlock;
-        if (gathered != nullptr) {
-            const RowEntry* const hits = slot.row(kHitRow) + at;
-            const uint32_t* const order = numbers.order + start;
-            for (size_t i = 0; i < present; ++i) {
-                if (i + kAhead < present) __builtin_prefetch(gathered + order[i + kAhead], 1);
-                std::memcpy(gathered + order[i], hits + i, sizeof(RowEntry));
-            }
-            return;
-        }
-        const bool counted = task.ask == RayTask::Ask::Count;
-        const RowEntry* const instances =
-            features.instances && !counted ? slot.row(kInstanceRow) + at : nullptr;
-        task.take(numbers.from(start), {slot.row(kHitRow) + at, instances, present, counted});
-    });
-}
-
-void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets,
-                                 RowEntry* gathered) {
-    Slot& slot = acquire();
-    const Release release{*this, slot};
-    const Placement placement(count, inPlace);
-    fill(slot, placement, task, rays, count);
-    const ProcessorWatch processor;
-    const Stopwatch watch;
-    trace(slot, placement.places() * kBlock, kernelOf(task.ask),
-          {.leaves = task.leaves, .methods = task.methods}, packets);
-    if (task.kernels) {
-        const std::lock_guard lock(mutex);
-        task.kernels->wall += watch.seconds();
-        task.kernels->processor += processor.seconds();
-    }
-    take(slot, placement, task, rays, count, gathered);
-}
-
-// Checks that the device listed every crossing: others would be read from uninitialized memory.
-void RayQueries::State::checkListed(const Slot& slot, std::span<const RowEntry> wanted) const {
-    for (size_t i = 0; i < wanted.size(); ++i) {
-        const uint32_t listed = slot.row(kHitRow)[i].u[1];
-        if (wanted[i].u[1] != 0 && listed != wanted[i].u[1])
-            throw Error(ErrorKind::Device, "of a ray that crosses " + std::to_string(wanted[i].u[1]) +
-                                               " surfaces the device has listed " + std::to_string(listed));
-    }
-}
-
-// The rays from `first` on, whose hits fit into the room for lists.
-void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fillRays,
-                                  const ListTake& take) {
-    Slot& slot = acquire();
-    const Release release{*this, slot};
-    RayTask task;
-    task.ask = RayTask::Ask::Count;
-    task.fill = [&](const RayNumbers& numbers, std::span<RayInput> rays) {
-        fillRays(first + numbers.first, rays);
-        for (size_t i = 0; i < rays.size(); ++i)
-            if (counts[numbers[i]] == 0) rays[i].tMin = shared::kInfinity;
-    };
-    const Placement placement(counts.size(), inPlace);
-    fill(slot, placement, task, {}, counts.size());
-    std::vector<RowEntry> places(placement.places() * kBlock, RowEntry{{0, 0, 0, 0}});
-    std::vector<uint64_t> starts(counts.size());
-    uint64_t sum = 0;
-    for (size_t place = 0; place < placement.places(); ++place) {
-        const size_t start = placement.at(place) * kBlock;
-        for (size_t i = start; i < std::min(start + kBlock, counts.size()); ++i) {
-            RowEntry& entry = places[place * kBlock + (i - start)];
-            entry.u[0] = static_cast<uint32_t>(sum);
-            entry.u[1] = counts[i];
-            starts[i] = sum;
-            sum += counts[i];
-        }
-    }
-    const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry);
-    gpu::upload(device, slot.rows, std::as_bytes(std::span(places)), shared::kRowThroughput * row);
-    trace(slot, placement.places() * kBlock, KernelId::Count, {.list = true}, false);
-    checkListed(slot, places);
-    std::vector<RowEntry> found(2 * sum);
-    gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)),
-                  (rowCount - kCrossingRows) * row);
-    std::vector<FoundHit> hits;
-    for (size_t i = 0; i < counts.size(); ++i) {
-        hits.clear();
-        for (uint64_t k = starts[i]; k < starts[i] + counts[i]; ++k) {
-            const RowEntry& hit = found[2 * k];
-            hits.push_back({hit.f[0], hit.f[1], hit.f[2], hit.u[3], found[2 * k + 1].u[0]});
-        }
-        take(first + i, hits);
-    }
-}
 
 RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene, Traversal traversal,
                        const KernelCode& kernels)
     : state_(std::make_shared<State>(device, scene, traversal, kernels)) {}
 
 void RayQueries::prepare() {
-    Slot& slot = state_->acquire();
-    const State::Release release{*state_, slot};
-    for (const KernelId id : {KernelId::Intersect, KernelId::IntersectAny}) {
-        slot.pipelines.get(id, {.given = true});
-        if (state_->traversal.packets) slot.pipelines.get(packetKernel(id), {.given = true});
-    }
+    state_->withSlot([&](Slot& slot) {
+        for (const KernelId id : {KernelId::Intersect, KernelId::IntersectAny}) {
+            slot.pipelines.get(id, {.given = true});
+            if (state_->traversal.packets) slot.pipelines.get(packetKernel(id), {.given = true});
+        }
+    });
 }
 
 bool RayQueries::update() {
@@ -402,14 +385,6 @@ bool RayQueries::update() {
     if (state_->features != hitFeatures(state_->scene.features)) return false;
     state_->buffers.update(state_->device, state_->scene);
     return true;
-}
-
-// A GPU takes rays as they are given: it was not measured whether sorting would pay there.
-RayOrder RayQueries::State::orderOf(const RayTask& task, size_t first) const {
-    const size_t count = task.count - first;
-    const bool coherent = task.coherent || alwaysPackets;
-    if (!inPlace || scene.nodes.size() < kFewestForOrder) return {count, coherent, {}, 1};
-    return orderRays(task.fill, first, count, {scene.boundsLo, scene.boundsHi}, coherent, device.context());
 }
 
 bool RayQueries::run(const RayTask& task) {
@@ -431,7 +406,7 @@ bool RayQueries::run(const RayTask& task) {
         const size_t pieces = (order.count + usable - 1) / usable;
         const auto countOf = [&](size_t i) { return std::min(usable, order.count - i * usable); };
         std::vector<uint8_t> finished(pieces);
-        parallelFor({.threads = state_->inPlace ? 1u : 2u}, pieces, [&](size_t i) {
+        parallelFor({.threads = state_->atOnce()}, pieces, [&](size_t i) {
             if (stops()) return;
             state_->runPiece(task, rays.from(i * usable), countOf(i), packets, gathered.get());
             const std::lock_guard lock(mutex);
@@ -459,7 +434,9 @@ void RayQueries::list(std::span<const uint32_t> counts, const ListFill& fill, co
             throw Error(ErrorKind::Device, "ray " + std::to_string(first) + " crosses " +
                                                std::to_string(counts[first]) + " surfaces; " +
                                                std::to_string(room) + " of one ray can be listed");
-        state_->listPiece(counts.subspan(first, end - first), first, fill, take);
+        state_->withSlot([&](Slot& slot) {
+            state_->listPiece(slot, counts.subspan(first, end - first), first, fill, take);
+        });
         first = end;
     }
 }

@@ -66,6 +66,15 @@ void visitArrays(const Packed& scene, const More& others, const Visit& visit) {
 #undef GLINT_VISIT
 }
 
+// True if the device can bind the arrays as texel buffers (GLINT_BINDING_COUNT of them, each at most
+// `largest`), or as one storage buffer of `sum`. Every Vulkan device binds the 4 storage buffers that this
+// needs.
+bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, const ArraySizes& sizes) {
+    if (access == gpu::Access::StorageBuffer) return gpu::fits(sizes.sum, access, device.limits);
+    return device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT &&
+           gpu::fits(sizes.largest, access, device.limits);
+}
+
 size_t overrunOf(uint32_t binding, bool packets) {
     if (binding == vertexAttributesBinding) return kAttributeOverrun;
     return packets && binding == trianglesBinding ? kPacketOverrun : 0;
@@ -83,12 +92,6 @@ ArraySizes arraySizes(const PackedScene& scene) {
     sizes.sum +=
         kHeadBytes + kZeroBytes + std::as_bytes(std::span(scene.nodes)).size();  // room for a wide BVH
     return sizes;
-}
-
-bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, const ArraySizes& sizes) {
-    if (access == gpu::Access::StorageBuffer) return gpu::fits(sizes.sum, access, device.limits);
-    return device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT &&
-           gpu::fits(sizes.largest, access, device.limits);
 }
 
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, const ArraySizes& sizes) {

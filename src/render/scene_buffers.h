@@ -20,11 +20,6 @@ struct ArraySizes {
 };
 ArraySizes arraySizes(const PackedScene& scene);
 
-// True if the device can bind the arrays as texel buffers (GLINT_BINDING_COUNT of them, each at most
-// `largest`), or as one storage buffer of `sum`. Every Vulkan device binds the 4 storage buffers that this
-// needs.
-bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, const ArraySizes& sizes);
-
 // Texel buffers on llvmpipe, where they load five times faster, and where one storage buffer is too small for
 // all arrays; one storage buffer otherwise.
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, const ArraySizes& sizes);

@@ -71,7 +71,7 @@ TEST(TraversalRule, PacketsAreRefusedWhereTheDeviceCannot) {
     }
 }
 
-// packet/traverse.glsl: a packet makes no more than 40 trips beyond its budget, one for each of 24 groups,
+// packet/packet.glsl: a packet makes no more than 40 trips beyond its budget, one for each of 24 groups,
 // and one to look for the next; before, each of a lane's rays meets all planes.
 TEST(TraversalRule, PacketsInTurnStayBelowTheDriversTrips) {
     const uint32_t walk = deriveTripBudget(deviceOf(true, 8, true), SceneFeatures()) + 40 + 24 + 1;

@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "import/load.h"
-#include "render/film.h"
 #include "render/path_limits.h"
 #include "support/support.h"
 
