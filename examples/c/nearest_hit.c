@@ -2,14 +2,14 @@
 #include <glint/glint.h>
 #include <stdio.h>
 
-/* Says what went wrong, and lets the caller end. */
+/* Prints the error of a failed call and returns 1; returns 0 after success. */
 static int failed(glint_status status) {
     if (status != GLINT_OK) fprintf(stderr, "%s: %s\n", glint_status_name(status), glint_last_error());
     return status != GLINT_OK;
 }
 
 static int fill(glint_scene* scene) {
-    /* A ground of two triangles in fp64, far from 0: the scene takes care of that. */
+    /* A ground of two triangles in fp64, far from 0: the scene subtracts an origin first. */
     static const double vertices[4][3] = {
         {1e6 - 5, 0, -5}, {1e6 + 5, 0, -5}, {1e6 + 5, 0, 5}, {1e6 - 5, 0, 5}};
     static const uint32_t indices[2][3] = {{0, 2, 1}, {0, 3, 2}};
@@ -39,7 +39,7 @@ static int fill(glint_scene* scene) {
 static int cast(const glint_scene* scene) {
     enum { kRays = 3 };
     static const double origins[kRays][3] = {{1e6, 9, 0}, {1e6 + 3, 9, 0}, {1e6 + 8, 9, 0}};
-    static const float down[3] = {0, -1, 0}; /* one for all */
+    static const float down[3] = {0, -1, 0}; /* for all rays */
     double t[kRays];
     uint32_t geometry[kRays];
     int i;
@@ -52,7 +52,7 @@ static int cast(const glint_scene* scene) {
     rays.directions.count = 1;
     rays.directions.type = GLINT_F32;
 
-    GLINT_INIT(glint_hits, hits); /* what has no pointer is not computed */
+    GLINT_INIT(glint_hits, hits); /* outputs without a pointer are not computed */
     hits.t.data = t;
     hits.t.count = kRays;
     hits.t.type = GLINT_F64;

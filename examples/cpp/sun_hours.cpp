@@ -17,7 +17,7 @@ int main(int count, char** arguments) try {
                                   {"type": "box", "min": [5, 0, -4], "max": [9, 12, 4], "material": "wall"}]})");
     scene.commit();
 
-    // A row of points across the square, and the sun from six to six, east to west.
+    // A row of points across the square. The sun moves from east to west, from six to six.
     std::vector<Point> points;
     for (int x = -4; x <= 4; x += 2) points.push_back({double(x), 0.01, 0});
     std::vector<double> hours(points.size());
