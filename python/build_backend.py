@@ -43,19 +43,38 @@ def _library(folder):
     return (folder / "lib" / "libglint.so.0").resolve()
 
 
+def _tag():
+    return "py3-none-" + re.sub(r"[-.]", "_", sysconfig.get_platform())
+
+
+def _info():
+    """(name, files) of the folder that describes the package in a wheel."""
+    return f"{NAME}-{_version()}.dist-info", {
+        "METADATA": _metadata().encode(),
+        "WHEEL": f"Wheel-Version: 1.0\nGenerator: glint\nRoot-Is-Purelib: false\nTag: {_tag()}\n".encode(),
+        "LICENSE": (ROOT / "LICENSE").read_bytes()}
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """Writes the package's metadata, so that pip finds missing requirements before the build."""
+    info, files = _info()
+    folder = pathlib.Path(metadata_directory) / info
+    folder.mkdir()
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    return info
+
+
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Writes glint_raytracer-VERSION-py3-none-PLATFORM.whl. GLINT_WHEEL_LIBRARY names a libglint.so.0 that is built already."""
-    platform = re.sub(r"[-.]", "_", sysconfig.get_platform())
-    info = f"{NAME}-{_version()}.dist-info"
-    name = f"{NAME}-{_version()}-py3-none-{platform}.whl"
+    info, described = _info()
+    name = f"{NAME}-{_version()}-{_tag()}.whl"
     with tempfile.TemporaryDirectory(prefix="glint-wheel-") as folder:
         built = os.environ.get("GLINT_WHEEL_LIBRARY")
         library = pathlib.Path(built).resolve() if built else _library(pathlib.Path(folder))
         files = {f"glint/{path.name}": path.read_bytes() for path in sorted((ROOT / "python/glint").iterdir()) if path.suffix in (".py", ".typed")}
         files["glint/libglint.so.0"] = library.read_bytes()
-        files[f"{info}/METADATA"] = _metadata().encode()
-        files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: glint\nRoot-Is-Purelib: false\nTag: py3-none-{platform}\n".encode()
-        files[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
+        files.update({f"{info}/{part}": content for part, content in described.items()})
         records = []
         with zipfile.ZipFile(pathlib.Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
             for path, content in files.items():

@@ -110,10 +110,13 @@ def test_the_module_prints_version_and_devices():
 def test_a_wheel_holds_module_and_library(tmp_path):
     backend = pathlib.Path(os.environ["GLINT_SOURCE"]) / "python"
     library = os.environ["GLINT_LIBRARY"]
-    make = f"import sys; sys.path.insert(0, {str(backend)!r}); import build_backend; print(build_backend.build_wheel({str(tmp_path)!r}))"
+    make = f"""import sys; sys.path.insert(0, {str(backend)!r}); import build_backend
+print(build_backend.prepare_metadata_for_build_wheel({str(tmp_path)!r}), build_backend.build_wheel({str(tmp_path)!r}))"""
     done = subprocess.run([sys.executable, "-c", make], capture_output=True, text=True, check=True,
                           env={**os.environ, "GLINT_WHEEL_LIBRARY": library})
-    with zipfile.ZipFile(tmp_path / done.stdout.strip()) as wheel:
+    info, name = done.stdout.split()
+    with zipfile.ZipFile(tmp_path / name) as wheel:
+        assert (tmp_path / info / "METADATA").read_bytes() == wheel.read(f"{info}/METADATA")
         names = wheel.namelist()
         recorded = [line.split(",")[0] for line in wheel.read(next(n for n in names if n.endswith("RECORD"))).decode().splitlines()]
         assert sorted(names) == sorted(recorded)
