@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <tuple>
 
 #include "import/camera_writer.h"
 #include "scene/cameras.h"
@@ -21,12 +23,6 @@ constexpr double kLeastPlaneCosine = 0.2;
 // solution).
 constexpr double kLeastPoleAngle = 0.5 * kRadian;
 
-// Rodrigues' rotation about the unit axis k: v cos a + (k x v) sin a + k (k.v)(1 - cos a).
-glm::dvec3 rotated(const glm::dvec3& v, const glm::dvec3& axis, double angle) {
-    const double c = std::cos(angle), s = std::sin(angle);
-    return v * c + glm::cross(axis, v) * s + axis * (glm::dot(axis, v) * (1 - c));
-}
-
 // The axis that the scene's camera has as its up direction; y if that is no axis.
 UpAxis upAxisOf(const Camera& home) {
     const glm::dvec3& up = home.up;
@@ -37,14 +33,11 @@ UpAxis upAxisOf(const Camera& home) {
 }  // namespace
 
 void CameraControl::follow(const Camera& home, double radius) {
-    Camera mine = camera_;
-    const bool lensMoved = mine.lensRadius != home_.lensRadius || mine.focusDistance != home_.focusDistance;
-    mine.lensRadius = home_.lensRadius;
-    mine.focusDistance = home_.focusDistance;
-    const double lens = camera_.lensRadius, focus = camera_.focusDistance;
-    if (mine == home_) camera_ = home;
-    camera_.lensRadius = lensMoved ? lens : home.lensRadius;
-    camera_.focusDistance = lensMoved ? focus : home.focusDistance;
+    const auto lensOf = [](auto& camera) { return std::tie(camera.lensRadius, camera.focusDistance); };
+    const Camera mine = camera_;
+    lensOf(camera_) = lensOf(home_);
+    if (camera_ == home_) camera_ = home;
+    lensOf(camera_) = lensOf(mine) == lensOf(home_) ? lensOf(home) : lensOf(mine);
     home_ = home;
     radius_ = radius;
 }
@@ -64,8 +57,7 @@ bool CameraControl::focusAt(const glm::dvec3& point) {
     return true;
 }
 
-// `wanted`, but no nearer or farther than the scene's size makes sense of; who is farther out already may
-// stay.
+// `wanted`, within the range that the scene's size makes sense of. A distance beyond the range may stay.
 double CameraControl::reachable(double from, double wanted) const {
     return std::clamp(wanted, std::min(from, kLeastReach * radius_),
                       std::max(from, kGreatestReach * radius_));
@@ -84,17 +76,9 @@ double CameraControl::halfHeight() const {
     return parallel() ? 0.5 * camera_.height : std::tan(0.5 * camera_.fovY * kRadian);
 }
 
-void CameraControl::setHalfHeight(double half) {
-    if (parallel()) {
-        camera_.height = 2 * half;
-    } else {
-        camera_.fovY = std::clamp(2 * std::atan(half) / kRadian, kLeastFov, kGreatestFov);
-    }
-}
-
 // An image plane that the view direction all but lies in has no picture. The upright plane under the view
 // direction has one unless the camera looks straight up or down.
-void CameraControl::mendPlane() {
+void CameraControl::fixPlane() {
     if (!camera_.planeNormal) return;
     const glm::dvec3 forward = glm::normalize(camera_.target - camera_.eye);
     const glm::dvec3 pole = glm::normalize(camera_.up);
@@ -105,15 +89,16 @@ void CameraControl::mendPlane() {
 }
 
 std::string CameraControl::nextProjection() {
-    // Keeps the size at the target's distance as before.
+    // The size of the image at the target's distance stays.
     const double half = parallel() ? halfHeight() : halfHeight() * distance();
     const bool oblique = camera_.planeNormal.has_value() != parallel();  // of the next one
     camera_.window.reset();
     camera_.projection = parallel() ? Projection::Perspective : Projection::Orthographic;
-    setHalfHeight(parallel() ? half : half / distance());
+    camera_.height = 2 * half;
+    camera_.fovY = std::clamp(2 * std::atan(half / distance()) / kRadian, kLeastFov, kGreatestFov);
     upright_ = oblique;
     camera_.planeNormal = oblique ? std::optional<glm::dvec3>(camera_.eye - camera_.target) : std::nullopt;
-    mendPlane();
+    fixPlane();
     return std::string(oblique ? "oblique " : "") + (parallel() ? "orthographic" : "perspective");
 }
 
@@ -125,17 +110,17 @@ glm::dvec3 CameraControl::turned(const glm::dvec3& arm, double x, double y) cons
     const double allowed = std::clamp(angle - y, kLeastPoleAngle, glm::pi<double>() - kLeastPoleAngle);
     // A positive turn about arm x pole takes the arm towards the pole.
     const glm::dvec3 axis = glm::normalize(glm::cross(arm, pole));
-    return rotated(rotated(arm, axis, angle - allowed), pole, -x);
+    return glm::angleAxis(-x, pole) * (glm::angleAxis(angle - allowed, axis) * arm);
 }
 
 void CameraControl::orbit(double x, double y) {
     camera_.eye = camera_.target + turned(camera_.eye - camera_.target, x, y);
-    mendPlane();
+    fixPlane();
 }
 
 void CameraControl::look(double x, double y) {
     camera_.target = camera_.eye + turned(camera_.target - camera_.eye, x, -y);
-    mendPlane();
+    fixPlane();
 }
 
 void CameraControl::pan(double x, double y) {
@@ -198,13 +183,12 @@ void CameraControl::view(Side side, const Ball& ball) {
     const UpAxis up = upAxisOf(home_);
     glm::dvec3 direction(out[0], out[1], out[2]);
     // Not quite along `up`, so that orbiting can go on from there.
-    if (side == Side::Top) direction = rotated(direction, {1, 0, 0}, kLeastPoleAngle);
-    if (side == Side::Bottom) direction = rotated(direction, {1, 0, 0}, -kLeastPoleAngle);
+    direction = glm::angleAxis(out[1] * kLeastPoleAngle, glm::dvec3(1, 0, 0)) * direction;
     camera_.target = ball.center;
     camera_.eye = ball.center + fromYUp(direction, up);
     camera_.up = fromYUp({0, 1, 0}, up);
     frame(ball);
-    mendPlane();
+    fixPlane();
 }
 
 std::string cameraJson(const Camera& camera) {

@@ -1,4 +1,4 @@
-// Moves a scene's camera the way a person does: around things, or through them.
+// Moves a scene's camera around things, or through them.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -23,7 +23,6 @@ class CameraControl {
         : camera_(home), home_(home), radius_(radius) {}
 
     const Camera& camera() const { return camera_; }
-    const Camera& home() const { return home_; }
     void set(const Camera& camera) {
         camera_ = camera;
         upright_ = false;
@@ -65,8 +64,7 @@ class CameraControl {
     glm::dvec3 upward() const;  // of the picture, not `up`
     bool parallel() const { return camera_.projection == Projection::Orthographic; }
     double halfHeight() const;  // of the picture: at distance 1, or anywhere with parallel rays
-    void setHalfHeight(double half);
-    void mendPlane();  // after a turn: keeps an oblique camera's plane where it can be
+    void fixPlane();            // after a turn: keeps an oblique camera's plane valid
     glm::dvec3 turned(const glm::dvec3& arm, double x, double y) const;
 
     double reachable(double from, double wanted) const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 #include <string_view>
 #include <utility>
@@ -10,10 +9,125 @@
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/format.h"
 #include "core/text_file.h"
 #include "import/camera_writer.h"
+#include "trace/ray_batch.h"
 
 namespace glint::view {
+
+void perform(Model& m, Command command) {
+    m.dirty = 3;
+    command(m);
+    takeSettings(m);
+}
+
+// After all events of a round.
+void noteChanges(Model& m) {
+    if (!m.changed()) return;
+    const bool moved = m.control.camera() != m.history.seen().camera;
+    m.history.note(m.undoable(), m.clock.seconds());
+    if (!moved) return;
+    m.follow(Hint::Turn);
+    m.forgetView();
+    m.touch();
+}
+
+void takeSettings(Model& m) {
+    if (m.settings == m.session->settings()) return;
+    m.session->apply(m.settings);
+    if (!m.session->ready()) {
+        m.touch();
+        m.forgetView(true);
+    }
+    m.dirty = 3;
+}
+
+void askToClose(Model& m) {
+    if (!m.saving.running() || m.isClosing) {
+        m.closes = true;
+        return;
+    }
+    m.isClosing = true;
+    m.say("closing once the image is saved; again: at once");
+}
+
+// ---- camera ----
+
+void pick(Model& m, int x, int y) {
+    if (!m.session->contains(x, y)) return;
+    m.pick = pickPixel(*m.session, x, y);
+    m.pickIsOld = false;
+    if (m.pick->hit()) m.material = m.pick->data.material;
+    m.follow(Hint::Pick);
+    m.out << kHitCsvHeading + hitCsv(hitOf(m.pick->data), kDeviceDigits) << std::flush;
+}
+
+void focusAt(Model& m, int x, int y) {
+    if (!m.session->contains(x, y)) return;
+    const PixelData data = m.session->pixel(x, y);
+    const Camera& camera = m.control.camera();
+    const bool hit = data.object != PixelData::kNoIndex;
+    if (!hit || camera.projection != Projection::Perspective || !m.control.focusAt(data.position)) {
+        m.say(hit ? "parallel rays have no focus" : "nothing there to focus on", ToastKind::Error);
+        return;
+    }
+    m.say(format("focus distance %.6g%s", camera.focusDistance,
+                 camera.lensRadius > 0 ? "" : "; give the lens a radius to see it"));
+    m.history.endStep();
+    m.touch();
+}
+
+// ---- text of scenes ----
+
+namespace {
+
+// Throws Error(Failed) if another program has changed the scene's file since it was read.
+void checkUnchanged(const Model& m, const std::string& text) {
+    const uint64_t hash = contentHash(text);
+    const std::vector<SourceFile>& read = m.file->sources;
+    if (std::none_of(read.begin(), read.end(), [&](const SourceFile& s) { return s.hash == hash; }))
+        throw Error(ErrorKind::Failed,
+                    m.scene->path.string() +
+                        " has changed since it was read; nothing written. It is loaded again: "
+                        "look, and try once more");
+}
+
+}  // namespace
+
+void writeCameras(Model& m) {
+    const std::filesystem::path& path = m.scene->path;
+    try {
+        for (const NamedCamera& bookmark : m.bookmarks)
+            if (bookmark.name.empty()) throw Error(ErrorKind::Argument, "give each bookmark a name");
+        const std::string text = readWholeFile(path);
+        checkUnchanged(m, text);
+        writeTextFile(path, withCameras(text, path.string(), m.bookmarks));
+        const std::string line = "wrote " + counted(m.bookmarks.size(), "camera") + " to " + path.string();
+        m.bookmarks.clear();
+        m.report(line);
+        reload(m);
+    } catch (const Error& e) {
+        m.fail(e.what());
+    }
+}
+
+// Lights and materials into a copy of the scene's file, beside it unless the user gives another folder.
+void writeScene(Model& m) {
+    const std::filesystem::path target = m.scene->path.parent_path() / m.sceneName;
+    try {
+        if (std::filesystem::exists(target) && !m.replacesFile)
+            throw Error(ErrorKind::Argument,
+                        target.string() + " exists: choose another name, or \"replace the file\"");
+        const std::string text = readWholeFile(m.scene->path);
+        checkUnchanged(m, text);
+        writeTextFile(target, editedSceneText(text, m.settings, m.fileSettings));
+        m.saveSceneVisible = m.replacesFile = false;
+        m.report("wrote lights and materials to " + target.string());
+    } catch (const std::exception& e) {
+        m.fail(e.what());
+    }
+}
 
 // ---- the list of keys ----
 
@@ -24,44 +138,42 @@ constexpr double kDollyStep = 0.9;
 constexpr double kFovStep = 1.1;
 
 template <bool Model::*kFlag>
-void flip(Model& m, Commands&) {
+void flip(Model& m) {
     m.*kFlag = !(m.*kFlag);
 }
 
 template <Side kSide>
-void viewFrom(Model& m, Commands&) {
+void viewFrom(Model& m) {
     m.control.view(kSide, boundsOf(*m.scene));
 }
 
-void turn(Model& m, double x, double y) {
+template <int kRight, int kDown>
+void turn(Model& m) {
+    const double x = kKeyTurn * kRight, y = kKeyTurn * kDown;
     m.flying ? m.control.look(x, y) : m.control.orbit(x, y);
 }
 
-void nextProjection(Model& m, Commands&) {
-    m.say("camera: " + m.control.nextProjection());
-}
-
 template <int kStep>
-void changeLayer(Model& m, Commands&) {
+void changeLayer(Model& m) {
     m.settings.layer = nextOf(m.settings.layer, kStep);
 }
 
 template <int kHalfStops>
-void expose(Model& m, Commands&) {
+void expose(Model& m) {
     m.display.exposure = std::clamp(m.display.exposure + 0.5 * kHalfStops, -kMostExposure, kMostExposure);
 }
 
-void nextToneMap(Model& m, Commands&) {
+void nextToneMap(Model& m) {
     m.display.toneMap = nextOf(m.display.toneMap);
     m.say("tone map: " + std::string(nameOf(m.display.toneMap)));
 }
 
-void dockPanel(Model& m, Commands&) {
+void dockPanel(Model& m) {
     m.docked = !m.docked || !m.panelVisible;
     m.panelVisible = true;
 }
 
-void closeAll(Model& m, Commands&) {
+void closeAll(Model& m) {
     m.helpVisible = m.saveAsVisible = m.saveSceneVisible = m.openVisible = false;
     m.sceneError.clear();
     m.warnings.clear();
@@ -75,21 +187,53 @@ bool animated(Model& m) {
     return m.timeline.any();
 }
 
-void playOrPause(Model& m, Commands&) {
+void playOrPause(Model& m) {
     if (animated(m)) m.timeline.toggle(m.clock.seconds());
 }
 
-template <int kFrames>
-void step(Model& m, Commands&) {
-    if (animated(m)) m.timeline.step(kFrames);
+template <void (Timeline::*kMove)(int), int kFrames>
+void animate(Model& m) {
+    if (animated(m)) (m.timeline.*kMove)(kFrames);
 }
 
-void firstFrame(Model& m, Commands&) {
-    if (animated(m)) m.timeline.goTo(m.timeline.first());
+template <bool kExr, bool kSeen>
+void saveNext(Model& m) {
+    saveNumbered(m, kExr ? ".exr" : ".png", kSeen);
 }
 
-void lastFrame(Model& m, Commands&) {
-    if (animated(m)) m.timeline.goTo(m.timeline.last());
+void travel(Model& m, const Undoable* state, const char* otherwise) {
+    state != nullptr ? m.restore(*state) : m.say(otherwise);
+}
+
+void undo(Model& m) {
+    travel(m, m.history.undo(), "nothing to undo");
+}
+
+void redo(Model& m) {
+    travel(m, m.history.redo(), "nothing to redo");
+}
+
+void toggleFullscreen(Model& m) {
+    m.window->toggleFullscreen();
+}
+
+void framePicked(Model& m) {
+    const Ball ball = m.pick && m.pick->hit()
+                          ? boundsOf(*m.scene, m.pick->data.object, m.pick->data.position, m.pick->data.depth)
+                          : boundsOf(*m.scene);
+    m.control.frame(ball);
+}
+
+void copyJson(Model& m) {
+    std::string json = cameraJson(m.control.camera());
+    std::string what = "camera";
+    for (const auto& [name, value] : changedMembers(m.settings, m.fileSettings)) {
+        json += ",\n\"" + name + "\": " + value;
+        what += ", changed " + name;
+    }
+    m.out << json << std::endl;
+    m.window->setClipboard(json);
+    m.say("copied as scene JSON: " + what);
 }
 
 constexpr KeyBinding kBindings[] = {
@@ -106,29 +250,29 @@ constexpr KeyBinding kBindings[] = {
     {'H', 0, "H", "hide or show the panel", flip<&Model::panelVisible>},
     {'H', kShift, "Shift+H", "the panel beside the image, or over it", dockPanel},
     {GLFW_KEY_ESCAPE, 0, "Esc", "close lists, messages, pick and comparison", closeAll},
-    {GLFW_KEY_F11, 0, "F11", "full screen, or a window again", call<&Commands::toggleFullscreen>},
-    {'Q', kControl, "Ctrl+Q", "quit", call<&Commands::askToClose>},
+    {GLFW_KEY_F11, 0, "F11", "full screen, or a window again", toggleFullscreen},
+    {'Q', kControl, "Ctrl+Q", "quit", askToClose},
     {GLFW_KEY_TAB, 0, "Tab", "fly or orbit", flip<&Model::flying>, "camera"},
-    {'R', 0, "R", "back to the scene's camera", [](Model& m, Commands&) { m.control.reset(); }},
-    {'F', 0, "F", "frame the picked object, or everything", call<&Commands::framePicked>},
-    {'P', 0, "P", "next camera: orthographic, oblique", nextProjection},
+    {'R', 0, "R", "back to the scene's camera", [](Model& m) { m.control.reset(); }},
+    {'F', 0, "F", "frame the picked object, or everything", framePicked},
+    {'P', 0, "P", "next camera: orthographic, oblique",
+     [](Model& m) { m.say("camera: " + m.control.nextProjection()); }},
     {'1', 0, "1", "everything from the front", viewFrom<Side::Front>},
     {'2', 0, "2", "from the right", viewFrom<Side::Right>},
     {'3', 0, "3", "from behind", viewFrom<Side::Back>},
     {'4', 0, "4", "from the left", viewFrom<Side::Left>},
     {'5', 0, "5", "from above", viewFrom<Side::Top>},
     {'6', 0, "6", "from below", viewFrom<Side::Bottom>},
-    {'[', 0, "[", "narrower field of view", [](Model& m, Commands&) { m.control.zoom(1 / kFovStep); }},
-    {']', 0, "]", "wider field of view", [](Model& m, Commands&) { m.control.zoom(kFovStep); }},
-    {GLFW_KEY_LEFT, 0, "Left", "turn, as dragging does", [](Model& m, Commands&) { turn(m, -kKeyTurn, 0); }},
-    {GLFW_KEY_RIGHT, 0, "Right", "turn", [](Model& m, Commands&) { turn(m, kKeyTurn, 0); }},
-    {GLFW_KEY_UP, 0, "Up", "turn", [](Model& m, Commands&) { turn(m, 0, -kKeyTurn); }},
-    {GLFW_KEY_DOWN, 0, "Down", "turn", [](Model& m, Commands&) { turn(m, 0, kKeyTurn); }},
-    {GLFW_KEY_PAGE_UP, 0, "PageUp", "nearer", [](Model& m, Commands&) { m.control.dolly(kDollyStep); }},
-    {GLFW_KEY_PAGE_DOWN, 0, "PageDown", "farther",
-     [](Model& m, Commands&) { m.control.dolly(1 / kDollyStep); }},
-    {'M', 0, "M", "keep this camera as a bookmark", [](Model& m, Commands&) { m.keepCamera(); }},
-    {'N', 0, "N", "go to the next bookmark", [](Model& m, Commands&) { m.goToCamera(m.camera + 1); }},
+    {'[', 0, "[", "narrower field of view", [](Model& m) { m.control.zoom(1 / kFovStep); }},
+    {']', 0, "]", "wider field of view", [](Model& m) { m.control.zoom(kFovStep); }},
+    {GLFW_KEY_LEFT, 0, "Left", "turn, as dragging does", turn<-1, 0>},
+    {GLFW_KEY_RIGHT, 0, "Right", "turn", turn<1, 0>},
+    {GLFW_KEY_UP, 0, "Up", "turn", turn<0, -1>},
+    {GLFW_KEY_DOWN, 0, "Down", "turn", turn<0, 1>},
+    {GLFW_KEY_PAGE_UP, 0, "PageUp", "nearer", [](Model& m) { m.control.dolly(kDollyStep); }},
+    {GLFW_KEY_PAGE_DOWN, 0, "PageDown", "farther", [](Model& m) { m.control.dolly(1 / kDollyStep); }},
+    {'M', 0, "M", "keep this camera as a bookmark", [](Model& m) { m.keepCamera(); }},
+    {'N', 0, "N", "go to the next bookmark", [](Model& m) { m.goToCamera(m.camera + 1); }},
     {'L', 0, "L", "next layer: color, depth, normal, ...", changeLayer<1>, "image"},
     {'L', kShift, "Shift+L", "previous layer", changeLayer<-1>},
     {'-', 0, "-", "darker by half a stop", expose<-1>},
@@ -138,28 +282,26 @@ constexpr KeyBinding kBindings[] = {
     {GLFW_KEY_KP_ADD, 0, "KP+", "the same", expose<1>},
     {'T', 0, "T", "next tone map: linear, reinhard, aces, false color", nextToneMap},
     {'I', 0, "I", "inspect the pixel under the mouse", flip<&Model::inspects>},
-    {'K', 0, "K", "keep this image to compare others with", call<&Commands::keepPicture>},
-    {'B', 0, "B", "compare with the kept image: wipe, difference, flicker, off",
-     call<&Commands::nextComparison>},
-    {'V', 0, "V", "verify this view against the reference", call<&Commands::verify>},
+    {'K', 0, "K", "keep this image to compare others with", keepImage},
+    {'B', 0, "B", "compare with the kept image: wipe, difference, flicker, off", nextComparison},
+    {'V', 0, "V", "verify this view against the reference", verify},
     {' ', 0, "Space", "play the animation, or pause it", playOrPause, "animation"},
-    {',', 0, ",", "a frame back", step<-1>},
-    {'.', 0, ".", "a frame on", step<1>},
-    {GLFW_KEY_HOME, 0, "Home", "the animation's first frame", firstFrame},
-    {GLFW_KEY_END, 0, "End", "its last frame", lastFrame},
-    {'Z', kControl, "Ctrl+Z", "undo the last change of camera, lights, background or materials",
-     call<&Commands::undo>, "edits and files"},
-    {'Y', kControl, "Ctrl+Y", "redo", call<&Commands::redo>},
-    {'C', 0, "C", "print and copy camera, changed lights and changed materials as JSON",
-     call<&Commands::copyJson>},
-    {'S', 0, "S", "save the image as shown, as PNG (flying: Ctrl+S)", call<&Commands::savePng>},
-    {'S', kControl, "Ctrl+S", "the same", call<&Commands::savePng>},
-    {'S', kShift, "Shift+S", "save the image as EXR, with every layer", call<&Commands::saveExr>},
-    {'S', kAlt, "Alt+S", "render at the scene's own sampling, to PNG", call<&Commands::renderPng>},
-    {'S', kAlt | kShift, "Alt+Shift+S", "the same, to EXR with every layer", call<&Commands::renderExr>},
+    {',', 0, ",", "a frame back", animate<&Timeline::step, -1>},
+    {'.', 0, ".", "a frame on", animate<&Timeline::step, 1>},
+    {GLFW_KEY_HOME, 0, "Home", "the animation's first frame", animate<&Timeline::goTo, 0>},
+    {GLFW_KEY_END, 0, "End", "its last frame", animate<&Timeline::goTo, Timeline::kMostFrames>},
+    {'Z', kControl, "Ctrl+Z", "undo the last change of camera, lights, background or materials", undo,
+     "edits and files"},
+    {'Y', kControl, "Ctrl+Y", "redo", redo},
+    {'C', 0, "C", "print and copy camera, changed lights and changed materials as JSON", copyJson},
+    {'S', 0, "S", "save the image as shown, as PNG (flying: Ctrl+S)", saveNext<false, true>},
+    {'S', kControl, "Ctrl+S", "the same", saveNext<false, true>},
+    {'S', kShift, "Shift+S", "save the image as EXR, with every layer", saveNext<true, true>},
+    {'S', kAlt, "Alt+S", "render at the scene's own sampling, to PNG", saveNext<false, false>},
+    {'S', kAlt | kShift, "Alt+Shift+S", "the same, to EXR with every layer", saveNext<true, false>},
     {'S', kControl | kShift, "Ctrl+Shift+S", "save under a name of your choice", flip<&Model::saveAsVisible>},
     {'O', kControl, "Ctrl+O", "open a scene, or an image to compare with", flip<&Model::openVisible>},
-    {GLFW_KEY_F5, 0, "F5", "load the scene's files again now", call<&Commands::reload>},
+    {GLFW_KEY_F5, 0, "F5", "load the scene's files again now", reload},
 };
 
 }  // namespace
@@ -178,167 +320,6 @@ const KeyBinding* bindingOf(int key, int mods, bool flying) {
         return b.run != nullptr && b.key == key && b.mods == (mods & (kShift | kControl | kAlt));
     });
     return found == std::end(kBindings) ? nullptr : found;
-}
-
-// ---- any command ----
-
-Commands::Commands(Model& model, Window& window, std::ostream& out, std::ostream& err)
-    : m_(model),
-      window_(window),
-      out_(out),
-      err_(err),
-      editsAtWork_(model.settings.edits),
-      timeAtWork_(model.time) {
-    files_.watch(sceneFiles(m_.path, *m_.file));
-}
-
-void Commands::fail(const std::string& what) {
-    lastError_ = what;
-    m_.say(what, ToastKind::Error);
-    err_ << "glint: " << what << '\n';
-}
-
-void Commands::report(const std::string& line) {
-    m_.say(line);
-    out_ << line << std::endl;
-}
-
-void Commands::perform(Command command) {
-    m_.dirty = 3;
-    command(m_, *this);
-    takeSettings();
-}
-
-void Commands::follow(Hint hint) {
-    if (m_.hints.done(hint)) m_.say("That is all it takes. F1 lists every key.");
-}
-
-// After all events of a round.
-void Commands::noteChanges() {
-    if (!m_.changed()) return;
-    const bool moved = m_.control.camera() != m_.history.seen().camera;
-    m_.history.note(m_.undoable(), m_.clock.seconds());
-    if (!moved) return;
-    follow(Hint::Turn);
-    m_.forgetView();
-    m_.touch();
-}
-
-void Commands::takeSettings() {
-    if (m_.settings == m_.session->settings()) return;
-    m_.session->apply(m_.settings);
-    if (!m_.session->ready()) {
-        m_.touch();
-        m_.forgetView(true);
-    }
-    m_.dirty = 3;
-}
-
-void Commands::askToClose() {
-    if (!m_.saving.running() || m_.isClosing) {
-        closing_ = true;
-        return;
-    }
-    m_.isClosing = true;
-    m_.say("closing once the image is saved; again: at once");
-}
-
-// ---- camera ----
-
-void Commands::travel(const Undoable* state, const char* otherwise) {
-    state != nullptr ? m_.restore(*state) : m_.say(otherwise);
-}
-
-void Commands::framePicked() {
-    const Ball ball = m_.pick && m_.pick->hit() ? boundsOf(*m_.scene, m_.pick->data.object,
-                                                           m_.pick->data.position, m_.pick->data.depth)
-                                                : boundsOf(*m_.scene);
-    m_.control.frame(ball);
-}
-
-void Commands::pick(int x, int y) {
-    if (!m_.session->contains(x, y)) return;
-    m_.pick = pickPixel(*m_.session, x, y);
-    m_.pickIsOld = false;
-    if (m_.pick->hit()) m_.material = m_.pick->data.material;
-    follow(Hint::Pick);
-    out_ << pickCsv(*m_.pick) << std::flush;
-}
-
-void Commands::focusAt(int x, int y) {
-    if (!m_.session->contains(x, y)) return;
-    const PixelData data = m_.session->pixel(x, y);
-    const Camera& camera = m_.control.camera();
-    const bool hit = data.object != PixelData::kNoIndex;
-    if (!hit || camera.projection != Projection::Perspective || !m_.control.focusAt(data.position)) {
-        m_.say(hit ? "parallel rays have no focus" : "nothing there to focus on", ToastKind::Error);
-        return;
-    }
-    char text[96];
-    std::snprintf(text, sizeof(text), "focus distance %.6g%s", camera.focusDistance,
-                  camera.lensRadius > 0 ? "" : "; give the lens a radius to see it");
-    m_.say(text);
-    m_.history.endStep();
-    m_.touch();
-}
-
-// ---- text of scenes ----
-
-void Commands::copyJson() {
-    std::string json = cameraJson(m_.control.camera());
-    std::string what = "camera";
-    for (const auto& [name, value] : changedMembers(m_.settings, m_.fileSettings)) {
-        json += ",\n\"" + name + "\": " + value;
-        what += ", changed " + name;
-    }
-    out_ << json << std::endl;
-    window_.setClipboard(json);
-    m_.say("copied as scene JSON: " + what);
-}
-
-// Throws Error(Failed) if another program has changed the scene's file since it was read.
-void Commands::checkUnchanged(const std::string& text) const {
-    const uint64_t hash = contentHash(text);
-    const std::vector<SourceFile>& read = m_.file->sources;
-    if (std::none_of(read.begin(), read.end(), [&](const SourceFile& s) { return s.hash == hash; }))
-        throw Error(ErrorKind::Failed,
-                    m_.scene->path.string() +
-                        " has changed since it was read; nothing written. It is loaded again: "
-                        "look, and try once more");
-}
-
-void Commands::writeCameras() {
-    const std::filesystem::path& path = m_.scene->path;
-    try {
-        for (const NamedCamera& bookmark : m_.bookmarks)
-            if (bookmark.name.empty()) throw Error(ErrorKind::Argument, "give each bookmark a name");
-        const std::string text = readWholeFile(path);
-        checkUnchanged(text);
-        writeTextFile(path, withCameras(text, path.string(), m_.bookmarks));
-        const std::string line = "wrote " + counted(m_.bookmarks.size(), "camera") + " to " + path.string();
-        m_.bookmarks.clear();
-        report(line);
-        reload();
-    } catch (const Error& e) {
-        fail(e.what());
-    }
-}
-
-// Lights and materials into a copy of the scene's file, beside it unless the user gives another folder.
-void Commands::writeScene() {
-    const std::filesystem::path target = m_.scene->path.parent_path() / m_.sceneName;
-    try {
-        if (std::filesystem::exists(target) && !m_.replacesFile)
-            throw Error(ErrorKind::Argument,
-                        target.string() + " exists: choose another name, or \"replace the file\"");
-        const std::string text = readWholeFile(m_.scene->path);
-        checkUnchanged(text);
-        writeTextFile(target, editedSceneText(text, m_.settings, m_.fileSettings));
-        m_.saveSceneVisible = m_.replacesFile = false;
-        report("wrote lights and materials to " + target.string());
-    } catch (const std::exception& e) {
-        fail(e.what());
-    }
 }
 
 }  // namespace glint::view

@@ -119,6 +119,21 @@ Canvas fitted(Canvas canvas, const Canvas& like) {
     return target;
 }
 
+// Exposure and tone map of linear colors.
+class Developer {
+  public:
+    explicit Developer(const Display& display)
+        : gain_(static_cast<float>(std::exp2(display.exposure))), toneMap_(display.toneMap) {}
+    glm::vec3 operator()(float r, float g, float b) const {
+        const glm::vec3 color = gain_ * glm::vec3(r, g, b);
+        return toneMap_ == ToneMap::Linear ? color : glm::vec3(toneMapped(glm::dvec3(color), toneMap_));
+    }
+
+  private:
+    float gain_;
+    ToneMap toneMap_;
+};
+
 constexpr uint32_t kLine = packColor(255, 255, 255);
 
 }  // namespace
@@ -144,11 +159,11 @@ glm::dvec3 heatOf(double x) {
 
 void applyDisplay(Image& color, const Display& display) {
     if (display == Display{}) return;
-    const auto gain = static_cast<float>(std::exp2(display.exposure));
+    const Developer develop(display);
     for (size_t i = 0; i < color.pixels.size(); i += 4) {
-        const glm::vec3 c = gain * glm::vec3(color.pixels[i], color.pixels[i + 1], color.pixels[i + 2]);
-        const glm::dvec3 shown = toneMapped(glm::dvec3(c), display.toneMap);
-        for (int k = 0; k < 3; ++k) color.pixels[i + static_cast<size_t>(k)] = static_cast<float>(shown[k]);
+        float* const pixel = &color.pixels[i];
+        const glm::vec3 shown = develop(pixel[0], pixel[1], pixel[2]);
+        std::copy_n(&shown.x, 3, pixel);
     }
 }
 
@@ -195,39 +210,30 @@ LayerRange rangeOf(const Picture& picture, ViewLayer layer) {
 }
 
 Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range) {
+    if (!needsData(layer)) return canvasOf(picture.color, display);
     Canvas canvas(picture.region.width(), picture.region.height());
-    const size_t width = static_cast<size_t>(canvas.width);
-    if (needsData(layer) && picture.data.size() != canvas.pixels.size()) return canvas;
-    if (needsData(layer)) {
-        forRows(canvas.height, [&](int y) {
-            const PixelData* data = picture.data.data() + static_cast<size_t>(y) * width;
-            std::transform(data, data + width, canvas.row(y),
-                           [&](const PixelData& d) { return colorOf(d, layer, display, range); });
-        });
-        return canvas;
-    }
-    const auto gain = static_cast<float>(std::exp2(display.exposure));
+    if (picture.data.size() != canvas.pixels.size()) return canvas;
     forRows(canvas.height, [&](int y) {
-        const float* in = picture.color.pixels.data() + static_cast<size_t>(y) * width * 4;
-        uint32_t* out = canvas.row(y);
-        for (size_t x = 0; x < width; ++x, in += 4) {
-            glm::vec3 c = gain * glm::vec3(in[0], in[1], in[2]);
-            if (display.toneMap != ToneMap::Linear) c = glm::vec3(toneMapped(glm::dvec3(c), display.toneMap));
-            out[x] = packColor(srgbByte(c.x), srgbByte(c.y), srgbByte(c.z));
-        }
+        const auto data = picture.data.begin() + static_cast<long>(y) * canvas.width;
+        std::transform(data, data + canvas.width, canvas.row(y),
+                       [&](const PixelData& d) { return colorOf(d, layer, display, range); });
     });
     return canvas;
 }
 
 Canvas canvasOf(const Image& image, const Display& display) {
-    Picture picture;
-    picture.region = {0, 0, image.width, image.height};
-    picture.color = Image(image.width, image.height, 4, 1.0f);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x)
-            for (int c = 0; c < 3; ++c)
-                picture.color.at(x, y, c) = image.at(x, y, std::min(c, image.channels - 1));
-    return colorize(picture, ViewLayer::Color, display, {});
+    const Developer develop(display);
+    Canvas canvas(image.width, image.height);
+    const int green = std::min(1, image.channels - 1), blue = std::min(2, image.channels - 1);
+    forRows(image.height, [&](int y) {
+        const float* in = image.pixels.data() + static_cast<long>(y) * image.width * image.channels;
+        uint32_t* const out = canvas.row(y);
+        for (int x = 0; x < image.width; ++x, in += image.channels) {
+            const glm::vec3 c = develop(in[0], in[green], in[blue]);
+            out[x] = packColor(srgbByte(c.x), srgbByte(c.y), srgbByte(c.z));
+        }
+    });
+    return canvas;
 }
 
 void measure(Comparison& comparison, const Image* a) {

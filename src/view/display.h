@@ -121,7 +121,7 @@ inline bool hasLegend(ViewLayer layer, const Display& display) {
 // With the default display, Color gives the bytes of a PNG of the image.
 Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range);
 
-// The canvas of an image with 3 or 4 linear channels.
+// The canvas of an image with 1, 3 or 4 linear channels.
 Canvas canvasOf(const Image& image, const Display& display);
 
 enum class CompareMode { Off, Wipe, Difference, Flicker };

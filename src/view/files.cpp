@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/format.h"
 #include "core/text_file.h"
 
 namespace glint::view {
@@ -23,9 +24,9 @@ fs::path folderIn(const char* variable) {
     return folder.is_absolute() ? folder : fs::path();
 }
 
-bool isThere(const fs::path& file) {
+bool isThere(const std::string& file) {
     std::error_code error;
-    return file.is_absolute() && fs::is_regular_file(file, error);
+    return fs::path(file).is_absolute() && fs::is_regular_file(file, error);
 }
 
 bool endsIn(const fs::path& file, std::initializer_list<const char*> extensions) {
@@ -43,10 +44,9 @@ std::vector<fs::path> sceneFiles(const fs::path& scene, const Scene& read) {
 
 // Zeros for a file that is not there.
 FileWatch::Stamp FileWatch::stampOf(const fs::path& file) {
-    std::error_code error;
-    const fs::file_time_type time = fs::last_write_time(file, error);
-    const std::uintmax_t size = error ? 0 : fs::file_size(file, error);
-    return error ? Stamp{} : Stamp{time, size};
+    std::error_code gone;
+    const Stamp stamp{fs::last_write_time(file, gone), fs::file_size(file, gone)};
+    return gone ? Stamp{} : stamp;
 }
 
 void FileWatch::watch(const std::vector<fs::path>& files) {
@@ -90,9 +90,7 @@ std::vector<std::string> listFiles(const fs::path& folder) {
 
 fs::path claimName(const fs::path& folder, const std::string& stem, const std::string& extension) {
     for (int i = 1; i < 10000; ++i) {
-        char number[24];
-        std::snprintf(number, sizeof(number), "-view-%03d", i);
-        const fs::path candidate = folder / (stem + number + extension);
+        const fs::path candidate = folder / (stem + format("-view-%03d", i) + extension);
         // "x": fails if the file exists, without a race.
         if (std::FILE* file = std::fopen(candidate.c_str(), "wx")) {
             std::fclose(file);
@@ -104,79 +102,63 @@ fs::path claimName(const fs::path& folder, const std::string& stem, const std::s
 }
 
 fs::path stateFile(const std::string& name) {
-    const fs::path state = folderIn("XDG_STATE_HOME");
-    if (!state.empty()) return state / "glint" / name;
-    const fs::path home = folderIn("HOME");
-    return home.empty() ? home : home / ".local" / "state" / "glint" / name;
+    fs::path state = folderIn("XDG_STATE_HOME");
+    if (const fs::path home = folderIn("HOME"); state.empty() && !home.empty()) state = home / ".local/state";
+    return state.empty() ? state : state / "glint" / name;
 }
 
-void writeState(const fs::path& file, const std::string& text) {
-    if (file.empty()) return;
+Remembered::Remembered(fs::path file, bool (*keeps)(const std::string&))
+    : file_(std::move(file)), keeps_(keeps) {
+    read();
+}
+
+void Remembered::read() {
+    std::ifstream in(file_);
+    std::vector<std::string> found;
+    for (std::string line; found.size() < kMost && std::getline(in, line);)
+        if (keeps_(line) && std::find(found.begin(), found.end(), line) == found.end()) found.push_back(line);
+    if (!found.empty()) lines_ = std::move(found);
+}
+
+void Remembered::add(const std::string& line) {
+    read();
+    std::erase_if(lines_, [&](const std::string& other) { return other == line || !keeps_(other); });
+    lines_.insert(lines_.begin(), line);
+    if (lines_.size() > kMost) lines_.resize(kMost);
+    if (file_.empty()) return;
     std::error_code error;
-    if (!fs::exists(file.parent_path(), error)) {  // for the owner alone, as the specification asks
-        fs::create_directories(file.parent_path(), error);
-        fs::permissions(file.parent_path(), fs::perms::owner_all, error);
+    if (!fs::exists(file_.parent_path(), error)) {  // for the owner alone, as the specification asks
+        fs::create_directories(file_.parent_path(), error);
+        fs::permissions(file_.parent_path(), fs::perms::owner_all, error);
     }
+    std::string text;
+    for (const std::string& each : lines_) text += each + '\n';
     try {
-        writeTextFile(file, text);
+        writeTextFile(file_, text);
     } catch (const Error&) {
         return;
     }
 }
 
-RecentFiles::RecentFiles(fs::path file) : file_(std::move(file)) {
-    read();
-}
-
-void RecentFiles::read() {
-    std::ifstream lines(file_);
-    std::vector<fs::path> found;
-    for (std::string line; found.size() < kMost && std::getline(lines, line);)
-        if (isThere(line) && std::find(found.begin(), found.end(), line) == found.end())
-            found.push_back(line);
-    if (!found.empty()) list_ = std::move(found);
-}
+RecentFiles::RecentFiles(const fs::path& file) : files_(file, isThere) {}
 
 void RecentFiles::add(const fs::path& scene) {
     std::error_code error;
-    const fs::path path = fs::absolute(scene, error).lexically_normal();
-    if (error || path.string().find('\n') != std::string::npos) return;
-    read();
-    std::erase_if(list_, [&](const fs::path& other) { return other == path || !isThere(other); });
-    list_.insert(list_.begin(), path);
-    if (list_.size() > kMost) list_.resize(kMost);
-    std::string text;
-    for (const fs::path& line : list_) text += line.string() + '\n';
-    writeState(file_, text);
+    const std::string path = fs::absolute(scene, error).lexically_normal().string();
+    if (!error && path.find('\n') == std::string::npos) files_.add(path);
 }
 
-Hints::Hints(std::filesystem::path file) : file_(std::move(file)) {
-    std::ifstream words(file_);
-    for (std::string word; words >> word;)
-        if (const auto hint = named<Hint>(word)) done_[static_cast<size_t>(*hint)] = true;
-}
-
-bool Hints::any() const {
-    return std::find(done_.begin(), done_.end(), false) != done_.end();
-}
+Hints::Hints(const fs::path& file)
+    : done_(file, [](const std::string& line) { return named<Hint>(line).has_value(); }) {}
 
 bool Hints::done(Hint hint) {
     if (!wanted(hint)) return false;
-    done_[static_cast<size_t>(hint)] = true;
-    remember();
+    done_.add(std::string(nameOf(hint)));
     return !any();
 }
 
 void Hints::close() {
-    done_.fill(true);
-    remember();
-}
-
-void Hints::remember() const {
-    std::string text;
-    for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
-        if (!wanted(entry.value)) text += std::string(entry.name) + '\n';
-    writeState(file_, text);
+    for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>) done(entry.value);
 }
 
 }  // namespace glint::view

@@ -2,10 +2,11 @@
 // remembered files are ignored: a window must open in a home that is full or read-only.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -53,18 +54,18 @@ std::filesystem::path claimName(const std::filesystem::path& folder, const std::
 // folder in $XDG_STATE_HOME, or else in ~/.local/state. Empty if neither is an absolute path.
 std::filesystem::path stateFile(const std::string& name);
 
-// Makes the file, and its folder, if that is possible; an empty name is none.
-void writeState(const std::filesystem::path& file, const std::string& text);
-
-class RecentFiles {
+// Lines of a remembered file, the latest first, each once.
+class Remembered {
   public:
-    // `file` holds the list, a path a line; empty: nothing is remembered.
-    explicit RecentFiles(std::filesystem::path file = {});
+    // Leaves out lines that `keeps` does not keep. Without a file name nothing is remembered.
+    Remembered(std::filesystem::path file, bool (*keeps)(const std::string& line));
 
-    // Absolute paths, the latest first, each once; files that are gone are left out.
-    const std::vector<std::filesystem::path>& list() const { return list_; }
-    // Puts it first and writes the list, with what other windows have added meanwhile.
-    void add(const std::filesystem::path& scene);
+    const std::vector<std::string>& lines() const { return lines_; }
+    bool has(std::string_view line) const {
+        return std::find(lines_.begin(), lines_.end(), line) != lines_.end();
+    }
+    // Puts it first and writes the file, with what other windows have added meanwhile.
+    void add(const std::string& line);
 
     static constexpr size_t kMost = 12;
 
@@ -72,7 +73,19 @@ class RecentFiles {
     void read();
 
     std::filesystem::path file_;
-    std::vector<std::filesystem::path> list_;
+    bool (*keeps_)(const std::string& line);
+    std::vector<std::string> lines_;
+};
+
+// Absolute paths of scenes; those of files that are gone are left out.
+class RecentFiles {
+  public:
+    explicit RecentFiles(const std::filesystem::path& file = {});
+    const std::vector<std::string>& list() const { return files_.lines(); }
+    void add(const std::filesystem::path& scene);
+
+  private:
+    Remembered files_;
 };
 
 // The first steps of a new user.
@@ -85,23 +98,19 @@ constexpr auto entriesOf(Hint) {
          {Hint::Compare, "compare", "K: keep the image. Change something, then B: compare."}});
 }
 
+// The steps that were taken, also in earlier windows.
 class Hints {
   public:
-    // `file` holds the steps taken, also in earlier windows; empty: nothing is remembered.
-    explicit Hints(std::filesystem::path file = {});
-
-    bool wanted(Hint hint) const { return !done_[static_cast<size_t>(hint)]; }
-    bool any() const;
+    explicit Hints(const std::filesystem::path& file = {});
+    bool wanted(Hint hint) const { return !done_.has(nameOf(hint)); }
+    bool any() const { return done_.lines().size() < kEnumNames<Hint>.size(); }
     // True if that was the last of them.
     bool done(Hint hint);
-    // None is wanted any more.
+    // No hint is wanted any more.
     void close();
 
   private:
-    void remember() const;
-
-    std::filesystem::path file_;
-    std::array<bool, kEnumNames<Hint>.size()> done_{};
+    Remembered done_;
 };
 
 }  // namespace glint::view

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <utility>
 
 namespace glint::view {
@@ -46,73 +47,56 @@ int firstCentre(float x) {
     return static_cast<int>(std::ceil(x - 0.5f));
 }
 
-bool isRectangle(const ImDrawVert& a, const ImDrawVert& b, const ImDrawVert& c, const ImDrawVert& d) {
-    return a.pos.y == b.pos.y && b.pos.x == c.pos.x && c.pos.y == d.pos.y && d.pos.x == a.pos.x &&
-           a.pos.x <= c.pos.x && a.pos.y <= c.pos.y && a.col == b.col && a.col == c.col && a.col == d.col;
+// The x of the edge from a, above, to b in the row at y. Both triangles of an edge get the same x, so that
+// their spans meet without gap or overlap.
+float crossing(const ImDrawVert& a, const ImDrawVert& b, float y) {
+    return a.pos.x + (b.pos.x - a.pos.x) * ((y - a.pos.y) / (b.pos.y - a.pos.y));
 }
 
-// Axis-parallel, of one colour: boxes and glyphs, nearly all that a panel consists of.
-void drawRectangle(Canvas& target, const Clip& clip, const Font& font, const ImDrawVert& a,
-                   const ImDrawVert& c) {
-    const int x0 = std::max(firstCentre(a.pos.x), clip.x0), x1 = std::min(firstCentre(c.pos.x), clip.x1);
-    const int y0 = std::max(firstCentre(a.pos.y), clip.y0), y1 = std::min(firstCentre(c.pos.y), clip.y1);
-    const float width = std::max(c.pos.x - a.pos.x, 1e-6f), height = std::max(c.pos.y - a.pos.y, 1e-6f);
-    const bool plain = a.uv.x == c.uv.x && a.uv.y == c.uv.y;
-    const uint32_t constant = font.coverage(a.uv.x, a.uv.y);
-    for (int y = y0; y < y1; ++y) {
-        uint32_t* row = target.row(y);
-        const float v = a.uv.y + (c.uv.y - a.uv.y) * ((static_cast<float>(y) + 0.5f - a.pos.y) / height);
-        for (int x = x0; x < x1; ++x) {
-            const float u = a.uv.x + (c.uv.x - a.uv.x) * ((static_cast<float>(x) + 0.5f - a.pos.x) / width);
-            row[x] = blend(row[x], a.col, plain ? constant : font.coverage(u, v));
-        }
-    }
+glm::vec4 channelsOf(uint32_t color) {
+    return {color & 255u, color >> 8 & 255u, color >> 16 & 255u, color >> 24};
 }
 
-float edge(const ImVec2& a, const ImVec2& b, const ImVec2& p) {
-    return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+uint32_t packed(const glm::vec4& channels) {
+    const glm::uvec4 bytes(glm::clamp(channels, 0.0f, 255.0f) + 0.5f);
+    return bytes.x | bytes.y << 8 | bytes.z << 16 | bytes.w << 24;
 }
 
-// Exactly one of two triangles owns the pixels on a common edge; otherwise they would be blended twice.
-bool ownsEdge(const ImVec2& a, const ImVec2& b) {
-    return a.y > b.y || (a.y == b.y && a.x < b.x);
-}
-
-uint32_t mixColors(const std::array<uint32_t, 3>& colors, const std::array<float, 3>& weights) {
-    uint32_t result = 0;
-    for (int shift = 0; shift < 32; shift += 8) {
-        float sum = 0.5f;
-        for (size_t i = 0; i < 3; ++i) sum += weights[i] * static_cast<float>(colors[i] >> shift & 255u);
-        result |= static_cast<uint32_t>(std::clamp(sum, 0.0f, 255.0f)) << shift;
-    }
-    return result;
-}
-
-void drawTriangle(Canvas& target, const Clip& clip, const Font& font, const ImDrawVert& a, ImDrawVert b,
-                  ImDrawVert c) {
-    float area = edge(a.pos, b.pos, c.pos);
+// Row by row from edge to edge; color and place in the font are linear between the corners.
+void drawTriangle(Canvas& target, const Clip& clip, const Font& font, std::array<ImDrawVert, 3> v) {
+    std::sort(v.begin(), v.end(), [](const auto& a, const auto& b) { return a.pos.y < b.pos.y; });
+    const glm::vec2 b(v[1].pos.x - v[0].pos.x, v[1].pos.y - v[0].pos.y);
+    const glm::vec2 c(v[2].pos.x - v[0].pos.x, v[2].pos.y - v[0].pos.y);
+    const float area = b.x * c.y - b.y * c.x;  // twice
     if (area == 0) return;
-    if (area < 0) {
-        std::swap(b, c);
-        area = -area;
-    }
-    const auto [left, right] = std::minmax({a.pos.x, b.pos.x, c.pos.x});
-    const auto [top, bottom] = std::minmax({a.pos.y, b.pos.y, c.pos.y});
-    const int x0 = std::max(firstCentre(left), clip.x0), x1 = std::min(firstCentre(right) + 1, clip.x1);
-    const int y0 = std::max(firstCentre(top), clip.y0), y1 = std::min(firstCentre(bottom) + 1, clip.y1);
-    const std::array<bool, 3> owns = {ownsEdge(b.pos, c.pos), ownsEdge(c.pos, a.pos), ownsEdge(a.pos, b.pos)};
-    for (int y = y0; y < y1; ++y) {
-        uint32_t* row = target.row(y);
-        for (int x = x0; x < x1; ++x) {
-            const ImVec2 p(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-            std::array<float, 3> w = {edge(b.pos, c.pos, p), edge(c.pos, a.pos, p), edge(a.pos, b.pos, p)};
-            bool inside = true;
-            for (size_t i = 0; i < 3; ++i) inside = inside && (w[i] > 0 || (w[i] == 0 && owns[i]));
-            if (!inside) continue;
-            for (float& weight : w) weight /= area;
-            const float u = w[0] * a.uv.x + w[1] * b.uv.x + w[2] * c.uv.x;
-            const float v = w[0] * a.uv.y + w[1] * b.uv.y + w[2] * c.uv.y;
-            row[x] = blend(row[x], mixColors({a.col, b.col, c.col}, w), font.coverage(u, v));
+    const glm::vec2 bScaled = b / area, cScaled = c / area;
+    const bool oneColor = v[0].col == v[1].col && v[0].col == v[2].col;
+    const auto samePlace = [](const ImVec2& p, const ImVec2& q) { return p.x == q.x && p.y == q.y; };
+    const bool oneTexel = samePlace(v[0].uv, v[1].uv) && samePlace(v[0].uv, v[2].uv);
+    const uint32_t coverage = font.coverage(v[0].uv.x, v[0].uv.y);
+    const glm::vec4 colors[] = {channelsOf(v[0].col), channelsOf(v[1].col), channelsOf(v[2].col)};
+    const int end = std::min(firstCentre(v[2].pos.y), clip.y1);
+    for (int row = std::max(firstCentre(v[0].pos.y), clip.y0); row < end; ++row) {
+        const float y = static_cast<float>(row) + 0.5f;
+        const auto [left, right] = std::minmax(
+            {crossing(v[0], v[2], y), y < v[1].pos.y ? crossing(v[0], v[1], y) : crossing(v[1], v[2], y)});
+        const int x1 = std::min(firstCentre(right), clip.x1);
+        uint32_t* const out = target.row(row);
+        for (int x = std::max(firstCentre(left), clip.x0); x < x1; ++x) {
+            if (oneColor && oneTexel) {  // nearly all of a panel's area
+                out[x] = blend(out[x], v[0].col, coverage);
+                continue;
+            }
+            const glm::vec2 place(static_cast<float>(x) + 0.5f - v[0].pos.x, y - v[0].pos.y);
+            const float wb = place.x * cScaled.y - place.y * cScaled.x;
+            const float wc = place.y * bScaled.x - place.x * bScaled.y;
+            const auto mixed = [&](const auto& v0, const auto& v1, const auto& v2) {
+                return v0 + wb * (v1 - v0) + wc * (v2 - v0);
+            };
+            const float s = mixed(v[0].uv.x, v[1].uv.x, v[2].uv.x);
+            const float t = mixed(v[0].uv.y, v[1].uv.y, v[2].uv.y);
+            const uint32_t color = oneColor ? v[0].col : packed(mixed(colors[0], colors[1], colors[2]));
+            out[x] = blend(out[x], color, font.coverage(s, t));
         }
     }
 }
@@ -126,42 +110,26 @@ void drawCommand(Canvas& target, const ImDrawCmd& command, const ImDrawList& lis
     const auto vertex = [&](unsigned i) -> const ImDrawVert& {
         return list.VtxBuffer[static_cast<int>(index[i] + command.VtxOffset)];
     };
-    for (unsigned i = 0; i + 2 < command.ElemCount; i += 3) {
-        const bool pair =
-            i + 5 < command.ElemCount && index[i] == index[i + 3] && index[i + 2] == index[i + 4];
-        if (pair && isRectangle(vertex(i), vertex(i + 1), vertex(i + 2), vertex(i + 5))) {
-            drawRectangle(target, clip, font, vertex(i), vertex(i + 2));
-            i += 3;
-        } else {
-            drawTriangle(target, clip, font, vertex(i), vertex(i + 1), vertex(i + 2));
-        }
-    }
+    for (unsigned i = 0; i + 2 < command.ElemCount; i += 3)
+        drawTriangle(target, clip, font, {vertex(i), vertex(i + 1), vertex(i + 2)});
 }
 
-#if IMGUI_VERSION_NUM >= 18700
-constexpr ImGuiKey kKeypadEnterKey = ImGuiKey_KeypadEnter;
-#else
-constexpr ImGuiKey_ kKeypadEnterKey = ImGuiKey_KeyPadEnter;
-#endif
-
-void mapKeys(ImGuiIO& io) {
-    io.KeyMap[ImGuiKey_Tab] = GLFW_KEY_TAB;
-    io.KeyMap[ImGuiKey_LeftArrow] = GLFW_KEY_LEFT;
-    io.KeyMap[ImGuiKey_RightArrow] = GLFW_KEY_RIGHT;
-    io.KeyMap[ImGuiKey_UpArrow] = GLFW_KEY_UP;
-    io.KeyMap[ImGuiKey_DownArrow] = GLFW_KEY_DOWN;
-    io.KeyMap[ImGuiKey_Home] = GLFW_KEY_HOME;
-    io.KeyMap[ImGuiKey_End] = GLFW_KEY_END;
-    io.KeyMap[ImGuiKey_Delete] = GLFW_KEY_DELETE;
-    io.KeyMap[ImGuiKey_Backspace] = GLFW_KEY_BACKSPACE;
-    io.KeyMap[ImGuiKey_Enter] = GLFW_KEY_ENTER;
-    io.KeyMap[kKeypadEnterKey] = GLFW_KEY_KP_ENTER;
-    io.KeyMap[ImGuiKey_Escape] = GLFW_KEY_ESCAPE;
-    io.KeyMap[ImGuiKey_A] = 'A';
-    io.KeyMap[ImGuiKey_C] = 'C';
-    io.KeyMap[ImGuiKey_V] = 'V';
-    io.KeyMap[ImGuiKey_X] = 'X';
-}
+// Keys of ImGui's text fields: its own numbers and GLFW's.
+constexpr std::pair<int, int> kKeys[] = {{ImGuiKey_Tab, GLFW_KEY_TAB},
+                                         {ImGuiKey_LeftArrow, GLFW_KEY_LEFT},
+                                         {ImGuiKey_RightArrow, GLFW_KEY_RIGHT},
+                                         {ImGuiKey_UpArrow, GLFW_KEY_UP},
+                                         {ImGuiKey_DownArrow, GLFW_KEY_DOWN},
+                                         {ImGuiKey_Home, GLFW_KEY_HOME},
+                                         {ImGuiKey_End, GLFW_KEY_END},
+                                         {ImGuiKey_Delete, GLFW_KEY_DELETE},
+                                         {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
+                                         {ImGuiKey_Enter, GLFW_KEY_ENTER},
+                                         {ImGuiKey_Escape, GLFW_KEY_ESCAPE},
+                                         {ImGuiKey_A, 'A'},
+                                         {ImGuiKey_C, 'C'},
+                                         {ImGuiKey_V, 'V'},
+                                         {ImGuiKey_X, 'X'}};
 
 // The first font that is there, where Debian has it; null: Dear ImGui's own font, which is made of pixels.
 const char* findFont() {
@@ -178,20 +146,18 @@ const char* findFont() {
 
 }  // namespace
 
-Gui::Gui(float scale, Window& window) : window_(window) {
+Gui::Gui(float scale, const Window& window) {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;  // no file appears where the program runs
     io.BackendPlatformName = "glint";
-    mapKeys(io);
-    io.ClipboardUserData = this;
-    io.GetClipboardTextFn = [](void* self) {
-        auto* gui = static_cast<Gui*>(self);
-        gui->pasted_ = gui->window_.clipboard();
-        return gui->pasted_.c_str();
+    for (const auto& [key, code] : kKeys) io.KeyMap[key] = code;
+    io.ClipboardUserData = window.handle();
+    io.GetClipboardTextFn = [](void* handle) {
+        return glfwGetClipboardString(static_cast<GLFWwindow*>(handle));
     };
-    io.SetClipboardTextFn = [](void* self, const char* text) {
-        static_cast<Gui*>(self)->window_.setClipboard(text);
+    io.SetClipboardTextFn = [](void* handle, const char* text) {
+        glfwSetClipboardString(static_cast<GLFWwindow*>(handle), text);
     };
     ImFontConfig font;
     font.OversampleH = font.OversampleV = 1;  // glyphs are drawn texel for pixel
@@ -215,6 +181,7 @@ Gui::Gui(float scale, Window& window) : window_(window) {
     style.FrameBorderSize = 1;
     style.Colors[ImGuiCol_Border] = ImVec4(0.45f, 0.5f, 0.6f, 0.6f);
     style.Colors[ImGuiCol_SliderGrab].w = 0.6f;
+    style.ColorButtonPosition = ImGuiDir_Left;
     style.WindowRounding = style.FrameRounding = style.GrabRounding = 0;
     style.AntiAliasedLinesUseTex = false;
 }
@@ -239,7 +206,9 @@ void Gui::feed(const Event& event) {
             io.AddInputCharacter(static_cast<unsigned>(event.code));
             break;
         case Event::Type::Key: {
-            if (event.code <= GLFW_KEY_LAST) io.KeysDown[event.code] = event.down;
+            // Both keys are Enter to ImGui.
+            const int code = event.code == GLFW_KEY_KP_ENTER ? GLFW_KEY_ENTER : event.code;
+            if (code <= GLFW_KEY_LAST) io.KeysDown[code] = event.down;
             // Under X11 the event of a modifier's own press does not have it among its modifiers yet.
             const auto held = [&](int left, int right) { return io.KeysDown[left] || io.KeysDown[right]; };
             io.KeyCtrl = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
@@ -252,23 +221,13 @@ void Gui::feed(const Event& event) {
     }
 }
 
-std::vector<Gui::Rectangle> Gui::windows(bool inert) const {
+bool Gui::covers(double x, double y, bool inert) const {
+    const ImVec2 at(static_cast<float>(x), static_cast<float>(y));
     const ImGuiWindowFlags skipped = ImGuiWindowFlags_ChildWindow | ImGuiWindowFlags_Tooltip |
                                      (inert ? 0 : ImGuiWindowFlags_NoMouseInputs);
-    std::vector<Rectangle> result;
-    for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows) {
-        const ImRect r = window->Rect();
-        if (window->Active && (window->Flags & skipped) == 0)
-            result.push_back({r.Min.x, r.Min.y, r.Max.x, r.Max.y});
-    }
-    return result;
-}
-
-bool Gui::covers(double x, double y) const {
-    const auto at = ImVec2(static_cast<float>(x), static_cast<float>(y));
-    const std::vector<Rectangle> all = windows(false);
-    return anyPopup_ || std::any_of(all.begin(), all.end(), [&](const Rectangle& r) {
-               return at.x >= r.x0 && at.x < r.x1 && at.y >= r.y0 && at.y < r.y1;
+    const auto& windows = ImGui::GetCurrentContext()->Windows;
+    return anyPopup_ || std::any_of(windows.begin(), windows.end(), [&](const ImGuiWindow* window) {
+               return window->Active && (window->Flags & skipped) == 0 && window->Rect().Contains(at);
            });
 }
 
@@ -277,10 +236,9 @@ bool Gui::wantsKeys() const {
     return ImGui::GetIO().WantTextInput || ImGui::IsAnyItemActive();
 }
 
-std::optional<Gui::Place> Gui::controlAt(const std::string& label) const {
+std::optional<glm::dvec2> Gui::controlAt(const std::string& label) const {
     const auto found = controls_.find(label);
-    if (found == controls_.end()) return std::nullopt;
-    return found->second;
+    return found == controls_.end() ? std::nullopt : std::optional(found->second);
 }
 
 void Gui::begin(int width, int height, double seconds) {
@@ -296,11 +254,9 @@ bool Gui::closePopups() {
     return anyPopup_;
 }
 
-void Gui::noteControl(const char* label) {
+void Gui::noteControl(const std::string& label, float part) {
     const ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
-    // A slider's rectangle has its label behind it; its left part is always the control.
-    nextControls_[label] = {static_cast<double>(lo.x + 0.25f * (hi.x - lo.x)),
-                            static_cast<double>(0.5f * (lo.y + hi.y))};
+    nextControls_[label] = {lo.x + part * (hi.x - lo.x), 0.5f * (lo.y + hi.y)};
 }
 
 void Gui::end(Canvas& target) {

@@ -1,13 +1,14 @@
 #include "view/model.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 #include <utility>
 
-#include "core/text_file.h"
-#include "trace/ray_batch.h"
+#include "core/format.h"
+#include "gpu/device.h"
+#include "view/window.h"
 
 namespace glint::view {
 
@@ -15,10 +16,9 @@ namespace {
 
 std::string shadowText(const std::vector<uint8_t>& occluded) {
     std::string text;
-    for (size_t i = 0; i < occluded.size(); ++i) {
-        if (occluded[i] != 0) text += (text.empty() ? "" : " ") + std::to_string(i);
-    }
-    return text.empty() ? "" : ", in shadow of light " + text;
+    for (size_t i = 0; i < occluded.size(); ++i)
+        if (occluded[i] != 0) text += ' ' + std::to_string(i);
+    return text.empty() ? "" : ", in shadow of light" + text;
 }
 
 const char* nameOfRay(reference::RayClass kind) {
@@ -29,26 +29,21 @@ const char* nameOfRay(reference::RayClass kind) {
 std::string rayText(const Scene& scene, const reference::Bounce& bounce) {
     const std::string ray = nameOfRay(bounce.kind);
     if (!bounce.hit || !bounce.surface) return ray + ": nothing (background)";
-    char numbers[96];
-    std::snprintf(numbers, sizeof(numbers), " face %u, t = %.6g", bounce.surface->primitive, bounce.hit->t);
-    return ray + ": " + objectName(scene, bounce.surface->object) + numbers + ", " +
+    return ray + ": " + objectName(scene, bounce.surface->object) +
+           format(" face %u, t = %.6g, ", bounce.surface->primitive, bounce.hit->t) +
            materialName(scene, bounce.surface->material) + shadowText(bounce.occluded);
 }
 
 std::vector<PickRay> raysOf(const ViewScene& scene, const reference::PixelRecord& record) {
     const double whole = luminance(record.color);
-    const double far = 2 * boundsOf(scene).radius;  // how long a ray is drawn that hits nothing
+    const double far = 2 * boundsOf(scene).radius;  // drawn length of a ray that hits nothing
     std::vector<PickRay> rays;
     for (const reference::Bounce& bounce : record.path) {
-        PickRay ray;
-        ray.kind = bounce.kind;
-        ray.depth = bounce.depth;
-        ray.from = scene.packed.origin + bounce.ray.origin;
-        ray.to = bounce.hit ? scene.packed.origin + bounce.surface->position
-                            : ray.from + far * glm::normalize(bounce.ray.direction);
-        ray.share = whole > 0 ? luminance(bounce.light) / whole : 0;
-        ray.text = rayText(scene.scene, bounce);
-        rays.push_back(ray);
+        const glm::dvec3 from = scene.packed.origin + bounce.ray.origin;
+        const glm::dvec3 to = bounce.hit ? scene.packed.origin + bounce.surface->position
+                                         : from + far * glm::normalize(bounce.ray.direction);
+        rays.push_back({bounce.kind, bounce.depth, from, to, whole > 0 ? luminance(bounce.light) / whole : 0,
+                        rayText(scene.scene, bounce)});
     }
     return rays;
 }
@@ -57,14 +52,10 @@ std::vector<PickRay> raysOf(const ViewScene& scene, const reference::PixelRecord
 
 Pick pickPixel(Session& session, int x, int y) {
     Pick pick{x, y, session.pixel(x, y), {}};
-    const reference::Tracer tracer(session.scene().packed, session.tracing());
+    const reference::Tracer tracer(session.scene()->packed, session.tracing());
     const reference::Ray ray = tracer.cameraRay(session.packedCamera(), x + 0.5, y + 0.5);
-    pick.rays = raysOf(session.scene(), tracer.trace(ray, {}, true));
+    pick.rays = raysOf(*session.scene(), tracer.trace(ray, {}, true));
     return pick;
-}
-
-std::string pickCsv(const Pick& pick) {
-    return kHitCsvHeading + hitCsv(hitOf(pick.data), kDeviceDigits);
 }
 
 // A camera ray of film point (x, y) starts at eye + x ox + y oy and goes along center + x sx + y sy
@@ -88,8 +79,8 @@ std::optional<Segment> projected(const shared::Camera& camera, const glm::dvec3&
     }
     const glm::dvec2 middle(camera.halfWidth, camera.halfHeight);
     const Segment segment = {middle + glm::dvec2(a), middle + glm::dvec2(b)};
-    const bool finite = std::isfinite(segment.from.x) && std::isfinite(segment.from.y) &&
-                        std::isfinite(segment.to.x) && std::isfinite(segment.to.y);
+    // One coordinate that is not finite makes the sum not finite.
+    const bool finite = std::isfinite(segment.from.x + segment.from.y + segment.to.x + segment.to.y);
     return finite ? std::optional(segment) : std::nullopt;
 }
 
@@ -103,8 +94,43 @@ bool Toasts::expire(double now) {
     return std::erase_if(toasts_, [&](const Toast& t) { return t.until <= now; }) > 0;
 }
 
-Model::Model(const Options& start)
-    : path(start.scene),
+// ---- jobs ----
+
+void Job::start(std::function<Rest(JobControl&)> work) {
+    stop();
+    control_ = std::make_unique<JobControl>();
+    future_ = std::async(std::launch::async, [work = std::move(work), control = control_.get()] {
+        Rest rest = work(*control);
+        Window::wake();
+        return rest;
+    });
+}
+
+bool Job::finish() {
+    if (!running() || future_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+    try {
+        future_.get()();
+    } catch (const gpu::DeviceLost&) {
+        throw;
+    } catch (const std::exception& e) {
+        failed(e.what());
+    }
+    return true;
+}
+
+void Job::stop() {
+    if (!running()) return;
+    control_->cancelled = true;
+    future_.wait();
+    future_ = {};
+}
+
+// ---- the model ----
+
+Model::Model(const Options& start, std::ostream& output, std::ostream& errors)
+    : out(output),
+      err(errors),
+      path(start.scene),
       options(start.loading),
       moments(std::make_shared<Moments>(path, options, start.time)),
       scene(moments->show().scene),
@@ -123,11 +149,29 @@ Model::Model(const Options& start)
     openFolder = std::filesystem::absolute(path).parent_path();
     recent.add(path);
     history.reset(undoable());
+    editsAtWork = settings.edits;
+    timeAtWork = time;
+    files.watch(sceneFiles(path, *file));
 }
 
 void Model::say(const std::string& text, ToastKind kind) {
     toasts.add(text, kind, clock.seconds());
     dirty = 3;
+}
+
+void Model::fail(const std::string& what) {
+    lastError = what;
+    say(what, ToastKind::Error);
+    err << "glint: " << what << '\n';
+}
+
+void Model::report(const std::string& line) {
+    say(line);
+    out << line << std::endl;
+}
+
+void Model::follow(Hint hint) {
+    if (hints.done(hint)) say("That is all it takes. F1 lists every key.");
 }
 
 std::vector<const NamedCamera*> Model::cameras() const {
@@ -159,15 +203,11 @@ void Model::keepCamera() {
 }
 
 const Image* Model::comparable() const {
-    const bool there = session->samples() > 0 && session->width() > 0;
+    const bool there = session->ready() && session->width() > 0;
     return there ? &session->picture().color : nullptr;
 }
 
-bool Model::hasJsonFile() const {
-    return lowerExtension(scene->path) == ".json";
-}
-
-void Model::sayWarnings(std::ostream& err) {
+void Model::sayWarnings() {
     warnings = file->warnings;
     warnings.insert(warnings.end(), scene->packed.warnings.begin(), scene->packed.warnings.end());
     for (const std::string& w : warnings)

@@ -1,26 +1,31 @@
 // The state of the window: scene, edits, image, messages, controls. Commands (commands.h) change it.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <atomic>
 #include <deque>
 #include <filesystem>
+#include <functional>
+#include <future>
 #include <glm/glm.hpp>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/device_layout.h"
 #include "core/stopwatch.h"
-#include "gpu/device.h"
+#include "core/text_file.h"
 #include "reference/tracer.h"
 #include "trace/picture.h"
 #include "view/camera_control.h"
 #include "view/display.h"
 #include "view/files.h"
-#include "view/jobs.h"
 #include "view/session.h"
 #include "view/settings.h"
-#include "view/timeline.h"
 #include "view/view.h"
 #include "view/view_scene.h"
 
@@ -46,9 +51,6 @@ struct Pick {
 };
 
 Pick pickPixel(Session& session, int x, int y);
-
-// The two lines that `glint trace --pixel` prints.
-std::string pickCsv(const Pick& pick);
 
 struct Segment {
     glm::dvec2 from{0}, to{0};  // pixels, from the picture's top left corner
@@ -84,14 +86,55 @@ class Toasts {
     std::deque<Toast> toasts_;
 };
 
-class Commands;
+// ---- work beside the window, a thread for each job ----
+
+struct JobControl {
+    std::atomic<double> progress{0};
+    std::atomic<bool> cancelled{false};
+};
+
+// At most one run at a time. Destruction cancels and waits.
+class Job {
+  public:
+    // The rest of the work, on the window's thread, with the result.
+    using Rest = std::function<void()>;
+
+    explicit Job(const char* name) : name_(name) {}
+    ~Job() { stop(); }
+    Job(const Job&) = delete;
+    Job& operator=(const Job&) = delete;
+
+    // Stops an earlier run. Wakes the window when the work ends.
+    void start(std::function<Rest(JobControl&)> work);
+    bool running() const { return future_.valid(); }
+    double progress() const { return control_ ? control_->progress.load() : 0; }
+    const char* name() const { return name_; }
+    // Does the rest if the work has ended; else returns false. Throws gpu::DeviceLost.
+    bool finish();
+    void stop();
+
+    // Takes the message of any other exception, on the window's thread.
+    std::function<void(const std::string& what)> failed;
+
+  private:
+    const char* name_;  // for people; empty: not shown
+    std::unique_ptr<JobControl> control_;
+    std::future<Rest> future_;
+};
+
+class Window;
 struct Model;
 // The effect of a key or a button.
-using Command = void (*)(Model&, Commands&);
+using Command = void (*)(Model&);
 
 struct Model {
-    // Loads the scene. Throws Error as loadScene does.
-    explicit Model(const Options& start);
+    // Loads the scene. Throws Error as loadScene does. `out`: results (CSV of a pick, JSON, names of files);
+    // `err`: errors of files and jobs.
+    Model(const Options& start, std::ostream& out, std::ostream& err);
+
+    std::ostream &out, &err;
+    Window* window = nullptr;
+    const gpu::Device* device = nullptr;
 
     // ---- the scene ----
     std::filesystem::path path;  // of the scene to show; that of `scene` while another one is loading
@@ -102,6 +145,9 @@ struct Model {
     std::optional<double> time;              // of `scene`, seconds; empty: as the file says it
     Timeline timeline;
     std::string sceneError;  // of the file on disk, while an older scene is shown
+    FileWatch files;         // of the scene
+    Stopwatch fileWatch;     // since the last look at them
+    uint64_t reloads = 0;
 
     // ---- what the user edits; undo covers camera, lights, background and materials ----
     CameraControl control;
@@ -122,6 +168,17 @@ struct Model {
     bool verdictPassed = false;
     std::optional<Canvas> difference;  // of a failed verification, while it is shown
     Canvas picture;                    // as shown, without the panel
+    struct Shown {                     // the state that `picture` shows
+        uint64_t version = ~uint64_t{0};
+        Display display;
+        bool difference = false, flash = false;
+        CompareMode mode = CompareMode::Off;
+        double wipe = 0, gain = 0;
+        uint64_t other = 0;
+        bool measured = false;
+        bool operator==(const Shown&) const = default;
+    } shown;
+    std::pair<uint64_t, uint64_t> measured;  // of Comparison::figures: version, number of the other image
 
     // ---- messages ----
     Toasts toasts;
@@ -130,8 +187,15 @@ struct Model {
     std::vector<std::string> warnings;  // of the scene's files, until Esc
 
     // ---- jobs beside the window ----
-    Job saving, verifying, referring, loading, packing;
-    bool isClosing = false;  // once the image is saved
+    Job saving{"saving"}, verifying{"verifying"}, referring{"tracing the reference"},
+        loading{"loading the scene"}, packing{""};
+    const std::array<Job*, 5> jobs = {&saving, &verifying, &referring, &loading, &packing};
+    bool isClosing = false;              // once the image is saved
+    bool closes = false;                 // now
+    bool opensAnother = false;           // scene: `loading` does
+    SceneEdits editsAtWork;              // of `packing`, or of the scene that is shown
+    std::optional<double> timeAtWork;    // likewise
+    std::string lastError, lostPicture;  // lostPicture: the error of the last image that was not saved
 
     // ---- controls of the panel ----
     int left = 0;  // of the image in the window: width of the docked panel
@@ -140,38 +204,41 @@ struct Model {
     bool flying = false, pinsPick = false, drawsRays = true;
     double flySpeed = 1;
     size_t material = 0;  // shown in the group "materials"
-    int zoom = 9;         // pixels across the inspector's magnifier
     std::string saveName, sceneName, openName;
     bool savesSeen = true;      // save as: as shown, or at the scene's own sampling
     bool replacesFile = false;  // save scene: over an existing file
     std::filesystem::path openFolder;
     std::vector<std::string> openFiles;  // in openFolder
-    double helpScroll = 0;               // pixels
     float timelineHeight = 0;            // pixels, in the previous frame; 0: hidden
     Command wish = nullptr;              // of a button, for the next round
 
     // ---- speed ----
     double targetSeconds = 0;  // of a frame while the camera moves
     double frameSeconds = 0, drawSeconds = 0, presentSeconds = 0;
-    std::vector<float> frameTimes;  // milliseconds, oldest first
 
     int dirty = 3;     // frames to draw even if nothing happens
     Stopwatch clock;   // of toasts, flicker and the timeline
     Stopwatch motion;  // since the image last changed as a whole
 
+    bool busy() const {
+        return std::any_of(jobs.begin(), jobs.end(), [](const Job* job) { return job->running(); });
+    }
     static constexpr double kRestSeconds = 0.2;  // without motion until the image is refined
     bool moving() const { return motion.seconds() < kRestSeconds; }
     void touch() { motion.restart(); }
     void say(const std::string& text, ToastKind kind = ToastKind::Info);
 
     bool compares() const { return comparison.any() && comparison.mode != CompareMode::Off; }
-    // Linear colours of the image; null before the first sample.
+    // Linear colours of the image; null before the first pass.
     const Image* comparable() const;
     // The scene's file can hold cameras, lights and materials.
-    bool hasJsonFile() const;
+    bool hasJsonFile() const { return lowerExtension(scene->path) == ".json"; }
 
+    void fail(const std::string& what);    // a message, also to `err`
+    void report(const std::string& line);  // a message, also to `out`
+    void follow(Hint hint);
     // Shows the warnings of loading, and writes them to `err`.
-    void sayWarnings(std::ostream& err);
+    void sayWarnings();
     // Lights or materials differ from the file.
     bool edited() const {
         return settings.lights != fileSettings.lights || settings.edits != fileSettings.edits;

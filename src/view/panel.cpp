@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <vector>
+#include <utility>
 
+#include "core/format.h"
 #include "core/quantize.h"
+#include "core/text_file.h"
 
 namespace glint::view {
 
@@ -21,34 +22,15 @@ void wrapped(const std::string& line, const ImVec4& color) {
     ImGui::PopStyleColor();
 }
 
-void tip(Gui& gui, const char* label, const char* help) {
+void tip(Gui& gui, const std::string& label, const std::string& help) {
     gui.noteControl(label);
-    if (*help == 0 || !ImGui::IsItemHovered() || ImGui::IsItemActive()) return;
+    if (help.empty() || !ImGui::IsItemHovered() || ImGui::IsItemActive()) return;
     gui.noteTip(help);
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(22 * ImGui::GetFontSize());
-    ImGui::TextUnformatted(help);
+    text(help);
     ImGui::PopTextWrapPos();
     ImGui::EndTooltip();
-}
-
-bool slider(Gui& gui, const char* label, double& value, double lo, double hi, const char* format,
-            const char* help, bool logarithmic) {
-    auto number = static_cast<float>(value);
-    const ImGuiSliderFlags flags =
-        ImGuiSliderFlags_AlwaysClamp | (logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-    const bool changed =
-        ImGui::SliderFloat(label, &number, static_cast<float>(lo), static_cast<float>(hi), format, flags);
-    tip(gui, label, help);
-    if (changed) value = std::clamp(static_cast<double>(number), lo, hi);
-    return changed;
-}
-
-bool slider(Gui& gui, const char* label, int& value, int lo, int hi, const char* help, bool logarithmic) {
-    double number = value;
-    const bool changed = slider(gui, label, number, lo, hi, "%.0f", help, logarithmic);
-    if (changed) value = static_cast<int>(std::lround(number));
-    return changed;
 }
 
 bool checkbox(Gui& gui, const char* label, bool& value, const char* help) {
@@ -57,30 +39,17 @@ bool checkbox(Gui& gui, const char* label, bool& value, const char* help) {
     return changed;
 }
 
-bool button(Gui& gui, const char* label, const char* help) {
+bool button(Gui& gui, const char* label, const std::string& help) {
     const bool pressed = ImGui::Button(label);
     tip(gui, label, help);
     return pressed;
 }
 
-namespace {
-
-bool hexEdit(glm::vec3& srgb) {
-    char typed[8];
-    const auto byte = [](float c) {
-        return static_cast<unsigned>(std::lround(255 * std::clamp(c, 0.0f, 1.0f)));
-    };
-    std::snprintf(typed, sizeof(typed), "#%02x%02x%02x", byte(srgb.x), byte(srgb.y), byte(srgb.z));
-    ImGui::SetNextItemWidth(5 * ImGui::GetFontSize());
-    ImGui::InputText("##hex", typed, sizeof(typed), ImGuiInputTextFlags_CharsNoBlank);
-    unsigned r = 0, g = 0, b = 0;
-    if (!ImGui::IsItemEdited() || std::sscanf(typed, "#%2x%2x%2x", &r, &g, &b) != 3 || typed[6] == 0)
-        return false;
-    srgb = glm::vec3(r, g, b) / 255.0f;
-    return true;
+void commandButton(Gui& gui, Model& m, const char* label, std::string_view key) {
+    for (const KeyBinding& binding : keyBindings())
+        if (binding.name == key && button(gui, label, format("%s (%s)", binding.help, binding.name)))
+            m.wish = binding.run;
 }
-
-}  // namespace
 
 bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help, bool bright) {
     const double greatest = std::max({value.x, value.y, value.z});
@@ -89,29 +58,24 @@ bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help,
     for (int i = 0; i < 3; ++i)
         srgb[i] = static_cast<float>(srgbFromLinear(std::clamp(value[i] / strength, 0.0, 1.0)));
     const glm::vec3 before = srgb;
-    ImGui::PushID(label);
-    if (ImGui::ColorButton("##swatch", ImVec4(srgb.x, srgb.y, srgb.z, 1), ImGuiColorEditFlags_NoTooltip))
-        ImGui::OpenPopup("picker");
+    ImGui::ColorEdit3(label, &srgb.x,
+                      ImGuiColorEditFlags_DisplayHex | ImGuiColorEditFlags_NoOptions |
+                          ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop);
     tip(gui, label, help);
-    ImGui::SameLine();
-    bool changed = hexEdit(srgb);
-    gui.noteControl((std::string(label) + " hex").c_str());
-    ImGui::SameLine();
-    text(label);
-    if (ImGui::BeginPopup("picker")) {
-        changed = ImGui::ColorPicker3("##picker", &srgb.x, ImGuiColorEditFlags_NoSidePreview) || changed;
-        ImGui::Text("linear %.4g %.4g %.4g", value.x, value.y, value.z);
-        if (bright && slider(gui, "strength", strength, 0.01, std::max(10.0, 2 * strength), "x %.3g",
-                             "the greatest component", true)) {
-            for (int i = 0; i < 3; ++i) value[i] *= strength / std::max(greatest, 1e-9);
-            changed = true;
-        }
-        gui.noteControl("picker");
-        ImGui::EndPopup();
-    }
-    ImGui::PopID();
+    gui.noteControl(label, 0.02f);  // the swatch
+    gui.noteControl(std::string(label) + " hex");
     for (int i = 0; i < 3; ++i)
         if (srgb[i] != before[i]) value[i] = strength * linearFromSrgb(static_cast<double>(srgb[i]));
+    bool changed = srgb != before;
+    if (bright) {
+        ImGui::PushID(label);
+        if (slider(gui, "strength", strength, 0.01, std::max(10.0, 2 * strength), "x %.3g",
+                   "the greatest component", true)) {
+            value *= strength / std::max(greatest, 1e-9);
+            changed = true;
+        }
+        ImGui::PopID();
+    }
     return changed;
 }
 
@@ -125,120 +89,65 @@ bool resetButton(Gui& gui, const char* name, bool differs) {
     if (!differs) return false;
     const std::string label = std::string("reset ") + name;
     const bool pressed = ImGui::SmallButton(label.c_str());
-    tip(gui, label.c_str(), "as the scene's file has it");
+    tip(gui, label, "as the scene's file has it");
     return pressed;
-}
-
-void drawCorner(const Corner& c, const std::function<void()>& content) {
-    const auto x = static_cast<float>(c.left);
-    const ImVec2 screen = ImGui::GetIO().DisplaySize, size(screen.x - x, screen.y);
-    const float width = std::min(c.width, size.x);
-    ImGui::SetNextWindowPos(ImVec2(x + size.x * c.pivot.x, size.y * c.pivot.y - c.free), ImGuiCond_Always,
-                            c.pivot);
-    ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, c.part * size.y));
-    ImGui::SetNextWindowBgAlpha(0.85f);
-    constexpr ImGuiWindowFlags kFlags =
-        kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove;
-    if (ImGui::Begin(c.title, c.open, kFlags | c.more)) content();
-    ImGui::End();
 }
 
 namespace {
 
-// How the bound has fallen, both axes in powers: from the first look to what was asked for.
-void drawFall(const GoalFacts& facts, double error) {
-    std::vector<float> bounds;
-    for (const double bound : facts.bounds)
-        if (std::isfinite(bound)) bounds.push_back(static_cast<float>(std::log(bound)));
-    if (bounds.size() < 2) return;
-    const auto wanted = static_cast<float>(std::log(error));
-    const float most = *std::max_element(bounds.begin(), bounds.end());
-    ImGui::PlotLines("##fall", bounds.data(), static_cast<int>(bounds.size()), 0, nullptr,
-                     std::min(wanted, bounds.back()), std::max(most, wanted + 0.1f),
-                     ImVec2(ImGui::GetContentRegionAvail().x, 2 * ImGui::GetFontSize()));
-}
-
-void drawGoal(const GoalFacts& facts, double error) {
-    // Samples grow with about the -5/3rd power of the error.
-    const double part = facts.bounds.empty()           ? 0
-                        : facts.stop                   ? 1
-                        : facts.state.estimate > error ? std::pow(error / facts.state.estimate, 5.0 / 3)
-                                                       : 0.99;
-    ImGui::ProgressBar(static_cast<float>(part), ImVec2(-1, 0), inWords(facts, error).c_str());
-    drawFall(facts, error);
-}
-
-void drawStatus(const Model& m) {
+// Part that is done, and words on it.
+std::pair<double, std::string> progressOf(const Model& m) {
     const Session& session = *m.session;
     const double error = m.settings.until.error;
-    if (!m.moving() && error > 0) return drawGoal(session.goal(), error);
-    char line[96];
-    double part = 0;
     if (m.moving()) {
         const FrameFacts& facts = session.facts();
-        std::snprintf(line, sizeof(line), "moving: %d x %d, depth %d", facts.width, facts.height,
-                      facts.depth);
-    } else if (session.finished()) {
-        std::snprintf(line, sizeof(line), "done: %d sample%s", session.samples(),
-                      session.samples() == 1 ? "" : "s");
-        part = 1;
-    } else {
-        std::snprintf(line, sizeof(line), "sample %d of %d", session.samples() + 1, m.settings.sampleLimit);
-        part = (session.samples() + session.progress()) / std::max(m.settings.sampleLimit, 1);
+        return {0, format("moving: %d x %d, depth %d", facts.width, facts.height, facts.depth)};
     }
-    ImGui::ProgressBar(static_cast<float>(std::clamp(part, 0.0, 1.0)), ImVec2(-1, 0), line);
+    if (error > 0) {
+        const GoalFacts facts = session.goal();
+        const double estimate = facts.state.estimate;
+        // Samples grow with about the -5/3rd power of the error.
+        const double part = estimate > error ? std::pow(error / estimate, 5.0 / 3) : 0.99;
+        return {facts.stop ? 1 : facts.state.rounds == 0 ? 0 : part, inWords(facts, error)};
+    }
+    const int samples = session.samples(), all = m.settings.sampleLimit;
+    if (session.finished()) return {1, "done: " + counted(static_cast<uint64_t>(samples), "sample")};
+    return {(samples + session.progress()) / std::max(all, 1), format("sample %d of %d", samples + 1, all)};
 }
 
 constexpr float kPanelLines = 16.5f;  // the panel's width in heights of a line
 
-// Over the image, at most so high: movable, and closed by its heading's triangle.
-bool beginOverlay(float width, float height) {
-    const float line = ImGui::GetFontSize();
+// Beside the image; or over it, at most so high, movable, and closed by its heading's triangle.
+bool beginPanel(bool docked, float width, float height) {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos(ImVec2(0, 0), ImGuiCond_FirstUseEver);
+    const float line = ImGui::GetFontSize();
+    const ImGuiCond when = docked ? ImGuiCond_Always : ImGuiCond_FirstUseEver;
+    ImGui::SetNextWindowPos(ImVec2(0, 0), when);
+    ImGui::SetNextWindowSize(ImVec2(width, docked ? std::max(height, 1.0f) : 0), when);
+    ImGui::SetNextWindowBgAlpha(docked ? 1.0f : 0.85f);
+    if (docked)
+        return ImGui::Begin("glint - F1: keys, H: hide##docked", nullptr,
+                            kFixedWindow | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
     ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(12 * line, screen.x), 0),
                                         ImVec2(screen.x, std::max(height, 2 * line)));
-    ImGui::SetNextWindowSize(ImVec2(width, 0), ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowBgAlpha(0.85f);
-    constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoSavedSettings |
-                                        ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav |
-                                        ImGuiWindowFlags_AlwaysAutoResize;
-    const bool open = ImGui::Begin("glint - F1: keys, H: hide", nullptr, kFlags);
+    const bool open =
+        ImGui::Begin("glint - F1: keys, H: hide", nullptr,
+                     (kFixedWindow & ~ImGuiWindowFlags_NoResize) | ImGuiWindowFlags_AlwaysAutoResize);
     if (open) ImGui::Dummy(ImVec2(width - 2 * ImGui::GetStyle().WindowPadding.x, 0));
     return open;
 }
 
-// Beside the image.
-bool beginDocked(float width, float height) {
-    ImGui::SetNextWindowPos(ImVec2(0, 0), ImGuiCond_Always);
-    ImGui::SetNextWindowSize(ImVec2(width, std::max(height, 1.0f)), ImGuiCond_Always);
-    ImGui::SetNextWindowBgAlpha(1);
-    constexpr ImGuiWindowFlags kFlags = kFixedWindow | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse;
-    return ImGui::Begin("glint - F1: keys, H: hide##docked", nullptr, kFlags);
-}
-
 void drawMain(Gui& gui, Model& m) {
-    const float line = ImGui::GetFontSize();
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    const float line = ImGui::GetFontSize();
     const bool docked = m.docked && m.left > 0;
     const float width = docked ? static_cast<float>(m.left) : std::min(kPanelLines * line, screen.x);
     m.timelineHeight = drawTimeline(gui, m, width);
-    const float height = screen.y - m.timelineHeight;
-    if (docked ? beginDocked(width, height) : beginOverlay(width, height)) {
+    if (beginPanel(docked, width, screen.y - m.timelineHeight)) {
         ImGui::PushItemWidth(width - 8 * line - (docked ? ImGui::GetStyle().ScrollbarSize : 0));
-        drawStatus(m);
-        drawView(gui, m);
-        drawLights(gui, m);
-        drawMaterials(gui, m);
-        if (m.hasJsonFile() && m.edited() &&
-            button(gui, "save scene", "lights and materials, into a scene file"))
-            m.saveSceneVisible = true;
-        drawFiles(gui, m);
-        drawCompare(gui, m);
-        drawCameras(gui, m);
-        drawTracing(gui, m);
-        drawSampling(gui, m);
-        drawSpeed(gui, m);
+        const auto [part, words] = progressOf(m);
+        ImGui::ProgressBar(static_cast<float>(std::clamp(part, 0.0, 1.0)), ImVec2(-1, 0), words.c_str());
+        drawGroups(gui, m);
         ImGui::PopItemWidth();
     }
     ImGui::End();
@@ -252,23 +161,16 @@ int dockWidth(const Gui& gui, int window) {
 }
 
 void drawPanel(Gui& gui, Model& model) {
-    if (model.helpVisible) {  // without what lies over the image
-        if (model.left > 0) drawMain(gui, model);
-        drawHelp(model);
-        drawProgress(model);
-        return;
-    }
-    drawMarks(model);
-    drawLegend(model);
-    if (model.hints.any()) drawHints(model);
     if (!model.panelVisible) model.timelineHeight = 0;
-    if (model.panelVisible) drawMain(gui, model);
-    if (model.saveAsVisible) drawSaveAs(gui, model);
-    if (model.saveSceneVisible) drawSaveScene(gui, model);
-    if (model.openVisible) drawOpen(gui, model);
-    if (model.inspects) drawInspector(gui, model);
-    if (model.pick.has_value()) drawPickWindow(gui, model);
-    drawMessages(model);
+    if (model.helpVisible) {  // without windows over the image
+        if (model.panelVisible && model.left > 0) drawMain(gui, model);
+        drawHelp();
+    } else {
+        drawMarks(model);
+        if (model.panelVisible) drawMain(gui, model);
+        drawDialogs(gui, model);
+        drawReadings(gui, model);
+    }
     drawProgress(model);
 }
 

@@ -1,11 +1,9 @@
 // Windows over the image: keys, pick, inspector, messages, legend, marks.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
-#include <utility>
 
-#include "view/commands.h"
+#include "core/format.h"
 #include "view/panel.h"
 
 namespace glint::view {
@@ -15,26 +13,35 @@ namespace {
 constexpr ImU32 kEyeRay = IM_COL32(255, 255, 255, 220), kReflectedRay = IM_COL32(255, 170, 60, 220),
                 kTransmittedRay = IM_COL32(90, 200, 255, 220), kOutline = IM_COL32(0, 0, 0, 160);
 
-// Two pairs of columns where they fit, else one.
-void drawHelpTable(std::span<const KeyBinding> lines, bool wide) {
-    ImGui::Separator();
-    text(lines[0].heading);
-    if (!ImGui::BeginTable(lines[0].heading, wide ? 4 : 2, ImGuiTableFlags_SizingFixedFit)) return;
-    for (int pair = 0; pair < (wide ? 2 : 1); ++pair) {
-        ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed);
-        ImGui::TableSetupColumn("help", ImGuiTableColumnFlags_WidthStretch);
-    }
-    const size_t rows = wide ? (lines.size() + 1) / 2 : lines.size();
-    for (size_t row = 0; row < rows; ++row) {
-        ImGui::TableNextRow();
-        for (size_t i = row; i < lines.size(); i += rows) {
-            ImGui::TableNextColumn();
-            ImGui::TextColored(kGreen, "%s", lines[i].name);
-            ImGui::TableNextColumn();
-            ImGui::TextWrapped("%s", lines[i].help);
-        }
-    }
-    ImGui::EndTable();
+// A window at a corner of the image, as large as its content, at most `part` of the image's height; then it
+// scrolls.
+struct Corner {
+    const char* title;
+    int left;      // where the image begins
+    ImVec2 pivot;  // the corner, 0..1
+    float lines;   // its width in heights of a line
+    ImGuiWindowFlags more = 0;
+    float part = 1;
+    float free = 0;        // pixels below the window
+    bool* open = nullptr;  // false once it was closed by its button
+};
+
+// For corners without controls: the mouse works on the image beneath.
+constexpr ImGuiWindowFlags kUnderMouse = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs;
+
+template <typename Content>
+void drawCorner(const Corner& c, const Content& content) {
+    const auto x = static_cast<float>(c.left);
+    const ImVec2 screen = ImGui::GetIO().DisplaySize, size(screen.x - x, screen.y);
+    const float width = std::min(c.lines * ImGui::GetFontSize(), size.x);
+    ImGui::SetNextWindowPos(ImVec2(x + size.x * c.pivot.x, size.y * c.pivot.y - c.free), ImGuiCond_Always,
+                            c.pivot);
+    ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, c.part * size.y));
+    ImGui::SetNextWindowBgAlpha(0.85f);
+    constexpr ImGuiWindowFlags kFlags =
+        kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove;
+    if (ImGui::Begin(c.title, c.open, kFlags | c.more)) content();
+    ImGui::End();
 }
 
 ImU32 colorOf(reference::RayClass kind) {
@@ -53,49 +60,85 @@ void drawHit(const Model& m, const PixelData& d) {
     ImGui::Text("uv %.5f %.5f", static_cast<double>(d.u), static_cast<double>(d.v));
 }
 
+// ---- the pick ----
+
+// The picked pixel and its tree of rays, in the image itself.
+void drawRays(const Model& m, const Pick& pick) {
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const auto left = static_cast<float>(m.left);
+    list.PushClipRect(ImVec2(left, 0), ImGui::GetIO().DisplaySize);
+    const shared::Camera camera = m.session->packedCamera();
+    const glm::dvec3& origin = m.scene->packed.origin;
+    const auto place = [&](const glm::dvec2& pixel) {
+        return ImVec2(left + static_cast<float>(pixel.x), static_cast<float>(pixel.y));
+    };
+    for (size_t i = 0; m.drawsRays && i < pick.rays.size(); ++i) {
+        const PickRay& ray = pick.rays[i];
+        const std::optional<Segment> line = projected(camera, ray.from - origin, ray.to - origin);
+        if (!line) continue;
+        list.AddLine(place(line->from), place(line->to), kOutline, 3);
+        list.AddLine(place(line->from), place(line->to), colorOf(ray.kind), 1.5f);
+    }
+    if (!m.pickIsOld) {
+        const ImVec2 at = place(glm::dvec2(pick.x, pick.y) + 0.5);
+        const float radius = 0.5f * ImGui::GetFontSize();
+        list.AddCircle(at, radius, kOutline, 24, 3);
+        list.AddCircle(at, radius, kEyeRay, 24, 1.5f);
+    }
+    list.PopClipRect();
+}
+
 void drawRayTree(const Pick& pick) {
     const float step = ImGui::GetFontSize();
     for (const PickRay& ray : pick.rays) {
-        const float indent = step * static_cast<float>(std::min(ray.depth, 12u));
-        ImGui::Indent(indent + 0.01f);
-        ImGui::PushStyleColor(ImGuiCol_Text, colorOf(ray.kind));
-        ImGui::PushTextWrapPos(0);
-        ImGui::Text("%5.1f %% %s", 100 * ray.share, ray.text.c_str());
-        ImGui::PopTextWrapPos();
-        ImGui::PopStyleColor();
-        ImGui::Unindent(indent + 0.01f);
+        const float indent = step * static_cast<float>(std::min(ray.depth, 12u)) + 0.01f;
+        ImGui::Indent(indent);
+        wrapped(format("%5.1f %% ", 100 * ray.share) + ray.text,
+                ImGui::ColorConvertU32ToFloat4(colorOf(ray.kind)));
+        ImGui::Unindent(indent);
     }
 }
+
+// The pick's window is above where the picked pixel, or the inspector, is below.
+bool picksAbove(const Model& m) {
+    return m.pick.has_value() && (m.inspects || 2 * m.pick->y > m.session->height());
+}
+
+void drawPickWindow(Gui& gui, Model& m, const Pick& pick) {
+    const ImVec2 corner(1, picksAbove(m) ? 0.0f : 1.0f);
+    drawCorner({"picked (F frames it, Esc closes)", m.left, corner, 25, 0, 0.6f}, [&] {
+        if (m.pickIsOld) wrapped("from an earlier view", kDim);
+        ImGui::Text(pick.hit() ? "pixel %d, %d" : "pixel %d, %d: nothing", pick.x, pick.y);
+        if (pick.hit()) drawHit(m, pick.data);
+        checkbox(gui, "keep while moving", m.pinsPick, "the pick and its rays stay when the camera moves");
+        ImGui::SameLine();
+        checkbox(gui, "draw rays", m.drawsRays, "white from the eye, orange reflected, blue transmitted");
+        ImGui::Separator();
+        drawRayTree(pick);
+    });
+}
+
+// ---- the inspector ----
 
 // The pixels about the mouse, each as a square of one color.
 void drawMagnifier(const Model& m, const glm::ivec2& pixel) {
-    const int across = m.zoom | 1;
-    const float side = std::floor(11 * ImGui::GetFontSize() / static_cast<float>(across));
+    constexpr int kAcross = 9;
+    const float side = std::floor(11 * ImGui::GetFontSize() / kAcross);
     const ImVec2 at = ImGui::GetCursorScreenPos();
+    const auto corner = [&](int dx, int dy) {
+        return ImVec2(at.x + side * static_cast<float>(dx), at.y + side * static_cast<float>(dy));
+    };
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    for (int dy = 0; dy < across; ++dy) {
-        for (int dx = 0; dx < across; ++dx) {
-            const int x = pixel.x + dx - across / 2, y = pixel.y + dy - across / 2;
-            if (x < 0 || y < 0 || x >= m.picture.width || y >= m.picture.height) continue;
-            const ImVec2 corner(at.x + side * static_cast<float>(dx), at.y + side * static_cast<float>(dy));
-            list.AddRectFilled(corner, ImVec2(corner.x + side, corner.y + side), m.picture.row(y)[x]);
+    for (int dy = 0; dy < kAcross; ++dy) {
+        for (int dx = 0; dx < kAcross; ++dx) {
+            const int x = pixel.x + dx - kAcross / 2, y = pixel.y + dy - kAcross / 2;
+            if (m.session->contains(x, y))
+                list.AddRectFilled(corner(dx, dy), corner(dx + 1, dy + 1), m.picture.row(y)[x]);
         }
     }
-    const float middle = side * static_cast<float>(across / 2);
-    list.AddRect(ImVec2(at.x + middle, at.y + middle), ImVec2(at.x + middle + side, at.y + middle + side),
+    list.AddRect(corner(kAcross / 2, kAcross / 2), corner(kAcross / 2 + 1, kAcross / 2 + 1),
                  IM_COL32(255, 255, 255, 255));
-    const float whole = side * static_cast<float>(across);
-    ImGui::Dummy(ImVec2(whole, whole));
-}
-
-void drawLayers(const Model& m, const PixelData& d) {
-    if (d.object == PixelData::kNoIndex) {
-        text("nothing is hit");
-        ImGui::Text("cost %u", d.cost);
-        return;
-    }
-    drawHit(m, d);
-    ImGui::Text("bounces %u, cost %u", d.bounces, d.cost);
+    ImGui::Dummy(ImVec2(side * kAcross, side * kAcross));
 }
 
 void drawPixel(const Model& m, const glm::ivec2& pixel) {
@@ -110,78 +153,22 @@ void drawPixel(const Model& m, const glm::ivec2& pixel) {
     }
     const uint32_t shown = m.picture.row(pixel.y)[pixel.x];
     ImGui::Text("shown  %u %u %u", shown & 255u, shown >> 8 & 255u, shown >> 16 & 255u);
-    session.hasData() ? drawLayers(m, session.picture().at(pixel.x, pixel.y))
-                      : wrapped("layers: being traced", kDim);
+    if (!session.ready()) return wrapped("layers: being traced", kDim);
+    const PixelData& data = session.picture().at(pixel.x, pixel.y);
+    data.object == PixelData::kNoIndex ? text("nothing is hit") : drawHit(m, data);
+    ImGui::Text("bounces %u, cost %u", data.bounces, data.cost);
 }
 
-// The pick's window is above where the picked pixel, or the inspector, is below.
-bool picksAbove(const Model& m) {
-    return m.pick.has_value() && (m.inspects || 2 * m.pick->y > m.session->height());
-}
-
-// Numbers of a range, as the legend's ends.
-std::string numberOf(double value) {
-    char buffer[32];
-    std::snprintf(buffer, sizeof(buffer), "%.4g", value);
-    return buffer;
-}
-
-}  // namespace
-
-void drawHelp(Model& m) {
-    const float width = 62 * ImGui::GetFontSize();
-    const bool wide = ImGui::GetIO().DisplaySize.x >= width;
-    drawCorner({"keys and mouse (F1 or Esc closes; the wheel scrolls)", 0, {0.5f, 0.5f}, width}, [&] {
-        for (auto lines = keyBindings(); !lines.empty();) {
-            size_t count = 1;
-            while (count < lines.size() && lines[count].heading == nullptr) ++count;
-            drawHelpTable(lines.first(count), wide);
-            lines = lines.subspan(count);
-        }
-        m.helpScroll = static_cast<double>(ImGui::GetScrollY());
-    });
-}
-
-void drawPickWindow(Gui& gui, Model& m) {
-    const Pick& pick = *m.pick;
-    const Corner corner = {"picked (F frames it, Esc closes)", m.left, {1, picksAbove(m) ? 0.0f : 1.0f},
-                           25 * ImGui::GetFontSize(),          0,      0.6f};
-    drawCorner(corner, [&] {
-        if (m.pickIsOld) wrapped("from an earlier view", kDim);
-        ImGui::Text(pick.hit() ? "pixel %d, %d" : "pixel %d, %d: nothing", pick.x, pick.y);
-        if (pick.hit()) drawHit(m, pick.data);
-        checkbox(gui, "keep while moving", m.pinsPick, "the pick and its rays stay when the camera moves");
-        ImGui::SameLine();
-        checkbox(gui, "draw rays", m.drawsRays, "white from the eye, orange reflected, blue transmitted");
-        const bool perspective = m.control.camera().projection == Projection::Perspective;
-        if (perspective && pick.hit() && !m.pickIsOld && button(gui, "focus here", "of the lens"))
-            m.wish = [](Model& model, Commands& c) {
-                if (model.pick) c.focusAt(model.pick->x, model.pick->y);
-            };
-        ImGui::Separator();
-        drawRayTree(pick);
-    });
-}
-
-void drawInspector(Gui& gui, Model& m) {
-    const float line = ImGui::GetFontSize();
-    drawCorner({"inspector (I closes)", m.left, {1, 1}, 18 * line}, [&] {
-        m.pixel ? drawPixel(m, *m.pixel) : wrapped("Move the mouse over the image.", kDim);
-        ImGui::PushItemWidth(8 * line);
-        slider(gui, "zoom", m.zoom, 5, 31, "pixels across");
-        ImGui::PopItemWidth();
-    });
-}
+// ---- messages, legend, first steps ----
 
 void drawMessages(const Model& m) {
     const std::string waiting = m.waitingComparison();
     if (m.toasts.shown().empty() && m.verdict.empty() && m.sceneError.empty() && m.warnings.empty() &&
         waiting.empty())
         return;
-    const float width = 26 * ImGui::GetFontSize();
     const bool both = m.inspects && m.pick.has_value();
     const ImVec2 place(both ? 0.5f : 1.0f, picksAbove(m) ? 1.0f : 0.0f);
-    drawCorner({"##toasts", m.left, place, width, kUnderMouse}, [&] {
+    drawCorner({"##toasts", m.left, place, 26, kUnderMouse}, [&] {
         if (!m.sceneError.empty()) {
             wrapped(m.sceneError, kRed);
             wrapped("The image shows the scene as it was before.", kDim);
@@ -190,8 +177,7 @@ void drawMessages(const Model& m) {
         for (size_t i = 0; i < std::min(kWarnings, m.warnings.size()); ++i)
             wrapped("warning: " + m.warnings[i], kYellow);
         if (m.warnings.size() > kWarnings)
-            wrapped(std::to_string(m.warnings.size() - kWarnings) + " more warnings on standard error",
-                    kYellow);
+            wrapped(format("%zu more warnings on standard error", m.warnings.size() - kWarnings), kYellow);
         if (!m.warnings.empty()) wrapped("Esc closes.", kDim);
         if (!m.verdict.empty()) wrapped("verify " + m.verdict, m.verdictPassed ? kGreen : kRed);
         if (m.difference)
@@ -203,54 +189,15 @@ void drawMessages(const Model& m) {
     });
 }
 
-// In the corner that neither the panel nor a pick uses.
-void drawHints(Model& m) {
-    bool open = true;
-    drawCorner({"first steps",
-                m.left,
-                {0, 1},
-                28 * ImGui::GetFontSize(),
-                ImGuiWindowFlags_NoCollapse,
-                1,
-                m.left > 0 ? 0 : m.timelineHeight,
-                &open},
-               [&] {
-                   for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
-                       if (m.hints.wanted(entry.value)) wrapped(std::string(entry.help), kGreen);
-                   wrapped("F1: every key. A control explains itself under the mouse.", kDim);
-               });
-    if (!open) m.hints.close();
-}
-
-// Also while the panel is hidden.
-void drawProgress(const Model& m) {
-    const std::pair<const char*, const Job*> tasks[] = {
-        {m.isClosing ? "saving, then closing" : "saving", &m.saving},
-        {"verifying", &m.verifying},
-        {"tracing the reference", &m.referring},
-        {"loading the scene", &m.loading}};
-    if (std::none_of(std::begin(tasks), std::end(tasks), [](const auto& t) { return t.second->running(); }))
-        return;
-    drawCorner({"##progress", m.left, {0.5f, 1}, 16 * ImGui::GetFontSize(), kUnderMouse}, [&] {
-        for (const auto& [name, job] : tasks) {
-            if (!job->running()) continue;
-            char label[64];
-            std::snprintf(label, sizeof(label), "%s: %.0f %%", name, 100 * job->progress());
-            ImGui::ProgressBar(static_cast<float>(job->progress()), ImVec2(-1, 0), label);
-        }
-    });
-}
-
 void drawLegend(const Model& m) {
     const ViewLayer layer = m.settings.layer;
     if (!hasLegend(layer, m.display)) return;
     const bool colors = layer == ViewLayer::Color;
     const bool grey = layer == ViewLayer::Depth && m.display.toneMap != ToneMap::False;
-    const float line = ImGui::GetFontSize();
     const LayerRange range = m.session->range();
-    drawCorner({"##legend", m.left, {0.5f, 0}, 14 * line, kUnderMouse}, [&] {
+    drawCorner({"##legend", m.left, {0.5f, 0}, 14, kUnderMouse}, [&] {
         const ImVec2 at = ImGui::GetCursorScreenPos();
-        const float width = ImGui::GetContentRegionAvail().x;
+        const float line = ImGui::GetFontSize(), width = ImGui::GetContentRegionAvail().x;
         const auto colorAt = [&](double x) {
             const glm::vec3 c(grey ? glm::dvec3(1 - 0.85 * x) : heatOf(x));
             return ImGui::ColorConvertFloat4ToU32(ImVec4(c.x, c.y, c.z, 1));
@@ -263,42 +210,86 @@ void drawLegend(const Model& m) {
                 ImVec2(left, at.y), ImVec2(left + step, at.y + line), from, to, to, from);
         }
         ImGui::Dummy(ImVec2(width, line));
-        const std::string lo = colors ? numberOf(-kFalseStops) + " stops" : numberOf(range.lo);
-        const std::string hi = colors ? "+" + numberOf(kFalseStops) : numberOf(range.hi);
-        text(lo);
-        ImGui::SameLine(0.5f * (width - ImGui::CalcTextSize(nameOf(layer).data()).x));
-        text(colors ? "luminance" : std::string(nameOf(layer)));
+        text(colors ? format("%g stops", -kFalseStops) : format("%.4g", range.lo));
+        const std::string name = colors ? "luminance" : std::string(nameOf(layer));
+        const std::string hi = colors ? format("+%g", kFalseStops) : format("%.4g", range.hi);
+        ImGui::SameLine(0.5f * (width - ImGui::CalcTextSize(name.c_str()).x));
+        text(name);
         ImGui::SameLine(width - ImGui::CalcTextSize(hi.c_str()).x);
         text(hi);
     });
 }
 
-// The picked pixel and its tree of rays, in the image itself.
-void drawMarks(const Model& m) {
-    if (!m.pick.has_value()) return;
-    const Pick& pick = *m.pick;
-    ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    const auto left = static_cast<float>(m.left);
-    list.PushClipRect(ImVec2(left, 0), ImGui::GetIO().DisplaySize);
-    const shared::Camera camera = m.session->packedCamera();
-    const glm::dvec3& origin = m.scene->packed.origin;
-    for (size_t i = 0; m.drawsRays && i < pick.rays.size(); ++i) {
-        const PickRay& ray = pick.rays[i];
-        const std::optional<Segment> line = projected(camera, ray.from - origin, ray.to - origin);
-        if (!line) continue;
-        const Segment& s = *line;
-        const ImVec2 from(left + static_cast<float>(s.from.x), static_cast<float>(s.from.y));
-        const ImVec2 to(left + static_cast<float>(s.to.x), static_cast<float>(s.to.y));
-        list.AddLine(from, to, kOutline, 3);
-        list.AddLine(from, to, colorOf(ray.kind), 1.5f);
+// In the corner that neither the panel nor a pick uses.
+void drawHints(Model& m) {
+    bool open = true;
+    const float below = m.left > 0 ? 0 : m.timelineHeight;
+    drawCorner({"first steps", m.left, {0, 1}, 28, ImGuiWindowFlags_NoCollapse, 1, below, &open}, [&] {
+        for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
+            if (m.hints.wanted(entry.value)) wrapped(std::string(entry.help), kGreen);
+        wrapped("F1: every key. A control explains itself under the mouse.", kDim);
+    });
+    if (!open) m.hints.close();
+}
+
+// Two pairs of columns where they fit, else one.
+void drawHelpTable(std::span<const KeyBinding> lines, bool wide) {
+    ImGui::Separator();
+    text(lines[0].heading);
+    if (!ImGui::BeginTable(lines[0].heading, wide ? 4 : 2, ImGuiTableFlags_SizingFixedFit)) return;
+    for (int pair = 0; pair < (wide ? 2 : 1); ++pair) {
+        ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed);
+        ImGui::TableSetupColumn("help", ImGuiTableColumnFlags_WidthStretch);
     }
-    if (!m.pickIsOld) {
-        const ImVec2 at(left + static_cast<float>(pick.x) + 0.5f, static_cast<float>(pick.y) + 0.5f);
-        const float radius = 0.5f * ImGui::GetFontSize();
-        list.AddCircle(at, radius, kOutline, 24, 3);
-        list.AddCircle(at, radius, kEyeRay, 24, 1.5f);
+    for (const KeyBinding& binding : lines) {
+        ImGui::TableNextColumn();
+        ImGui::TextColored(kGreen, "%s", binding.name);
+        ImGui::TableNextColumn();
+        ImGui::TextWrapped("%s", binding.help);
     }
-    list.PopClipRect();
+    ImGui::EndTable();
+}
+
+}  // namespace
+
+void drawHelp() {
+    constexpr float kLines = 62;
+    const bool wide = ImGui::GetIO().DisplaySize.x >= kLines * ImGui::GetFontSize();
+    drawCorner({"keys and mouse (F1 or Esc closes; the wheel scrolls)", 0, {0.5f, 0.5f}, kLines}, [&] {
+        for (auto lines = keyBindings(); !lines.empty();) {
+            size_t count = 1;
+            while (count < lines.size() && lines[count].heading == nullptr) ++count;
+            drawHelpTable(lines.first(count), wide);
+            lines = lines.subspan(count);
+        }
+    });
+}
+
+void drawMarks(Model& m) {
+    if (m.pick) drawRays(m, *m.pick);
+    drawLegend(m);
+    if (m.hints.any()) drawHints(m);
+}
+
+void drawReadings(Gui& gui, Model& m) {
+    if (m.inspects)
+        drawCorner({"inspector (I closes)", m.left, {1, 1}, 18}, [&] {
+            m.pixel ? drawPixel(m, *m.pixel) : wrapped("Move the mouse over the image.", kDim);
+        });
+    if (m.pick) drawPickWindow(gui, m, *m.pick);
+    drawMessages(m);
+}
+
+// Also while the panel is hidden.
+void drawProgress(const Model& m) {
+    const auto shown = [](const Job* job) { return job->running() && *job->name() != 0; };
+    if (std::none_of(m.jobs.begin(), m.jobs.end(), shown)) return;
+    drawCorner({"##progress", m.left, {0.5f, 1}, 16, kUnderMouse}, [&] {
+        for (const Job* job : m.jobs)
+            if (shown(job))
+                ImGui::ProgressBar(static_cast<float>(job->progress()), ImVec2(-1, 0),
+                                   format("%s: %.0f %%", job->name(), 100 * job->progress()).c_str());
+    });
 }
 
 }  // namespace glint::view

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
+#include "core/format.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "pack/packed_scene.h"
@@ -99,7 +99,6 @@ void ErrorGoal::look(double rounding) {
     converge::State& state = facts_.state;
     const bool reached = both_.look(target_, rounding, state);
     if (!knowsDepth_) state.budget.depth = std::numeric_limits<double>::infinity();
-    facts_.bounds.push_back(state.budget.total());
     if (state.budget.fixed() >= target_.error)
         facts_.stop = converge::Stop::Fixed;
     else if (reached)
@@ -126,22 +125,15 @@ std::string inWords(const GoalFacts& facts, double error) {
     const converge::ErrorBudget& budget = facts.state.budget;
     const uint32_t samples = facts.state.samplesPerPixel;
     const double other = budget.rounding + budget.cut;
-    char text[160];
-    if (facts.bounds.empty())
-        std::snprintf(text, sizeof(text), "error not known yet; until %.3g", error);
-    else if (!facts.stop)
-        std::snprintf(text, sizeof(text), "error <= %.3g after %u; until %.3g", budget.total(), samples,
-                      error);
-    else if (facts.stop != converge::Stop::Fixed)
-        std::snprintf(text, sizeof(text), "error <= %.3g, %s", budget.total(),
-                      counted(samples, "sample").c_str());
-    else if (budget.depthCounts && !std::isfinite(budget.depth))
+    if (facts.state.rounds == 0) return format("error not known yet; until %.3g", error);
+    if (!facts.stop) return format("error <= %.3g after %u; until %.3g", budget.total(), samples, error);
+    if (facts.stop != converge::Stop::Fixed)
+        return format("error <= %.3g, ", budget.total()) + counted(samples, "sample");
+    if (budget.depthCounts && !std::isfinite(budget.depth))
         return "out of reach: with depth 0 no bound on reflections is known";
-    else if (budget.depthCounts && budget.depth > other)
-        std::snprintf(text, sizeof(text), "out of reach: beyond the depth there may be %.2g", budget.depth);
-    else
-        std::snprintf(text, sizeof(text), "out of reach: rounding and cuts may take %.2g", other);
-    return text;
+    if (budget.depthCounts && budget.depth > other)
+        return format("out of reach: beyond the depth there may be %.2g", budget.depth);
+    return format("out of reach: rounding and cuts may take %.2g", other);
 }
 
 // ---- the image ----
@@ -201,12 +193,11 @@ void Session::setView(const Camera& camera, int width, int height) {
 }
 
 void Session::restart() {
-    samples_ = nextRow_ = dataRow_ = 0;
-    hasData_ = passBegun_ = false;
+    samples_ = nextRow_ = 0;
+    hasData_ = passBegun_ = coarseIsCurrent_ = false;
     goal_.reset();
     rounding_.reset();
     ++view_;
-    coarseContent_ = Content::Nothing;
     ++version_;
 }
 
@@ -221,13 +212,12 @@ shared::Camera Session::packedCamera() const {
     return packCamera(camera_, width_, height_, scene_->packed.origin);
 }
 
-Request Session::requestFor(Content content, int width, int height) const {
+Request Session::requestFor(int width, int height, bool data) const {
     Request request;
     static_cast<Tracing&>(request) = tracing();
     request.width = width;
     request.height = height;
-    request.data = request.cost = content == Content::Data;
-    request.ledger = content == Content::Color && goal_.has_value();
+    request.data = request.cost = data;
     return request;
 }
 
@@ -241,36 +231,32 @@ Picture Session::render(const Request& request) {
     facts_.height = request.height;
     facts_.depth = static_cast<int>(request.limits.depth.value());
     facts_.renderSeconds = watch.seconds() - (now.compile - before.compile);
-    facts_.traceSeconds = now.trace - before.trace;
-    facts_.readbackSeconds = now.readback - before.readback;
-    if (facts_.traceSeconds > 0)
-        facts_.raysPerSecond = static_cast<double>(now.pathRays - before.pathRays) / facts_.traceSeconds;
+    if (now.trace > before.trace)
+        facts_.raysPerSecond =
+            static_cast<double>(now.pathRays - before.pathRays) / (now.trace - before.trace);
     return picture;
 }
 
-// Pinhole and pixel centres: a moving picture must be clear.
+bool Session::coarseShown() const {
+    return coarseIsCurrent_ && !(needsData(settings_.layer) && coarse_.data.empty());
+}
+
+// Pinhole and pixel centres: a moving image must be clear.
 bool Session::renderMoving(double scale, int depth) {
-    const Content wanted = contentOf(settings_.layer);
-    if (coarseContent_ >= wanted || ready() || width_ == 0 || height_ == 0) return false;
+    if (coarseShown() || ready() || width_ == 0 || height_ == 0) return false;
     const auto scaled = [&](int pixels) {
         return std::max(1, static_cast<int>(std::lround(pixels * scale)));
     };
-    Request request = requestFor(wanted, scaled(width_), scaled(height_));
+    Request request = requestFor(scaled(width_), scaled(height_), needsData(settings_.layer));
     request.limits.depth = std::min(static_cast<uint32_t>(std::max(depth, 0)), settings_.depth());
     coarse_ = render(request);
-    coarseContent_ = wanted;
+    coarseIsCurrent_ = true;
     ++version_;
     return true;
 }
 
-bool Session::ready() const {
-    return needsData(settings_.layer) ? hasData_ : samples_ > 0;
-}
-
 bool Session::finished() const {
-    if (width_ == 0 || height_ == 0) return true;
-    if (needsData(settings_.layer)) return hasData_;
-    return enough() && (hasData_ || !wantsData_);
+    return width_ == 0 || height_ == 0 || (hasData_ && (needsData(settings_.layer) || enough()));
 }
 
 bool Session::enough() const {
@@ -278,46 +264,40 @@ bool Session::enough() const {
     return samples_ >= std::max(settings_.sampleLimit, 1);
 }
 
-bool Session::rested() const {
-    return width_ == 0 || height_ == 0 || nextPass() == Content::Nothing;
-}
-
-// The data of the other layers come from one sample, in the middle of the pixel.
-Session::Content Session::nextPass() const {
-    if (needsData(settings_.layer)) {
-        if (!hasData_) return Content::Data;
-        return samples_ == 0 ? Content::Color : Content::Nothing;
-    }
-    if (samples_ > 0 && wantsData_ && !hasData_) return Content::Data;
-    if (!enough()) return Content::Color;
-    return hasData_ ? Content::Nothing : Content::Data;
-}
-
 double Session::progress() const {
-    if (height_ == 0) return 0;
-    return static_cast<double>(nextPass() == Content::Data ? dataRow_ : nextRow_) / height_;
+    return height_ == 0 ? 0 : static_cast<double>(nextRow_) / height_;
 }
 
-void Session::beginPass(Content pass) {
-    if (full_.region.width() != width_ || full_.region.height() != height_ || full_.data.empty()) {
-        full_ = Picture();
-        full_.region = {0, 0, width_, height_};
-        full_.color = Image(width_, height_, 4);
-        full_.data.resize(full_.color.pixels.size() / 4);
+void Session::beginPass() {
+    if (std::exchange(passBegun_, true)) return;  // its first band was cut short
+    if (hasData_) {
+        pass_ = goal_       ? goal_->begin()
+                : sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
+                            : PackedSamples::fixed({progressiveOffset(samples_)});
+        return;
     }
-    // A pass whose first band was cut short has its samples already.
-    if (pass != Content::Color || std::exchange(passBegun_, true)) return;
-    if (samples_ == 0) {
-        sum_.assign(full_.color.pixels.size(), 0);
-        sequence_ = sequence();
-        // At depth 0 the losses of mirrors are not counted.
-        const bool knowsDepth = settings_.depth() > 0 || !(scene_->also.mirrors || scene_->hasGlass);
-        if (settings_.until.error > 0)
-            goal_.emplace(settings_.until, progressiveSampling(), full_.region, knowsDepth);
+    full_.region = {0, 0, width_, height_};
+    full_.color = Image(width_, height_, 4);
+    full_.data.resize(full_.color.pixels.size() / 4);
+    sum_.assign(full_.color.pixels.size(), 0);
+    sequence_ = sequence();
+    pass_ = PackedSamples::fixed({progressiveOffset(0)});
+    if (settings_.until.error > 0)
+        goal_.emplace(settings_.until, progressiveSampling(), full_.region,
+                      !converge::missesReflections(scene_->scene, settings_.depth()));
+}
+
+// The first pass is a sample of the color unless its samples have other places.
+void Session::endPass() {
+    nextRow_ = 0;
+    passBegun_ = false;
+    const bool first = !std::exchange(hasData_, true);
+    if (first && (goal_ || sequence_)) {
+        std::fill(sum_.begin(), sum_.end(), 0.0f);
+        return;
     }
-    colorPass_ = goal_       ? goal_->begin()
-                 : sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
-                             : PackedSamples::fixed({progressiveOffset(samples_)});
+    samples_ += static_cast<int>(pass_.count());
+    if (goal_) goal_->end();
 }
 
 // A grid depends on its number of samples.
@@ -340,16 +320,16 @@ PackedSamples Session::taken() const {
     return PackedSamples::fixed(offsets);
 }
 
-Request Session::nextPiece(Content pass, double seconds) const {
+Request Session::nextPiece(double seconds) const {
     int rows = kBandRows;
     if (secondsPerPixel_ > 0) {
         const double wanted = seconds / (secondsPerPixel_ * width_ * kBandRows);
         rows = kBandRows * static_cast<int>(std::clamp(wanted, 1.0, 4096.0));
     }
-    const int row = pass == Content::Color ? nextRow_ : dataRow_;
-    Request request = requestFor(pass, width_, height_);
-    request.region = {0, row, width_, std::min(row + rows, height_)};
-    if (pass == Content::Color) request.samples = colorPass_;
+    Request request = requestFor(width_, height_, !hasData_);
+    request.region = {0, nextRow_, width_, std::min(nextRow_ + rows, height_)};
+    request.samples = pass_;
+    request.ledger = hasData_ && goal_;
     return request;
 }
 
@@ -386,53 +366,38 @@ bool Session::lookAtError(double seconds) {
 }
 
 bool Session::refine(double seconds, const std::function<bool()>& cancelled) {
-    if (rested()) return false;
+    if (finished()) return false;
     if (lookAtError(seconds)) return true;
-    const Content pass = nextPass();
-    int& row = pass == Content::Color ? nextRow_ : dataRow_;
-    if (row == 0) beginPass(pass);
-    Request request = nextPiece(pass, seconds);
+    if (nextRow_ == 0) beginPass();
+    Request request = nextPiece(seconds);
     request.cancelled = cancelled;
     const Picture picture = render(request);
     const Region& band = request.region;
     secondsPerPixel_ = facts_.renderSeconds / (static_cast<double>(band.width()) * band.height());
     if (!picture.complete) return true;
-    if (pass == Content::Color)
-        addBand(picture);
-    else
-        std::copy(picture.data.begin(), picture.data.end(),
-                  full_.data.begin() + static_cast<long>(band.y0) * width_);
-    row = band.y1;
-    if (row == height_) {
-        row = 0;
-        if (pass == Content::Color) {
-            samples_ += static_cast<int>(colorPass_.count());
-            passBegun_ = false;
-            if (goal_) goal_->end();
-        } else {
-            hasData_ = true;
-        }
-    }
-    if ((pass != Content::Color) == needsData(settings_.layer)) ++version_;
+    addBand(picture);
+    nextRow_ = band.y1;
+    if (nextRow_ == height_) endPass();
+    ++version_;
     return true;
 }
 
 // One sample alone keeps the bits that the device gave it.
 void Session::addBand(const Picture& band) {
-    const size_t first = static_cast<size_t>(band.region.y0) * static_cast<size_t>(width_) * 4;
-    if (goal_) goal_->add(band);
-    const auto count = static_cast<float>(colorPass_.count());
+    const size_t first = static_cast<size_t>(band.region.y0) * static_cast<size_t>(width_);
+    std::copy(band.data.begin(), band.data.end(), full_.data.begin() + static_cast<long>(first));
+    if (hasData_ && goal_) goal_->add(band);
+    const auto count = static_cast<float>(pass_.count());
     const float scale = 1.0f / (static_cast<float>(samples_) + count);
     for (size_t i = 0; i < band.color.pixels.size(); ++i) {
-        sum_[first + i] += count * band.color.pixels[i];
-        full_.color.pixels[first + i] = sum_[first + i] * scale;
+        sum_[4 * first + i] += count * band.color.pixels[i];
+        full_.color.pixels[4 * first + i] = sum_[4 * first + i] * scale;
     }
 }
 
 // All rows by one range, also where the lower ones are still coarse.
 LayerRange Session::range() const {
-    const bool coarse = !hasData_ && coarseContent_ >= contentOf(settings_.layer);
-    return rangeOf(coarse ? coarse_ : full_, settings_.layer);
+    return rangeOf(!hasData_ && coarseShown() ? coarse_ : full_, settings_.layer);
 }
 
 Canvas Session::canvas(const Display& display) const {
@@ -444,7 +409,7 @@ Canvas Session::canvas(const Display& display) const {
         const bool smooth = layer == ViewLayer::Color || layer == ViewLayer::Depth;
         stretch(colorize(coarse_, layer, display, together), target, smooth);
     }
-    const int rows = whole ? height_ : needsData(layer) ? dataRow_ : nextRow_;
+    const int rows = whole ? height_ : nextRow_;
     if (rows == 0) return target;
     const Canvas full = colorize(full_, layer, display, together);
     std::copy_n(full.pixels.begin(), static_cast<long>(rows) * width_, target.pixels.begin());
@@ -452,7 +417,7 @@ Canvas Session::canvas(const Display& display) const {
 }
 
 PixelData Session::pixel(int x, int y) {
-    return renderer_.pixel(packedCamera(), requestFor(Content::Data, width_, height_), x, y);
+    return renderer_.pixel(packedCamera(), requestFor(width_, height_, true), x, y);
 }
 
 }  // namespace glint::view

@@ -47,8 +47,7 @@ class Pace {
 
 // Progress of the goal, for the panel.
 struct GoalFacts {
-    std::vector<double> bounds;          // of the error, by each look so far
-    converge::State state;               // of the last look
+    converge::State state;               // of the last look; without rounds before the first
     std::optional<converge::Stop> stop;  // Reached, Fixed or Samples; empty: it goes on
 };
 
@@ -93,9 +92,8 @@ std::string inWords(const GoalFacts& facts, double error);
 struct FrameFacts {
     int width = 0, height = 0;  // traced
     int depth = 0;              // reflections followed
-    // Seconds of the last piece of work: all but compiling, and of it tracing and reading back.
-    double renderSeconds = 0, traceSeconds = 0, readbackSeconds = 0;
-    double raysPerSecond = 0;  // camera and mirrored rays, while tracing
+    double renderSeconds = 0;   // of the last piece of work, without compiling
+    double raysPerSecond = 0;   // camera and mirrored rays, while tracing
 };
 
 // Submissions of the window are short, so that a click waits for no more than one, and the work beside it
@@ -108,17 +106,15 @@ class Session {
     Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene);
 
     const gpu::Device& device() const { return device_; }
-    const ViewScene& scene() const { return *scene_; }
-    std::shared_ptr<const ViewScene> sharedScene() const { return scene_; }
+    const std::shared_ptr<const ViewScene>& scene() const { return scene_; }
     const PictureSettings& settings() const { return settings_; }
     // Keeps what is traced already where the change does not concern it.
     void apply(const PictureSettings& settings);
-    // All layers' data soon, not only when there is nothing else to do.
-    void wantData(bool wanted) { wantsData_ = wanted; }
     void setView(const Camera& camera, int width, int height);
 
-    // The settings as a tracer takes them.
+    // The settings as a tracer takes them; and the whole view, with one sample in the centre of each pixel.
     Tracing tracing() const;
+    Request request() const { return requestFor(width_, height_, false); }
     shared::Camera packedCamera() const;
     // Upper bound of the memory per pixel of a view's images and their display, for a device that is the
     // processor too. It counts the full and the coarse image with their source data. It also counts displayed
@@ -130,18 +126,15 @@ class Session {
     int height() const { return height_; }
     bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
 
-    // A coarse picture of the whole view at `scale` of its size. False if it was there already, or the full
-    // one is.
+    // A coarse image of the whole view at `scale` of its size. False if it is there already, or the full one.
     bool renderMoving(double scale, int depth);
-    // The next piece of the full picture, `seconds` long or so; `cancelled` as in Request. False if
-    // there is nothing left to do.
+    // The next piece of the full image, about `seconds` long; `cancelled` as in Request. False if there is
+    // nothing left to do. The first pass brings every layer, from the centres of the pixels.
     bool refine(double seconds, const std::function<bool()>& cancelled);
-    bool finished() const;                     // the layer that is shown
-    bool rested() const;                       // and all else
-    bool ready() const;                        // the layer's first full picture
-    bool hasData() const { return hasData_; }  // of every pixel, for all layers but Color
-    int samples() const { return samples_; }   // complete ones, of the full picture
-    double progress() const;                   // of the sample at hand, 0..1
+    bool finished() const;                    // the layer that is shown
+    bool ready() const { return hasData_; }   // after the first pass
+    int samples() const { return samples_; }  // complete ones, of the color
+    double progress() const;                  // of the pass at hand, 0..1
     // Progress towards the error of the settings.
     GoalFacts goal() const { return goal_ ? goal_->facts() : GoalFacts(); }
 
@@ -149,7 +142,7 @@ class Session {
     Canvas canvas(const Display& display) const;
     LayerRange range() const;  // that its colours stand for
     uint64_t version() const { return version_; }
-    // The full picture: its colour once samples() > 0, its data once hasData().
+    // The full image once ready(): its colour is that of a pinhole until samples() > 0.
     const Picture& picture() const { return full_; }
     const Camera& camera() const { return camera_; }
     // The samples that its colour is the mean of; before the first, that one.
@@ -161,20 +154,18 @@ class Session {
     PixelData pixel(int x, int y);
 
   private:
-    enum class Content { Nothing, Color, Data };  // Data: all layers
-    static Content contentOf(ViewLayer layer) { return needsData(layer) ? Content::Data : Content::Color; }
     void restart();
     bool scattered() const;
-    Content nextPass() const;
-    // Request for a whole image of this size, with one sample in the centre of each pixel.
-    Request requestFor(Content content, int width, int height) const;
+    Request requestFor(int width, int height, bool data) const;
     Picture render(const Request& request);
     ImageSettings progressiveSampling() const;
     std::optional<SampleSequence> sequence() const;  // empty: progressiveOffset does
-    void beginPass(Content pass);
-    Request nextPiece(Content pass, double seconds) const;
+    void beginPass();
+    void endPass();
+    Request nextPiece(double seconds) const;
     void addBand(const Picture& band);
-    bool enough() const;  // samples
+    bool coarseShown() const;  // coarse_ is of this view and has the layer
+    bool enough() const;       // samples
     // False if there is nothing to look at; takes `seconds` at most.
     bool lookAtError(double seconds);
     void askForRounding();
@@ -186,18 +177,18 @@ class Session {
     Camera camera_;
     int width_ = 0, height_ = 0;
 
-    Picture coarse_;  // the last moving picture; stands in for rows that are not there yet
-    Content coarseContent_ = Content::Nothing;  // of this view
+    Picture coarse_;  // the last moving image; stands in for rows that are not there yet
+    bool coarseIsCurrent_ = false;
     Picture full_;  // mean of `samples_` samples, of those at hand too above nextRow_
     std::vector<float> sum_;
     std::optional<SampleSequence> sequence_;  // of samples that differ from pixel to pixel
-    PackedSamples colorPass_;                 // samples of the colour's pass at hand
+    PackedSamples pass_;                      // samples of the pass at hand
     std::optional<ErrorGoal> goal_;           // of the picture at hand
     std::optional<double> rounding_;          // ErrorBudget::rounding of the view
     std::future<double> findsRounding_;       // of the view that had this number
     uint64_t roundingView_ = 0, view_ = 0;
-    int samples_ = 0, nextRow_ = 0, dataRow_ = 0;
-    bool hasData_ = false, wantsData_ = false, passBegun_ = false;
+    int samples_ = 0, nextRow_ = 0;
+    bool hasData_ = false, passBegun_ = false;
     double secondsPerPixel_ = 0;  // of refine()
     uint64_t version_ = 0;
     FrameFacts facts_;

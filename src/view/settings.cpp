@@ -16,18 +16,6 @@ void followOne(T& mine, const T& before, const T& now) {
     if (mine == before) mine = now;
 }
 
-void followSampling(ImageSettings& mine, const ImageSettings& before, const ImageSettings& now) {
-    followOne(mine.samplesPerPixel, before.samplesPerPixel, now.samplesPerPixel);
-    followOne(mine.sampler, before.sampler, now.sampler);
-    // A radius belongs to its filter.
-    if (mine.filter == before.filter && mine.filterRadius == before.filterRadius) {
-        mine.filter = now.filter;
-        mine.filterRadius = now.filterRadius;
-    }
-    followOne(mine.seed, before.seed, now.seed);
-    followOne(mine.adaptive, before.adaptive, now.adaptive);
-}
-
 using Json = nlohmann::ordered_json;
 
 // Calls visit(name, field) for each field of a light or material that a scene file may hold and the panel can
@@ -103,7 +91,7 @@ PictureSettings PictureSettings::of(const Scene& scene) {
 void PictureSettings::follow(const PictureSettings& before, const PictureSettings& now) {
     followOne(maxDepth, before.maxDepth, now.maxDepth);
     followOne(background, before.background, now.background);
-    followSampling(sampling, before.sampling, now.sampling);
+    sampling = now.sampling;
     edits.follow(before.edits, now.edits);
     const std::vector<LightSetting> mine = std::move(lights);
     lights = now.lights;

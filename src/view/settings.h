@@ -45,7 +45,7 @@ struct PathSettings {
 struct PictureSettings : PathSettings {
     ViewLayer layer = ViewLayer::Color;
     std::vector<LightSetting> lights;
-    ImageSettings sampling;              // its size is not used
+    ImageSettings sampling;              // of the file; its size is not used
     int sampleLimit = 64;                // of the window's image, unless `until` has an error
     converge::Target until{.error = 0};  // 0: a number of samples
     SceneEdits edits;

@@ -23,7 +23,6 @@ struct ViewScene {
     // Features that the panel may switch on though the scene does without: mirrors, if a material reflects,
     // cameras with parallel rays, and a lens.
     SceneFeatures also;
-    bool hasGlass = false;  // a material transmits light
 };
 
 // `memory`: of trees, may be null; see pack/build_tree.h.
@@ -64,6 +63,47 @@ class Moments {
     bool remembers_ = false, moved_ = true;  // moved: since the last time that it was packed
     std::shared_ptr<const ViewScene> last_;  // that was packed
     SceneEdits lastEdits_;
+};
+
+// The moment of an animation that is shown, and how it goes on.
+class Timeline {
+  public:
+    static constexpr int kMostFrames = 10'000'000;
+
+    // Takes the span of the scene that is shown; without a span nothing moves. The moment stays.
+    void follow(const std::optional<AnimationSpan>& span);
+    bool any() const { return span_.has_value(); }
+
+    // The moment that is wanted, in seconds; empty: the scene as its file says it.
+    std::optional<double> time() const { return time_; }
+    void setTime(std::optional<double> time);  // stops there
+    // The frame nearest to the moment, counted as by `glint render --frames`.
+    int frame() const;
+    // Frames of the first and the last keyframe.
+    int first() const;
+    int last() const;
+
+    bool loops() const { return loops_; }
+    void setLoops(bool loops) { loops_ = loops; }
+
+    // `now`: of any clock, in seconds. Playing begins at the time that is shown, or at 0 after the end.
+    bool playing() const { return playing_; }
+    void play(double now);
+    void toggle(double now) { playing_ ? void(playing_ = false) : play(now); }
+    // True if there is another moment to show. Skips frames that are late.
+    bool advance(double now);
+
+    // All of them stop playing, at the first or the last frame at the farthest.
+    void goTo(int frame);
+    void step(int frames);
+
+  private:
+    double rate() const { return span_ ? span_->framesPerSecond : 24; }  // frames a second
+
+    std::optional<AnimationSpan> span_;
+    std::optional<double> time_;
+    bool playing_ = false, loops_ = true;
+    double position_ = 0, since_ = 0;  // while playing: the moment between frames, and when it was reached
 };
 
 // "?" for an unknown index.

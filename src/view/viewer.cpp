@@ -26,7 +26,6 @@ constexpr double kRestFrameSeconds = 0.04;  // between frames at rest, which dif
 constexpr double kBreathSeconds = 0.005;    // while a frame is not due yet
 constexpr double kPollSeconds = 0.25;       // between looks at files and messages at rest
 constexpr double kJobSeconds = 0.1;         // and at jobs
-constexpr size_t kFrameTimes = 120;
 constexpr PixelSize kLeastSize{1280, 800};
 constexpr double kPanelWidth = 245;  // docked, at scale 1
 
@@ -69,46 +68,40 @@ void Input::handle() {
 
 // False if the rest of the queue must wait for the next frame.
 bool Input::handle(const Event& event) {
+    gui_.feed(event);
     switch (event.type) {
         case Event::Type::Close:
-            commands_.askToClose();
-            return true;
+            askToClose(m_);
+            break;
         case Event::Type::Drop:
-            for (const std::string& file : event.files) commands_.open(file);
-            return true;
+            for (const std::string& file : event.files) open(m_, file);
+            break;
         case Event::Type::Resize:
             m_.touch();
-            return true;
+            break;
         case Event::Type::Cursor: {
             const glm::dvec2 before = std::exchange(cursor_, {event.x - m_.left, event.y});
-            gui_.feed(event);
             if (draggingWipe_)
                 m_.comparison.wipe = std::clamp(cursor_.x / std::max(m_.session->width(), 1), 0.0, 1.0);
             else if (dragging_)
                 drag(cursor_ - before);
-            return true;
+            break;
         }
         case Event::Type::Button:
-            gui_.feed(event);
             press(event);
             return false;  // ImGui sees a press and its release in two frames
         case Event::Type::Wheel:
-            if (covered()) {
-                gui_.feed(event);
-                return false;
-            }
+            if (covered()) return false;
             m_.control.dolly(std::pow(kWheelStep, event.y));
-            return true;
+            break;
         case Event::Type::Key:
-            gui_.feed(event);
             key(event);
             return !gui_.wantsKeys();
         case Event::Type::Text:
-            gui_.feed(event);
             if (!gui_.wantsKeys() && event.code == '?') m_.helpVisible = !m_.helpVisible;
-            return true;
+            break;
         case Event::Type::Redraw:
-            return true;
+            break;
     }
     return true;
 }
@@ -131,7 +124,7 @@ void Input::press(const Event& event) {
     dragging_.reset();
     if (std::exchange(draggingWipe_, false) || button != GLFW_MOUSE_BUTTON_LEFT || dragged_) return;
     const auto x = static_cast<int>(pressed_.x), y = static_cast<int>(pressed_.y);
-    (dragMods_ & kControl) != 0 ? commands_.focusAt(x, y) : commands_.pick(x, y);
+    (dragMods_ & kControl) != 0 ? focusAt(m_, x, y) : pick(m_, x, y);
 }
 
 void Input::drag(const glm::dvec2& by) {
@@ -168,7 +161,7 @@ void Input::key(const Event& event) {
     const KeyBinding* binding = bindingOf(event.code, event.mods, m_.flying);
     if (binding == nullptr) return;
     if (!event.repeat) m_.history.endStep();
-    commands_.perform(binding->run);
+    perform(m_, binding->run);
     if (!m_.flying) held_.clear();
 }
 
@@ -195,24 +188,24 @@ void Input::inspect() {
 Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
     : options_(options),
       err_(err),
-      model_(options),
+      model_(options, out, err),
       window_(sizeOf(options, *model_.file), "glint: " + options.scene.filename().string()),
       gui_(options.scale > 0 ? static_cast<float>(options.scale) : window_.scale(), window_),
-      commands_(model_, window_, out, err),
-      input_(model_, commands_, gui_),
+      input_(model_, gui_),
       pace_(kGpuTarget),
       restless_(options.frames > 0) {
-    model_.sayWarnings(err);
+    model_.window = &window_;
+    model_.sayWarnings();
 }
 
 // The session must go before its device, and jobs before the window, which they wake.
 Viewer::~Viewer() {
-    commands_.releaseDevice();
-    for (Job* job : {&model_.referring, &model_.loading, &model_.packing}) job->stop();
+    releaseDevice(model_);
+    for (Job* job : model_.jobs) job->stop();
 }
 
 void Viewer::openDevice() {
-    commands_.releaseDevice();
+    releaseDevice(model_);
     if (device_) {
         for (const std::string& message : device_->validationMessages()) validation_.push_back(message);
     }
@@ -229,7 +222,7 @@ void Viewer::openDevice() {
     model_.targetSeconds = options_.targetSeconds > 0 ? options_.targetSeconds
                            : device_->info().software ? kSoftwareTarget
                                                       : kGpuTarget;
-    commands_.setDevice(*device_);
+    setDevice(model_, *device_);
     showView();
 }
 
@@ -257,7 +250,7 @@ void Viewer::gatherEvents() {
 
 bool Viewer::hasWork() const {
     return restless_ || !input_.queue().empty() || model_.dirty > 0 || model_.moving() || input_.flies() ||
-           model_.timeline.playing() || !model_.session->rested();
+           model_.timeline.playing() || !model_.session->finished();
 }
 
 // The camera, and the part of the window that the panel leaves.
@@ -282,20 +275,17 @@ bool Viewer::work() {
         gatherEvents();
         return input_.waits();
     };
-    const uint64_t version = model_.session->version();
     const bool refined = model_.session->refine(kWorkSeconds, cancelled);
-    // Layers that are not shown are traced ahead; the screen stays.
-    if (refined && (model_.session->version() != version || model_.inspects))
-        model_.dirty = std::max(model_.dirty, 1);
+    if (refined) model_.dirty = std::max(model_.dirty, 1);
     return refined;
 }
 
 bool Viewer::renderMoving() {
     Session& session = *model_.session;
     const double pixels = static_cast<double>(session.width()) * session.height();
-    if (!session.renderMoving(pace_.scale(pixels), pace_.depth(static_cast<int>(model_.settings.depth()),
-                                                               pixels, model_.scene->hasGlass)))
-        return false;
+    const int depth = pace_.depth(static_cast<int>(model_.settings.depth()), pixels,
+                                  model_.scene->packed.features.transmission);
+    if (!session.renderMoving(pace_.scale(pixels), depth)) return false;
     const FrameFacts& facts = session.facts();
     // Waiting for the screen is no work, but on a software device presenting is copying.
     const double other = model_.drawSeconds + (device_->info().software ? model_.presentSeconds : 0);
@@ -306,7 +296,7 @@ bool Viewer::renderMoving() {
 
 void Viewer::drawFrame() {
     const Stopwatch drawing;
-    const Canvas& picture = commands_.refreshPicture();
+    const Canvas& picture = refreshPicture(model_);
     if (picture.width == 0) return;
     frame_ = Canvas(model_.left + picture.width, picture.height);
     for (int y = 0; y < picture.height; ++y)
@@ -321,11 +311,6 @@ void Viewer::drawFrame() {
     model_.presentSeconds = presenting.seconds();
     model_.frameSeconds = frameWatch_.seconds();
     frameWatch_.restart();
-    if (std::exchange(moves_, model_.moving()) &&
-        moves_) {  // the first frame after a rest waited for the user
-        model_.frameTimes.push_back(static_cast<float>(model_.frameSeconds * 1e3));
-        if (model_.frameTimes.size() > kFrameTimes) model_.frameTimes.erase(model_.frameTimes.begin());
-    }
     ++frames_;
     model_.dirty = std::max(0, model_.dirty - 1);
     takePanel();
@@ -333,36 +318,35 @@ void Viewer::drawFrame() {
 
 // Applies changes made in the panel.
 void Viewer::takePanel() {
-    commands_.takeSettings();
-    model_.session->wantData(model_.inspects);
+    takeSettings(model_);
     pace_.setTarget(model_.targetSeconds);
     if (const Command wish = std::exchange(model_.wish, nullptr)) {
         model_.history.endStep();
-        commands_.perform(wish);
+        perform(model_, wish);
     }
 }
 
 void Viewer::round() {
-    if (!hasWork()) window_.wait(commands_.hasJobs() ? kJobSeconds : kPollSeconds);
+    if (!hasWork()) window_.wait(model_.busy() ? kJobSeconds : kPollSeconds);
     gatherEvents();
     input_.handle();
     input_.flyOn(roundWatch_.seconds());
     roundWatch_.restart();
-    commands_.noteChanges();
-    commands_.poll();
-    if (interrupted() || commands_.closing()) return;
+    noteChanges(model_);
+    poll(model_);
+    if (interrupted() || model_.closes) return;
     if (window_.minimised()) {
         window_.wait(0.1);
         return;
     }
     if (model_.toasts.expire(model_.clock.seconds())) model_.dirty = std::max(model_.dirty, 2);
-    if (commands_.flashChanged()) model_.dirty = std::max(model_.dirty, 1);
+    if (flashChanged(model_)) model_.dirty = std::max(model_.dirty, 1);
     const bool worked = work();
     const bool due = model_.moving() || !input_.queue().empty() || frameWatch_.seconds() > kRestFrameSeconds;
     const bool draws = restless_ || (model_.dirty > 0 && due);
     if (draws) drawFrame();
     if (!draws && !worked) window_.wait(kBreathSeconds);
-    if (options_.frames > 0 && frames_ >= options_.frames && !model_.isClosing) commands_.askToClose();
+    if (options_.frames > 0 && frames_ >= options_.frames && !model_.isClosing) askToClose(model_);
 }
 
 void Viewer::reportValidation() {
@@ -384,13 +368,13 @@ bool Viewer::step() {
     } catch (const gpu::DeviceLost& lost) {
         recover(lost);
     }
-    return !interrupted() && !commands_.closing();
+    return !interrupted() && !model_.closes;
 }
 
 void Viewer::close() {
     std::string lost;
     try {
-        commands_.close();
+        view::close(model_);
     } catch (const Error& e) {
         lost = e.what();
     }

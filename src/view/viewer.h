@@ -19,7 +19,7 @@ namespace glint::view {
 // Mouse and keyboard: turns events into commands and movements of the camera.
 class Input {
   public:
-    Input(Model& model, Commands& commands, Gui& gui) : m_(model), commands_(commands), gui_(gui) {}
+    Input(Model& model, Gui& gui) : m_(model), gui_(gui) {}
 
     void push(const Event& event);
     const std::deque<Event>& queue() const { return queue_; }
@@ -43,7 +43,6 @@ class Input {
     bool covered() const { return gui_.covers(cursor_.x + m_.left, cursor_.y); }  // by the panel
 
     Model& m_;
-    Commands& commands_;
     Gui& gui_;
     std::deque<Event> queue_;
     glm::dvec2 cursor_{-1}, pressed_{0};  // pixels of the image
@@ -67,7 +66,6 @@ class Viewer {
 
     // For programs that drive the window (tests/view/driver.h).
     Model& model() { return model_; }
-    Commands& commands() { return commands_; }
     Input& input() { return input_; }
     Window& window() { return window_; }
     const Gui& gui() const { return gui_; }
@@ -99,14 +97,12 @@ class Viewer {
     std::unique_ptr<gpu::Device> device_;
     std::unique_ptr<gpu::Swapchain> swapchain_;
     Gui gui_;
-    Commands commands_;
     Input input_;
     Pace pace_;
     Canvas frame_;
     std::vector<std::string> validation_;
     Stopwatch frameWatch_, roundWatch_;
     bool restless_, wasLost_ = false;
-    bool moves_ = false;  // the last frame
     uint64_t frames_ = 0;
 };
 

@@ -166,11 +166,6 @@ void Window::setClipboard(const std::string& text) {
     glfwSetClipboardString(window_, text.c_str());
 }
 
-std::string Window::clipboard() const {
-    const char* text = glfwGetClipboardString(window_);
-    return text == nullptr ? "" : text;
-}
-
 void Window::toggleFullscreen() {
     if (glfwGetWindowMonitor(window_) != nullptr) {
         glfwSetWindowMonitor(window_, nullptr, windowedX_, windowedY_, windowedWidth_, windowedHeight_, 0);

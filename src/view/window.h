@@ -50,7 +50,6 @@ class Window {
     bool minimised() const;
     void setTitle(const std::string& title);
     void setClipboard(const std::string& text);
-    std::string clipboard() const;  // empty if it holds no text
     // The whole screen, or a window again as large as before.
     void toggleFullscreen();
     GLFWwindow* handle() const { return window_; }

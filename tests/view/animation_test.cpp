@@ -38,8 +38,7 @@ TEST_F(Animation, IsSteppedAndScrubbed) {
         "1\nsettle\nprint time\n"
         "hand mousemove @frame keydown ctrl click 1 keyup ctrl\nhand type 12\nhand key "
         "Return\nsettle\nexpect time 0.5\n"
-        "hand mousemove @fps keydown ctrl click 1 keyup ctrl\nhand type 12\nhand key Return\nexpect rate 12\n"
-        "expect time 0.5\nhand mousemove @frame_on click 1\nsettle\nexpect time 0.5833333333333334\nhand "
+        "hand mousemove @frame_on click 1\nsettle\nexpect time 0.5416666666666666\nhand "
         "mousemove "
         "@frame_back click 1\nsettle\nexpect time 0.5\nkey Esc\nwait 4\nidle 0.5\n",
         {"--spp", "1"});

@@ -135,7 +135,7 @@ void Driver::start(const ScriptCommand& command) {
     if (name == "wait") {
         waitFrames(wholeOf(command, 0));
     } else if (name == "settle") {
-        wait_ = [this] { return viewer_.commands().settled(); };
+        wait_ = [this] { return settled(m_); };
     } else if (name == "resize") {
         const PixelSize wanted = {wholeOf(command, 0), wholeOf(command, 1)};
         glfwSetWindowSize(viewer_.window().handle(), wanted.width, wanted.height);  // X11: units are pixels
@@ -151,15 +151,13 @@ void Driver::start(const ScriptCommand& command) {
         };
     } else if (name == "aov") {
         m_.settings.layer = named<ViewLayer>(command.arguments.at(0)).value();
-        viewer_.commands().takeSettings();
+        takeSettings(m_);
     } else if (name == "set") {
         set(command);
     } else if (name == "reload") {
-        wait_ = [this, before = viewer_.commands().reloads()] {
-            return viewer_.commands().reloads() > before;
-        };
+        wait_ = [this, before = m_.reloads] { return m_.reloads > before; };
     } else if (name == "verify") {
-        viewer_.commands().verify();
+        verify(m_);
         wait_ = [this, &command] {
             if (m_.verifying.running()) return false;
             if (!m_.verdictPassed) fail(command, m_.verdict);
@@ -200,7 +198,7 @@ bool Driver::startInput(const ScriptCommand& command) {
         input_.push(press(true));
         input_.push(press(false));
     } else if (name == "press") {
-        const Gui::Place place = placeOf(command, "@" + command.arguments[0]);
+        const glm::dvec2 place = placeOf(command, "@" + command.arguments[0]);
         input_.push(cursorAt(place.x, place.y));
         input_.push({.type = Event::Type::Redraw});
         input_.push(press(true));
@@ -216,12 +214,12 @@ bool Driver::startInput(const ScriptCommand& command) {
     return true;
 }
 
-Gui::Place Driver::placeOf(const ScriptCommand& command, const std::string& word) const {
+glm::dvec2 Driver::placeOf(const ScriptCommand& command, const std::string& word) const {
     double x = 0, y = 0;
     if (std::sscanf(word.c_str(), "@%lf,%lf", &x, &y) == 2) return {m_.left + x, y};
     std::string label = word.substr(1);
     std::replace(label.begin(), label.end(), '_', ' ');
-    const std::optional<Gui::Place> place = viewer_.gui().controlAt(label);
+    const std::optional<glm::dvec2> place = viewer_.gui().controlAt(label);
     if (!place) fail(command, "no control '" + label + "' is to be seen");
     return *place;
 }
@@ -235,7 +233,7 @@ void Driver::startHand(const ScriptCommand& command) {
             words += word;
             continue;
         }
-        const Gui::Place place = placeOf(command, word);
+        const glm::dvec2 place = placeOf(command, word);
         int left = 0, top = 0;
         glfwGetWindowPos(viewer_.window().handle(), &left, &top);
         words +=
@@ -265,10 +263,10 @@ bool Driver::startFile(const ScriptCommand& command) {
             return true;
         };
     } else {
-        viewer_.commands().save(file, name == "save");
+        save(m_, file, name == "save");
         wait_ = [this, &command, file] {
             if (m_.saving.running()) return false;
-            if (!std::filesystem::exists(file)) fail(command, viewer_.commands().lastError());
+            if (!std::filesystem::exists(file)) fail(command, m_.lastError);
             return true;
         };
     }
@@ -318,13 +316,13 @@ void Driver::set(const ScriptCommand& command) {
     } else {
         fail(command, "cannot be set");
     }
-    viewer_.commands().takeSettings();
+    takeSettings(m_);
 }
 
 void Driver::startIdling(double seconds) {
     wait_ = [this, watch = Stopwatch(), frames = viewer_.frames(), rounds = rounds_, seconds]() mutable {
         if (!idles_) {  // the rest begins when there is nothing left to trace
-            if (!m_.session->rested()) return false;
+            if (!m_.session->finished()) return false;
             idles_ = true;
             watch.restart();
             frames = viewer_.frames();

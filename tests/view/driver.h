@@ -32,10 +32,12 @@
 
 #include <functional>
 #include <future>
+#include <glm/vec2.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "view/commands.h"
 #include "view/viewer.h"
 
 namespace glint::view::test {
@@ -78,7 +80,7 @@ class Driver {
     void waitFrames(int frames);
     std::string stateOf(const ScriptCommand& command) const;
     std::string stateOfImage(const ScriptCommand& command) const;
-    Gui::Place placeOf(const ScriptCommand& command, const std::string& word) const;
+    glm::dvec2 placeOf(const ScriptCommand& command, const std::string& word) const;
     [[noreturn]] static void fail(const ScriptCommand& command, const std::string& what);
 
     Viewer& viewer_;

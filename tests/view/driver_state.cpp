@@ -25,17 +25,9 @@ std::string onOffText(bool on) {
 // The part of the image that the panel and other boxes hide, 0..1.
 double covered(Viewer& viewer) {
     const int left = viewer.model().left, width = viewer.frame().width, height = viewer.frame().height;
-    const std::vector<Gui::Rectangle> windows = viewer.gui().windows(true);
     size_t hidden = 0;
     for (int y = 0; y < height; ++y)
-        for (int x = left; x < width; ++x)
-            hidden += std::any_of(windows.begin(), windows.end(),
-                                  [&](const Gui::Rectangle& r) {
-                                      return x >= static_cast<int>(r.x0) && x < static_cast<int>(r.x1) &&
-                                             y >= static_cast<int>(r.y0) && y < static_cast<int>(r.y1);
-                                  })
-                          ? 1
-                          : 0;
+        for (int x = left; x < width; ++x) hidden += viewer.gui().covers(x, y, true) ? 1 : 0;
     return static_cast<double>(hidden) / std::max(1.0, static_cast<double>(width - left) * height);
 }
 
@@ -56,7 +48,7 @@ std::string pixelText(const Model& m) {
                   static_cast<double>(picture.color.at(at.x, at.y, 0)),
                   static_cast<double>(picture.color.at(at.x, at.y, 1)),
                   static_cast<double>(picture.color.at(at.x, at.y, 2)));
-    if (!m.session->hasData()) return line;
+    if (!m.session->ready()) return line;
     const PixelData& data = picture.at(at.x, at.y);
     return line + objectName(m.scene->scene, data.object) + " " + text("%.6g", data.depth);
 }
@@ -76,7 +68,7 @@ std::string Driver::stateOf(const ScriptCommand& command) const {
     if (what == "camera") return cameraJson(camera);
     if (what == "cameras") return cameraNames(m_);
     if (what == "control" && command.arguments.size() > 1) {
-        const Gui::Place place = placeOf(command, "@" + command.arguments[1]);
+        const glm::dvec2 place = placeOf(command, "@" + command.arguments[1]);
         return text("%.0f", place.x - m_.left) + " " + text("%.0f", place.y);
     }
     if (what == "covered") return text("%.3f", covered(viewer_));
@@ -108,7 +100,6 @@ std::string Driver::stateOfImage(const ScriptCommand& command) const {
         return std::to_string(m_.session->width()) + " " + std::to_string(m_.session->height());
     if (what == "pixel") return pixelText(m_);
     if (what == "samples") return std::to_string(m_.session->samples());
-    if (what == "scroll") return text("%.0f", m_.helpScroll);
     if (what == "size") {
         const PixelSize size = viewer_.window().size();
         return std::to_string(size.width) + " " + std::to_string(size.height);
@@ -117,7 +108,6 @@ std::string Driver::stateOfImage(const ScriptCommand& command) const {
     if (what == "time") return m_.time ? describe(*m_.time) : "none";
     if (what == "tip") return viewer_.gui().tip().empty() ? "none" : viewer_.gui().tip();
     if (what == "playing") return onOffText(m_.timeline.playing());
-    if (what == "rate") return text("%g", m_.timeline.rate());
     if (what == "built") return std::to_string(m_.moments->treesBuilt());
     if (what == "tree") return text("%.9g", m_.scene->packed.statistics.sahCost);
     if (what == "tonemap") return std::string(nameOf(m_.display.toneMap));

@@ -43,7 +43,7 @@ TEST_F(Recent, TheLatestComesFirstAndEachOnce) {
     first.add(a);
     first.add(b);
     first.add(file(".") / "a.json");  // the same file
-    EXPECT_EQ(RecentFiles(list_).list(), (std::vector<fs::path>{a, b}));
+    EXPECT_EQ(RecentFiles(list_).list(), (std::vector<std::string>{a, b}));
     struct stat status {};
     ASSERT_EQ(stat(list_.parent_path().c_str(), &status), 0);
     EXPECT_EQ(status.st_mode & 0777, 0700u);
@@ -56,13 +56,13 @@ TEST_F(Recent, OtherWindowsScenesStay) {
     one.add(a);
     two.add(b);
     one.add(c);
-    EXPECT_EQ(one.list(), (std::vector<fs::path>{c, b, a}));
+    EXPECT_EQ(one.list(), (std::vector<std::string>{c, b, a}));
 }
 
 TEST_F(Recent, FilesThatAreGoneAreLeftOutAndTheListIsShort) {
     RecentFiles recent(list_);
     for (int i = 0; i < 20; ++i) recent.add(scene(std::to_string(i) + ".json"));
-    EXPECT_EQ(recent.list().size(), RecentFiles::kMost);
+    EXPECT_EQ(recent.list().size(), Remembered::kMost);
     EXPECT_EQ(recent.list().front(), file("19.json"));
     fs::remove(file("18.json"));
     EXPECT_EQ(RecentFiles(list_).list().at(1), file("17.json"));
@@ -76,20 +76,20 @@ TEST_F(Recent, NothingThatIsThereIsAnError) {
     fs::create_directories(list_.parent_path());
     writeText(list_,
               "relative.json\n\n\xff\xfe\n" + a.string() + "\n" + a.string() + "\n" + file("b").string());
-    EXPECT_EQ(RecentFiles(list_).list(), std::vector<fs::path>{a});
+    EXPECT_EQ(RecentFiles(list_).list(), std::vector<std::string>{a});
     writeText(list_, std::string(5 << 20, '/'));
     EXPECT_TRUE(RecentFiles(list_).list().empty());
     fs::remove(list_);
     fs::create_directories(list_);  // a folder of that name
     RecentFiles stubborn(list_);
     stubborn.add(a);
-    EXPECT_EQ(stubborn.list(), std::vector<fs::path>{a});
+    EXPECT_EQ(stubborn.list(), std::vector<std::string>{a});
     RecentFiles nowhere("/proc/glint/recent");  // where nobody can make anything
     nowhere.add(a);
-    EXPECT_EQ(nowhere.list(), std::vector<fs::path>{a});
+    EXPECT_EQ(nowhere.list(), std::vector<std::string>{a});
     RecentFiles forgetful;
     forgetful.add(a);
-    EXPECT_EQ(forgetful.list(), std::vector<fs::path>{a});
+    EXPECT_EQ(forgetful.list(), std::vector<std::string>{a});
 }
 
 // A hint goes once it has been followed, for later windows too.
@@ -111,7 +111,7 @@ TEST_F(Recent, HintsGoOnceFollowed) {
     Hints closed(state);
     closed.close();
     EXPECT_FALSE(Hints(state).any());
-    writeText(state, "turn nonsense\n\xff");
+    writeText(state, "turn\nnonsense\n\xff");
     EXPECT_TRUE(Hints(state).any());
     EXPECT_FALSE(Hints(state).wanted(Hint::Turn));
     Hints nowhere("/proc/glint/hints");

@@ -1,11 +1,25 @@
 // The window in its surroundings: fine screens, small windows, people who see it first.
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "core/image_io.h"
 #include "support.h"
-#include "x_client.h"
+// X11 defines common words as macros.
+#include <X11/Xatom.h>
+#include <X11/Xlib.h>
 
 namespace glint::view::test::newcomer_test {
+// Sets the resolution that desktops tell programs: the X resource Xft.dpi; 96 is a scale of 1.
+void setDotsPerInch(int dots) {
+    ::Display* const display = XOpenDisplay(nullptr);
+    if (display == nullptr) return;
+    const std::string text = "Xft.dpi:\t" + std::to_string(dots) + "\n";
+    XChangeProperty(display, DefaultRootWindow(display), XA_RESOURCE_MANAGER, XA_STRING, 8, PropModeReplace,
+                    reinterpret_cast<const unsigned char*>(text.data()), static_cast<int>(text.size()));
+    XCloseDisplay(display);
+}
+
 class Newcomer : public FolderTest {
   protected:
     void SetUp() override {

@@ -210,7 +210,6 @@ TEST_F(Shell, ResetsGiveTheFileBack) {
         "3\n"
         "press tracing\nwait 3\npress lights\nset light 0 0.5\nwait 3\npress reset_lights\n"
         "press materials\nset diffuse two 1 1 1\nwait 3\npress reset_materials\nsettle\n"
-        "press sampling\nwait 3\npress adaptive\nwait 3\npress reset_sampling\nwait 3\n"
         "key 5\npress camera\nwait 3\npress scene's\nwait 3\nscreenshot shot.png\n",
         {"--spp", "4"});
     render("scene.json", "rendered.png", {"--spp", "4"});

@@ -160,7 +160,7 @@ void FolderTest::SetUp() {
 }
 
 Ran FolderTest::view(const std::string& script, const std::vector<std::string>& more, int code) {
-    if (!newcomer_) writeState(stateFile("hints"), "turn pick save compare");
+    if (!newcomer_) Hints(stateFile("hints")).close();
     std::vector<std::string> args = {"scene.json", "--size", size_, "--validation"};
     args.insert(args.end(), more.begin(), more.end());
     const Ran ran = runView(args, parseScript(byHand_ ? byHand(script) : script, "script.txt"));
