@@ -123,30 +123,25 @@ TEST_F(LivePathsImageTest, RaysCountedByClassDrawTheSame) {
 
 // ---- what it saves ----
 
-// A parallel camera, a pixel a unit, looks along -z at a mirror that covers the left `columns` of 64 x 64
-// pixels; what it shows is another mirror behind the camera, which shows the first one, and so on.
-Case mirrorsFor(int columns, uint32_t depth) {
+// A parallel camera, a pixel a unit, looks along -z at a mirror that covers the left column of 64 x 64
+// pixels; what it shows is another mirror behind the camera, which shows the first one, and so on. The
+// column's 64 paths, one from each of 8 rows of 8 tiles, fill one workgroup.
+TEST_F(LivePathsImageTest, ScatteredPathsShareAWorkgroup) {
+    constexpr uint32_t kDepth = 3, kAll = 64 * 64;
     Scene scene = emptyScene();
     const uint32_t mirror = addMaterial(scene, Color(0.1), Color(0.5));
-    const double right = -32 + columns, z[] = {0, 10};
-    for (const double at : z) {
-        addTriangle(scene, {-40, -40, at}, {right, -40, at}, {right, 40, at}, mirror);
-        addTriangle(scene, {-40, -40, at}, {right, 40, at}, {-40, 40, at}, mirror);
+    for (const double z : {0.0, 10.0}) {
+        addTriangle(scene, {-40, -40, z}, {-31, -40, z}, {-31, 40, z}, mirror);
+        addTriangle(scene, {-40, -40, z}, {-31, 40, z}, {-40, 40, z}, mirror);
     }
-    scene.maxDepth = static_cast<int>(depth);
+    scene.maxDepth = kDepth;
     scene.camera.projection = Projection::Orthographic;
     aim(scene.camera, {0, 0, 5}, {0, 0, 0}, {0, 1, 0});
     scene.camera.height = 64;
-    return makeCase(scene, 64, 64);
-}
-
-// One column: 64 paths, one from each of 8 rows of 8 tiles, which fill one workgroup.
-TEST_F(LivePathsImageTest, ScatteredPathsShareAWorkgroup) {
-    const uint32_t depth = 3, all = 64 * 64;
-    const Case c = mirrorsFor(1, depth);
+    const Case c = makeCase(scene, 64, 64);
     const Drawn found = drawn(c, settingsOf(c));
-    EXPECT_EQ(found.times.pathRays, all + depth * 64);
-    EXPECT_EQ(found.times.invocations, all + depth * 64);
+    EXPECT_EQ(found.times.pathRays, kAll + kDepth * 64);
+    EXPECT_EQ(found.times.invocations, kAll + kDepth * 64);
 }
 
 }  // namespace glint::render::test::live_paths_test

@@ -1,7 +1,6 @@
 // All traversals (with a stack, without one, packets) find the same hits, to the bit; where packets are
 // chosen.
 #include <cmath>
-#include <cstdio>
 
 #include "core/error.h"
 #include "render/path_limits.h"
@@ -296,7 +295,6 @@ class PacketTest : public WalkTest {
   protected:
     void SetUp() override {
         const gpu::DeviceLimits& limits = device().info().limits;
-        std::printf("    subgroups of %u lanes\n", limits.subgroupSize);
         if (!device().info().llvmpipe && limits.subgroupSize != shared::kPacketWidth)
             GTEST_SKIP() << "packets are " << shared::kPacketWidth << " lanes wide";
         ASSERT_EQ(limits.subgroupSize, shared::kPacketWidth)

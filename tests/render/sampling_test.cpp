@@ -1,6 +1,5 @@
 // Samplers, filters, adaptive sampling and the lens on the device.
 #include <algorithm>
-#include <cmath>
 
 #include "core/device_layout.h"
 #include "pack/pack_samples.h"

@@ -11,12 +11,7 @@ using glm::dvec3;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSize = 96;
 
-class SpotTest : public RenderTest {
-  protected:
-    static double channel(const Picture& picture, int x, int y) {
-        return static_cast<double>(picture.color.at(x, y, 0));
-    }
-};
+class SpotTest : public RenderTest {};
 
 // A white floor seen from straight above, `height` across.
 Scene floorFromAbove(double height) {
@@ -69,9 +64,9 @@ TEST_F(SpotTest, LightsADiscOfTheConesRadius) {
                     expected = std::cos(theta) * s * s * (3 - 2 * s);
                 }
                 if (radius > none) {
-                    EXPECT_EQ(channel(picture, x, y), 0) << radius;
+                    EXPECT_EQ(picture.color.at(x, y, 0), 0) << radius;
                 } else {
-                    EXPECT_NEAR(channel(picture, x, y), expected, lamp.tolerance)
+                    EXPECT_NEAR(picture.color.at(x, y, 0), expected, lamp.tolerance)
                         << radius << " of " << full << " " << none;
                 }
             }
