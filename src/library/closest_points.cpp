@@ -7,9 +7,6 @@ namespace glint::library {
 
 namespace {
 
-// Points as far from the scene's origin or farther, whose squares overflow in fp32, have no closest point.
-constexpr double kFarthestPoint = 1e18;
-
 void requireKinds(const PackedScene& packed) {
     using Kinds = shared::PrimitiveKind;
 #define GLINT_REQUIRE(number, Kind, KINDS, kinds, one, many)                                     \
@@ -24,8 +21,9 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
                   const Context& context) {
     const reference::Model& model = part.tracer().model();
     const auto local = [&](uint64_t i) { return points.three(i) - part.packed.origin; };
+    // Points whose squares overflow in fp32 have no closest point.
     const auto isNear = [](const glm::dvec3& point) {
-        return glm::all(glm::lessThan(glm::abs(point), glm::dvec3(kFarthestPoint)));
+        return glm::all(glm::lessThan(glm::abs(point), glm::dvec3(1e18)));
     };
     const auto write = [&](uint64_t i, const reference::ClosestPoint& closest) {
         LocalRay ray{local(i), glm::dvec3(0, 0, 1)};

@@ -1,20 +1,17 @@
 #include "reference/instance.h"
 
 #include "core/vectors.h"
-#include "reference/numbers.h"
 #include "reference/rounding.h"
+#include "scene/transform.h"
 
 namespace glint::reference {
 
 using glm::dvec3;
 
-InstanceFrame::InstanceFrame(const rows::Instance& instance) : place_(instance.place) {
-    const dvec3 rows[3] = {instance.toObjectX, instance.toObjectY, instance.toObjectZ};
-    toObject_ = glm::transpose(glm::dmat3(rows[0], rows[1], rows[2]));
-    // Cramer's rule: column j of the inverse is the cross product of the other two rows over their volume.
-    const double volume = glm::dot(rows[0], glm::cross(rows[1], rows[2]));
-    for (int j = 0; j < 3; ++j) toWorld_[j] = glm::cross(rows[(j + 1) % 3], rows[(j + 2) % 3]) / volume;
-}
+InstanceFrame::InstanceFrame(const rows::Instance& instance)
+    : toObject_(glm::transpose(glm::dmat3(instance.toObjectX, instance.toObjectY, instance.toObjectZ))),
+      toWorld_(glm::inverse(toObject_)),
+      place_(instance.place) {}
 
 Ray InstanceFrame::enterInstance(const Ray& ray) const {
     Ray inside = ray;

@@ -10,6 +10,7 @@
 #include "core/vectors.h"
 #include "reference/instance.h"
 #include "reference/material.h"
+#include "reference/rounding.h"
 
 namespace glint::reference {
 namespace {
@@ -52,61 +53,46 @@ void smoothTriangle(const Model& scene, const Hit& hit, const InstanceFrame* fra
 // Squares of coordinates stay finite. From farther away, rays cannot resolve a scene in the range of fp32.
 constexpr double kFarthestOrigin = 1e150;
 
-PreparedRay::PreparedRay(const Ray& ray) : ties(ray.ties), slips(ray.slips), noise(ray.noise) {
-    double greatest = 0;
-    bool finite = true;
-    kz = 0;
-    for (int i = 0; i < 3; ++i) {
-        origin[i] = ray.origin[i];
-        direction[i] = ray.direction[i];
-        finite = finite && std::abs(origin[i]) < kFarthestOrigin && std::isfinite(direction[i]);
-        inverse[i] = 1 / direction[i];
-        const bool negative = std::signbit(direction[i]);
-        nearPlane[i] = i + (negative ? 4 : 0);
-        farPlane[i] = i + (negative ? 0 : 4);
-        if (std::abs(direction[i]) > greatest) {
-            greatest = std::abs(direction[i]);
-            kz = i;
-        }
-    }
+PreparedRay::PreparedRay(const Ray& ray)
+    : origin(ray.origin),
+      direction(ray.direction),
+      inverse(1.0 / direction),
+      tMin(std::max(ray.tMin, 0.0)),
+      kz(0),
+      ties(ray.ties),
+      slips(ray.slips),
+      noise(ray.noise) {
+    for (int i = 1; i < 3; ++i)
+        if (std::abs(direction[i]) > std::abs(direction[kz])) kz = i;
     // Below 1e-290 the reciprocal of the direction would overflow; no t that a double holds leads anywhere
     // from there.
-    valid = finite && greatest > 1e-290 && !std::isnan(ray.tMin) && !std::isnan(ray.tMax);
-    tMin = std::max(ray.tMin, 0.0);
+    valid = isFinite(origin) && isFinite(direction) && greatestMagnitude(origin) < kFarthestOrigin &&
+            std::abs(direction[kz]) > 1e-290 && !std::isnan(ray.tMin) && !std::isnan(ray.tMax);
     kx = (kz + 1) % 3;
     ky = (kx + 1) % 3;
     shearX = direction[kx] / direction[kz];
     shearY = direction[ky] / direction[kz];
 }
 
+double heightError(const PreparedRay& ray, const dvec3& n, const dvec3& anchor, double t) {
+    const dvec3 reach = glm::abs(anchor - ray.origin) + glm::abs(t * ray.direction);
+    return kFloatUnit * glm::dot(glm::abs(n), 2.0 * glm::abs(anchor) + ray.slips * 6 * reach);
+}
+
 double slipOfFlat(const PreparedRay& ray, const dvec3& n, const dvec3& anchor, double t) {
     if (!ray.leaves && !ray.ties) return 0;
-    double height = ray.slips * ray.slip, speed = 0;
-    for (int i = 0; i < 3; ++i) {
-        const double reach = std::abs(anchor[i] - ray.origin[i]) + std::abs(t * ray.direction[i]);
-        height += 0x1p-24 * std::abs(n[i]) * (2 * std::abs(anchor[i]) + ray.slips * 6 * reach);
-        speed += n[i] * ray.direction[i];
-    }
-    return height / std::abs(speed);
+    const double height = heightError(ray, n, anchor, t) + ray.slips * ray.slip;
+    return height / std::abs(glm::dot(n, ray.direction));
 }
 
 double errorOfRound(const PreparedRay& ray, const dvec3& spread, const dvec3& anchor, double t, double sums) {
-    double error = ray.slips * 12 * sums;
-    for (int i = 0; i < 3; ++i) {
-        const double reach = std::abs(anchor[i] - ray.origin[i]) + std::abs(t * ray.direction[i]);
-        error += spread[i] * (2 * std::abs(anchor[i]) + ray.slips * 6 * reach);
-    }
-    return 0x1p-24 * error;
+    return heightError(ray, spread, anchor, t) + kFloatUnit * ray.slips * 12 * sums;
 }
 
 double slipOfRound(const PreparedRay& ray, const dvec3& gradient, const dvec3& spread, double error) {
-    double speed = 0, fastest = 0;
-    for (int i = 0; i < 3; ++i) {
-        speed += gradient[i] * ray.direction[i];
-        fastest = std::max(fastest, std::abs(ray.direction[i]));
-    }
-    const double least = 0x1p-11 * greatestMagnitude(spread) * fastest;
-    return error / std::max({std::abs(speed), least, std::numeric_limits<double>::min()});
+    const double speed = std::abs(glm::dot(gradient, ray.direction));
+    const double least = 0x1p-11 * greatestMagnitude(spread) * greatestMagnitude(ray.direction);
+    return error / std::max({speed, least, std::numeric_limits<double>::min()});
 }
 
 Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
@@ -118,10 +104,8 @@ Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
     if (hit.instance != shared::kNone) frame.emplace(scene_.instances[hit.instance]);
     const Ray ray = frame ? frame->enterInstance(worldRay) : worldRay;
     const dvec3 point = ray.origin + hit.t * ray.direction;
-    double reach = 0;
     visitHit(scene_, hit.primitive, [&](const auto& primitive) {
-        surfaceOf(primitive, {scene_, ray, hit, point}, surface);
-        reach = reachOf(scene_, methods(), primitive);
+        surfaceOf(primitive, {scene_, methods(), ray, hit, point}, surface);
     });
     if (frame) {
         surface.error = frame->errorInWorld(surface.position, surface.error);
@@ -129,9 +113,9 @@ Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
         surface.geometricNormal = frame->normalInWorld(surface.geometricNormal);
         surface.shadingNormal = surface.geometricNormal;
         surface.bend *= frame->stretch();
-        reach = frame->scaleInWorld(reach);
+        surface.scale = frame->scaleInWorld(surface.scale);
     }
-    surface.scale = std::max(greatestMagnitude(surface.position), reach);
+    surface.scale = std::max(greatestMagnitude(surface.position), surface.scale);
     if (isTriangle) {
         smoothTriangle(scene_, hit, frame ? &*frame : nullptr, surface);
         triangleAttributes(scene_, hit, surface);

@@ -20,15 +20,11 @@ namespace glint::reference {
 
 // Values of a ray that every test needs, computed once.
 struct PreparedRay {
-    double origin[3];
-    double direction[3];
-    double inverse[3];  // 1 / direction; an infinity of the same sign for a zero
-    double tMin;        // >= 0
-    int kx, ky, kz;     // kz: the axis along which the direction is greatest
+    glm::dvec3 origin, direction;
+    glm::dvec3 inverse;  // 1 / direction; an infinity of the same sign for a zero
+    double tMin;         // >= 0
+    int kx, ky, kz;      // kz: the axis along which the direction is greatest
     double shearX, shearY;
-    // Offset, in floats from the start of a node, of the nearer and farther plane of each axis of its first
-    // box.
-    int nearPlane[3], farPlane[3];
     bool valid;           // false: the ray misses everything
     bool leaves = false;  // it starts on a surface
     bool ties;            // Ray::ties
@@ -53,6 +49,8 @@ struct Root {
 // A part of it is the rounding of coordinates, which makes the planes differ. The rest is the arithmetic of
 // the test; PreparedRay::slips scales it.
 double slipOfFlat(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t);
+// Its height, without what an instance adds: u sum |n_i| (2 |a_i| + 6 |a_i - o_i| + 6 |t d_i|).
+double heightError(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t);
 // How far the equations of round surfaces in one place may differ at t. spread: the magnitudes that the
 // gradient sums; sums: those that the equation sums.
 double errorOfRound(const PreparedRay& ray, const glm::dvec3& spread, const glm::dvec3& anchor, double t,
@@ -95,6 +93,7 @@ inline bool accept(Extended t, double slip, const RayTest& test, Root& root) {
 // A hit point to describe, in the coordinates of the primitive.
 struct Place {
     const Model& scene;
+    const Methods& methods;
     const Ray& ray;
     const Hit& hit;
     glm::dvec3 point;  // origin + t direction
@@ -104,20 +103,13 @@ struct Place {
 };
 
 // intersect: the closest hit within (ray.tMin, tMax], without the point of its source where the ray starts.
-// surfaceOf: position, moved onto the surface, normals, and uv if the primitive defines them.
-// reachOf: the greatest magnitude among the coordinates that a hit point on it is computed from.
-#define GLINT_PRIMITIVE(number, Kind, KINDS, kinds, one, many)                         \
-    bool intersect(const rows::Kind& primitive, const RayTest& test, Root& root);      \
-    void surfaceOf(const rows::Kind& primitive, const Place& place, Surface& surface); \
-    double reachOf(const Model& scene, const Methods& methods, const rows::Kind& primitive);
+// surfaceOf: position, moved onto the surface, normals, scale (the greatest magnitude among the coordinates
+// that the position is computed from), and uv if the primitive defines them.
+#define GLINT_PRIMITIVE(number, Kind, KINDS, kinds, one, many)                    \
+    bool intersect(const rows::Kind& primitive, const RayTest& test, Root& root); \
+    void surfaceOf(const rows::Kind& primitive, const Place& place, Surface& surface);
 GLINT_PRIMITIVES(GLINT_PRIMITIVE, GLINT_NO_KIND)
 #undef GLINT_PRIMITIVE
-
-// The textbooks' tests, in double, which the shader can use instead of the sound tests (Methods).
-bool textbookTriangle(const rows::Triangle& triangle, const RayTest& test, Root& root);
-bool textbookSphere(const rows::Sphere& sphere, const RayTest& test, Root& root);
-// Fills root.t and root.slip. True if the sphere at t counts for the ray.
-bool acceptSphere(Extended t, const rows::Sphere& sphere, const RayTest& test, Root& root);
 
 // ---- Triangles: the filter is inline because it takes most of the time.
 
@@ -145,12 +137,12 @@ inline bool isOwnTriangle(const RayTest& test, uint32_t id) {
 // S^2 <= 16 u S (S + Z), to first order; 20 covers the rest.
 inline bool intersect(const rows::Triangle& triangle, const RayTest& test, Root& root) {
     if (isOwnTriangle(test, triangle.id)) return false;
-    if (test.methods.triangles != TriangleMethod::Watertight) return textbookTriangle(triangle, test, root);
     const PreparedRay& ray = test.ray;
+    const double* o = glm::value_ptr(ray.origin);
     const double* v0 = glm::value_ptr(triangle.v0);
     const double* v1 = glm::value_ptr(triangle.v1);
     const double* v2 = glm::value_ptr(triangle.v2);
-    const double ox = ray.origin[ray.kx], oy = ray.origin[ray.ky], oz = ray.origin[ray.kz];
+    const double ox = o[ray.kx], oy = o[ray.ky], oz = o[ray.kz];
     const double az = v0[ray.kz] - oz, bz = v1[ray.kz] - oz, cz = v2[ray.kz] - oz;
     const double ax = (v0[ray.kx] - ox) - ray.shearX * az, ay = (v0[ray.ky] - oy) - ray.shearY * az;
     const double bx = (v1[ray.kx] - ox) - ray.shearX * bz, by = (v1[ray.ky] - oy) - ray.shearY * bz;

@@ -44,40 +44,34 @@ double sound(double coordinate) {
     return std::abs(coordinate) <= static_cast<double>(shared::kMaxTextureCoordinate) ? coordinate : 0.0;
 }
 
-class ImageSampler {
-  public:
-    ImageSampler(const Model& scene, const rows::Texture& image) : scene_(scene), image_(image) {}
+dvec4 texelAt(const Model& scene, const rows::Texture& image, int64_t i, int64_t j) {
+    const int64_t column = wrapIndex(i, image.width, image.flags & shared::kTextureWrapMask);
+    const int64_t row =
+        wrapIndex(j, image.height, image.flags >> shared::kTextureWrapVShift & shared::kTextureWrapMask);
+    const auto index =
+        image.firstTexel + static_cast<size_t>(row) * image.width + static_cast<size_t>(column);
+    const shared::Texel& t = (*scene.texels)[index];
+    return {dvec3(t.color), t.alpha};
+}
 
-    dvec4 operator()(const dvec2& uv) const {
-        const double x = sound(uv.x) * image_.width, y = (1 - sound(uv.y)) * image_.height;
-        if (image_.flags & shared::kTextureNearest)
-            return texel(static_cast<int64_t>(std::floor(x)), nearestRow(y));
-        // A texel weighs by how near its centre is, and not from a distance of 1 on.
-        const auto left = static_cast<int64_t>(std::floor(x - 0.5));
-        const auto top = static_cast<int64_t>(std::floor(y - 0.5));
-        dvec4 sum(0);
-        for (int64_t j = top; j <= top + 1; ++j)
-            for (int64_t i = left; i <= left + 1; ++i) sum += nearness(x, i) * nearness(y, j) * texel(i, j);
-        return sum;
-    }
-
-  private:
+dvec4 imageAt(const Model& scene, const rows::Texture& image, const dvec2& uv) {
+    const double x = sound(uv.x) * image.width, y = (1 - sound(uv.y)) * image.height;
     // v = 0 belongs to the lowest row, as u = 0 to the leftmost column.
-    int64_t nearestRow(double y) const { return static_cast<int64_t>(std::ceil(y)) - 1; }
-    static double nearness(double x, int64_t i) { return 1 - std::abs(x - (static_cast<double>(i) + 0.5)); }
-    dvec4 texel(int64_t i, int64_t j) const {
-        const int64_t column = wrapIndex(i, image_.width, image_.flags & shared::kTextureWrapMask);
-        const int64_t row = wrapIndex(j, image_.height,
-                                      image_.flags >> shared::kTextureWrapVShift & shared::kTextureWrapMask);
-        const auto index =
-            image_.firstTexel + static_cast<size_t>(row) * image_.width + static_cast<size_t>(column);
-        const shared::Texel& t = (*scene_.texels)[index];
-        return {dvec3(t.color), t.alpha};
-    }
-
-    const Model& scene_;
-    const rows::Texture& image_;
-};
+    if (image.flags & shared::kTextureNearest)
+        return texelAt(scene, image, static_cast<int64_t>(std::floor(x)),
+                       static_cast<int64_t>(std::ceil(y)) - 1);
+    // A texel weighs by how near its centre is, and not from a distance of 1 on.
+    const auto nearness = [](double at, int64_t texel) {
+        return 1 - std::abs(at - (static_cast<double>(texel) + 0.5));
+    };
+    const auto left = static_cast<int64_t>(std::floor(x - 0.5));
+    const auto top = static_cast<int64_t>(std::floor(y - 0.5));
+    dvec4 sum(0);
+    for (int64_t j = top; j <= top + 1; ++j)
+        for (int64_t i = left; i <= left + 1; ++i)
+            sum += nearness(x, i) * nearness(y, j) * texelAt(scene, image, i, j);
+    return sum;
+}
 
 bool isOdd(double cell) {
     return std::fmod(std::abs(std::floor(cell)), 2) == 1;
@@ -88,7 +82,7 @@ bool isOdd(double cell) {
 dvec4 textureAt(const Model& scene, const rows::Texture& texture, const dvec2& uv, const dvec3& position,
                 uint32_t object) {
     const dvec2 st = uv * dvec2(texture.scaleU, texture.scaleV) + dvec2(texture.place);
-    if (!(texture.flags & shared::kTextureChecker)) return ImageSampler(scene, texture)(st);
+    if (!(texture.flags & shared::kTextureChecker)) return imageAt(scene, texture, st);
     bool odd = isOdd(st.x) != isOdd(st.y);
     if (texture.flags & shared::kTextureSolid) {
         const rows::ObjectFrame& f = scene.objectFrames[object];

@@ -3,7 +3,7 @@
 #include <bit>
 
 #include "pack/packed_scene.h"
-#include "reference/ray_mover.h"
+#include "reference/numbers.h"
 
 namespace glint::reference {
 

@@ -25,11 +25,12 @@ using glm::dvec3;
 using Wide = glm::vec<3, Extended>;
 
 // The closest point of a triangle, with its u and v alone: the nearest of the closest points of its edges, or
-// the foot of the perpendicular where that lies inside (barycentric coordinates: Ericson, Real-Time Collision
-// Detection, 2005, sec. 5.1.5). Of a needle rounding decides where it lies, but the edges' points stay close.
+// the foot of the perpendicular where that lies inside (barycentric coordinates: Heidrich, "Computing the
+// Barycentric Coordinates of a Projected Point", JGT 10(3), 2005). Of a needle rounding decides where it
+// lies, but the edges' points stay close.
 ClosestPoint closestOnTriangle(const dvec3& point, const dvec3& a, const dvec3& b, const dvec3& c) {
     const Wide ab = Wide(b) - Wide(a), ac = Wide(c) - Wide(a), bc = Wide(c) - Wide(b);
-    const Wide fromA = Wide(point) - Wide(a), fromB = Wide(point) - Wide(b), fromC = Wide(point) - Wide(c);
+    const Wide fromA = Wide(point) - Wide(a), fromB = Wide(point) - Wide(b), normal = glm::cross(ab, ac);
     const auto along = [](const Wide& from, const Wide& edge) {
         const Extended square = glm::dot(edge, edge);
         return square > 0 ? glm::clamp(glm::dot(from, edge) / square, Extended{0}, Extended{1}) : Extended{0};
@@ -46,19 +47,11 @@ ClosestPoint closestOnTriangle(const dvec3& point, const dvec3& a, const dvec3& 
     offer(0, along(fromA, ac));
     const Extended w = along(fromB, bc);
     offer(1 - w, w);
-    const Extended d1 = glm::dot(ab, fromA), d2 = glm::dot(ac, fromA), d3 = glm::dot(ab, fromB),
-                   d4 = glm::dot(ac, fromB), d5 = glm::dot(ab, fromC), d6 = glm::dot(ac, fromC);
-    const Extended va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-    if (va > 0 && vb > 0 && vc > 0) offer(vb / (va + vb + vc), vc / (va + vb + vc));
+    const Extended square = glm::dot(normal, normal);
+    const Extended footU = glm::dot(glm::cross(fromA, ac), normal),
+                   footV = glm::dot(glm::cross(ab, fromA), normal);
+    if (footU > 0 && footV > 0 && footU + footV < square) offer(footU / square, footV / square);
     return {{.u = static_cast<double>(u), .v = static_cast<double>(v)}, dvec3(Wide(a) + u * ab + v * ac)};
-}
-
-// In extended precision, as the centre may lie far from the point.
-dvec3 closestOnSphere(const rows::Sphere& sphere, const dvec3& point) {
-    const Wide center = Wide(sphere.point) - Extended{sphere.radius} * Wide(sphere.anchorNormal);
-    const Wide away = Wide(point) - center;
-    const Extended length = glm::length(away);
-    return dvec3(center + Extended{sphere.radius} * (length > 0 ? away / length : Wide(0, 0, 1)));
 }
 
 // Replaces `best` by a closer point of the tree below `root`, which is that of an instance or of the world.
@@ -159,8 +152,13 @@ ClosestPoint closestPointOn(const Model& model, uint32_t primitive, uint32_t ins
     const uint32_t index = primitive & shared::kPrimitiveIndexMask;
     ClosestPoint closest;
     if (kindOfPrimitive(primitive) == shared::PrimitiveKind::Sphere) {
-        closest.point = closestOnSphere(model.spheres[index], point);
-        closest.hit.id = model.spheres[index].id;
+        const rows::Sphere& sphere = model.spheres[index];
+        const Wide center = Wide(sphere.point) - Extended{sphere.radius} * Wide(sphere.anchorNormal);
+        const Wide away = Wide(point) - center;
+        const Extended length = glm::length(away);
+        closest.point =
+            dvec3(center + Extended{sphere.radius} * (length > 0 ? away / length : Wide(0, 0, 1)));
+        closest.hit.id = sphere.id;
     } else {
         rows::Triangle triangle = model.triangles[index];
         if (instance != shared::kNone) {

@@ -50,48 +50,35 @@ TreeLosses lossesOf(const TreeLosses& pixel, double taken) {
     return losses;
 }
 
-// Fills the pictures' rows, which any thread may do.
-class RowRenderer {
-  public:
-    RowRenderer(const Tracer& tracer, const rows::Camera& camera, const PackedSamples& samples,
-                Picture& picture)
-        : tracer_(tracer), camera_(camera), samples_(samples), picture_(picture) {}
-
-    // Everything but colour, alpha and the losses comes from the first sample.
-    TreeLosses pixel(int x, int y) const {
-        const size_t index = picture_.indexOf(x, y);
-        dvec3 color(0);
-        double alpha = 0;
-        TreeLosses lost;
-        std::vector<dvec3> colors;  // of an adaptive pixel
-        uint32_t taken = 0;
-        while (taken < samples_.count()) {
-            const auto [weight, ray] = pixelSample(tracer_, camera_, samples_, taken, x, y);
-            const PixelRecord record = tracer_.trace(ray);
-            color += weight * record.color;
-            alpha += weight * record.alpha;
-            lost.add(record.lost);
-            if (taken == 0 && !picture_.data.empty())
-                picture_.data[index] = dataOf(tracer_.model().origin, record);
-            ++taken;
-            if (!samples_.threshold) continue;
-            colors.push_back(record.color);
-            if (taken % samples_.round == 0 && !needsMore(colors, *samples_.threshold)) break;
-        }
-        const double count = std::max(taken, 1u);
-        const glm::dvec4 mean(color / count, alpha / count);
-        for (int c = 0; c < 4; ++c) picture_.color.pixels[index * 4 + c] = static_cast<float>(mean[c]);
-        if (!picture_.exact.empty()) picture_.exact[index] = mean;
-        if (!picture_.samples.empty()) picture_.samples[index] = taken;
-        return lossesOf(lost, count);
+// Fills a pixel, which any thread may do. Everything but colour, alpha and the losses comes from the first
+// sample.
+TreeLosses renderPixel(const Tracer& tracer, const rows::Camera& camera, const PackedSamples& samples, int x,
+                       int y, Picture& picture) {
+    const size_t index = picture.indexOf(x, y);
+    dvec3 color(0);
+    double alpha = 0;
+    TreeLosses lost;
+    std::vector<dvec3> colors;  // of an adaptive pixel
+    uint32_t taken = 0;
+    while (taken < samples.count()) {
+        const auto [weight, ray] = pixelSample(tracer, camera, samples, taken, x, y);
+        const PixelRecord record = tracer.trace(ray);
+        color += weight * record.color;
+        alpha += weight * record.alpha;
+        lost.add(record.lost);
+        if (taken == 0 && !picture.data.empty()) picture.data[index] = dataOf(tracer.model().origin, record);
+        ++taken;
+        if (!samples.threshold) continue;
+        colors.push_back(record.color);
+        if (taken % samples.round == 0 && !needsMore(colors, *samples.threshold)) break;
     }
-
-  private:
-    const Tracer& tracer_;
-    const rows::Camera& camera_;
-    const PackedSamples& samples_;
-    Picture& picture_;
-};
+    const double count = std::max(taken, 1u);
+    const glm::dvec4 mean(color / count, alpha / count);
+    for (int c = 0; c < 4; ++c) picture.color.pixels[index * 4 + c] = static_cast<float>(mean[c]);
+    if (!picture.exact.empty()) picture.exact[index] = mean;
+    if (!picture.samples.empty()) picture.samples[index] = taken;
+    return lossesOf(lost, count);
+}
 
 // Clears a row that a cancelled render had begun.
 void clearRow(Picture& picture, int y) {
@@ -129,7 +116,6 @@ Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& 
     Picture picture = blankPicture(request);
     const Region region = picture.region;
     if (region.width() == 0) return picture;
-    const RowRenderer renderer(tracer, camera, request.samples, picture);
     std::vector<TreeLosses> rows(static_cast<size_t>(region.height()));
     std::atomic<bool> stop{false};
     std::mutex progressMutex;
@@ -140,7 +126,7 @@ Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& 
             const bool poll = (x - region.x0) % kPixelsPerPoll == 0;
             if (poll && request.cancelled && !stop && request.cancelled()) stop = true;
             if (stop) return;
-            rows[row].add(renderer.pixel(x, y));
+            rows[row].add(renderPixel(tracer, camera, request.samples, x, y, picture));
         }
         std::fill_n(picture.done.begin() + static_cast<std::ptrdiff_t>(picture.indexOf(region.x0, y)),
                     region.width(), uint8_t{1});

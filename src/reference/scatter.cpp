@@ -28,10 +28,6 @@ uint32_t rulingMedium(const Model& scene, const Media& media) {
     return found == media.rend() ? 0 : *found;
 }
 
-double iorOf(const Model& scene, uint32_t medium) {
-    return medium == 0 ? 1.0 : scene.optics[medium - 1].ior;
-}
-
 dvec3 attenuationOf(const Model& scene, uint32_t medium) {
     return medium == 0 ? dvec3(0) : scene.optics[medium - 1].attenuation;
 }
@@ -186,24 +182,21 @@ Reflection evaluate(const Interaction& at, const dvec3& l, double turn) {
     return result;
 }
 
-dvec3 mirrored(const Interaction& at) {
-    const dvec3 d = -at.view;
-    dvec3 r = d - 2 * glm::dot(d, at.s) * at.s;
-    if (glm::dot(r, at.n) <= 0) r = d - 2 * glm::dot(d, at.n) * at.n;
-    return glm::normalize(r);
-}
-
 Scattering scatteringAt(const Model& scene, const Interaction& at) {
     const bool dielectric = at.material.medium != 0;
-    const double ratio = iorOf(scene, at.crossing.mediumBefore) / iorOf(scene, at.crossing.mediumAfter);
+    const auto iorOf = [&](uint32_t medium) { return medium == 0 ? 1.0 : scene.optics[medium - 1].ior; };
+    const double ratio = iorOf(at.crossing.mediumBefore) / iorOf(at.crossing.mediumAfter);
     const bool splits = dielectric && at.crossing.counts && ratio != 1;
     const dvec3 d = -at.view;
     Split split;
     split.refracted = d;
+    // About the shading normal, or about the geometric one where that would lead below the surface.
+    split.reflected = glm::reflect(d, at.s);
+    if (glm::dot(split.reflected, at.n) <= 0) split.reflected = glm::reflect(d, at.n);
     if (splits) split = splitAt(d, at.n, at.s, ratio);
     Scattering s;
     s.reflects = at.crossing.counts && (splits || at.material.mirror != glm::dvec3(0));
-    s.reflected = splits ? split.reflected : mirrored(at);
+    s.reflected = glm::normalize(split.reflected);
     s.reflectedWeight = glm::min(at.material.mirror + split.reflectance, dvec3(1));
     s.refracts = dielectric && !split.total;
     s.refracted = split.refracted;

@@ -16,7 +16,6 @@ Media mediaAtEye(const rows::Environment& environment);
 // The one that counts: of the greatest priority the one entered last. 0, air, of none.
 uint32_t rulingMedium(const Model& scene, const Media& media);
 
-double iorOf(const Model& scene, uint32_t medium);
 glm::dvec3 attenuationOf(const Model& scene, uint32_t medium);
 
 // Transmittance of a path of `length` through a medium, by Beer's law.
@@ -99,9 +98,6 @@ struct Reflection {
 Reflection evaluate(const Interaction& at, const glm::dvec3& toLight, double turn);
 
 // ---- Rays that go on
-
-// The mirrored direction, unit.
-glm::dvec3 mirrored(const Interaction& at);
 
 // A reflected ray, on the ray's side of the surface, and a refracted one, on the other. Directions are unit
 // vectors; what the rays bring counts by their weights.

@@ -8,7 +8,7 @@
 #include "core/vectors.h"
 #include "reference/intersect.h"
 #include "reference/material.h"
-#include "reference/ray_mover.h"
+#include "reference/numbers.h"
 #include "reference/rounding.h"
 #include "reference/scatter.h"
 #include "reference/tracer.h"
@@ -17,6 +17,51 @@ namespace glint::reference {
 namespace {
 
 using glm::dvec3;
+
+// Moves rays as struct Jitter says.
+class RayMover {
+  public:
+    explicit RayMover(const Jitter& jitter)
+        : state_(jitter.seed),
+          step_(jitter.ulps * 0x1p-24),
+          formulas_(jitter.formulas),
+          slips_(jitter.slips),
+          units_(jitter.clears ? jitter.ulps : (slips_ > 1 ? slips_ : 0)) {}
+
+    void move(Ray& ray, double scale) {
+        if (step_ == 0) return;
+        if (formulas_) ray.noise = {state_, step_};
+        for (int i = 0; i < 3; ++i) ray.origin[i] += step_ * scale * next();
+        turn(ray.direction, ray.directionScale);
+    }
+
+    void turn(glm::dvec3& direction, double scale) {
+        if (step_ == 0) return;
+        const double length = scale * glm::length(direction);
+        for (int i = 0; i < 3; ++i) direction[i] += step_ * length * next();
+    }
+
+    // How far from its surface a ray begins, where the device's begin as far as `clearance`.
+    double cleared(double clearance) const { return units_ * clearance; }
+
+    double slips() const { return slips_; }
+
+    bool moves() const { return step_ != 0; }
+    double shift(double scale) { return step_ == 0 ? 0 : step_ * scale * next(); }
+    // Something that has gone through `roundings`.
+    double sway(double value, double roundings) {
+        return step_ == 0 ? value : value * (1 + roundings * step_ * next());
+    }
+
+  private:
+    double next() { return uniform(state_); }
+
+    uint64_t state_;
+    double step_;
+    bool formulas_;
+    double slips_;  // Jitter::slips
+    double units_;  // of clearances
+};
 
 // One camera ray followed to its end.
 class PathTracer {
@@ -187,14 +232,17 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     }
     std::vector<Hit> hits = tracer_.allHits(ray, at.source, &record_.cost);
     count(RayClass::Shadow, before);
-    dvec3 left(1), sigma(0), fade(0);
-    for (uint32_t medium : at.crossing.before) sigma += attenuationOf(scene_, medium);
-    std::vector<dvec3> change;
-    double ends = at.scale * greatestMagnitude(sigma);
     // Opaque surfaces block with their edges too.
     for (const Hit& hit : hits)
         if (scene_.materials[tracer_.surfaceAt(ray, hit).material].medium == 0) return std::nullopt;
     std::erase_if(hits, [&](const Hit& hit) { return !tracer_.crosses(ray, hit); });
+    dvec3 sigma(0), left(1);
+    for (uint32_t medium : at.crossing.before) sigma += attenuationOf(scene_, medium);
+    // A medium that is entered at t is left at the light, and counts for 1 - t of the way. Infinitely far
+    // away there is none: what is left at t has counted from the start.
+    dvec3 fade = directional ? dvec3(0) : sigma;
+    double terms = 0, ends = at.scale * greatestMagnitude(sigma);
+    const double length = glm::length(ray.direction);
     bool leaves = false;
     for (size_t i = 0; i < hits.size(); ++i) {
         const Hit& hit = hits[i];
@@ -205,23 +253,11 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
         // Twice the same: a line that touches, where the cosine's sign is rounding's.
         const bool again = i > 0 && hit == hits[i - 1];
         leaves = again ? !leaves : glm::dot(surface.geometricNormal, ray.direction) > 0;
-        change.push_back((leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium));
-        ends += surface.scale * greatestMagnitude(change.back());
+        const dvec3 change = (leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium);
+        fade += (directional ? -hit.t : 1 - hit.t) * change;
+        terms += 1 + greatestMagnitude(change) * length * std::max(hit.t, std::abs(1 - hit.t));
+        ends += surface.scale * greatestMagnitude(change);
     }
-    if (directional) {
-        // Infinitely far away there is no medium, so what the ray starts in is what it leaves.
-        sigma = dvec3(0);
-        for (const dvec3& c : change) sigma -= c;
-    }
-    double from = 0, terms = 0;
-    const double length = glm::length(ray.direction);
-    for (size_t i = 0; i < hits.size(); ++i) {
-        terms += 1 + greatestMagnitude(change[i]) * length * std::max(hits[i].t, std::abs(1 - hits[i].t));
-        fade += (hits[i].t - from) * sigma;
-        sigma += change[i];
-        from = hits[i].t;
-    }
-    if (!directional) fade += (1 - from) * sigma;
     terms += length * greatestMagnitude(fade);
     return Passed{glm::min(left * glm::exp(-length * fade), dvec3(1)), terms, ends};
 }

@@ -23,7 +23,7 @@
 
 namespace glint::reference {
 
-// Random error within the bound of a textbook sphere test's formula (textbook.cpp); none for step 0.
+// Random error within the bound of a textbook sphere test's formula (primitives/sphere.cpp); none for step 0.
 struct FormulaNoise {
     uint64_t seed = 0;
     double step = 0;
@@ -195,7 +195,8 @@ struct Step {
 class Tracer {
   public:
     // Traces the rounded scene, whose arrays are widened here; use one tracer for many rays. The scene must
-    // outlive the tracer. Methods::slabs and Methods::offsets concern only the device.
+    // outlive the tracer. Methods choose the device's tests. The reference has tests of its own, and needs
+    // the choice for the errors of textbook tests (Jitter::formulas) and for how these count crossings.
     explicit Tracer(const PackedScene& scene, const Tracing& tracing = {});
     // Traces any model. radianceBound: cuts branches (radianceBoundOf).
     Tracer(std::shared_ptr<const Model> model, const Tracing& tracing, double radianceBound);

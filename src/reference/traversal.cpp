@@ -30,11 +30,12 @@ constexpr double kCullPad = 1 + 0x1p-30;
 // Entry t into the box of a child (0 or 1) of a node; NaN-free. A comparison with NaN is false, so a plane
 // that a parallel ray runs in (0 * inf) constrains nothing: boxes are closed.
 inline double enterBox(const rows::Node& node, int child, const PreparedRay& ray, double limit) {
-    const double* box = reinterpret_cast<const double*>(&node) + 8 * child;
+    const glm::dvec3 &lo = loOf(node, child), &hi = hiOf(node, child);
     double tNear = ray.tMin * (2 - kCullPad), tFar = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
-        const double t0 = (box[ray.nearPlane[i]] - ray.origin[i]) * ray.inverse[i];
-        const double t1 = (box[ray.farPlane[i]] - ray.origin[i]) * ray.inverse[i];
+        const bool isDown = ray.inverse[i] < 0;
+        const double t0 = ((isDown ? hi : lo)[i] - ray.origin[i]) * ray.inverse[i];
+        const double t1 = ((isDown ? lo : hi)[i] - ray.origin[i]) * ray.inverse[i];
         tNear = t0 > tNear ? t0 : tNear;
         tFar = t1 < tFar ? t1 : tFar;
     }

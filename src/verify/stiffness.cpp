@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "reference/ray_mover.h"
+#include "reference/numbers.h"
 #include "reference/sampling.h"
 
 namespace glint::verify {

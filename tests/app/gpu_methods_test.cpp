@@ -77,7 +77,7 @@ TEST_F(Methods, ExerciseTwoTheTriangle) {
     }
 }
 
-TEST_F(Methods, VerifyHoldsEachAgainstItsOwnReference) {
+TEST_F(Methods, VerifyHoldsEachAgainstTheReference) {
     writeSmallScene("a.json");
     for (const Words& choice :
          {Words{"barycentric", "algebraic"}, {"projection", "geometric"}, {"planar3d", "robust"}}) {

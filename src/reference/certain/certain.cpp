@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "core/vectors.h"
 #include "pack/primitives.h"
 #include "pack/scene_arrays.h"
 #include "reference/certain/decide.h"
-#include "reference/numbers.h"
 #include "reference/rounding.h"
 #include "reference/traverse.h"
 #include "scene/transform.h"
@@ -159,6 +157,9 @@ class Search {
     // A triangle or plane.
     void flat(uint32_t primitive, uint32_t instance, uint32_t material) {
         const ExactSurface surface = exactly(primitive, instance);
+        const auto isKnown = [&](const Contender& c) { return c.id == surface.id; };
+        // Split triangles stand in the tree more than once.
+        if (packed_.features.splitTriangles && std::ranges::any_of(contenders_, isKnown)) return;
         if (const auto span = ray_.span(surface))
             add({*span, primitive, instance, surface.id, true}, material);
     }
@@ -213,27 +214,11 @@ class Search {
         contenders_.push_back(contender);
     }
 
-    // Split triangles stand in the tree more than once.
-    void dropTwins() {
-        const auto key = [](const Contender& c) {
-            return std::tuple(c.primitive >> shared::kPrimitiveKindShift, c.id);
-        };
-        std::sort(contenders_.begin(), contenders_.end(),
-                  [&](const Contender& a, const Contender& b) { return key(a) < key(b); });
-        const auto twins = [&](const Contender& a, const Contender& b) {
-            return key(a) == key(b) && a.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle;
-        };
-        contenders_.erase(std::unique(contenders_.begin(), contenders_.end(), twins), contenders_.end());
-    }
-
     Answer decide() {
         std::erase_if(contenders_, [&](const Contender& c) { return c.span.lower > end_; });
-        if (packed_.features.splitTriangles && contenders_.size() > 1) dropTwins();
         if (contenders_.empty()) return miss();
         if (contenders_.size() == 1 && contenders_[0].span.met) return sure(contenders_[0]);
-        const bool exact =
-            std::all_of(contenders_.begin(), contenders_.end(), [](const Contender& c) { return c.exact; });
-        if (exact) return decideExactly();
+        if (std::ranges::all_of(contenders_, &Contender::exact)) return decideExactly();
         Answer answer;
         answer.lower = answer.upper = kInfinity;
         for (const Contender& c : contenders_) {

@@ -5,6 +5,7 @@
 #include "core/vectors.h"
 #include "reference/certain/decide.h"
 #include "reference/numbers.h"
+#include "scene/transform.h"
 
 namespace glint::reference::certain {
 

@@ -14,31 +14,16 @@ using glm::dvec3;
 // An edge belongs to both of its faces, though the point that is found there errs by some roundings.
 constexpr double kEdgeSlack = 0x1p-58;
 
-struct Sum {
-    Extended value = 0, terms = 0;  // and the magnitudes that it is made of
-};
-
-// n.(v - p)
-Sum along(const dvec3& n, const double (&v)[3], const dvec3& p) {
-    Sum sum;
-    for (int i = 0; i < 3; ++i) {
-        const Extended term =
-            static_cast<Extended>(n[i]) * (static_cast<Extended>(v[i]) - static_cast<Extended>(p[i]));
-        sum.value += term;
-        sum.terms += std::abs(term);
-    }
-    return sum;
-}
-
 // A ray in distances from the box's point along the normals of its faces.
 struct Seen {
-    Sum o[3], d[3];
+    Sum<Extended> o[3], d[3];
 
     Seen(const rows::Cuboid& c, const PreparedRay& ray) {
         const dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
         for (int i = 0; i < 3; ++i) {
-            o[i] = along(normals[i], ray.origin, c.point);
-            d[i] = along(normals[i], ray.direction, dvec3(0));
+            const auto n = toVec<Extended>(normals[i]);
+            o[i] = sumOfProducts(n, toVec<Extended>(ray.origin) - toVec<Extended>(c.point));
+            d[i] = sumOfProducts(n, toVec<Extended>(ray.direction));
         }
     }
     // t at the plane y_axis = height; d[axis] is not 0.
@@ -57,10 +42,8 @@ double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t,
     if (!ray.leaves && !ray.ties) return 0;
     const dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
     const double plane = std::max(std::abs(c.lo[axis]), std::abs(c.hi[axis]));
-    const double place = glm::dot(glm::abs(normals[axis]), glm::abs(c.point));
     const double height =
-        0x1p-24 * (2 * plane + 2 * place + ray.slips * 6 * static_cast<double>(seen.o[axis].terms)) +
-        ray.slips * ray.slip;
+        heightError(ray, normals[axis], c.point, 0) + kFloatUnit * 2 * plane + ray.slips * ray.slip;
     return height / std::abs(static_cast<double>(seen.d[axis].value)) +
            slipOfRounding(ray, static_cast<double>(t));
 }
@@ -75,10 +58,10 @@ bool intersect(const rows::Cuboid& c, const RayTest& test, Root& root) {
         const int axis = static_cast<int>(face / 2);
         if (seen.d[axis].value == 0) continue;
         const Extended t = seen.reach(axis, face & 1 ? c.hi[axis] : c.lo[axis]);
-        const double slip = slipOfFace(c, seen, axis, t, test.ray);
-        if (!countsAt(test.ray, static_cast<double>(t), slip, test.tMax)) continue;
         if (found && static_cast<double>(t) > root.t) continue;
         if (!seen.isBetween(c, (axis + 1) % 3, t) || !seen.isBetween(c, (axis + 2) % 3, t)) continue;
+        const double slip = slipOfFace(c, seen, axis, t, test.ray);
+        if (!countsAt(test.ray, static_cast<double>(t), slip, test.tMax)) continue;
         const bool leavesHere = (face & 1) == (seen.d[axis].value > 0 ? 1u : 0u);
         if (found && static_cast<double>(t) == root.t) {
             root.twice = root.twice || leavesHere != leaves;
@@ -103,6 +86,7 @@ void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
         glm::dot(normals[axis], place.point - c.point) - (upper ? c.hi[axis] : c.lo[axis]);
     surface.position = place.point - distance * normal;
     surface.error = errorBox(surface.position - c.point, c.point);
+    surface.scale = greatestMagnitude(reachFrom(glm::abs(c.point), c));
     surface.geometricNormal = surface.shadingNormal = upper ? normal : -normal;
     // How far along x, y and z the point is. On the sides v goes up and u to the right as seen from outside.
     dvec3 share;
@@ -111,10 +95,6 @@ void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
     const double u[6] = {share.z, 1 - share.z, share.x, share.x, 1 - share.x, share.x};
     const double v[6] = {share.y, share.y, share.z, 1 - share.z, share.y, share.y};
     surface.uv = {u[place.part()], v[place.part()]};
-}
-
-double reachOf(const Model&, const Methods&, const rows::Cuboid& c) {
-    return greatestMagnitude(reachFrom(glm::abs(c.point), c));
 }
 
 }  // namespace glint::reference

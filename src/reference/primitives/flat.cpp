@@ -35,18 +35,14 @@ void flatSurface(const Flat& flat, const dvec3& anchor, const Place& place, Surf
     const double distance = glm::dot(surface.geometricNormal, place.point - dvec3(anchor));
     surface.position = place.point - distance * surface.geometricNormal;
     surface.error = errorBox(surface.position - anchor, anchor);
+    surface.scale = greatestMagnitude(anchor);
 }
 
-// The sign of d.(b x c): on which side of the edge the line passes (Pluecker). Six terms of three factors,
-// each of them a difference or a product rounded, err by at most 8 roundings each; 2^5 covers them, and
-// smaller results count as zero.
+// The sign of d.(b x c): on which side of the edge the line passes (Pluecker). b and c are rounded
+// differences; their terms pass 8 roundings. Four times that, and smaller results count as zero.
 template <class T>
 int edgeSide(const Vec<T>& d, const Vec<T>& b, const Vec<T>& c) {
-    const T side = dot(d, cross(b, c));
-    const Vec<T> p = magnitudes(b), q = magnitudes(c);
-    const Vec<T> sum{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
-    const T bound = static_cast<T>(32 * kRoundoff<T>) * dot(magnitudes(d), sum);
-    return side > bound ? 1 : side < -bound ? -1 : 0;
+    return dot(sums(d), cross(sums(b), sums(c))).sign(32);
 }
 
 // The sign that double proves, else that of quadruple precision, where 0 counts as on the border.
@@ -153,12 +149,9 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
     surface.position = w * v0 + hit.u * v1 + hit.v * v2;
     surface.error = gammaOf(7) * (std::abs(w) * glm::abs(v0) + std::abs(hit.u) * glm::abs(v1) +
                                   std::abs(hit.v) * glm::abs(v2));
+    surface.scale = std::max({greatestMagnitude(v0), greatestMagnitude(v1), greatestMagnitude(v2)});
     surface.geometricNormal = glm::normalize(areaOf(v0, v1, v2));
     surface.shadingNormal = surface.geometricNormal;
-}
-
-double reachOf(const Model&, const Methods&, const rows::Triangle& t) {
-    return std::max({greatestMagnitude(t.v0), greatestMagnitude(t.v1), greatestMagnitude(t.v2)});
 }
 
 // ---- Planes
@@ -174,35 +167,20 @@ void surfaceOf(const rows::Plane& plane, const Place& place, Surface& surface) {
     surface.error = errorBox(surface.position, plane.point);  // it is never an offset
 }
 
-double reachOf(const Model&, const Methods&, const rows::Plane& plane) {
-    return greatestMagnitude(plane.point);
-}
-
 // ---- Discs
 
 namespace {
 
 // With w = centre - o, the point of the line in the plane is (n.w / n.d) d - w away from the centre. Squared
 // and multiplied by (n.d)^2: in the disc if |(n.w) d - (n.d) w|^2 <= r^2 (n.d)^2, decided without a division.
+// Its terms pass 16 roundings.
 template <class T>
 int discSide(const rows::Disc& disc, const PreparedRay& ray) {
-    constexpr double roundoff = kRoundoff<T>;
-    const Vec<T> n = toVec<T>(disc.normal), d = toVec<T>(ray.direction);
-    const Vec<T> w = toVec<T>(disc.center) - toVec<T>(ray.origin);
-    const T nd = dot(n, d), nw = dot(n, w);
-    const Vec<T> q = nw * d - nd * w;
-    const T reach = static_cast<T>(disc.radius) * nd;
-    const T side = reach * reach - dot(q, q);
-    // n.w and n.d err by 4 u of their terms' magnitudes (w by one more), so each component of q by 8 u of its
-    // own two terms with these magnitudes in them; the squares double that.
-    const Vec<T> an = magnitudes(n), ad = magnitudes(d), aw = magnitudes(w);
-    const T ndTerms = dot(an, ad), nwTerms = dot(an, aw);
-    const Vec<T> terms = nwTerms * ad - (-ndTerms) * aw;
-    const T reachTerms = static_cast<T>(disc.radius) * ndTerms;
-    const T bound =
-        static_cast<T>(32 * roundoff) * (dot(magnitudes(q), terms) + magnitude(reach) * reachTerms) +
-        static_cast<T>(256 * roundoff * roundoff) * (dot(terms, terms) + reachTerms * reachTerms);
-    return side > bound ? 1 : side < -bound ? -1 : 0;
+    const Vec<Sum<T>> n = toVec<Sum<T>>(disc.normal), d = toVec<Sum<T>>(ray.direction);
+    const Vec<Sum<T>> w = sums(toVec<T>(disc.center) - toVec<T>(ray.origin));
+    const Sum<T> nd = dot(n, d), reach = Sum<T>(disc.radius) * nd;
+    const Vec<Sum<T>> q = dot(n, w) * d - nd * w;
+    return (reach * reach - dot(q, q)).sign(32);
 }
 
 }  // namespace
@@ -216,31 +194,22 @@ bool intersect(const rows::Disc& disc, const RayTest& test, Root& root) {
 
 void surfaceOf(const rows::Disc& disc, const Place& place, Surface& surface) {
     flatSurface(disc, disc.center, place, surface);
-}
-
-double reachOf(const Model&, const Methods&, const rows::Disc& disc) {
-    return greatestMagnitude(disc.center) + disc.radius;
+    surface.scale += disc.radius;
 }
 
 // ---- Polygons
 
 namespace {
 
-// The sign of component ky of the vertex, measured from the ray: moved along the ray to where component kz is
-// 0, v_y - (d_y / d_z) v_z, here times d_z. Each of the two products errs by 3 roundings.
-template <class T>
-int heightSign(const Vec<T>& vertex, const PreparedRay& ray) {
-    const T v[3] = {vertex.x, vertex.y, vertex.z};
-    const T dy = static_cast<T>(ray.direction[ray.ky]), dz = static_cast<T>(ray.direction[ray.kz]);
-    const T p = v[ray.ky] * dz, q = v[ray.kz] * dy;
-    const T bound = static_cast<T>(4 * kRoundoff<T>) * (magnitude(p) + magnitude(q));
-    const int side = p - q > bound ? 1 : p - q < -bound ? -1 : 0;
-    return dz < 0 ? -side : side;
-}
-
+// True if component ky of the vertex is positive, measured from the ray: moved along the ray to where
+// component kz is 0, v_y - (d_y / d_z) v_z, here times d_z. Each of the two products passes 3 roundings.
 bool isAbove(const dvec3& vertex, const PreparedRay& ray) {
-    return provenSign([&]<class T>() { return heightSign(toVec<T>(vertex) - toVec<T>(ray.origin), ray); }) >
-           0;
+    const double dy = ray.direction[ray.ky], dz = ray.direction[ray.kz];
+    const int side = provenSign([&]<class T>() {
+        const auto seen = [&](int axis) -> Sum<T> { return T(vertex[axis]) - T(ray.origin[axis]); };
+        return (seen(ray.ky) * Sum<T>(dz) - seen(ray.kz) * Sum<T>(dy)).sign(4);
+    });
+    return (dz < 0 ? -side : side) > 0;
 }
 
 // The side of the line on which the edge from a to b passes, seen against axis kz.
@@ -279,13 +248,9 @@ bool intersect(const rows::Polygon& polygon, const RayTest& test, Root& root) {
 
 void surfaceOf(const rows::Polygon& polygon, const Place& place, Surface& surface) {
     flatSurface(polygon, polygon.point, place, surface);
-}
-
-double reachOf(const Model& scene, const Methods&, const rows::Polygon& polygon) {
-    double most = 0;
-    for (const rows::PolygonVertex& v : outlineOf(scene, polygon))
-        most = std::max(most, greatestMagnitude(v.position));
-    return most;
+    surface.scale = 0;
+    for (const rows::PolygonVertex& v : outlineOf(place.scene, polygon))
+        surface.scale = std::max(surface.scale, greatestMagnitude(v.position));
 }
 
 }  // namespace glint::reference

@@ -17,7 +17,7 @@ using glm::dmat3;
 using glm::dvec3;
 
 template <class T>
-using Vec4 = std::array<T, 4>;
+using Vec4 = std::array<Sum<T>, 4>;
 
 // The quadric as v.Sv = 0 of homogeneous local coordinates (y, 1); directions end in 0.
 template <class T>
@@ -32,61 +32,47 @@ struct HomogeneousForm {
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) s[i][j] = static_cast<T>(upper[i][j]);
     }
-    T operator()(const Vec4<T>& a, const Vec4<T>& b) const {
-        T sum = 0;
+    Sum<T> operator()(const Vec4<T>& a, const Vec4<T>& b) const {
+        Sum<T> sum;
         for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j) sum += a[i] * s[i][j] * b[j];
-        return sum;
-    }
-    // The same sum of magnitudes, for a and b that are magnitudes themselves.
-    T terms(const Vec4<T>& a, const Vec4<T>& b) const {
-        T sum = 0;
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j) sum += a[i] * magnitude(s[i][j]) * b[j];
+            for (int j = 0; j < 4; ++j) sum = sum + a[i] * Sum<T>(s[i][j]) * b[j];
         return sum;
     }
 };
 
-// A ray in homogeneous local coordinates; with kTerms the magnitudes that its sums are made of.
-template <class T, bool kTerms = false>
+// A ray in homogeneous local coordinates.
+template <class T>
 struct LocalRay {
-    Vec4<T> o{0, 0, 0, 1}, d{0, 0, 0, 0};
+    Vec4<T> o, d;
 
     LocalRay(const rows::Quadric& q, const PreparedRay& ray) {
-        const auto term = [](T a) { return kTerms ? magnitude(a) : a; };
+        const Vec<T> origin = toVec<T>(ray.origin) - toVec<T>(q.point);
+        const Vec<T> direction = toVec<T>(ray.direction);
         const dvec3 turned[3] = {q.toLocal0, q.toLocal1, q.toLocal2};
         for (int i = 0; i < 3; ++i) {
-            for (int k = 0; k < 3; ++k) {
-                const T m = static_cast<T>(turned[i][k]);
-                o[i] += term(m * (static_cast<T>(ray.origin[k]) - static_cast<T>(q.point[k])));
-                d[i] += term(m * static_cast<T>(ray.direction[k]));
-            }
+            o[i] = sumOfProducts(toVec<T>(turned[i]), origin);
+            d[i] = sumOfProducts(toVec<T>(turned[i]), direction);
         }
+        o[3] = T{1};
     }
     Vec4<T> at(T t) const {
         Vec4<T> y;
-        for (int i = 0; i < 4; ++i) y[i] = o[i] + t * d[i];
+        for (int i = 0; i < 4; ++i) y[i] = o[i].value + t * d[i].value;
         return y;
     }
 };
-template <class T>
-using LocalTerms = LocalRay<T, true>;
 
 // a t^2 + 2 b t + c = 0 at the ray's origin.
 template <class T>
 struct Equation {
-    T a, b, c, disc;  // disc: b^2 - a c
+    Sum<T> a, b, c, disc;  // disc: b^2 - a c
 
     Equation(const HomogeneousForm<T>& form, const LocalRay<T>& ray)
         : a(form(ray.d, ray.d)), b(form(ray.o, ray.d)), c(form(ray.o, ray.o)), disc(b * b - a * c) {}
 
-    // Bound on the error of `disc`. Each sum has 16 products of three factors, one of which is a sum of three
-    // products of a difference: its error is below 32 u of its terms.
-    T bound(const HomogeneousForm<T>& form, const LocalTerms<T>& terms) const {
-        return static_cast<T>(64 * kRoundoff<T>) *
-               (magnitude(b) * form.terms(terms.o, terms.d) + magnitude(a) * form.terms(terms.o, terms.o) +
-                magnitude(c) * form.terms(terms.d, terms.d));
-    }
+    // Each sum has 16 products of three factors, of which two are sums of three products of a difference:
+    // its terms pass less than 32 roundings.
+    T bound() const { return disc.bound(64); }
 };
 
 // Roots of a t^2 + 2 b t + c = 0 for a discriminant that is not negative, smaller first; how many. A double
@@ -112,13 +98,11 @@ bool lineIsOutside(const rows::Quadric& quadric, const PreparedRay& ray) {
     constexpr double kLeastProof = 0x1p-900;
     const HomogeneousForm<double> form(quadric);
     const Equation<double> e(form, LocalRay<double>(quadric, ray));
-    const double bound = e.bound(form, LocalTerms<double>(quadric, ray));
-    return bound > kLeastProof && e.disc < -bound && e.a > 0;
+    return e.bound() > kLeastProof && e.disc.value < -e.bound() && e.a.value > 0;
 }
 
 dmat3 squaresOf(const rows::Quadric& quadric) {
-    return {quadric.squares.x,  quadric.products.z, quadric.products.y, quadric.products.z, quadric.squares.y,
-            quadric.products.x, quadric.products.y, quadric.products.x, quadric.squares.z};
+    return symmetric(quadric.squares, quadric.products);
 }
 
 // The magnitudes that add up to the left side of the equation. A cone with a tip is summed at y or, where
@@ -144,8 +128,8 @@ struct SideRule {
 
     SideRule(const rows::Quadric& quadric, const PreparedRay& ray, double t, const Vec4<Extended>& place) {
         const dmat3 squares = squaresOf(quadric), rows = glm::transpose(toLocal(quadric));
-        const dvec3 y(static_cast<double>(place[0]), static_cast<double>(place[1]),
-                      static_cast<double>(place[2]));
+        dvec3 y;
+        for (int i = 0; i < 3; ++i) y[i] = static_cast<double>(place[i].value);
         const dvec3 slope = squares * y + quadric.linear;
         gradient = rows * slope;
         spread = glm::abs(slope.x * rows[0]) + glm::abs(slope.y * rows[1]) + glm::abs(slope.z * rows[2]);
@@ -181,30 +165,28 @@ class Search {
 
   private:
     void sides(bool fromSide) {
-        Equation<Extended> e(form_, local_);
+        const Equation<Extended> e(form_, local_);
+        Extended a = e.a.value, b = e.b.value, c = e.c.value, disc = e.disc.value;
         const bool startsHere =
-            fromSide || (ray_.leaves && static_cast<double>(magnitude(e.c)) <=
+            fromSide || (ray_.leaves && static_cast<double>(magnitude(c)) <=
                                             2 * SideRule(quadric_, ray_, 0, local_.o).error);
         if (startsHere) {
             // Taken as on the surface: c = 0, t = 0 is the one root and -2 b / a the other.
-            const LocalTerms<Extended> terms(quadric_, ray_);
-            if (e.a != 0 && magnitude(e.b) > 0x1p-44L * form_.terms(terms.o, terms.d)) side(-2 * e.b / e.a);
+            if (a != 0 && magnitude(b) > 0x1p-44L * e.b.terms) side(-2 * b / a);
             return;
         }
         // 2^20 bounds from tangency the square root no longer magnifies the error above 2^-21 of itself.
-        if (magnitude(e.disc) <= 0x1p20L * e.bound(form_, LocalTerms<Extended>(quadric_, ray_))) {
-            const HomogeneousForm<Quad> form(quadric_);
-            const Equation<Quad> exact(form, LocalRay<Quad>(quadric_, ray_));
-            const Quad bound = exact.bound(form, LocalTerms<Quad>(quadric_, ray_));
+        if (magnitude(disc) <= 0x1p20L * e.bound()) {
+            const Equation<Quad> exact(HomogeneousForm<Quad>(quadric_), LocalRay<Quad>(quadric_, ray_));
             // A ray that quadruple precision cannot separate from a tangent is one.
-            e.disc = magnitude(exact.disc) <= bound ? 0 : static_cast<Extended>(exact.disc);
-            e.a = static_cast<Extended>(exact.a);
-            e.b = static_cast<Extended>(exact.b);
-            e.c = static_cast<Extended>(exact.c);
+            disc = magnitude(exact.disc.value) <= exact.bound() ? 0 : static_cast<Extended>(exact.disc.value);
+            a = static_cast<Extended>(exact.a.value);
+            b = static_cast<Extended>(exact.b.value);
+            c = static_cast<Extended>(exact.c.value);
         }
-        if (e.disc < 0) return;
+        if (disc < 0) return;
         Extended roots[2];
-        const int count = solveQuadratic(e.a, e.b, e.c, e.disc, roots);
+        const int count = solveQuadratic(a, b, c, disc, roots);
         const bool twice = count == 2 && static_cast<double>(roots[0]) == static_cast<double>(roots[1]);
         for (int i = 0; i < count; ++i) side(roots[i], twice);
     }
@@ -215,26 +197,25 @@ class Search {
         if (!isWithin(ray_, static_cast<double>(t), slip, test_.tMax) || !isFirst(t)) return;
         for (int i = 0; i < 3; ++i) {
             const Extended slack = slackAt(y, i);
-            if (!(y[i] >= quadric_.lo[i] - slack && y[i] <= quadric_.hi[i] + slack)) return;
+            if (!(y[i].value >= quadric_.lo[i] - slack && y[i].value <= quadric_.hi[i] + slack)) return;
         }
         take(t, slip, shared::kPartSide, twice);
     }
 
     void capAt(bool upper, uint32_t cap) {
         const Extended plane = upper ? quadric_.hi.z : quadric_.lo.z;
-        if (local_.d[2] == 0) return;
-        const Extended t = (plane - local_.o[2]) / local_.d[2];
+        if (local_.d[2].value == 0) return;
+        const Extended t = (plane - local_.o[2].value) / local_.d[2].value;
         const double slip = slipOfCap(t);
         if (!countsAt(ray_, static_cast<double>(t), slip, test_.tMax) || !isFirst(t)) return;
         Vec4<Extended> y = local_.at(t);
         y[2] = plane;
-        Vec4<Extended> terms;
-        for (int i = 0; i < 4; ++i) terms[i] = magnitude(y[i]);
-        if (form_(y, y) <= kClipSlack * form_.terms(terms, terms)) take(t, slip, cap, false);
+        const Sum<Extended> value = form_(y, y);
+        if (value.value <= kClipSlack * value.terms) take(t, slip, cap, false);
     }
 
     Extended slackAt(const Vec4<Extended>& y, int i) const {
-        return kClipSlack * (magnitude(y[i]) + magnitude<Extended>(quadric_.hi[i] - quadric_.lo[i]));
+        return kClipSlack * (y[i].terms + magnitude<Extended>(quadric_.hi[i] - quadric_.lo[i]));
     }
 
     bool isFirst(Extended t) const { return !found_ || static_cast<double>(t) < root_.t; }
@@ -249,12 +230,10 @@ class Search {
     double slipOfCap(Extended t) const {
         if (!ray_.leaves && !ray_.ties) return 0;
         const dvec3 axis(quadric_.toLocal2), point(quadric_.point);
-        double height = 2 * std::max(std::abs(quadric_.lo.z), std::abs(quadric_.hi.z));
-        for (int i = 0; i < 3; ++i)
-            height += std::abs(axis[i]) *
-                      (2 * std::abs(point[i]) + ray_.slips * 6 * std::abs(ray_.origin[i] - point[i]));
-        height = 0x1p-24 * height + glm::length(axis) * ray_.slips * ray_.slip;
-        return height / std::abs(static_cast<double>(local_.d[2])) +
+        const double plane = std::max(std::abs(quadric_.lo.z), std::abs(quadric_.hi.z));
+        const double height = heightError(ray_, axis, point, 0) + kFloatUnit * 2 * plane +
+                              glm::length(axis) * ray_.slips * ray_.slip;
+        return height / std::abs(static_cast<double>(local_.d[2].value)) +
                slipOfRounding(ray_, static_cast<double>(t));
     }
 
@@ -295,67 +274,56 @@ double errorAlong(double terms, const dvec3& slope, const dmat3& rows, const dve
     return (gammaOf(12) * terms + gammaOf(5) * moved) / steepness;
 }
 
-// The surface next to a hit point; normal outward, of length 1.
-// bend: bound on the turn of the normal per unit of distance. error: along the normal, of the value of the
-// equation there, in fp32 (rounding.h).
-struct SurfacePoint {
-    dvec3 position, normal;
-    double bend = 0, error = 0;
-};
-
-SurfacePoint pointOnCap(const rows::Quadric& quadric, bool upper, const dvec3& point) {
+// Fill in position, normal and bend of the surface next to a hit point. They return the fp32 error of the
+// equation's value there, along the normal (rounding.h).
+double pointOnCap(const rows::Quadric& quadric, bool upper, const dvec3& point, Surface& surface) {
     const dmat3 rows = glm::transpose(toLocal(quadric));
     const double plane = upper ? quadric.hi.z : quadric.lo.z;
     const double height = glm::dot(rows[2], point - quadric.point) - plane;
-    SurfacePoint site;
-    site.position = point - height / glm::dot(rows[2], rows[2]) * rows[2];
-    site.normal = glm::normalize(upper ? rows[2] : -rows[2]);
-    site.error =
-        errorAlong(std::abs(plane), {0, 0, 1}, rows, site.position - quadric.point, glm::length(rows[2]));
-    return site;
+    surface.position = point - height / glm::dot(rows[2], rows[2]) * rows[2];
+    surface.geometricNormal = glm::normalize(upper ? rows[2] : -rows[2]);
+    return errorAlong(std::abs(plane), {0, 0, 1}, rows, surface.position - quadric.point,
+                      glm::length(rows[2]));
 }
 
 // direction: of the ray, against which the surface faces where it has no normal (the apex of a cone, a double
 // plane).
-SurfacePoint pointOnSide(const rows::Quadric& quadric, const dvec3& point, const dvec3& direction) {
+double pointOnSide(const rows::Quadric& quadric, const dvec3& point, const dvec3& direction,
+                   Surface& surface) {
     const dmat3 local = toLocal(quadric), rows = glm::transpose(local);
     const dmat3 squares = squaresOf(quadric);
     const dvec3 y = local * (point - quadric.point);
     const dvec3 slope = 2.0 * (squares * y + quadric.linear);
     const dvec3 gradient = rows * slope;
-    const double square = glm::dot(gradient, gradient);
-    if (!(square > 0)) return {point, -glm::normalize(direction)};
-    const double steepness = std::sqrt(square);
+    const double steepness = glm::length(gradient);
+    surface.position = point;
+    surface.geometricNormal = -glm::normalize(direction);
+    if (!(steepness > 0)) return 0;
     const double value = glm::dot(y, squares * y + 2.0 * quadric.linear) + quadric.constant;
     // A step longer than the root of the error of `value` is the sign of a point without a normal.
     const double limit = 0x1p-20 * glm::length(slope) / steepness;
-    SurfacePoint site;
-    site.normal = gradient / steepness;
     const dmat3 turning = rows * squares * local;
-    site.bend = 2 * (glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2])) / steepness;
-    site.position = point - std::clamp(value / steepness, -limit, limit) * site.normal;
+    surface.bend =
+        2 * (glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2])) / steepness;
+    surface.geometricNormal = gradient / steepness;
+    surface.position -= std::clamp(value / steepness, -limit, limit) * surface.geometricNormal;
     const double terms = termsAt(quadric, squares, y);
     // Near an apex the surface is no farther than the root of what the equation is off by.
     const double most = std::sqrt(gammaOf(12) * terms) * glm::length(slope) / steepness;
-    site.error = std::min(most, errorAlong(terms, slope, rows, site.position - quadric.point, steepness));
-    return site;
+    return std::min(most, errorAlong(terms, slope, rows, surface.position - quadric.point, steepness));
 }
 
 }  // namespace
 
 void surfaceOf(const rows::Quadric& quadric, const Place& place, Surface& surface) {
-    const SurfacePoint site = place.part() == shared::kPartSide
-                                  ? pointOnSide(quadric, place.point, place.ray.direction)
-                                  : pointOnCap(quadric, place.part() == shared::kPartUpperCap, place.point);
-    surface.position = site.position;
-    surface.geometricNormal = surface.shadingNormal = site.normal;
-    surface.bend = site.bend;
+    const double error =
+        place.part() == shared::kPartSide
+            ? pointOnSide(quadric, place.point, place.ray.direction, surface)
+            : pointOnCap(quadric, place.part() == shared::kPartUpperCap, place.point, surface);
+    surface.shadingNormal = surface.geometricNormal;
     surface.error =
-        errorBox(site.position - quadric.point, quadric.point) + site.error * glm::abs(site.normal);
-}
-
-double reachOf(const Model&, const Methods&, const rows::Quadric& quadric) {
-    return greatestMagnitude(quadric.point) + greatestMagnitude(reachFrom(dvec3(0), quadric));
+        errorBox(surface.position - quadric.point, quadric.point) + error * glm::abs(surface.geometricNormal);
+    surface.scale = greatestMagnitude(quadric.point) + greatestMagnitude(reachFrom(dvec3(0), quadric));
 }
 
 }  // namespace glint::reference

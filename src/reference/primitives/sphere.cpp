@@ -4,6 +4,7 @@
 
 #include "core/vectors.h"
 #include "reference/intersect.h"
+#include "reference/numbers.h"
 #include "reference/rounding.h"
 
 namespace glint::reference {
@@ -19,26 +20,24 @@ struct SphereEquation {
     T discriminant;  // b^2 - a c
     T bound;         // of its rounding error
 
-    // Each of w, products and sums rounds: b errs by 5 u of the sum of its terms' magnitudes,
-    // c by 6 u, a by 3 u, so b^2 - a c by 16 u of the squares and products of those sums.
+    // The terms of b pass 5 roundings, those of c 6, of a 3.
     SphereEquation(const rows::Sphere& sphere, const Vec<T>& w, const Vec<T>& d) {
         const T r = static_cast<T>(sphere.radius);
-        a = dot(d, d);
-        T bTerms = dot(magnitudes(w), magnitudes(d));
-        T cTerms = dot(w, w);
+        const Sum<T> squares = sumOfProducts(d, d);
+        Sum<T> half = sumOfProducts(w, d), rest = sumOfProducts(w, w);
         if (isAnchored(sphere)) {
             const Vec<T> n = r * toVec<T>(sphere.anchorNormal);
-            b = dot(w, d) - dot(n, d);
-            c = cTerms - 2 * dot(n, w);
-            bTerms += dot(magnitudes(n), magnitudes(d));
-            cTerms += 2 * dot(magnitudes(n), magnitudes(w));
+            half = half - sumOfProducts(n, d);
+            rest = rest - sumOfProducts(T{2} * n, w);
         } else {
-            b = dot(w, d);
-            c = cTerms - r * r;
-            cTerms += r * r;
+            rest = rest - Sum<T>(r * r);
         }
-        discriminant = b * b - a * c;
-        bound = static_cast<T>(16 * kRoundoff<T>) * (bTerms * bTerms + a * cTerms);
+        const Sum<T> rounded = half * half - squares * rest;
+        a = squares.value;
+        b = half.value;
+        c = rest.value;
+        discriminant = rounded.value;
+        bound = rounded.bound(16);
     }
 };
 
@@ -48,10 +47,8 @@ struct SphereRule {
     double error;
 
     SphereRule(const rows::Sphere& sphere, const PreparedRay& ray, double t) {
-        const dvec3 n(sphere.anchorNormal);
+        const dvec3 n(sphere.anchorNormal), y = ray.origin - sphere.point + t * ray.direction;
         const double r = sphere.radius;
-        dvec3 y;
-        for (int i = 0; i < 3; ++i) y[i] = ray.origin[i] - sphere.point[i] + t * ray.direction[i];
         gradient = y + r * n;
         const double constant = isAnchored(sphere) ? 2 * r * glm::dot(glm::abs(n), glm::abs(y)) : r * r;
         const double sums = (glm::dot(y, y) + constant) / 2;
@@ -59,8 +56,31 @@ struct SphereRule {
     }
 };
 
-}  // namespace
+// Error of the device's textbook tests (SphereMethod), whose discriminant takes the difference of the squares
+// of radius and distance. With u = 2^-24, w from the ray's origin to the centre and a = d.d, in the geometric
+// form r^2 - (w.w - s^2 a) with s = w.d / a: w.w errs by gamma_5 |w|^2, s by gamma_8 |w| / |d|, s^2 a by
+// gamma_21 |w|^2, each difference by one more: 29 u |w|^2 + 2 u r^2.
+constexpr double kSquareRoundings = 30, kMiddleRoundings = 8;
 
+// The ray's noise in the square of half the chord, times a, and in the t of its middle.
+struct TextbookError {
+    double square = 0, middle = 0;
+
+    TextbookError(const rows::Sphere& sphere, const RayTest& test) {
+        const PreparedRay& ray = test.ray;
+        if (ray.noise.step == 0 || test.methods.spheres == SphereMethod::Robust) return;
+        uint64_t state = ray.noise.seed ^ sphere.id;
+        const auto upTo = [&](double roundings) {
+            return std::min(ray.noise.step, roundings * kFloatUnit) * uniform(state);
+        };
+        const dvec3 w = sphere.point - sphere.radius * sphere.anchorNormal - ray.origin;
+        const double a = glm::dot(ray.direction, ray.direction), reach = glm::dot(w, w);
+        square = upTo(kSquareRoundings) * (reach + sphere.radius * sphere.radius) * a;
+        middle = upTo(kMiddleRoundings) * std::sqrt(reach / a);
+    }
+};
+
+// Fills root.t and root.slip. True if the sphere at t counts for the ray.
 bool acceptSphere(Extended t, const rows::Sphere& sphere, const RayTest& test, Root& root) {
     root.t = static_cast<double>(t);
     root.slip = 0;
@@ -71,22 +91,25 @@ bool acceptSphere(Extended t, const rows::Sphere& sphere, const RayTest& test, R
     return isWithin(test.ray, root.t, root.slip, test.tMax);
 }
 
+}  // namespace
+
 bool intersect(const rows::Sphere& sphere, const RayTest& test, Root& root) {
-    if (test.methods.spheres != SphereMethod::Robust) return textbookSphere(sphere, test, root);
     const PreparedRay& ray = test.ray;
+    const bool robust = test.methods.spheres == SphereMethod::Robust;
+    const TextbookError error(sphere, test);
     root.u = root.v = 0;
     root.twice = false;
     const Vec<Extended> d = toVec<Extended>(ray.direction);
     const Vec<Extended> w = toVec<Extended>(sphere.point) - toVec<Extended>(ray.origin);
     const SphereEquation<double> rough(sphere, toVec<double>(sphere.point) - toVec<double>(ray.origin),
                                        toVec<double>(ray.direction));
-    const bool startsHere =
-        test.fromItself() || (ray.leaves && std::abs(rough.c) <= 2 * SphereRule(sphere, ray, 0).error);
+    const bool startsHere = test.fromItself() || (robust && ray.leaves &&
+                                                  std::abs(rough.c) <= 2 * SphereRule(sphere, ray, 0).error);
     if (startsHere) {
         const SphereEquation<Extended> onSurface(sphere, w, d);
-        return acceptSphere(2 * onSurface.b / onSurface.a, sphere, test, root);
+        return acceptSphere(2 * (onSurface.b / onSurface.a + error.middle), sphere, test, root);
     }
-    if (rough.discriminant < -rough.bound) return false;
+    if (rough.discriminant + error.square < -rough.bound) return false;
 
     // Seen from the point of the line nearest to sphere.point, the distance to the sphere no longer enters
     // the discriminant (Haines, Guenther and Akenine-Moeller, "Precision Improvements for Ray/Sphere
@@ -104,11 +127,14 @@ bool intersect(const rows::Sphere& sphere, const RayTest& test, Root& root) {
         e.discriminant = static_cast<Extended>(exact.discriminant);
         e.c = (e.b * e.b - e.discriminant) / e.a;
     }
+    e.discriminant += error.square;
+    e.c -= error.square / e.a;
     if (e.discriminant < 0) return false;
     // W. Press et al., Numerical Recipes, 3rd ed., eq. 5.6.4: neither root by a difference of near-equal
     // numbers.
     const Extended q = e.b + std::copysign(std::sqrt(e.discriminant), e.b);
-    Extended t0 = shift + (q == 0 ? 0 : e.c / q), t1 = shift + q / e.a;
+    const Extended middle = shift + error.middle;
+    Extended t0 = middle + (q == 0 ? 0 : e.c / q), t1 = middle + q / e.a;
     if (t0 > t1) std::swap(t0, t1);
     root.twice = static_cast<double>(t0) == static_cast<double>(t1);
     return acceptSphere(t0, sphere, test, root) || acceptSphere(t1, sphere, test, root);
@@ -133,11 +159,8 @@ void surfaceOf(const rows::Sphere& sphere, const Place& place, Surface& surface)
     }
     surface.error = errorBox(surface.position - anchor, anchor);
     surface.shadingNormal = surface.geometricNormal;
-}
-
-double reachOf(const Model&, const Methods& methods, const rows::Sphere& s) {
-    return greatestMagnitude(s.point) +
-           (isAnchored(s) && methods.spheres == SphereMethod::Robust ? 0 : s.radius);
+    const bool fromAnchor = isAnchored(sphere) && place.methods.spheres == SphereMethod::Robust;
+    surface.scale = greatestMagnitude(anchor) + (fromAnchor ? 0 : radius);
 }
 
 }  // namespace glint::reference

@@ -110,13 +110,9 @@ struct Part {
 // root, or kNone if the part is empty.
 uint32_t append(Part&& part, std::vector<rows::Node>& nodes, Model& model);
 
-// A unit vector, of any length but 0.
-glm::dvec3 unit(const glm::dvec3& v);
-
-// The symmetric matrix with these elements on the diagonal, and off it: yz, zx, xy.
-inline glm::dmat3 symmetric(const glm::dvec3& squares, const glm::dvec3& products) {
-    return {squares.x,  products.z, products.y, products.z, squares.y,
-            products.x, products.y, products.x, squares.z};
+// v / |v|, or NaN.
+inline glm::dvec3 unit(const glm::dvec3& v) {
+    return unitVector(v).value_or(glm::dvec3(std::numeric_limits<double>::quiet_NaN()));
 }
 
 // Materials, media, lights, background, textures and the coordinates of objects. `used`: by material, whether

@@ -2,6 +2,7 @@
 // docs/reference/scene-format.md says what each shape is.
 #include <cmath>
 
+#include "reference/numbers.h"
 #include "reference/truth/part.h"
 
 namespace glint::reference::truth {

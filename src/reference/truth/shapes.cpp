@@ -11,25 +11,17 @@
 #include "reference/traverse.h"
 #include "reference/truth/part.h"
 #include "scene/polygon_plane.h"
+#include "scene/transform.h"
 
 namespace glint::reference::truth {
 
 using glm::dvec3;
 
-dvec3 unit(const dvec3& v) {
-    const dvec3 scaled = v / greatestMagnitude(v);
-    return scaled / glm::length(scaled);
-}
-
-Place::Place(const Affine& transform) : linear(transform.linear), offset(transform.offset) {
-    // Row i of the inverse is the cross product of the columns after i over the volume.
-    const double volume = glm::dot(linear[0], glm::cross(linear[1], linear[2]));
-    for (int i = 0; i < 3; ++i) {
-        const dvec3 row = glm::cross(linear[(i + 1) % 3], linear[(i + 2) % 3]) / volume;
-        for (int j = 0; j < 3; ++j) inverse[j][i] = row[j];
-    }
-    gain = greatestMagnitude(magnitudes(linear) * (magnitudes(inverse) * dvec3(1)));
-}
+Place::Place(const Affine& transform)
+    : linear(transform.linear),
+      inverse(glm::inverse(linear)),
+      offset(transform.offset),
+      gain(greatestMagnitude(magnitudes(linear) * (magnitudes(inverse) * dvec3(1)))) {}
 
 // Every number of a disturbed model is off by kDisturbanceRoom units of itself; twice that, as box and
 // surface are sums.
@@ -40,9 +32,8 @@ void Part::addItem(shared::PrimitiveKind kind, size_t index, Bounds box, double 
 
 namespace {
 
-// From near its surface the nearest point of that and the normal there, as the layout says: 1/64 of the
-
-// radius.
+// From nearer to its surface than 1/64 of the radius: the nearest point of that and the normal there, as the
+// layout says.
 
 void add(Part& part, const SphereShape& sphere, const Setting& at) {
     rows::Sphere row;
@@ -196,7 +187,6 @@ void add(Part& part, const TriangleShape& triangle, const Setting& at) {
 }
 
 // Skip triangles with a corner that is not finite, or without area.
-
 void add(Part& part, const MeshShape& shape, const Setting& at) {
     const Mesh& mesh = *shape.mesh;
     const size_t count = mesh.corners.size();

@@ -25,6 +25,17 @@ struct Split {
     size_t bin = 0;  // the first on the right
 };
 
+struct Bin {
+    Bounds box;
+    uint32_t count = 0;
+
+    void include(const Bin& other) {
+        box.include(other.box);
+        count += other.count;
+    }
+    double cost() const { return count * box.halfArea(); }
+};
+
 // Builds the tree and writes the primitives of each leaf as it is made.
 class Builder {
   public:
@@ -134,28 +145,20 @@ class Builder {
         for (int axis = 0; axis < 3; ++axis) {
             const double lo = middles.lo[axis], size = widths[axis];
             if (!(size > 0) || (end - first > kFew && size < widest)) continue;
-            std::array<Bounds, kBins> boxes;
-            std::array<uint32_t, kBins> counts{};
-            for (uint32_t i = first; i < end; ++i) {
-                const size_t bin = binOf(middleOf(items_[i])[axis], lo, size);
-                boxes[bin].include(items_[i].box);
-                ++counts[bin];
-            }
+            std::array<Bin, kBins> bins;
+            for (uint32_t i = first; i < end; ++i)
+                bins[binOf(middleOf(items_[i])[axis], lo, size)].include({items_[i].box, 1});
             std::array<double, kBins> right{};
-            Bounds box;
-            uint32_t count = 0;
+            Bin sum;
             for (size_t bin = kBins - 1; bin > 0; --bin) {
-                box.include(boxes[bin]);
-                count += counts[bin];
-                right[bin] = count * box.halfArea();
+                sum.include(bins[bin]);
+                right[bin] = sum.cost();
             }
-            box = Bounds();
-            count = 0;
+            sum = Bin();
             for (size_t bin = 1; bin < kBins; ++bin) {
-                box.include(boxes[bin - 1]);
-                count += counts[bin - 1];
-                const double cost = count * box.halfArea() + right[bin];
-                if (count > 0 && count < end - first && cost < best.cost) best = {cost, axis, bin};
+                sum.include(bins[bin - 1]);
+                const double cost = sum.cost() + right[bin];
+                if (sum.count > 0 && sum.count < end - first && cost < best.cost) best = {cost, axis, bin};
             }
         }
         return best;
