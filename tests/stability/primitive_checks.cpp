@@ -35,17 +35,27 @@ double bandOf(const Subject& subject, double deviceBand) {
     return subject.device ? deviceBand : 0x1p-100;
 }
 
-void add(Judged& judged, const oracle::Truth& rounded, const oracle::Truth& exact, double band,
-         const Answer& answer) {
-    judged.arithmetic.add(rounded, band, answer.hit, answer.t, answer.u, answer.v);
-    judged.withInputs.add(exact, band, answer.hit, answer.t, answer.u, answer.v);
-}
+// Of one case; decisions nearer than `band` to falling the other way may go either way.
+struct Truths {
+    oracle::Truth rounded, exact;
+    double band;
+};
 
-std::vector<FloatRay> roundedOf(const std::vector<Pair>& pairs) {
+// Puts ray i and primitive i to the subject; truthsOf(i) judges the answer.
+template <class TruthsOf, class... Arrays>
+Judged judge(const Subject& subject, const std::vector<Pair>& pairs, const TruthsOf& truthsOf,
+             const Arrays&... arrays) {
     std::vector<FloatRay> rays;
-    rays.reserve(pairs.size());
     for (const Pair& pair : pairs) rays.push_back(pair.rounded);
-    return rays;
+    const std::vector<Answer> answers = probe(subject, rays, arrays...);
+    Judged judged;
+    for (size_t i = 0; i < pairs.size(); ++i) {
+        const auto& [hit, t, u, v] = answers[i];
+        const Truths truths = truthsOf(i);
+        judged.arithmetic.add(truths.rounded, truths.band, hit, t, u, v);
+        judged.withInputs.add(truths.exact, truths.band, hit, t, u, v);
+    }
+    return judged;
 }
 
 }  // namespace
@@ -83,16 +93,13 @@ Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size
             (1 - u - w) * dvec3(triangles[i].v0) + u * dvec3(triangles[i].v1) + w * dvec3(triangles[i].v2);
         pairs[i] = aim(at + 10 * family.size * random.direction(), at);
     }
-    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), triangles);
-    Judged judged;
-    const double band = bandOf(subject, 64 * kUnit);
-    for (size_t i = 0; i < count; ++i) {
+    const auto truths = [&](size_t i) -> Truths {
         const shared::Triangle& t = triangles[i];
         const dvec3(&v)[3] = corners[i].v;
-        add(judged, oracle::triangle(t.v0, t.v1, t.v2, pairs[i].asRounded()),
-            oracle::triangle(v[0], v[1], v[2], pairs[i].exact), band, answers[i]);
-    }
-    return judged;
+        return {oracle::triangle(t.v0, t.v1, t.v2, pairs[i].asRounded()),
+                oracle::triangle(v[0], v[1], v[2], pairs[i].exact), bandOf(subject, 64 * kUnit)};
+    };
+    return judge(subject, pairs, truths, triangles);
 }
 
 namespace {
@@ -193,16 +200,14 @@ Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t c
         spheres[i].point = vec3(center);
         spheres[i].radius = static_cast<float>(family.radius);
     }
-    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), spheres);
-    Judged judged;
     const double rounding = 16 * kUnit * family.distance;
     const double band =
         bandOf(subject, family.atLimb || family.distance > 8000 ? std::max(1e-3, rounding) : 1e-3);
-    for (size_t i = 0; i < count; ++i) {
-        add(judged, oracle::sphere(spheres[i].point, spheres[i].radius, pairs[i].asRounded()),
-            oracle::sphere(center, family.radius, pairs[i].exact), band, answers[i]);
-    }
-    return judged;
+    const auto truths = [&](size_t i) -> Truths {
+        return {oracle::sphere(spheres[i].point, spheres[i].radius, pairs[i].asRounded()),
+                oracle::sphere(center, family.radius, pairs[i].exact), band};
+    };
+    return judge(subject, pairs, truths, spheres);
 }
 
 Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t seed) {
@@ -221,13 +226,11 @@ Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t
         pairs[i].exact = {from + dvec3(0, 0.0025, 0), glm::normalize(d)};
         pairs[i].rounded = {vec3(pairs[i].exact.origin), vec3(pairs[i].exact.direction)};
     }
-    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), spheres);
-    Judged judged;
-    for (size_t i = 0; i < count; ++i) {
-        add(judged, oracle::anchoredSphere(dvec3(0), {0, 1, 0}, kRadius, pairs[i].asRounded()),
-            oracle::sphere({0, -kRadius, 0}, kRadius, pairs[i].exact), bandOf(subject, 0), answers[i]);
-    }
-    return judged;
+    const auto truths = [&](size_t i) -> Truths {
+        return {oracle::anchoredSphere(dvec3(0), {0, 1, 0}, kRadius, pairs[i].asRounded()),
+                oracle::sphere({0, -kRadius, 0}, kRadius, pairs[i].exact), bandOf(subject, 0)};
+    };
+    return judge(subject, pairs, truths, spheres);
 }
 
 namespace {
@@ -265,14 +268,11 @@ Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t coun
         planes[i].point = vec3(cases[i].point);
         planes[i].normal = vec3(cases[i].normal);
     }
-    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), planes);
-    Judged judged;
-    for (size_t i = 0; i < count; ++i) {
-        const oracle::Truth truth = oracle::plane(planes[i].point, planes[i].normal, pairs[i].asRounded());
-        add(judged, truth, oracle::plane(cases[i].point, cases[i].normal, pairs[i].exact),
-            bandOf(subject, 64 * kUnit), answers[i]);
-    }
-    return judged;
+    const auto truths = [&](size_t i) -> Truths {
+        return {oracle::plane(planes[i].point, planes[i].normal, pairs[i].asRounded()),
+                oracle::plane(cases[i].point, cases[i].normal, pairs[i].exact), bandOf(subject, 64 * kUnit)};
+    };
+    return judge(subject, pairs, truths, planes);
 }
 
 // The point in the plane is off by 64 u of the way over the cosine, its squared radius by that much of it.
@@ -288,17 +288,15 @@ Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count
         discs[i].normal = vec3(cases[i].normal);
         discs[i].radius = static_cast<float>(family.size);
     }
-    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), discs);
-    Judged judged;
-    for (size_t i = 0; i < count; ++i) {
+    const auto truths = [&](size_t i) -> Truths {
         const dvec3 d = glm::normalize(pairs[i].exact.direction);
         const double cosine = std::abs(glm::dot(d, cases[i].normal));
         const double reach = glm::length(dvec3(pairs[i].rounded.origin) - dvec3(discs[i].center));
         const double band = bandOf(subject, 64 * kUnit * (1 + reach / (family.size * cosine)));
-        add(judged, oracle::disc(discs[i].center, discs[i].normal, discs[i].radius, pairs[i].asRounded()),
-            oracle::disc(cases[i].point, cases[i].normal, family.size, pairs[i].exact), band, answers[i]);
-    }
-    return judged;
+        return {oracle::disc(discs[i].center, discs[i].normal, discs[i].radius, pairs[i].asRounded()),
+                oracle::disc(cases[i].point, cases[i].normal, family.size, pairs[i].exact), band};
+    };
+    return judge(subject, pairs, truths, discs);
 }
 
 // The corners as seen are off by gamma_5 of the way (docs/design/numerics.md 2.3): 64 u of it over the size.
@@ -329,19 +327,17 @@ Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t co
             c(vertices[polygons[i].firstVertex + 2].position);
         polygons[i].normal = vec3(glm::normalize(glm::cross(b - a, c - a)));
     }
-    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), polygons, vertices);
-    Judged judged;
-    for (size_t i = 0; i < count; ++i) {
+    const auto truths = [&](size_t i) -> Truths {
         std::vector<dvec3> rounded;
         for (size_t k = 0; k < outlines[i].size(); ++k)
             rounded.emplace_back(vertices[polygons[i].firstVertex + k].position);
         const double cosine = std::abs(glm::dot(glm::normalize(pairs[i].exact.direction), cases[i].normal));
         // On the outline itself both answers are right; the oracle's distance to it is a double.
         const double band = std::max(bandOf(subject, 64 * kUnit * 12 / cosine), 1e-13);
-        add(judged, oracle::polygon(rounded, polygons[i].point, polygons[i].normal, pairs[i].asRounded()),
-            oracle::polygon(outlines[i], cases[i].point, cases[i].normal, pairs[i].exact), band, answers[i]);
-    }
-    return judged;
+        return {oracle::polygon(rounded, polygons[i].point, polygons[i].normal, pairs[i].asRounded()),
+                oracle::polygon(outlines[i], cases[i].point, cases[i].normal, pairs[i].exact), band};
+    };
+    return judge(subject, pairs, truths, polygons, vertices);
 }
 
 BoxCount judgeBoxes(const Subject& subject, double thickness, double offset, bool widened, size_t count,

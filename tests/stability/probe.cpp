@@ -149,15 +149,48 @@ std::vector<Answer> runTriangles(const Subject& subject, const std::vector<Float
                {array(Bindings::triangles, triangles), array(Bindings::triangleSurfaces, surfaces)});
 }
 
-// `add` puts primitive i into an empty scene.
-template <typename Add>
-std::vector<Answer> runReference(const std::vector<FloatRay>& rays, const Add& add) {
+// The kind of a primitive, and the binding of its array.
+template <class Primitive>
+struct KindOf;
+#define GLINT_KIND_OF(number, Kind, KINDS, kinds, one, many)                \
+    template <>                                                             \
+    struct KindOf<shared::Kind> {                                           \
+        static constexpr uint32_t kind = number, binding = Bindings::kinds; \
+    };
+GLINT_PRIMITIVES(GLINT_KIND_OF, GLINT_NO_KIND)
+#undef GLINT_KIND_OF
+
+// Puts a primitive into a scene.
+using glint::test::SceneMaker;
+using Vertices = std::vector<shared::PolygonVertex>;
+void addTo(SceneMaker& maker, const shared::Triangle& t, const Vertices&) {
+    maker.triangle(t.v0, t.v1, t.v2);
+}
+void addTo(SceneMaker& maker, const shared::Sphere& s, const Vertices&) {
+    maker.anchoredSphere(s.point, s.anchorNormal, s.radius);
+}
+void addTo(SceneMaker& maker, const shared::Plane& p, const Vertices&) {
+    maker.plane(p.point, p.normal);
+}
+void addTo(SceneMaker& maker, const shared::Disc& d, const Vertices&) {
+    maker.disc(d.center, d.normal, d.radius);
+}
+void addTo(SceneMaker& maker, const shared::Polygon& p, const Vertices& vertices) {
+    std::vector<glm::vec3> outline;
+    for (uint32_t k = 0; k < p.trips * shared::kPolygonEdgesPerTrip; ++k)
+        outline.push_back(vertices[p.firstVertex + k].position);
+    maker.polygon(outline);
+}
+
+// Each ray in a scene of its primitive alone.
+template <class Primitive>
+std::vector<Answer> runReference(const std::vector<FloatRay>& rays, const std::vector<Primitive>& primitives,
+                                 const Vertices& vertices) {
     std::vector<Answer> answers(rays.size());
     for (size_t i = 0; i < rays.size(); ++i) {
-        glint::test::SceneMaker maker;
-        add(maker, i);
-        const PackedScene scene = maker.finish();
-        const reference::Tracer tracer(scene);
+        SceneMaker maker;
+        addTo(maker, primitives[i], vertices);
+        const glint::test::SceneTracer tracer(maker);
         const auto hit = tracer.closest({glm::dvec3(rays[i].origin), glm::dvec3(rays[i].direction)});
         if (hit) answers[i] = {true, hit->t, hit->u, hit->v};
     }
@@ -171,15 +204,26 @@ gpu::Access accessOf(const Subject& subject, const render::ArraySizes& sizes) {
                                   : gpu::Access::TexelBuffer;
 }
 
+template <class Primitive>
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Triangle>& triangles) {
-    if (!subject.device) {
-        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
-            maker.triangle(triangles[i].v0, triangles[i].v1, triangles[i].v2);
-        });
-    }
-    return runTriangles(subject, rays, shared::kKindTriangle, triangles);
+                          const std::vector<Primitive>& primitives,
+                          const std::vector<shared::PolygonVertex>& vertices) {
+    using Known = KindOf<Primitive>;
+    if constexpr (requires(SceneMaker & maker) { addTo(maker, primitives[0], vertices); })
+        if (!subject.device) return runReference(rays, primitives, vertices);
+    if constexpr (std::is_same_v<Primitive, shared::Triangle>)
+        return runTriangles(subject, rays, Known::kind, primitives);
+    std::vector<Array> arrays = {array(Known::binding, primitives)};
+    if (!vertices.empty()) arrays.push_back(array(Bindings::polygonVertices, vertices));
+    return run(subject, rays, Known::kind, arrays);
 }
+#define GLINT_PROBE(number, Kind, KINDS, kinds, one, many)                           \
+    template std::vector<Answer> probe(const Subject&, const std::vector<FloatRay>&, \
+                                       const std::vector<shared::Kind>&,             \
+                                       const std::vector<shared::PolygonVertex>&);
+GLINT_PRIMITIVES(GLINT_PROBE, GLINT_NO_KIND)
+#undef GLINT_PROBE
+
 std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
                                const std::vector<shared::Triangle>& triangles) {
     return runTriangles(subject, rays, kProbeAhead, triangles);
@@ -187,52 +231,6 @@ std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRa
 std::vector<Answer> probeSettled(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Triangle>& triangles, bool exchanged) {
     return runTriangles(subject, rays, exchanged ? kProbeExchanged : kProbeSettled, triangles);
-}
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Sphere>& spheres) {
-    if (!subject.device) {
-        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
-            maker.anchoredSphere(spheres[i].point, spheres[i].anchorNormal, spheres[i].radius);
-        });
-    }
-    return run(subject, rays, shared::kKindSphere, {array(Bindings::spheres, spheres)});
-}
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Plane>& planes) {
-    if (!subject.device) {
-        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
-            maker.plane(planes[i].point, planes[i].normal);
-        });
-    }
-    return run(subject, rays, shared::kKindPlane, {array(Bindings::planes, planes)});
-}
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Disc>& discs) {
-    if (!subject.device) {
-        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
-            maker.disc(discs[i].center, discs[i].normal, discs[i].radius);
-        });
-    }
-    return run(subject, rays, shared::kKindDisc, {array(Bindings::discs, discs)});
-}
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Polygon>& polygons,
-                          const std::vector<shared::PolygonVertex>& vertices) {
-    if (!subject.device) {
-        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
-            const auto first = vertices.begin() + polygons[i].firstVertex;
-            std::vector<glm::vec3> outline;
-            for (uint32_t k = 0; k < polygons[i].trips * shared::kPolygonEdgesPerTrip; ++k)
-                outline.push_back(first[k].position);
-            maker.polygon(outline);
-        });
-    }
-    return run(subject, rays, shared::kKindPolygon,
-               {array(Bindings::polygons, polygons), array(Bindings::polygonVertices, vertices)});
-}
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Quadric>& quadrics) {
-    return run(subject, rays, shared::kKindQuadric, {array(Bindings::quadrics, quadrics)});
 }
 std::vector<Answer> probeNormals(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Quadric>& quadrics) {

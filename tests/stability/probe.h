@@ -42,26 +42,18 @@ struct Box {
     glm::vec3 lo, hi;
 };
 
+// `vertices`: of polygons. Quadrics and boxes on the device only: the reference is asked through the packed
+// scene that they come from.
+template <class Primitive>
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Triangle>& triangles);
+                          const std::vector<Primitive>& primitives,
+                          const std::vector<shared::PolygonVertex>& vertices = {});
 // Device only: what rays that leave a surface are taken to meet, less triangles that lie behind them.
 std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
                                const std::vector<shared::Triangle>& triangles);
 // Device only: hits as they are shaded, slivers settled. exchanged: corners as of a mirrored instance.
 std::vector<Answer> probeSettled(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Triangle>& triangles, bool exchanged);
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Sphere>& spheres);
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Plane>& planes);
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Disc>& discs);
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Polygon>& polygons,
-                          const std::vector<shared::PolygonVertex>& vertices);
-// Device only: the reference is asked through the packed scene that the quadric comes from.
-std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
-                          const std::vector<shared::Quadric>& quadrics);
 // Device only: the normals as t, u, v where rays meet quadrics.
 std::vector<Answer> probeNormals(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Quadric>& quadrics);
