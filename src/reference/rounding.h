@@ -31,6 +31,24 @@ inline double clearanceOf(const glm::dvec3& error, const glm::dvec3& normal) {
 // ---- Shading, for given rays and hits: absolute errors, in units of 2^-24. Jitter covers the effect of
 // errors of rays, points and normals on a colour.
 
+// A colour, or a factor of one, with a bound on its error.
+struct RoundedColor {
+    glm::dvec3 value{0}, error{0};
+
+    RoundedColor& operator+=(const RoundedColor& other) {
+        value += other.value;
+        error += other.error;
+        return *this;
+    }
+    friend RoundedColor operator*(const RoundedColor& a, const RoundedColor& b) {
+        return {a.value * b.value, a.error * b.value + a.value * b.error};
+    }
+};
+// A value that errs by so many units of itself.
+inline RoundedColor roundedColor(const glm::dvec3& value, double units) {
+    return {value, units * value};
+}
+
 // A texel's bilinear mixture takes 7 roundings, its product with a colour one, with the vertices' colour
 // four, with the throughput one, and a sum three: 16 of a product of colours.
 inline constexpr double kProductRoundings = 16;

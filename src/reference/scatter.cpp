@@ -175,7 +175,7 @@ Reflection evaluate(const Interaction& at, const dvec3& l, double turn) {
     }
     result.faces = least > 0;
     result.highlight = highlight > 0;
-    if (result.faces) result.part = cosine * at.material.diffuse + specular;
+    if (result.faces) result.value = cosine * at.material.diffuse + specular;
     if (!result.faces) result.error = dvec3(0);
     if (least < slip * kFloatUnit) result.error += 0x1p24 * specular;
     result.error += slip * at.material.diffuse;
@@ -194,14 +194,17 @@ Scattering scatteringAt(const Model& scene, const Interaction& at) {
     split.reflected = glm::reflect(d, at.s);
     if (glm::dot(split.reflected, at.n) <= 0) split.reflected = glm::reflect(d, at.n);
     if (splits) split = splitAt(d, at.n, at.s, ratio);
+    const double error = splits && !split.total ? kReflectanceError : 0;
+    const auto weigh = [&](const dvec3& weight) -> RoundedColor {
+        return {weight, kProductRoundings * weight + error};
+    };
     Scattering s;
     s.reflects = at.crossing.counts && (splits || at.material.mirror != glm::dvec3(0));
     s.reflected = glm::normalize(split.reflected);
-    s.reflectedWeight = glm::min(at.material.mirror + split.reflectance, dvec3(1));
+    s.reflectedWeight = weigh(glm::min(at.material.mirror + split.reflectance, dvec3(1)));
     s.refracts = dielectric && !split.total;
     s.refracted = split.refracted;
-    s.refractedWeight = (1 - split.reflectance) * (at.crossing.counts ? at.transmission : dvec3(1));
-    if (splits && !split.total) s.weightError = kReflectanceError;
+    s.refractedWeight = weigh((1 - split.reflectance) * (at.crossing.counts ? at.transmission : dvec3(1)));
     return s;
 }
 

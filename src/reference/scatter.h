@@ -87,9 +87,8 @@ glm::dvec3 offsetOrigin(const Interaction& at, const glm::dvec3& direction);
 
 // ---- Light that the surface sends back along the ray
 
-// The part of a light's, and what rounding may make of it, see rounding.h.
-struct Reflection {
-    glm::dvec3 part{0}, error{0};
+// The part of a light's.
+struct Reflection : RoundedColor {
     bool faces = false;      // the light is on the side that is seen
     bool highlight = false;  // and Blinn's term is not 0
 };
@@ -104,8 +103,7 @@ Reflection evaluate(const Interaction& at, const glm::dvec3& toLight, double tur
 struct Scattering {
     bool reflects = false, refracts = false;
     glm::dvec3 reflected{0}, refracted{0};
-    glm::dvec3 reflectedWeight{0}, refractedWeight{0};
-    double weightError = 0;  // absolute, beside kProductRoundings of a weight
+    RoundedColor reflectedWeight, refractedWeight;
 };
 Scattering scatteringAt(const Model& scene, const Interaction& at);
 

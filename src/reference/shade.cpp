@@ -73,17 +73,6 @@ class PathTracer {
     Step step(Branch branch);
 
   private:
-    // Light, and what rounding may add to it, see rounding.h.
-    struct Light {
-        dvec3 radiance{0}, error{0};
-    };
-    // Light that passes surfaces on its way. `fade`: sum of the magnitudes of its optical depth. `ends`: sums
-    // of magnitudes of the points between its parts, each times its medium's attenuation.
-    struct Passed {
-        dvec3 part{1};
-        double fade = 0, ends = 0;
-    };
-
     std::optional<Hit> closest(const Ray& ray, const Source& source, RayClass kind);
     void decide(uint32_t word) { record_.decisions = (record_.decisions ^ word) * shared::kHashPrime; }
     void decide(const Hit& hit) {
@@ -95,7 +84,7 @@ class PathTracer {
     void decideCells(const Surface& textured) {
         if (!scene_.textures.empty()) decide(cellsAt(scene_, textured));
     }
-    void addLight(const dvec3& throughput, const dvec3& slack, const Light& light);
+    void addLight(const RoundedColor& light);
     void count(RayClass kind, uint64_t costBefore) {
         RayTally& tally = record_.tally[static_cast<size_t>(kind)];
         ++tally.rays;
@@ -103,9 +92,9 @@ class PathTracer {
     }
     Interaction interactionAt(const Ray& ray, const Hit& hit, const Surface& surface, const Media& media);
     Ray rayFrom(const Interaction& at, const dvec3& direction, double tMax);
-    Light shadeLights(const Interaction& at, bool first);
-    std::optional<Light> shadeLight(const Interaction& at, size_t index, bool first);
-    std::optional<Passed> lightThrough(const Ray& ray, const Interaction& at, bool directional);
+    RoundedColor shadeLights(const Interaction& at, bool first);
+    RoundedColor shadeLight(const Interaction& at, size_t index, bool first);
+    std::optional<RoundedColor> lightThrough(const Ray& ray, const Interaction& at, bool directional);
     void follow(const Branch& branch) {
         const uint32_t before = std::exchange(record_.decisions, 0);
         const std::vector<Branch> next = visit(branch);
@@ -117,8 +106,8 @@ class PathTracer {
     }
     // Adds the light of one ray's hit, and returns the rays that leave it.
     std::vector<Branch> visit(const Branch& branch);
-    std::vector<Branch> branchesOf(const Branch& branch, const Interaction& at, const dvec3& throughput,
-                                   const dvec3& slack);
+    std::vector<Branch> branchesOf(const Branch& branch, const Interaction& at,
+                                   const RoundedColor& throughput);
     // Each contribution is added with a rounding of the sum so far.
     void finishRounding() {
         record_.rounding += static_cast<double>(contributions_) * record_.color;
@@ -132,7 +121,7 @@ class PathTracer {
     }
     bool isFollowed(const Branch& next);
     double contribution(const Branch& next) const {
-        const dvec3& t = next.throughput;
+        const dvec3& t = next.throughput.value;
         const double most = std::max({t.x, t.y, t.z});
         const bool tells = most >= static_cast<double>(shared::kLeastThroughput);
         return tells ? most * tracer_.environment().radianceBound : 0;
@@ -216,9 +205,10 @@ Ray PathTracer::rayFrom(const Interaction& at, const dvec3& direction, double tM
 
 // Light from the end of a shadow ray: 0 if an opaque surface blocks it, else the product of all transmissions
 // and Beer's law in every medium that contains the ray by its count of crossings.
-std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const Interaction& at,
-                                                           bool directional) {
-    if (!tracer_.shadows()) return Passed();
+std::optional<RoundedColor> PathTracer::lightThrough(const Ray& ray, const Interaction& at,
+                                                     bool directional) {
+    const RoundedColor all = roundedColor(dvec3(1), exponentialRoundings(0, 0));
+    if (!tracer_.shadows()) return all;
     const uint64_t before = record_.cost;
     if (!scene_.coloredShadows) {
         const bool occluded = tracer_.occluded(ray, at.source, &record_.cost);
@@ -228,7 +218,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
             record_.meetsInstance = hit && hit->instance != shared::kNone;
         }
         if (occluded) return std::nullopt;
-        return Passed();
+        return all;
     }
     std::vector<Hit> hits = tracer_.allHits(ray, at.source, &record_.cost);
     count(RayClass::Shadow, before);
@@ -241,6 +231,8 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     // A medium that is entered at t is left at the light, and counts for 1 - t of the way. Infinitely far
     // away there is none: what is left at t has counted from the start.
     dvec3 fade = directional ? dvec3(0) : sigma;
+    // Magnitudes of the optical depth, and of the points between its parts, each times its medium's
+    // attenuation.
     double terms = 0, ends = at.scale * greatestMagnitude(sigma);
     const double length = glm::length(ray.direction);
     bool leaves = false;
@@ -259,54 +251,43 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
         ends += surface.scale * greatestMagnitude(change);
     }
     terms += length * greatestMagnitude(fade);
-    return Passed{glm::min(left * glm::exp(-length * fade), dvec3(1)), terms, ends};
+    return roundedColor(glm::min(left * glm::exp(-length * fade), dvec3(1)),
+                        exponentialRoundings(terms, ends));
 }
 
 // Nothing of a light that is occluded, nor of one that lies on the surface or shines elsewhere.
-std::optional<PathTracer::Light> PathTracer::shadeLight(const Interaction& at, size_t index, bool first) {
+RoundedColor PathTracer::shadeLight(const Interaction& at, size_t index, bool first) {
     const rows::Light& light = tracer_.lights()[index];
     const LightSample sample = sampleLight(light, at.position);
     decide(0);
-    if (!sample.valid) return std::nullopt;
+    if (!sample.valid) return {};
     dvec3 seen = sample.direction;
     if (isSpot(light)) mover_.turn(seen, 1);
     const double part = spotFactor(light, seen);
-    if (part == 0) return std::nullopt;
+    if (part == 0) return {};
     const double turn = lightTurn(at.scale, sample.distance);
     const Reflection reflection = evaluate(at, sample.direction, turn);
     const dvec3 incoming = intensityAt(light, sample.distance, part);
-    Light one;
-    one.radiance = incoming * reflection.part;
-    one.error = incoming * reflection.error;
-    if (!reflection.faces) return one;
+    if (!reflection.faces) return RoundedColor{incoming} * reflection;
     decide(reflection.highlight ? 2 : 1);
-    one.error += (kProductRoundings + 2 * turn) * one.radiance;
-    one.error += spotError(light, sample.direction, part, turn) * one.radiance;
+    const double units = kProductRoundings + 2 * turn + spotError(light, sample.direction, part, turn);
     const bool directional = light.kind == shared::kLightDirectional;
     const double end =
         directional ? std::numeric_limits<double>::infinity() : static_cast<double>(shared::kShadowEnd);
-    const std::optional<Passed> through = lightThrough(rayFrom(at, sample.toLight, end), at, directional);
+    const auto through = lightThrough(rayFrom(at, sample.toLight, end), at, directional);
     if (!through) {
         decide(3);
         if (first && index < shared::kShadowBits) record_.shadowBits |= 1u << index;
         if (keepPath_) record_.path.back().occluded[index] = 1;
-        return std::nullopt;
+        return {};
     }
-    one.error =
-        through->part * (one.error + exponentialRoundings(through->fade, through->ends) * one.radiance);
-    one.radiance = through->part * one.radiance;
-    return one;
+    return roundedColor(incoming, units) * reflection * *through;
 }
 
-PathTracer::Light PathTracer::shadeLights(const Interaction& at, bool first) {
-    Light sum;
-    for (size_t i = 0; i < tracer_.lights().size(); ++i) {
-        const std::optional<Light> one = shadeLight(at, i, first);
-        if (!one) continue;
-        sum.radiance += one->radiance;
-        sum.error += one->error;
-    }
-    sum.error += static_cast<double>(tracer_.lights().size()) * sum.radiance;
+RoundedColor PathTracer::shadeLights(const Interaction& at, bool first) {
+    RoundedColor sum;
+    for (size_t i = 0; i < tracer_.lights().size(); ++i) sum += shadeLight(at, i, first);
+    sum.error += static_cast<double>(tracer_.lights().size()) * sum.value;
     return sum;
 }
 
@@ -333,14 +314,14 @@ bool PathTracer::isFollowed(const Branch& next) {
 
 // The one on the outer side comes first.
 std::vector<Branch> PathTracer::branchesOf(const Branch& branch, const Interaction& at,
-                                           const dvec3& throughput, const dvec3& slack) {
+                                           const RoundedColor& throughput) {
     const Scattering s = scatteringAt(scene_, at);
     std::vector<Branch> next;
-    const auto add = [&](RayClass kind, const dvec3& weight, const dvec3& direction, const Media& media) {
+    const auto add = [&](RayClass kind, const RoundedColor& weight, const dvec3& direction,
+                         const Media& media) {
         Branch b;
         b.kind = kind;
         b.throughput = throughput * weight;
-        b.slack = slack * weight + throughput * (kProductRoundings * weight + s.weightError);
         b.depth = branch.depth + 1;
         b.waiting = branch.waiting;
         if (!isFollowed(b)) return;
@@ -380,7 +361,7 @@ std::vector<Branch> PathTracer::visit(const Branch& branch) {
         const double endless = std::numeric_limits<double>::infinity();
         const dvec3 left = transmittance(scene_, rulingMedium(scene_, branch.media), endless);
         const dvec3 seen = surroundings(scene_, environment, ray.direction, mapShift());
-        addLight(branch.throughput * left, branch.slack * left, {seen, kProductRoundings * seen});
+        addLight(branch.throughput * RoundedColor{left} * roundedColor(seen, kProductRoundings));
         return {};
     }
     const Surface surface = tracer_.surfaceAt(ray, *hit);
@@ -393,29 +374,26 @@ std::vector<Branch> PathTracer::visit(const Branch& branch) {
     const Interaction at = interactionAt(ray, *hit, surface, branch.media);
     record_.lost.crowdedMedia += at.crossing.crowded ? 1 : 0;
     const double way = hit->t * glm::length(ray.direction);
-    const dvec3 left = transmittance(scene_, at.crossing.mediumBefore, way);
-    const dvec3 throughput = branch.throughput * left;
-    dvec3 slack = branch.slack * left;
+    RoundedColor left{transmittance(scene_, at.crossing.mediumBefore, way)};
     if (at.crossing.mediumBefore != 0) {
         const dvec3 sigma = attenuationOf(scene_, at.crossing.mediumBefore);
         for (int i = 0; i < 3; ++i)
-            slack[i] += throughput[i] * exponentialRoundings(way * sigma[i], at.scale * sigma[i]);
+            left.error[i] = left.value[i] * exponentialRoundings(way * sigma[i], at.scale * sigma[i]);
     }
+    const RoundedColor throughput = branch.throughput * left;
     if (at.crossing.counts) {
-        const dvec3 ambient = at.material.ambient * environment.ambient;
-        Light light = shadeLights(at, first);
-        light.radiance += ambient;
-        light.error += kProductRoundings * ambient;
-        addLight(throughput, slack, light);
+        RoundedColor light = shadeLights(at, first);
+        light += roundedColor(at.material.ambient * environment.ambient, kProductRoundings);
+        addLight(throughput * light);
     }
-    return branchesOf(branch, at, throughput, slack);
+    return branchesOf(branch, at, throughput);
 }
 
-void PathTracer::addLight(const dvec3& throughput, const dvec3& slack, const Light& light) {
-    record_.color += throughput * light.radiance;
+void PathTracer::addLight(const RoundedColor& light) {
+    record_.color += light.value;
     // Called before the rays that follow from the one at hand.
-    if (keepPath_) record_.path.back().light += throughput * light.radiance;
-    record_.rounding += throughput * light.error + slack * light.radiance;
+    if (keepPath_) record_.path.back().light += light.value;
+    record_.rounding += light.error;
     ++contributions_;
 }
 

@@ -19,6 +19,7 @@
 #include "pack/packed_scene.h"
 #include "pack/request_environment.h"
 #include "reference/model.h"
+#include "reference/rounding.h"
 #include "trace/picture.h"
 
 namespace glint::reference {
@@ -173,8 +174,7 @@ using Media = std::vector<uint32_t>;
 struct Branch {
     Ray ray;
     Source source;
-    glm::dvec3 throughput{1};
-    glm::dvec3 slack{0};  // of the throughput, see rounding.h
+    RoundedColor throughput{glm::dvec3(1)};
     RayClass kind = RayClass::Primary;
     uint32_t depth = 0;    // rays before it
     uint32_t waiting = 0;  // branches that are followed only after all that comes of this one

@@ -128,7 +128,8 @@ Box Certifier::boxOf(const Branch& branch, const Step& step) const {
         const double way = kStepUnits * kFloatUnit * next.scale + 2 * next.clearance;
         box.add(next.ray.origin, dvec3(way));
         box.add(glm::normalize(next.ray.direction), dvec3(turn));
-        box.add(next.throughput, kFloatUnit * (next.slack + 8.0 * next.throughput) + kUnderflow);
+        const auto& [throughput, error] = next.throughput;
+        box.add(throughput, kFloatUnit * (error + 8.0 * throughput) + kUnderflow);
     }
     return box;
 }
@@ -210,8 +211,8 @@ bool Certifier::follow() {
     Branch branch = kept.branch;
     branch.ray.origin = ray.origin;
     branch.ray.direction = ray.direction;
-    if (seen_.fromDevice) branch.throughput = ray.throughput / seen_.weight;
-    branch.slack = dvec3(0);
+    if (seen_.fromDevice) branch.throughput.value = ray.throughput / seen_.weight;
+    branch.throughput.error = dvec3(0);
     pending_.pop_back();
     if (explore(std::move(branch), ray)) return true;
     pending_.push_back(kept);
