@@ -238,8 +238,11 @@ class MediaAround {
         : eye_(eye), model_(model), turns_(model.optics.size() + 1), boxes_(turns_.size()) {}
 
     std::vector<uint32_t> find() {
-        if (!model_.nodes->empty()) addTree(0, nullptr);
-        for (const rows::Plane& plane : model_.planes) add(plane);
+        if (!model_.nodes->empty()) addTriangles(0, nullptr);
+#define GLINT_ADD(number, Kind, KINDS, kinds, one, many) \
+    for (const rows::Kind& row : model_.kinds) add(row);
+        GLINT_PRIMITIVES(GLINT_ADD, GLINT_NO_KIND)
+#undef GLINT_ADD
         std::vector<uint32_t> media;
         for (uint32_t medium = 1; medium < turns_.size(); ++medium)
             for (long i = 0; i < std::lround(turns_[medium]) && i < long{shared::kMaxMedia}; ++i)
@@ -251,38 +254,25 @@ class MediaAround {
     }
 
   private:
-    uint32_t mediumOf(uint32_t material) const { return model_.materials[material].medium; }
+    uint32_t mediumOf(uint32_t material) const {
+        return model_.materials[material].medium;
+    }
     double sizeOf(uint32_t medium) const {
         return glm::length(0.5 * boxes_[medium].hi - 0.5 * boxes_[medium].lo);
     }
 
-    void addTree(uint32_t root, const rows::Instance* instance) {
+    // Adds the triangles of the world or of an instance. Instances are of meshes and discs.
+    void addTriangles(uint32_t root, const rows::Instance* instance) {
         traverse(
             *model_.nodes, root, [](const rows::Node&, int) { return 0.0; }, [] { return 0.0; },
             [&](const Leaf& leaf, double) {
-                for (uint32_t i = leaf.first; i < leaf.end; ++i) addPrimitive(leaf.kind, i, instance);
+                for (uint32_t i = leaf.first; i < leaf.end; ++i) {
+                    if (leaf.kind == shared::PrimitiveKind::Triangle) addTriangle(i, instance);
+                    if (leaf.kind == shared::PrimitiveKind::Instance)
+                        addTriangles(model_.instances[i].root, &model_.instances[i]);
+                }
                 return false;
             });
-    }
-
-    void addPrimitive(shared::PrimitiveKind kind, uint32_t i, const rows::Instance* instance) {
-        switch (kind) {
-            case shared::PrimitiveKind::Triangle:
-                return addTriangle(i, instance);
-            case shared::PrimitiveKind::Sphere:
-                return add(model_.spheres[i]);
-            case shared::PrimitiveKind::Polygon:
-                return add(model_.polygons[i]);
-            case shared::PrimitiveKind::Quadric:
-                return add(model_.quadrics[i]);
-            case shared::PrimitiveKind::Cuboid:
-                return add(model_.cuboids[i]);
-            case shared::PrimitiveKind::Instance:
-                return addTree(model_.instances[i].root, &model_.instances[i]);
-            case shared::PrimitiveKind::Disc:   // goes round nothing
-            case shared::PrimitiveKind::Plane:  // in no tree
-                return;
-        }
     }
 
     void addTriangle(uint32_t i, const rows::Instance* instance) {
@@ -303,6 +293,8 @@ class MediaAround {
         turns_[medium] += mirrored ? -turns : turns;
     }
 
+    void add(const rows::Triangle&) {}
+    void add(const rows::Disc&) {}  // goes round nothing
     template <class Solid>
     void add(const Solid& solid) {
         if (const uint32_t medium = mediumOf(solid.material))
