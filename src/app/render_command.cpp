@@ -76,6 +76,20 @@ Request requestOf(const RenderCommand& command, const LoadedScene& loaded) {
 
 namespace {
 
+// Options that exclude each other, with the remedy.
+constexpr const char* kExclusions[][3] = {
+    {"--error", "--adaptive", "leave out --adaptive, as --error chooses the samples of all pixels"},
+    {"--error", "--part", "use --spp with --part"},
+    {"--error", "--checkpoint", "use --spp with --checkpoint"},
+    {"--error", "--band-rows", "use --spp with --band-rows"},
+    {"--part", "--checkpoint", "use more parts, each of which is soon repeated"},
+    {"--part", "--frames", "give each machine frames of its own"},
+    {"--part", "--band-rows", "use more parts to need less memory, and merge --in-bands"},
+    {"--checkpoint", "--frames", "leave out --checkpoint, as --frames skips frames that exist"},
+    {"--checkpoint", "--band-rows", "leave out --band-rows, as --checkpoint chooses the rows itself"},
+    {"--frames", "--band-rows", "render the frame alone by --time SECONDS"},
+    {"--frames", "--time", "choose the time by --fps, as frame N shows time N / fps"}};
+
 void declare(OptionTable& table, RenderCommand& c) {
     addScene(table, c.scene);
     table.name("-o,--output", "FILE",
@@ -122,18 +136,6 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.flag("--strict", "exit with code 5 if --error is not reached", c.target.strict);
     table.require("--error", {"--max-seconds", "--max-spp", "--strict"});
     table.require("--frames", {"--fps", "--overwrite"});
-    constexpr const char* kExclusions[][3] = {
-        {"--error", "--adaptive", "leave out --adaptive, as --error chooses the samples of all pixels"},
-        {"--error", "--part", "use --spp with --part"},
-        {"--error", "--checkpoint", "use --spp with --checkpoint"},
-        {"--error", "--band-rows", "use --spp with --band-rows"},
-        {"--part", "--checkpoint", "use more parts, each of which is soon repeated"},
-        {"--part", "--frames", "give each machine frames of its own"},
-        {"--part", "--band-rows", "use more parts to need less memory, and merge --in-bands"},
-        {"--checkpoint", "--frames", "leave out --checkpoint, as --frames skips frames that exist"},
-        {"--checkpoint", "--band-rows", "leave out --band-rows, as --checkpoint chooses the rows itself"},
-        {"--frames", "--band-rows", "render the frame alone by --time SECONDS"},
-        {"--frames", "--time", "choose the time by --fps, as frame N shows time N / fps"}};
     for (const auto& [option, other, remedy] : kExclusions) table.exclude(option, other, remedy);
     addStats(table, "print times and counts as JSON instead of the summary", c.json);
     addProgress(table, c.progress);

@@ -298,11 +298,7 @@ TEST(Schema, AgreesWithTheParserOnExamples) {
     }
 }
 
-// In a scene that both accept, each value is replaced by wrong ones in turn, each number by others, and each
-// value and key removed. A number that the parser refuses at its own place must be out of the schema's range.
-TEST(Schema, AgreesWithTheParserOnEveryKey) {
-    const json schema = loadSceneSchema();
-    const json scene = json::parse(R"({
+constexpr const char* kSceneOfManyKeys = R"({
         "image": {"width": 8, "height": 6, "samplesPerPixel": 2},
         "camera": {"type": "perspective", "eye": [0, 0, 5], "target": [0, 0, 1], "up": [0, 1, 0], "fovY": 40,
                    "planeNormal": [0, 1, 2], "near": 0.1, "far": 9},
@@ -320,7 +316,13 @@ TEST(Schema, AgreesWithTheParserOnEveryKey) {
                     {"type": "disc", "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "material": "m"},
                     {"type": "polygon", "vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], "material": "m"},
                     {"type": "triangle", "vertices": [[0,0,0],[1,0,0],[0,1,0]], "material": "m",
-                     "transform": [{"translate": [0, 1, 0]}]}]})");
+                     "transform": [{"translate": [0, 1, 0]}]}]})";
+
+// In a scene that both accept, each value is replaced by wrong ones in turn, each number by others, and each
+// value and key removed. A number that the parser refuses at its own place must be out of the schema's range.
+TEST(Schema, AgreesWithTheParserOnEveryKey) {
+    const json schema = loadSceneSchema();
+    const json scene = json::parse(kSceneOfManyKeys);
     ASSERT_EQ(parseError(scene.dump()), "");
     ASSERT_EQ(schemaViolation(schema, scene), "");
     int mutants = 0;
