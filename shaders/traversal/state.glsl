@@ -140,28 +140,25 @@ Surface surfaceOfHit(Traversal traversal, Hit hit) {
 // Accepts or counts a hit, or lets the ray pass: traversal/leaf.glsl or traversal/count.glsl.
 void handleHit(inout Traversal traversal, Hit hit);
 
-// Tests a primitive for a ray that may pass through hits: its first hit after t = `after`. True if it has no
-// further hits; `after` is then ready for the next primitive.
-bool testNextHit(inout Traversal traversal, uint kind, uint index, inout float after) {
-    Ray rest = traversal.ray;
-    rest.tMin = after;
-    Hit hit;
-    bool isHit = hitPrimitive(rest, traversal.frame, kind, index, traversal.trips, hit);
-    if (isHit) handleHit(traversal, hit);
-    bool further = isHit && hit.t > after && hasFurtherHits(kind);
-    after = further ? hit.t : traversal.ray.tMin;
-    traversal.trips += 2u;  // of the loop around it, and of those in the tests
-    if (MODE_COST && !further) ++traversal.cost;
-    return !further;
-}
-
-// Tests the primitives `first` to `end` - 1 so. One loop for all kinds, as handleHit is much code, in which
-// drivers' compilers would spend seconds for each copy.
+// Tests primitives `first` to `end` - 1 for a ray that may pass through hits: after each hit, the next hit of
+// the same primitive is looked for. One loop for all kinds, as handleHit is much code, in which drivers'
+// compilers would spend seconds for each copy.
 void testEachHit(inout Traversal traversal, uint kind, uint first, uint end) {
     uint index = first;
     float after = traversal.ray.tMin;
     do {
-        if (index < end) index += testNextHit(traversal, kind, index, after) ? 1u : 0u;
+        if (index < end) {
+            Ray rest = traversal.ray;
+            rest.tMin = after;
+            Hit hit;
+            bool isHit = hitPrimitive(rest, traversal.frame, kind, index, traversal.trips, hit);
+            if (isHit) handleHit(traversal, hit);
+            bool further = isHit && hit.t > after && hasFurtherHits(kind);
+            after = further ? hit.t : traversal.ray.tMin;
+            index += further ? 0u : 1u;
+            traversal.trips += 2u;  // of this loop, and of those in the tests
+            if (MODE_COST && !further) ++traversal.cost;
+        }
     } while (index < end);
 }
 
