@@ -203,7 +203,7 @@ void Model::keepCamera() {
 }
 
 const Image* Model::comparable() const {
-    const bool there = session->ready() && session->width() > 0;
+    const bool there = session->samples() > 0 && session->width() > 0;
     return there ? &session->picture().color : nullptr;
 }
 

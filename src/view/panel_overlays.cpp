@@ -153,7 +153,7 @@ void drawPixel(const Model& m, const glm::ivec2& pixel) {
     }
     const uint32_t shown = m.picture.row(pixel.y)[pixel.x];
     ImGui::Text("shown  %u %u %u", shown & 255u, shown >> 8 & 255u, shown >> 16 & 255u);
-    if (!session.ready()) return wrapped("layers: being traced", kDim);
+    if (!session.hasData()) return wrapped("layers: being traced", kDim);
     const PixelData& data = session.picture().at(pixel.x, pixel.y);
     data.object == PixelData::kNoIndex ? text("nothing is hit") : drawHit(m, data);
     ImGui::Text("bounces %u, cost %u", data.bounces, data.cost);

@@ -194,7 +194,7 @@ void Session::setView(const Camera& camera, int width, int height) {
 
 void Session::restart() {
     samples_ = nextRow_ = 0;
-    hasData_ = passBegun_ = coarseIsCurrent_ = false;
+    hasData_ = colorBegun_ = coarseIsCurrent_ = false;
     goal_.reset();
     rounding_.reset();
     ++view_;
@@ -255,8 +255,13 @@ bool Session::renderMoving(double scale, int depth) {
     return true;
 }
 
+bool Session::ready() const {
+    return needsData(settings_.layer) ? hasData_ : samples_ > 0;
+}
+
 bool Session::finished() const {
-    return width_ == 0 || height_ == 0 || (hasData_ && (needsData(settings_.layer) || enough()));
+    if (width_ == 0 || height_ == 0) return true;
+    return hasData_ && samples_ > 0 && (needsData(settings_.layer) || enough());
 }
 
 bool Session::enough() const {
@@ -268,35 +273,36 @@ double Session::progress() const {
     return height_ == 0 ? 0 : static_cast<double>(nextRow_) / height_;
 }
 
+// The colour comes first: a pass that brings all layers takes 1.6 to 3 times as long.
 void Session::beginPass() {
-    if (std::exchange(passBegun_, true)) return;  // its first band was cut short
-    if (hasData_) {
-        pass_ = goal_       ? goal_->begin()
-                : sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
-                            : PackedSamples::fixed({progressiveOffset(samples_)});
-        return;
-    }
     full_.region = {0, 0, width_, height_};
-    full_.color = Image(width_, height_, 4);
-    full_.data.resize(full_.color.pixels.size() / 4);
-    sum_.assign(full_.color.pixels.size(), 0);
-    sequence_ = sequence();
-    pass_ = PackedSamples::fixed({progressiveOffset(0)});
-    if (settings_.until.error > 0)
-        goal_.emplace(settings_.until, progressiveSampling(), full_.region,
-                      !converge::missesReflections(scene_->scene, settings_.depth()));
+    if (full_.color.width != width_ || full_.color.height != height_) {
+        full_.color = Image(width_, height_, 4);
+        full_.data.resize(full_.color.pixels.size() / 4);
+    }
+    passHasData_ = !hasData_ && (needsData(settings_.layer) || samples_ > 0);
+    // A pass whose first band was cut short has its samples already.
+    if (passHasData_ || std::exchange(colorBegun_, true)) return;
+    if (samples_ == 0) {
+        sum_.assign(full_.color.pixels.size(), 0);
+        sequence_ = sequence();
+        if (settings_.until.error > 0)
+            goal_.emplace(settings_.until, progressiveSampling(), full_.region,
+                          !converge::missesReflections(scene_->scene, settings_.depth()));
+    }
+    colorPass_ = goal_       ? goal_->begin()
+                 : sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
+                             : PackedSamples::fixed({progressiveOffset(samples_)});
 }
 
-// The first pass is a sample of the color unless its samples have other places.
 void Session::endPass() {
     nextRow_ = 0;
-    passBegun_ = false;
-    const bool first = !std::exchange(hasData_, true);
-    if (first && (goal_ || sequence_)) {
-        std::fill(sum_.begin(), sum_.end(), 0.0f);
+    if (passHasData_) {
+        hasData_ = true;
         return;
     }
-    samples_ += static_cast<int>(pass_.count());
+    colorBegun_ = false;
+    samples_ += static_cast<int>(colorPass_.count());
     if (goal_) goal_->end();
 }
 
@@ -326,10 +332,10 @@ Request Session::nextPiece(double seconds) const {
         const double wanted = seconds / (secondsPerPixel_ * width_ * kBandRows);
         rows = kBandRows * static_cast<int>(std::clamp(wanted, 1.0, 4096.0));
     }
-    Request request = requestFor(width_, height_, !hasData_);
+    Request request = requestFor(width_, height_, passHasData_);
     request.region = {0, nextRow_, width_, std::min(nextRow_ + rows, height_)};
-    request.samples = pass_;
-    request.ledger = hasData_ && goal_;
+    if (!passHasData_) request.samples = colorPass_;
+    request.ledger = !passHasData_ && goal_;
     return request;
 }
 
@@ -377,17 +383,20 @@ bool Session::refine(double seconds, const std::function<bool()>& cancelled) {
     if (!picture.complete) return true;
     addBand(picture);
     nextRow_ = band.y1;
+    if (passHasData_ == needsData(settings_.layer)) ++version_;
     if (nextRow_ == height_) endPass();
-    ++version_;
     return true;
 }
 
 // One sample alone keeps the bits that the device gave it.
 void Session::addBand(const Picture& band) {
     const size_t first = static_cast<size_t>(band.region.y0) * static_cast<size_t>(width_);
-    std::copy(band.data.begin(), band.data.end(), full_.data.begin() + static_cast<long>(first));
-    if (hasData_ && goal_) goal_->add(band);
-    const auto count = static_cast<float>(pass_.count());
+    if (passHasData_) {
+        std::copy(band.data.begin(), band.data.end(), full_.data.begin() + static_cast<long>(first));
+        return;
+    }
+    if (goal_) goal_->add(band);
+    const auto count = static_cast<float>(colorPass_.count());
     const float scale = 1.0f / (static_cast<float>(samples_) + count);
     for (size_t i = 0; i < band.color.pixels.size(); ++i) {
         sum_[4 * first + i] += count * band.color.pixels[i];
@@ -409,7 +418,7 @@ Canvas Session::canvas(const Display& display) const {
         const bool smooth = layer == ViewLayer::Color || layer == ViewLayer::Depth;
         stretch(colorize(coarse_, layer, display, together), target, smooth);
     }
-    const int rows = whole ? height_ : nextRow_;
+    const int rows = whole ? height_ : passHasData_ == needsData(layer) ? nextRow_ : 0;
     if (rows == 0) return target;
     const Canvas full = colorize(full_, layer, display, together);
     std::copy_n(full.pixels.begin(), static_cast<long>(rows) * width_, target.pixels.begin());

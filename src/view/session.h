@@ -129,12 +129,14 @@ class Session {
     // A coarse image of the whole view at `scale` of its size. False if it is there already, or the full one.
     bool renderMoving(double scale, int depth);
     // The next piece of the full image, about `seconds` long; `cancelled` as in Request. False if there is
-    // nothing left to do. The first pass brings every layer, from the centres of the pixels.
+    // nothing left to do. The pass that brings all layers, from the centres of the pixels, is the second one,
+    // or the first if the layer that is shown needs it.
     bool refine(double seconds, const std::function<bool()>& cancelled);
-    bool finished() const;                    // the layer that is shown
-    bool ready() const { return hasData_; }   // after the first pass
-    int samples() const { return samples_; }  // complete ones, of the color
-    double progress() const;                  // of the pass at hand, 0..1
+    bool finished() const;
+    bool ready() const;                        // a full image of the layer that is shown
+    bool hasData() const { return hasData_; }  // of every pixel, for all layers but the colour
+    int samples() const { return samples_; }   // complete ones, of the colour
+    double progress() const;                   // of the pass at hand, 0..1
     // Progress towards the error of the settings.
     GoalFacts goal() const { return goal_ ? goal_->facts() : GoalFacts(); }
 
@@ -142,7 +144,7 @@ class Session {
     Canvas canvas(const Display& display) const;
     LayerRange range() const;  // that its colours stand for
     uint64_t version() const { return version_; }
-    // The full image once ready(): its colour is that of a pinhole until samples() > 0.
+    // The full image: its colour once samples() > 0, its data once hasData().
     const Picture& picture() const { return full_; }
     const Camera& camera() const { return camera_; }
     // The samples that its colour is the mean of; before the first, that one.
@@ -182,13 +184,14 @@ class Session {
     Picture full_;  // mean of `samples_` samples, of those at hand too above nextRow_
     std::vector<float> sum_;
     std::optional<SampleSequence> sequence_;  // of samples that differ from pixel to pixel
-    PackedSamples pass_;                      // samples of the pass at hand
+    PackedSamples colorPass_;                 // samples of the colour's pass at hand
     std::optional<ErrorGoal> goal_;           // of the picture at hand
     std::optional<double> rounding_;          // ErrorBudget::rounding of the view
     std::future<double> findsRounding_;       // of the view that had this number
     uint64_t roundingView_ = 0, view_ = 0;
     int samples_ = 0, nextRow_ = 0;
-    bool hasData_ = false, passBegun_ = false;
+    bool hasData_ = false, colorBegun_ = false;
+    bool passHasData_ = false;    // the pass at hand brings all layers but the colour
     double secondsPerPixel_ = 0;  // of refine()
     uint64_t version_ = 0;
     FrameFacts facts_;

@@ -48,7 +48,7 @@ std::string pixelText(const Model& m) {
                   static_cast<double>(picture.color.at(at.x, at.y, 0)),
                   static_cast<double>(picture.color.at(at.x, at.y, 1)),
                   static_cast<double>(picture.color.at(at.x, at.y, 2)));
-    if (!m.session->ready()) return line;
+    if (!m.session->hasData()) return line;
     const PixelData& data = picture.at(at.x, at.y);
     return line + objectName(m.scene->scene, data.object) + " " + text("%.6g", data.depth);
 }
