@@ -3,8 +3,9 @@
 // Compares batches by libglint's C API, from array to array, with the kernels alone: closest hits with t,
 // geometry and primitive, any hits, and counts. Rays: random ones through the scene's box, chords of the
 // sphere around it, and a camera's, with fp32 origins and directions. Processor time, the best of kTurns.
-// --count: counts alone, and their sum, which no change may move. A build with tinybvh (GLINT_TINYBVH) adds its
-// rates for the same rays and triangles, and how many rays at vertices that hit (by certified hits) each misses.
+// --count: counts alone, and their sum, which no change may move. A build with tinybvh (GLINT_TINYBVH) adds
+// its rates for the same rays and triangles, and how many rays at vertices that hit (by certified hits) each
+// misses.
 #include <algorithm>
 #include <cinttypes>
 #include <cmath>

@@ -1,9 +1,10 @@
 // secondary_rays [--size WxH] [--rounds N] SCENE...
 //
 // Compares secondary rays by Embree's single rays and by the device's kernels, in turns. Every surface that a
-// camera ray hits counts as a mirror, and as glass of index 1.5: reflected and refracted rays, rays reflected a
-// second time, and from each of their hits a shadow ray to the scene's first light. Prints for each scene and class a line of JSON: the seconds of all rounds, on the clock and of all
-// processors, and how many rays differ from Embree's in whether or where they hit.
+// camera ray hits counts as a mirror, and as glass of index 1.5: reflected and refracted rays, rays reflected
+// a second time, and from each of their hits a shadow ray to the scene's first light. Prints for each scene
+// and class a line of JSON: the seconds of all rounds, on the clock and of all processors, and how many rays
+// differ from Embree's in whether or where they hit.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

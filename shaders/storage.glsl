@@ -153,7 +153,7 @@ bool pixelOf(uint path, out uvec2 pixel) {
            local.y < dispatch.regionHeight;
 }
 
-// Hit instance, source instance, and where an unfinished walk is: see dispatch.h.
+// Hit instance, source instance, and where an unfinished traversal continues: see dispatch.h.
 uint rowInstance() { return MODE_ADAPTIVE ? kPathRowsAdaptive : (MODE_AOVS ? kPathRowsWithAovs : kPathRows); }
 
 // Entries of two lists of paths, one read and one written by a dispatch.

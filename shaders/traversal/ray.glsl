@@ -228,8 +228,8 @@ const bool kTellsSides = GLINT_SHADOW_RAYS && FEATURE_COLORED_SHADOWS;
 const bool kCountsSurfaces = GLINT_CROSSINGS || kTellsSides;
 const float kComesIn = 1.0, kLeaves = 2.0;
 
-// The t of a surface that a line meets after one at `before`, counted from 0: what it touches in one point it
-// enters and leaves.
+// The t of a surface that a line hits after one at `before`, counted from 0: a line that touches a surface in
+// one point enters and leaves it there.
 float afterT(float before, float t) {
     bool same = kCountsSurfaces && before > 0.0 && t <= before;
     return same ? uintBitsToFloat(floatBitsToUint(before) + 1u) : t;

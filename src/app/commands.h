@@ -1,4 +1,5 @@
-// The commands, each in a file of its own with its options and its work, and steps that several take.
+// The commands, each with its options and its work in a file named after it (merge in units.cpp), and steps
+// that several take.
 #pragma once
 
 #include <filesystem>

@@ -38,21 +38,21 @@ std::vector<Text> choicesOf(const Text& form) {
     return std::all_of(choices.begin(), choices.end(), isName) ? choices : std::vector<Text>();
 }
 
-// The shells ask `glint complete`; without an answer they offer files.
+// Each script runs `glint complete`; without output the shell completes file names.
 constexpr const char* kBash = R"(# Made by glint pages.
 _glint() {
     local line
     COMPREPLY=()
     while IFS= read -r line; do
         COMPREPLY+=("${line%%$'\t'*}")
-    done < <("${COMP_WORDS[0]}" complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)
+    done < <("${COMP_WORDS[0]/#\~/$HOME}" complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)
 }
 complete -o default -F _glint glint
 )";
 constexpr const char* kZsh = R"(#compdef glint
 # Made by glint pages.
 local -a found
-found=("${(@f)$("${(Q)words[1]}" complete "${(@Q)words[2,CURRENT]}" 2>/dev/null)}")
+found=("${(@f)$("${${(Q)words[1]}/#\~/$HOME}" complete "${(@Q)words[2,CURRENT]}" 2>/dev/null)}")
 found=(${found//$'\t'/:})
 if (( $#found )); then _describe glint found; else _files; fi
 )";
@@ -60,8 +60,9 @@ constexpr const char* kFish = R"(# Made by glint pages.
 function __glint_complete
     set -l words (commandline -opc)
     set -l current (commandline -ct)
+    set -l program (string replace -r '^~' $HOME -- $words[1])
     set -e words[1]
-    glint complete $words "$current" 2>/dev/null
+    $program complete $words "$current" 2>/dev/null
 end
 complete -c glint -n '__glint_complete | string length -q' -f -a '(__glint_complete)'
 )";

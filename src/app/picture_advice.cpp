@@ -51,7 +51,7 @@ std::string emptyReason(const Picture& picture, const LoadedScene& loaded, const
         return "everything is nearer than the camera's near or farther away than its far";
     const Region wanted = regionOf(request);
     if (wanted.width() < request.width || wanted.height() < request.height)
-        return "there is nothing else in this --crop";
+        return "nothing is in this --crop; leave it out to see the whole image";
     return "the camera looks past the objects; check its eye and target (glint info prints the bounds)";
 }
 

@@ -1,4 +1,4 @@
-// Assembles an image from units (farm/unit.h), and writes its file.
+// Assembles an image from units (farm/unit.h), and writes its file; units.cpp also holds `glint merge`.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Whole files in memory, and text for messages about them.
+// Whole files in memory, sources of a scene's files, and text for messages about files.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct FileStatus {
 };
 
 // Source of a scene's files: the file system, or another rank that reads them. The answers depend on nothing
-// but the file system, and a scene asks in the same order whenever it gets the same answers.
+// but the file system, and a loader makes the same calls in the same order whenever it gets the same answers.
 class FileSource {
   public:
     virtual ~FileSource() = default;

@@ -36,7 +36,7 @@ std::vector<Item> enumerate(const char* name, Call call) {
     return items;
 }
 
-// An empty structure that Vulkan knows by its type.
+// An empty structure with its sType set.
 template <typename Info>
 Info infoOf(VkStructureType type) {
     Info info{};
@@ -116,8 +116,8 @@ class ValidationLog {
     std::vector<std::string> messages_;
 };
 
-// volk's functions, loaded with the first instance, serve every instance: they are the loader's own, and each
-// instance has the same extensions.
+// Each instance enables VK_KHR_surface and VK_EXT_debug_utils where present, so that volk's functions, which
+// are the loader's own and loaded with the first instance, serve every instance.
 class Instance {
   public:
     // With `log`, the validation layer is loaded and writes there; `log` must outlive the instance. Throws

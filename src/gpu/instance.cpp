@@ -129,6 +129,9 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
     features.pEnabledValidationFeatures = enabled;
     if (log != nullptr) {
         requireValidationLayer();
+        if (!contains(present, VK_EXT_DEBUG_UTILS_EXTENSION_NAME))
+            throw Error(ErrorKind::Device,
+                        "the Vulkan loader lacks VK_EXT_debug_utils for validation messages");
         info.enabledLayerCount = 1;
         info.ppEnabledLayerNames = &kValidationLayer;
         extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
@@ -150,9 +153,11 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
 
     static std::once_flag loaded;
     std::call_once(loaded, volkLoadInstanceOnly, instance_);
-    if (log != nullptr)
-        check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
-              "vkCreateDebugUtilsMessengerEXT");
+    if (log != nullptr) {
+        const VkResult made = vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_);
+        if (made < 0) vkDestroyInstance(instance_, nullptr);
+        check(made, "vkCreateDebugUtilsMessengerEXT");
+    }
 }
 
 Instance::~Instance() {

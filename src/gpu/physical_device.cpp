@@ -1,5 +1,4 @@
-// Which device, queue family and memory type glint takes, the words for what a device lacks, and what Vulkan
-// says about each physical device.
+// Chooses device, queue family and memory type, and names what a device lacks; queries physical devices.
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
@@ -280,6 +279,11 @@ PhysicalDevice queryDevice(VkPhysicalDevice handle, uint32_t index, VkSurfaceKHR
     info.software = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     device.unified = info.software || properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU;
     fillLimits(info.limits, properties.limits);
+    // Vulkan requires this format here (table 60), but drivers that only approach conformance are listed too.
+    VkFormatProperties format{};
+    vkGetPhysicalDeviceFormatProperties(handle, VK_FORMAT_R32G32B32A32_UINT, &format);
+    if ((format.bufferFeatures & VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_BIT) == 0)
+        info.limits.maxTexelBufferElements = 0;
 
     vkGetPhysicalDeviceMemoryProperties(handle, &device.memory);
     info.limits.memory = largestDeviceHeap(device.memory);

@@ -277,7 +277,7 @@ class MtlReader {
     // The light that passes through: 1 - d, filtered by Tf; or all of it, where the illumination model is one
     // of clear things and Tf says so. Tf black stands for no Tf: exporters write both. The models 6 and 7
     // refract, with Fresnel's law in the place of the mirror colour; all others let light go straight on.
-    // What passes is not there to reflect. False: nothing of the surface would be seen, so it stays opaque.
+    // Transmitted light is not reflected. False: nothing of the surface would be seen, so it stays opaque.
     // MeshLab, openMVS and others write Tr 1 of opaque materials.
     static bool letThrough(const MtlMaterial& m, Material& material) {
         const double illum = m.number("illum", 2);

@@ -57,10 +57,12 @@ class ObjReader {
             while (scanner_.nextLine()) readLine();
         }
         checkIndices();
+        std::map<size_t, std::string> undefined;  // by line
         for (const auto& [name, named] : materials_)
             if (named.firstUse > 0 && named.material == Mesh::kNoIndex)
-                warn(named.firstUse,
-                     "material \"" + name + "\" is not defined in a material file; grey is used");
+                undefined.emplace(named.firstUse, name);
+        for (const auto& [line, name] : undefined)
+            warn(line, "material \"" + name + "\" is not defined in a material file; grey is used");
         builder_.colorCodes = MeshBuilder::ColorCodes::Srgb;  // as MeshLab, Blender and others mean them
         if (!mesh_.colors.empty()) mesh_.colors.resize(mesh_.positions.size(), kWhite);
         const ProgressPart part(files_, kRead, 1);

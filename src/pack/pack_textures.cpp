@@ -207,6 +207,7 @@ namespace {
 uint32_t wrapFlag(Wrap wrap) {
     constexpr uint32_t kFlags[] = {shared::kTextureWrapRepeat, shared::kTextureWrapClamp,
                                    shared::kTextureWrapMirror};  // in the order of Wrap
+    static_assert(std::size(kFlags) == kEnumEntries<Wrap>.size());
     return kFlags[static_cast<size_t>(wrap)];
 }
 

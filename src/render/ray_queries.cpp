@@ -7,6 +7,7 @@
 #include <cstring>
 #include <mutex>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -39,10 +40,18 @@ SceneFeatures hitFeatures(SceneFeatures features) {
 // Behind the rows of the rays: room for hits that are listed, two entries each, four for each ray of a piece.
 constexpr uint32_t kCrossingRows = 8;
 
-KernelId kernelOf(RayTask::Ask ask) {  // in the order of Ask
-    constexpr KernelId kKernelsOfAsk[] = {KernelId::Intersect, KernelId::IntersectAny, KernelId::Count,
-                                          KernelId::ClosestPoint};
-    return kKernelsOfAsk[static_cast<size_t>(ask)];
+KernelId kernelOf(RayTask::Ask ask) {
+    switch (ask) {
+        case RayTask::Ask::Nearest:
+            return KernelId::Intersect;
+        case RayTask::Ask::Any:
+            return KernelId::IntersectAny;
+        case RayTask::Ask::Count:
+            return KernelId::Count;
+        case RayTask::Ask::Point:
+            return KernelId::ClosestPoint;
+    }
+    throw std::logic_error("kernelOf: unknown query");
 }
 
 const RowEntry kNoEntry = {.u = {shared::kNone, shared::kNone, shared::kNone, shared::kNone}};
@@ -181,12 +190,12 @@ struct RayQueries::State {
             RowEntry* const origin = slot.row(0) + place * kBlock;
             RowEntry* const direction = slot.row(1) + place * kBlock;
             RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
-            const float nobody = task.ask == RayTask::Ask::Count ? 0 : std::bit_cast<float>(shared::kNone);
+            const float noHit = task.ask == RayTask::Ask::Count ? 0 : std::bit_cast<float>(shared::kNone);
             for (size_t i = 0; i < kBlock; ++i) {
                 const RayInput& ray = rays[i];
                 origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, ray.tMax}};
                 direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, ray.tMin}};
-                hit[i] = {{ray.tMax, 0, 0, nobody}};
+                hit[i] = {{ray.tMax, 0, 0, noHit}};
             }
             if (features.instances) std::fill_n(slot.row(kInstanceRow) + place * kBlock, kBlock, kNoEntry);
         });

@@ -1,5 +1,5 @@
-// The backends, and how rays are tried against triangles and spheres: the textbooks' ways, and the ones that
-// hold (docs/reference/command-line.md).
+// The backends, and the intersection tests of triangles and spheres: the robust ones and those of textbooks
+// (docs/guide/numbers-to-trust.md).
 #pragma once
 
 #include <compare>
@@ -21,8 +21,8 @@ constexpr auto entriesOf(Backend) {
 enum class Fallback { None, Cpu };
 constexpr auto entriesOf(Fallback) {
     return std::to_array<EnumEntry<Fallback>>(
-        {{Fallback::None, "none", "the device's failure is the command's"},
-         {Fallback::Cpu, "cpu", "the reference draws on, with a warning"}});
+        {{Fallback::None, "none", "exit with code 4"},
+         {Fallback::Cpu, "cpu", "render with the reference, with a warning"}});
 }
 
 // The values are those of INTERSECTOR and SPHERE_FORM in shaders/shared/dispatch.h.

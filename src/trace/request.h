@@ -20,7 +20,7 @@ namespace glint {
 // The samples of an image's pixels, as both tracers read them (docs/guide/sampling.md).
 struct PackedSamples {
     // All pixels take the same samples, each of weight 1: their places in the pixel, in [0, 1)^2. Empty if
-    // `rows` says what to take.
+    // `rows` holds the samples.
     std::vector<glm::dvec2> offsets;
     // Two filter tables in place of the first shared::kFirstSample, then the samples.
     std::vector<shared::Sample> rows;

@@ -112,12 +112,16 @@ Remembered::Remembered(fs::path file, bool (*keeps)(const std::string&))
     read();
 }
 
+// Lines that the file lacks stay: it may be impossible to write.
 void Remembered::read() {
-    std::ifstream in(file_);
     std::vector<std::string> found;
-    for (std::string line; found.size() < kMost && std::getline(in, line);)
+    const auto take = [&](const std::string& line) {
         if (keeps_(line) && std::find(found.begin(), found.end(), line) == found.end()) found.push_back(line);
-    if (!found.empty()) lines_ = std::move(found);
+    };
+    std::ifstream in(file_);
+    for (std::string line; found.size() < kMost && std::getline(in, line);) take(line);
+    for (const std::string& line : lines_) take(line);
+    lines_ = std::move(found);
 }
 
 void Remembered::add(const std::string& line) {

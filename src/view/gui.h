@@ -26,7 +26,7 @@ class Gui {
     bool wantsKeys() const;  // something is being typed, or a control is held
     // Closes open lists and pickers in the next frame; false if there are none.
     bool closePopups();
-    // The middle of a control of the last frame, by its label.
+    // A place on a control of the last frame where a click works it, by its label.
     std::optional<glm::dvec2> controlAt(const std::string& label) const;
     const std::string& tip() const { return tip_; }  // shown in the last frame; empty: none
     float line() const { return fontPixels_; }       // the height of letters, pixels

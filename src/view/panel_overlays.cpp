@@ -285,10 +285,12 @@ void drawProgress(const Model& m) {
     const auto shown = [](const Job* job) { return job->running() && *job->name() != 0; };
     if (std::none_of(m.jobs.begin(), m.jobs.end(), shown)) return;
     drawCorner({"##progress", m.left, {0.5f, 1}, 16, kUnderMouse}, [&] {
-        for (const Job* job : m.jobs)
-            if (shown(job))
-                ImGui::ProgressBar(static_cast<float>(job->progress()), ImVec2(-1, 0),
-                                   format("%s: %.0f %%", job->name(), 100 * job->progress()).c_str());
+        for (const Job* job : m.jobs) {
+            if (!shown(job)) continue;
+            const char* const name = m.isClosing && job == &m.saving ? "saving, then closing" : job->name();
+            ImGui::ProgressBar(static_cast<float>(job->progress()), ImVec2(-1, 0),
+                               format("%s: %.0f %%", name, 100 * job->progress()).c_str());
+        }
     });
 }
 

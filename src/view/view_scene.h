@@ -74,7 +74,7 @@ class Timeline {
     void follow(const std::optional<AnimationSpan>& span);
     bool any() const { return span_.has_value(); }
 
-    // The moment that is wanted, in seconds; empty: the scene as its file says it.
+    // The requested time in seconds; empty: the scene as its file states it.
     std::optional<double> time() const { return time_; }
     void setTime(std::optional<double> time);  // stops there
     // The frame nearest to the moment, counted as by `glint render --frames`.

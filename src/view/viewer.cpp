@@ -68,7 +68,7 @@ void Input::handle() {
 
 // False if the rest of the queue must wait for the next frame.
 bool Input::handle(const Event& event) {
-    gui_.feed(event);
+    if (event.type != Event::Type::Wheel || covered()) gui_.feed(event);
     switch (event.type) {
         case Event::Type::Close:
             askToClose(m_);
@@ -275,8 +275,11 @@ bool Viewer::work() {
         gatherEvents();
         return input_.waits();
     };
+    const uint64_t version = model_.session->version();
     const bool refined = model_.session->refine(kWorkSeconds, cancelled);
-    if (refined) model_.dirty = std::max(model_.dirty, 1);
+    // The screen stays while layers that are not shown are traced.
+    if (refined && (model_.session->version() != version || model_.inspects))
+        model_.dirty = std::max(model_.dirty, 1);
     return refined;
 }
 

@@ -250,7 +250,7 @@ void close(Model& m) {
 
 namespace {
 
-// The words that ask `glint render` for the moment that is shown.
+// Command line of `glint render` for the moment that is shown.
 std::string momentText(const Model& m) {
     if (!m.time || !m.timeline.any()) return "";
     return "; its moment: glint render " + m.scene->path.string() + " --time " + describe(*m.time);

@@ -42,6 +42,13 @@ TEST_F(BenchOnHost, CountsEveryRayOfThePicture) {
     EXPECT_EQ(names(), std::set<std::string>{"a.json"}) << "nothing is written";
 }
 
+TEST_F(BenchOnHost, SceneAtFault) {
+    const Ran ran = runGlint("bench no.json --backend cpu");
+    EXPECT_EQ(ran.code, 3);
+    EXPECT_EQ(ran.err, "glint: no.json: no such file\n");
+    EXPECT_EQ(ran.out, "");
+}
+
 // 65536^2 pixels times 17 bytes are beyond this machine.
 TEST_F(BenchOnHost, PicturesThatDoNotFitAreRefusedBeforehand) {
     writeSmallScene("a.json");

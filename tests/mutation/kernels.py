@@ -27,7 +27,7 @@ PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "packet_light")
 # Files about traversal, and what every traversal does in its own way. The functions of the other files are the same for all of them: single
 # rays, with a stack, judge those.
 TRAVERSAL = ("traversal/stack.glsl", "traversal/stackless.glsl", "traversal/state.glsl", "traversal/lanes.glsl", "traversal/leaf.glsl",
-             "traversal/ray.glsl", "light.comp",
+             "traversal/ray.glsl", "storage.glsl", "primitives/robust.glsl", "light.comp",
              "shading/light.glsl", "shading/lighting.glsl", "intersect.comp", "path_rows.glsl", "shading/material.glsl", "packet/packet.glsl",
              "packet/hits.glsl", "packet_intersect.comp", "packet_light.comp", "whole.comp")
 # Cases that are rendered with glint's own quotients and roots judge this file alone.
@@ -62,6 +62,8 @@ class Compiler:
         only one of them would be found too easily."""
         if file == "whole.comp":
             return ["whole"]
+        if file not in LEFT_OUT and not any(file in files for files in self.files.values()):
+            raise ValueError(f"no kernel includes {file}")
         return [k for k in KERNELS if k != "whole" and file in self.files[k] and (file in TRAVERSAL or k not in PACKET_KERNELS)]
 
     def compile(self, kernel, output):

@@ -115,7 +115,8 @@ use_pages() {
     inside fish -c 'complete -C "glint render --back"' | grep -q '^--backend' || fail "fish completes nothing"
     inside bash -c 'source /usr/share/bash-completion/completions/glint; COMP_WORDS=(glint ver); COMP_CWORD=1; _glint; echo "${COMPREPLY[*]}"' |
         grep -qx verify || fail "bash completes nothing"
-    inside zsh -n /usr/share/zsh/vendor-completions/_glint || fail "zsh does not understand its completion"
+    inside zsh -fc '_describe() { print -l $found; }; words=(glint render --back); CURRENT=3
+        complete() { source /usr/share/zsh/vendor-completions/_glint; }; complete' | grep -q '^--backend:' || fail "zsh completes nothing"
     grep -q 'application/x-glint-scene+json:\*\.glint\.json' "$root/usr/share/mime/globs2" || fail "the MIME type of scenes is missing"
 }
 

@@ -73,6 +73,8 @@ TEST(TripBudget, LeavesRoomForEveryLane) {
 // The planes that all lights of a dispatch make a ray meet are no more than those of one ray may be.
 TEST(TripBudget, LightsOfADispatchShareItsTrips) {
     EXPECT_EQ(lightsAtOnce(1, 0), 1u);
+    EXPECT_EQ(lightsAtOnce(3000, 0), 8u);
+    EXPECT_EQ(lightsAtOnce(1u << 16, 0), 174u);
     EXPECT_EQ(lightsAtOnce(3000, shared::kMaxPlanes), 1u);
     for (const uint32_t planes : {0u, 1u, 100u, 500u, 1023u}) {
         const uint32_t lights = lightsAtOnce(3000, planes);

@@ -43,9 +43,8 @@ TEST_F(NearSolidsTest, HitsErrByTheWayAndNotTheSize) {
         // Their near ends are at the origin, so that the way is short to everything that a hit is a sum of.
         {BoxShape{{-5, -2, -3}, {2000, 2, 3}}, turned, {0, 6, 1}, {3, 0, 0}},
         {ConeShape{{-101, -10, 0}, {-101, 400, 0}, 100, 30, true}, turned, {1.5, 0, 0}, {0, 2, 3}},
-        // Cones with a tip are measured from near the eye and from the tip: neither do hits err by their
-        // size,
-        // nor is the tip, which the second picture shows, open.
+        // Cones with a tip are measured from near the eye and from the tip: hits do not err by their size,
+        // and the tip, which the second image shows, is closed.
         {tipped, turned, {1.5, 0, 0}, {0, 2, 3}},
         {tipped, turned, {1.5, 0, 0}, {-101, 380, 0}},
         // From its apex this one is a hundred radii away, and the eye a radius.

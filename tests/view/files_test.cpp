@@ -1,6 +1,7 @@
 // Files beside the image: those of the scene, and what is remembered of scenes between windows.
 #include "view/files.h"
 
+#include <sys/prctl.h>
 #include <sys/stat.h>
 
 #include <set>
@@ -117,6 +118,18 @@ TEST_F(Recent, HintsGoOnceFollowed) {
     Hints nowhere("/proc/glint/hints");
     EXPECT_FALSE(nowhere.done(Hint::Pick));
     EXPECT_FALSE(nowhere.wanted(Hint::Pick));
+}
+
+// The name of this thread is a file that root cannot replace either.
+TEST_F(Recent, HintsOfAFileThatCannotBeWrittenGoOnceFollowed) {
+    prctl(PR_SET_NAME, "turn");
+    Hints hints("/proc/self/comm");
+    EXPECT_FALSE(hints.wanted(Hint::Turn));
+    EXPECT_FALSE(hints.done(Hint::Pick));
+    EXPECT_FALSE(hints.done(Hint::Save));
+    EXPECT_FALSE(hints.wanted(Hint::Pick));
+    hints.close();
+    EXPECT_FALSE(hints.any());
 }
 
 // ---- of the scene ----

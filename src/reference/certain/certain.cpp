@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "core/vectors.h"
 #include "pack/primitives.h"
@@ -157,9 +158,6 @@ class Search {
     // A triangle or plane.
     void flat(uint32_t primitive, uint32_t instance, uint32_t material) {
         const ExactSurface surface = exactly(primitive, instance);
-        const auto isKnown = [&](const Contender& c) { return c.id == surface.id; };
-        // Split triangles stand in the tree more than once.
-        if (packed_.features.splitTriangles && std::ranges::any_of(contenders_, isKnown)) return;
         if (const auto span = ray_.span(surface))
             add({*span, primitive, instance, surface.id, true}, material);
     }
@@ -214,8 +212,19 @@ class Search {
         contenders_.push_back(contender);
     }
 
+    // Split triangles stand in the tree more than once.
+    void dropTwins() {
+        const auto key = [](const Contender& c) { return std::tuple(kindOfPrimitive(c.primitive), c.id); };
+        std::ranges::sort(contenders_, {}, key);
+        const auto twins = [&](const Contender& a, const Contender& b) {
+            return a.exact && b.exact && key(a) == key(b);
+        };
+        contenders_.erase(std::unique(contenders_.begin(), contenders_.end(), twins), contenders_.end());
+    }
+
     Answer decide() {
         std::erase_if(contenders_, [&](const Contender& c) { return c.span.lower > end_; });
+        if (packed_.features.splitTriangles && contenders_.size() > 1) dropTwins();
         if (contenders_.empty()) return miss();
         if (contenders_.size() == 1 && contenders_[0].span.met) return sure(contenders_[0]);
         if (std::ranges::all_of(contenders_, &Contender::exact)) return decideExactly();

@@ -154,7 +154,9 @@ void surfaceOf(const rows::Sphere& sphere, const Place& place, Surface& surface)
         surface.position = anchor + y;
         surface.geometricNormal = glm::normalize(y + radius * n);
     } else {
-        surface.geometricNormal = glm::normalize(place.point - anchor);
+        // From origins far away the point may be the centre.
+        const dvec3 outward = place.point - anchor;
+        surface.geometricNormal = glm::normalize(outward == dvec3(0) ? -place.ray.direction : outward);
         surface.position = anchor + radius * surface.geometricNormal;
     }
     surface.error = errorBox(surface.position - anchor, anchor);
