@@ -209,7 +209,7 @@ class ObjReader {
         // Faces may name texture vertices and normals that the file leaves out altogether.
         for (const auto& [kind, what] :
              {std::pair(kUv, "texture vertices (vt)"), {kNormal, "normals (vn)"}}) {
-            const auto names = [&](const Corner& corner) { return corner[kind] != kNone; };
+            const auto names = [kind = kind](const Corner& corner) { return corner[kind] != kNone; };
             if (countOf(kind) > 0 || std::ranges::none_of(corners_, names)) continue;
             for (Corner& corner : corners_) corner[kind] = kNone;
             builder_.warnings.add("faces name ", what, ", but the file has none; drawn without them");
