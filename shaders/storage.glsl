@@ -135,7 +135,7 @@ layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
 
 uint pathIndex() { return gl_GlobalInvocationID.x; }
 
-// Scenes whose paths go on after the first hit: these list the paths that do.
+// Scenes whose paths continue after the first hit: they list those paths.
 const bool kBounces = FEATURE_MIRRORS || FEATURE_TRANSMISSION;
 
 // The pixel of a path in the image; false outside the region. Paths follow a Morton curve in the tile, so

@@ -76,7 +76,7 @@ void printJson(const nlohmann::json& json, std::ostream& out);
 // A file's name for the terminal: it may be a stranger's too.
 std::string shown(const std::filesystem::path& file);
 
-// Throws Error(Argument) if the extension names no image format, and what checkOutputPath() throws.
+// Throws Error(Argument) if the extension names no image format, and the errors of checkOutputPath().
 void checkPicturePath(const std::filesystem::path& path);
 
 // Throws Error(Failed) if no file can be written there: no such folder, no permission, a folder of that name.

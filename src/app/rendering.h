@@ -26,7 +26,7 @@ namespace glint::app {
 // A scene at any moment of its animation.
 class AnimatedScene {
   public:
-    // Reads and packs the scene as it is at that moment, in seconds; without one, as its file says it.
+    // Reads and packs the scene at a time in seconds; without one, as its file states it.
     // Warnings go to `err`, one line each and each once. `options` and `err` must outlive the object.
     AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err);
 

@@ -161,7 +161,7 @@ inline bool isMappable(VkMemoryPropertyFlags flags) {
 std::optional<uint32_t> chooseMemoryType(const VkPhysicalDeviceMemoryProperties& memory,
                                          uint32_t allowedTypes, MemoryKind kind, bool unified);
 
-// ---- what Vulkan says about a physical device (physical_device.cpp) ----
+// ---- queries of physical devices (physical_device.cpp) ----
 
 struct PhysicalDevice {
     VkPhysicalDevice handle = VK_NULL_HANDLE;

@@ -78,7 +78,7 @@ class LivePaths {
     uint32_t list_ = 0;  // the list that is read, if listed
 };
 
-// ---- What the host reads of a slice's pixels ----
+// ---- Reading back a slice's pixels ----
 
 // Fills color, done, notFinite and, if adaptive, samples of the slice's pixels.
 void readFilm(const PathState& paths, const gpu::Device& device, const Slice& slice, const TraceModes& modes,

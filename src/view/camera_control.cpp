@@ -57,7 +57,7 @@ bool CameraControl::focusAt(const glm::dvec3& point) {
     return true;
 }
 
-// `wanted`, within the range that the scene's size makes sense of. A distance beyond the range may stay.
+// `wanted`, limited to a range that follows from the scene's size. A distance beyond the range may stay.
 double CameraControl::reachable(double from, double wanted) const {
     return std::clamp(wanted, std::min(from, kLeastReach * radius_),
                       std::max(from, kGreatestReach * radius_));

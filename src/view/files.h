@@ -106,7 +106,7 @@ class Hints {
     bool any() const { return done_.lines().size() < kEnumNames<Hint>.size(); }
     // True if that was the last of them.
     bool done(Hint hint);
-    // No hint is wanted any more.
+    // Hides all hints.
     void close();
 
   private:

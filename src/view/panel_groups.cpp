@@ -15,7 +15,7 @@ namespace glint::view {
 
 namespace {
 
-// ---- what changes the image ----
+// ---- settings of the image ----
 
 void drawView(Gui& gui, Model& m) {
     choice(gui, "layer", m.settings.layer, "what the colors stand for (L: next)");

@@ -65,7 +65,7 @@ class Moments {
     SceneEdits lastEdits_;
 };
 
-// The moment of an animation that is shown, and how it goes on.
+// The time of an animation that is shown, and how it plays.
 class Timeline {
   public:
     static constexpr int kMostFrames = 10'000'000;

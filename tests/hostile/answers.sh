@@ -42,7 +42,7 @@ printf '{"\xc2\x9b31m\xe2\x80\xae": 1}' >steer.json
     printf '], "animation": {"tracks": [{"target": "/objects/0/radius", "times": [0], "values": [1]}'
     seq -f ', {"target": "/objects/%.0f/radius", "times": [0], "values": [1]}' 40000 && printf ']}}'
 } >tracks.json
-# Keys at the root that no reader knows, before those that each of many nodes asks for.
+# Unknown keys at the root, before keys that each of many nodes looks up.
 {
     printf '{' && seq -f '"k%.0f": 0,' 100000
     printf '"asset": {"version": "2.0"}, "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "accessors": [{"bufferView": 0,'

@@ -108,7 +108,7 @@ Trial trialOf(std::istringstream& words) {
     return trial;
 }
 
-// By name. Throws std::runtime_error for what is none.
+// By name. Throws std::runtime_error for an unknown one.
 std::map<std::string, Trial> readTrials(const std::string& path) {
     std::map<std::string, Trial> trials;
     std::ifstream file(path);

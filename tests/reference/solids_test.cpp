@@ -245,7 +245,7 @@ TEST(ReferenceQuadric, NoNormalAtAnApexAndOnADoublePlane) {
 }
 
 // As pbrt's Reintersect tests (src/pbrt/shapes_test.cpp): a ray that leaves outward never meets a convex body
-// again; one that goes inward meets its other side.
+// again; an inward one hits its other side.
 TEST(ReferenceQuadric, RaysThatLeaveDoNotComeBack) {
     Random random(7);
     for (int i = 0; i < 300; ++i) {

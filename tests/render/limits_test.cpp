@@ -180,7 +180,7 @@ TEST_F(LeastLimits, WhatDoesNotFitIsRefusedWithBothFigures) {
         << message;
 }
 
-// ---- what is bound for arrays that a scene does not have ----
+// ---- bindings of arrays that a scene does not have ----
 
 class SceneBuffersTest : public RenderTest {
   protected:
