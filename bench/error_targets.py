@@ -133,7 +133,7 @@ def main():
     rows = [[f["scene"], f"{f['error']:g}", f"{f['kept']} of {len(f['realized'])}", f"{f['ratio']:.2f}", f"{f['samples']:.4g}", f"{f['fewest']:g}",
              *(f"{ratio:.2f}" for ratio in over[id(f)]), f"{f['truthBound']:.1g}"] for f in found]
     runs, kept = sum(len(f["realized"]) for f in found), sum(f["kept"] for f in found)
-    # A scene that two samples satisfy says nothing about how close to its bound an error comes.
+    # Scenes that need at most two samples are left out: their errors cannot come close to the bound.
     more = [f for f in found if f["samples"] > 2]
     text = (f"{options.size}, confidence 0.95, {options.seeds} seeds each. Kept: {kept} of {runs} runs, so with 95 % confidence at least "
             f"{100 * least_share(kept, runs):.1f} % are. Where more than two samples were needed: median realised over asked "

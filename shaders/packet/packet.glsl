@@ -241,8 +241,8 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
     } while (left != 0u);
 }
 
-// The topmost entry that some ray may still reach, kNone if there is none; all above it are dropped. `end` is
-// the key of the farthest point that any ray may still reach. rows: those that enter its box.
+// Pops the topmost entry that some ray may still reach and drops all above it; kNone if none is left. `end`
+// is the key of the farthest point that any ray may still reach. rows: those that enter its box.
 uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows) {
     uint height = 0u;
     for (uint row = 0u; row < GLINT_STACK_ROWS; ++row) {

@@ -109,7 +109,7 @@ struct Block {
     std::vector<Instruction> body;  // the label first, the terminator last
 
     const Instruction& terminator() const { return body.back(); }
-    // The merge instruction before the terminator; null if there is none.
+    // The merge instruction before the terminator, or null.
     const Instruction* merge() const;
     std::vector<uint32_t> successors() const;
 };

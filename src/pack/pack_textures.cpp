@@ -125,7 +125,7 @@ const CheckerTexture* solidChecker(const Texture& texture) {
     return checker != nullptr && checker->solid ? checker : nullptr;
 }
 
-// The period that all solid checkers among these textures have; 0 if they differ or there are none.
+// The common period of all solid checkers among these textures; 0 if they differ or none exists.
 double commonPeriod(std::span<const Texture* const> textures) {
     std::optional<double> common;
     for (const Texture* texture : textures) {

@@ -228,8 +228,8 @@ std::optional<RoundedColor> PathTracer::lightThrough(const Ray& ray, const Inter
     std::erase_if(hits, [&](const Hit& hit) { return !tracer_.crosses(ray, hit); });
     dvec3 sigma(0), left(1);
     for (uint32_t medium : at.crossing.before) sigma += attenuationOf(scene_, medium);
-    // A medium that is entered at t is left at the light, and counts for 1 - t of the way. Infinitely far
-    // away there is none: what is left at t has counted from the start.
+    // A medium that is entered at t is left at the light, and counts for 1 - t of the way. A
+    // directional light is outside of all media: a medium that is left at t has counted from the start.
     dvec3 fade = directional ? dvec3(0) : sigma;
     // Magnitudes of the optical depth, and of the points between its parts, each times its medium's
     // attenuation.

@@ -237,7 +237,7 @@ TEST(ReferenceQuadric, NormalsPointOutward) {
     EXPECT_EQ(normalAt({0, 0, 0}, {0, 0, 1}), dvec3(0, 0, 1)) << "the cap from inside";
 }
 
-// Where the gradient vanishes the surface faces the ray.
+// If the gradient vanishes, the normal is against the ray.
 TEST(ReferenceQuadric, NoNormalAtAnApexAndOnADoublePlane) {
     const SceneTracer tracer(packed(general({1, 0, 0, 0, 0, 0, 0, 0, 0, 0}, 8)));
     const Ray ray = makeRay({-5, 0, 0}, {2, 0, 0});

@@ -276,7 +276,7 @@ TEST_F(VerifyTest, BytesPerPixelAreThoseHeld) {
                      picture.color.pixels.size() * sizeof(float) + pixels * sizeof(DifferingPixel);
     for (const Trail& trail : trails) bytes += trail.capacity() * sizeof(TrailRay);
     EXPECT_EQ(bytesPerPixel(options, 0) * pixels, bytes + (images + differences) * pixels);
-    // Of a larger image a part at a time: 48 rows, or 16 of deep paths.
+    // verify holds a part of a larger image: 48 rows, or 16 with deep paths.
     options.width = 640;
     options.height = 480;
     const uint64_t part = bytes / pixels;

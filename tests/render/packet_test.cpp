@@ -207,7 +207,7 @@ RayCase tiedCase() {
 
 class WalkTest : public RenderTest {
   protected:
-    // What the stack traversal of single rays finds, others find too. Those with a budget must resume rays.
+    // Other traversals find the hits of the stack traversal. Those with a budget must resume rays.
     static void expectSame(const PackedScene& packed, const std::vector<RayInput>& rays,
                            const std::vector<Options>& others) {
         RayTracer lane(device(), packed, {.traversal = Traversal::Lane});

@@ -67,7 +67,7 @@ class RenderTest : public testing::Test {
     static std::vector<RayHit> hitsOf(const PackedScene& scene, const std::vector<RayInput>& rays,
                                       const Options& options = {});
     static RayHit hitOf(const PackedScene& scene, const RayInput& ray);
-    // Of a scene that fp32 counts from 0.
+    // The same for a scene whose packed origin is 0.
     static RayHit hitOf(const Scene& scene, const RayInput& ray);
     static size_t missesOf(const PackedScene& scene, const std::vector<RayInput>& rays);
     // An image and the statistics of its render.

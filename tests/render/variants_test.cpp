@@ -1,5 +1,5 @@
-// What must not change a picture by a single bit: leaving features out, how arrays are read, the traversal,
-// how the picture is cut into slices, who else has rendered before, the number of threads.
+// Images keep every bit whatever features are left out, however arrays are read, whatever the traversal, the
+// slices, earlier renders and the number of threads.
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>

@@ -35,7 +35,7 @@ double bandOf(const Subject& subject, double deviceBand) {
     return subject.device ? deviceBand : 0x1p-100;
 }
 
-// Of one case; decisions nearer than `band` to falling the other way may go either way.
+// The truths of one case. A decision within `band` of its opposite may go either way.
 struct Truths {
     oracle::Truth rounded, exact;
     double band;
