@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pack/packed_scene.h"
+#include "reference/intersect.h"
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::solids_test {
@@ -389,6 +390,21 @@ TEST(ReferenceCuboid, CoordinatesOfFaces) {
     EXPECT_EQ(uvAt({0, 0.5, 0.25}, {-1, 0, 0}), glm::dvec2(0.25, 0.25));
     EXPECT_EQ(uvAt({1, 2, 0.25}, {0, 1, 0}), glm::dvec2(0.25, 0.75));
     EXPECT_EQ(uvAt({1, 0, 0.25}, {0, -1, 0}), glm::dvec2(0.25, 0.25));
+}
+
+// docs/design/numerics.md, by hand: |a - o| + |t d| is (2, 0, 1), so the height is 1 (4 + 12) + 2 (4) + 4 (4
+// + 6).
+TEST(ReferenceSlip, CountsEachTermOfTheRule) {
+    Ray ray{{1, 2, 3}, {1, 0, 0}};
+    ray.ties = true;
+    const dvec3 spread(1, 2, 4), anchor(2, 2, 2);
+    const double unit = 0x1p-24;
+    EXPECT_EQ(errorOfRound(PreparedRay(ray), spread, anchor, 1, 3), (64 + 12 * 3) * unit);
+    EXPECT_EQ(slipOfFlat(PreparedRay(ray), {2, 2, 4}, anchor, 1), (64 + 16) / 2.0 * unit);
+    EXPECT_EQ(slipOfRound(PreparedRay(ray), {2, 2, 4}, spread, 100), 50);
+    EXPECT_EQ(slipOfRound(PreparedRay(ray), {0, 1, 0}, spread, 100), 100 / (0x1p-11 * 4)) << "tangent";
+    ray.slips = 0;
+    EXPECT_EQ(errorOfRound(PreparedRay(ray), spread, anchor, 1, 3), 4 * (1 + 2 + 4) * unit);
 }
 
 }  // namespace glint::reference::test::solids_test
