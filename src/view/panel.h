@@ -88,10 +88,5 @@ void drawGroups(Gui& gui, Model& m);
 void drawDialogs(Gui& gui, Model& m);
 // At the bottom of the panel's column, so wide. Returns its height; 0 without animation.
 float drawTimeline(Gui& gui, Model& m, float width);
-// panel_overlays.cpp
-void drawHelp();
-void drawMarks(Model& m);               // of the pick, the legend, the first steps
-void drawReadings(Gui& gui, Model& m);  // inspector, pick, messages
-void drawProgress(const Model& m);      // of jobs
 
 }  // namespace glint::view
