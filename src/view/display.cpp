@@ -119,20 +119,14 @@ Canvas fitted(Canvas canvas, const Canvas& like) {
     return target;
 }
 
-// Exposure and tone map of linear colors.
-class Developer {
-  public:
-    explicit Developer(const Display& display)
-        : gain_(static_cast<float>(std::exp2(display.exposure))), toneMap_(display.toneMap) {}
-    glm::vec3 operator()(float r, float g, float b) const {
-        const glm::vec3 color = gain_ * glm::vec3(r, g, b);
-        return toneMap_ == ToneMap::Linear ? color : glm::vec3(toneMapped(glm::dvec3(color), toneMap_));
-    }
-
-  private:
-    float gain_;
-    ToneMap toneMap_;
-};
+// Exposure and tone map of linear colors: a function of red, green and blue.
+auto developer(const Display& display) {
+    return [gain = static_cast<float>(std::exp2(display.exposure)), toneMap = display.toneMap](
+               float r, float g, float b) {
+        const glm::vec3 color = gain * glm::vec3(r, g, b);
+        return toneMap == ToneMap::Linear ? color : glm::vec3(toneMapped(glm::dvec3(color), toneMap));
+    };
+}
 
 constexpr uint32_t kLine = packColor(255, 255, 255);
 
@@ -159,7 +153,7 @@ glm::dvec3 heatOf(double x) {
 
 void applyDisplay(Image& color, const Display& display) {
     if (display == Display{}) return;
-    const Developer develop(display);
+    const auto develop = developer(display);
     for (size_t i = 0; i < color.pixels.size(); i += 4) {
         float* const pixel = &color.pixels[i];
         const glm::vec3 shown = develop(pixel[0], pixel[1], pixel[2]);
@@ -222,7 +216,7 @@ Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display,
 }
 
 Canvas canvasOf(const Image& image, const Display& display) {
-    const Developer develop(display);
+    const auto develop = developer(display);
     Canvas canvas(image.width, image.height);
     const int green = std::min(1, image.channels - 1), blue = std::min(2, image.channels - 1);
     forRows(image.height, [&](int y) {

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/format.h"
 #include "core/image_io.h"
 #include "core/text_file.h"
 
@@ -329,11 +330,10 @@ void Driver::startIdling(double seconds) {
             rounds = rounds_;
         }
         if (watch.seconds() < seconds) return false;
-        char line[120];
-        std::snprintf(line, sizeof(line), "idle: %.2f s, %llu frames, %llu rounds of the loop",
-                      watch.seconds(), static_cast<unsigned long long>(viewer_.frames() - frames),
-                      static_cast<unsigned long long>(rounds_ - rounds));
-        out_ << line << std::endl;
+        out_ << format("idle: %.2f s, %llu frames, %llu rounds of the loop", watch.seconds(),
+                       static_cast<unsigned long long>(viewer_.frames() - frames),
+                       static_cast<unsigned long long>(rounds_ - rounds))
+             << std::endl;
         idles_ = false;
         return true;
     };

@@ -1,9 +1,9 @@
 #include "driver.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "core/error.h"
+#include "core/format.h"
 #include "core/text_file.h"
 
 namespace glint::view::test {
@@ -11,12 +11,6 @@ namespace glint::view::test {
 namespace {
 
 constexpr double kPatience = 60;  // seconds
-
-std::string text(const char* format, double value) {
-    char buffer[64];
-    std::snprintf(buffer, sizeof(buffer), format, value);
-    return buffer;
-}
 
 std::string onOffText(bool on) {
     return on ? "on" : "off";
@@ -35,7 +29,7 @@ double covered(Viewer& viewer) {
 std::string pickTree(const Pick& pick) {
     std::string lines;
     for (const PickRay& ray : pick.rays)
-        lines += std::string(2 * ray.depth, ' ') + text("%.1f %% ", 100 * ray.share) + ray.text + '\n';
+        lines += std::string(2 * ray.depth, ' ') + format("%.1f %% ", 100 * ray.share) + ray.text + '\n';
     return lines;
 }
 
@@ -43,14 +37,11 @@ std::string pixelText(const Model& m) {
     if (!m.pixel) return "none";
     const Picture& picture = m.session->picture();
     const glm::ivec2 at = *m.pixel;
-    char line[160];
-    std::snprintf(line, sizeof(line), "%d %d  %.6g %.6g %.6g  ", at.x, at.y,
-                  static_cast<double>(picture.color.at(at.x, at.y, 0)),
-                  static_cast<double>(picture.color.at(at.x, at.y, 1)),
-                  static_cast<double>(picture.color.at(at.x, at.y, 2)));
+    const auto color = [&](int c) { return static_cast<double>(picture.color.at(at.x, at.y, c)); };
+    const std::string line = format("%d %d  %.6g %.6g %.6g  ", at.x, at.y, color(0), color(1), color(2));
     if (!m.session->hasData()) return line;
     const PixelData& data = picture.at(at.x, at.y);
-    return line + objectName(m.scene->scene, data.object) + " " + text("%.6g", data.depth);
+    return line + objectName(m.scene->scene, data.object) + " " + format("%.6g", data.depth);
 }
 
 std::string cameraNames(const Model& m) {
@@ -64,21 +55,22 @@ std::string cameraNames(const Model& m) {
 std::string Driver::stateOf(const ScriptCommand& command) const {
     const std::string& what = command.arguments[0];
     const Camera& camera = m_.control.camera();
-    if (what == "aim") return text("%g", 1e3 * m_.targetSeconds);
+    if (what == "aim") return format("%g", 1e3 * m_.targetSeconds);
     if (what == "camera") return cameraJson(camera);
     if (what == "cameras") return cameraNames(m_);
     if (what == "control" && command.arguments.size() > 1) {
         const glm::dvec2 place = placeOf(command, "@" + command.arguments[1]);
-        return text("%.0f", place.x - m_.left) + " " + text("%.0f", place.y);
+        return format("%.0f %.0f", place.x - m_.left, place.y);
     }
-    if (what == "covered") return text("%.3f", covered(viewer_));
+    if (what == "covered") return format("%.3f", covered(viewer_));
     if (what == "difference") return onOffText(m_.difference.has_value());
     if (what == "error")
         return m_.settings.until.error > 0 ? inWords(m_.session->goal(), m_.settings.until.error) : "none";
-    if (what == "exposure") return text("%g", m_.display.exposure);
+    if (what == "exposure") return format("%g", m_.display.exposure);
     if (what == "fault") return m_.sceneError.empty() ? "none" : m_.sceneError;
-    if (what == "figures") return m_.comparison.figures ? text("%.6g", m_.comparison.figures->rmse) : "none";
-    if (what == "fov") return text("%.6g", camera.fovY);
+    if (what == "figures")
+        return m_.comparison.figures ? format("%.6g", m_.comparison.figures->rmse) : "none";
+    if (what == "fov") return format("%.6g", camera.fovY);
     if (what == "hints") {
         std::string names;
         for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
@@ -96,20 +88,19 @@ std::string Driver::stateOfImage(const ScriptCommand& command) const {
         return !pick ? "no pick" : pick->hit() ? std::to_string(pick->data.object) : "none";
     }
     if (what == "pick") return m_.pick ? pickTree(*m_.pick) : "none";
-    if (what == "picture")
-        return std::to_string(m_.session->width()) + " " + std::to_string(m_.session->height());
+    if (what == "picture") return format("%d %d", m_.session->width(), m_.session->height());
     if (what == "pixel") return pixelText(m_);
     if (what == "samples") return std::to_string(m_.session->samples());
     if (what == "size") {
         const PixelSize size = viewer_.window().size();
-        return std::to_string(size.width) + " " + std::to_string(size.height);
+        return format("%d %d", size.width, size.height);
     }
     if (what == "submissions") return std::to_string(m_.session->times().submissions);
     if (what == "time") return m_.time ? describe(*m_.time) : "none";
     if (what == "tip") return viewer_.gui().tip().empty() ? "none" : viewer_.gui().tip();
     if (what == "playing") return onOffText(m_.timeline.playing());
     if (what == "built") return std::to_string(m_.moments->treesBuilt());
-    if (what == "tree") return text("%.9g", m_.scene->packed.statistics.sahCost);
+    if (what == "tree") return format("%.9g", m_.scene->packed.statistics.sahCost);
     if (what == "tonemap") return std::string(nameOf(m_.display.toneMap));
     if (what == "depth") return std::to_string(m_.settings.maxDepth);
     if (what == "verdict") return m_.verdict.empty() ? "none" : m_.verdictPassed ? "passed" : "failed";

@@ -21,7 +21,6 @@ class Hand : public FolderTest {
     void SetUp() override {
         FolderTest::SetUp();
         size_ = "640x480";
-        byHand_ = true;
     }
 };
 
@@ -217,13 +216,16 @@ std::string typed(const std::string& control, const std::string& number) {
            number + "\nhand key Return\n";
 }
 
+std::string pressed(const std::string& control) {
+    return "hand mousemove @" + control + " click 1\n";
+}
+
 std::string chosen(const std::string& control, const std::string& value) {
-    return "press " + control + "\npress " + value + "\n";
+    return pressed(control) + pressed(value);
 }
 
 class ByHand : public FolderTest {
   protected:
-    ByHand() { byHand_ = true; }
     Json scene_ = Json::parse(sceneText());
 
     // The JSON that the last press of C printed.
@@ -248,13 +250,13 @@ TEST_F(ByHand, WhatThePanelHasMovedStaysOnReload) {
     write("one.json", 1, {0.1, 0.8, 0.2});
     write("four.json", 4, {0.9, 0.2, 0.1});
     write("two-of-four.json", 2, {0.9, 0.2, 0.1});
-    view(
-        "set samples 1\npress tracing\nwait 2\nsettle\ncopy one.json scene.json\nreload\nexpect depth 1\nkey "
-        "alt+S\nsettle\n" +
-            typed("depth", "2") +
-            "expect depth 2\ncopy four.json scene.json\nreload\nexpect depth 2\nkey alt+S\nsettle\nkey "
-            "F5\nsettle\nexpect depth 2\npress reset_tracing\nexpect depth 4\nkey alt+S\nsettle\n",
-        {"--spp", "1"});
+    view("set samples 1\n" + pressed("tracing") +
+             "settle\ncopy one.json scene.json\nreload\nexpect depth 1\nhand key alt+s\nsettle\n" +
+             typed("depth", "2") +
+             "expect depth 2\ncopy four.json scene.json\nreload\nexpect depth 2\nhand key alt+s\nsettle\n"
+             "hand key F5\nsettle\nexpect depth 2\n" +
+             pressed("reset_tracing") + "expect depth 4\nhand key alt+s\nsettle\n",
+         {"--spp", "1"});
     int number = 0;
     for (const char* file : {"one", "two-of-four", "four"}) {
         render(std::string(file) + ".json", std::string(file) + ".png");
@@ -272,14 +274,14 @@ TEST_F(ByHand, ThePanelChangesThePicture) {
     size_ = "640x1000";
     scene_["image"].update({{"samplesPerPixel", 4}, {"sampler", "jittered"}, {"filter", "tent"}});
     writeText("scene.json", scene_.dump());
-    const Ran ran = view(
-        "set samples 1\npress lights\nwait 2\npress materials\nwait 2\npress tracing\nwait 2\nsettle\nclick "
-        "420 470\nexpect object 1\nkey Esc\n" +
-        chosen("triangles", "barycentric") + chosen("spheres", "algebraic") + typed("depth", "2") +
-        "press tracing\nwait 2\npress lights\nwait 2\n" + typed("0_point", "0.5") +
-        "press lights\nwait 2\npress materials\nwait 2\n" + typed("shininess", "12") +
-        chosen("glass_shadows", "full") + "press materials\nwait 2\npress camera\nwait 2\n" +
-        typed("radius", "0.125") + "press camera\nwait 2\nsettle\nkey alt+S\nsettle\nkey C\n");
+    const Ran ran =
+        view("set samples 1\n" + pressed("lights") + pressed("materials") + pressed("tracing") +
+             "settle\nhand mousemove @420,470 click 1\nexpect object 1\nhand key Escape\n" +
+             chosen("triangles", "barycentric") + chosen("spheres", "algebraic") + typed("depth", "2") +
+             pressed("tracing") + pressed("lights") + typed("0_point", "0.5") + pressed("lights") +
+             pressed("materials") + typed("shininess", "12") + chosen("glass_shadows", "full") +
+             pressed("materials") + pressed("camera") + typed("radius", "0.125") + pressed("camera") +
+             "settle\nhand key alt+s\nsettle\nhand key c\n");
     const Json changed = copied(ran);
     EXPECT_EQ(changed["camera"]["lensRadius"], 0.125);
     EXPECT_EQ(changed["materials"], Json({{"mirror", {{"shininess", 12.0}}}}));
@@ -341,7 +343,8 @@ TEST_F(ByHand, MarksTipsAndTheMagnifier) {
 TEST_F(ByHand, FliesAndMoves) {
     size_ = "640x480";
     const Ran ran = view(
-        "set samples 1\nsettle\nprint camera\nkey Tab\nhold W 6\nprint camera\nhand mousemove @400,240 "
+        "set samples 1\nsettle\nprint camera\nhand key Tab\nhand keydown w\nwait 6\nhand keyup w\nprint "
+        "camera\nhand mousemove @400,240 "
         "mousedown 1 mousemove "
         "@430,240 mousemove @460,240 mouseup 1\nprint camera\nkey Tab\nkey R\nprint camera\nhand mousemove "
         "@400,240 "
@@ -366,8 +369,8 @@ TEST_F(ByHand, TheWipeIsDraggedAndAPictureNamed) {
         "set samples 1\nkey H\nsettle\nkey K\nkey 5\nkey B\nsettle\nwait 2\nhand mousemove @320,240 "
         "mousedown 1 mousemove "
         "@330,240 mousemove @480,240 mouseup 1\nwait 2\nwindow wipe.png\nexpect pick none\nkey Esc\nkey "
-        "R\nkey "
-        "ctrl+shift+S\nwait 3\nhand type chosen.exr\nhand key Return\nsettle\n");
+        "R\nhand key "
+        "ctrl+shift+s\nwait 3\nhand type chosen.exr\nhand key Return\nsettle\n");
     const Image wipe = readImage("wipe.png");
     EXPECT_EQ(pixelOf(wipe, 480, 300), (Rgb{255, 255, 255}));
     render("scene.json", "own.png");

@@ -25,7 +25,6 @@ class Newcomer : public FolderTest {
     void SetUp() override {
         FolderTest::SetUp();
         size_ = "640x480";
-        byHand_ = true;
     }
 };
 

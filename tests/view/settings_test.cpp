@@ -1,8 +1,10 @@
-// What the panel changes is what a scene with those values would draw.
+// What the panel changes is what a scene with those values would draw; files that change under the window;
+// and error targets.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
+#include "core/image_diff.h"
 #include "core/image_io.h"
 #include "core/quantize.h"
 #include "support.h"
@@ -96,6 +98,142 @@ TEST_F(Settings, Shadows) {
     EXPECT_EQ(darker, 0);
     EXPECT_GT(brighter, 500);
     EXPECT_GT(same, 20000);
+}
+
+// ---- files that change under the window ----
+
+class Reload : public FolderTest {};
+
+std::string moved(const std::string& scene) {
+    std::string text = scene;
+    const std::string eye = "\"eye\": [0, 1.5, 7]";
+    return text.replace(text.find(eye), eye.size(), "\"eye\": [3, 2.5, 6]");
+}
+
+// A camera that the user has moved stays, until R is pressed.
+TEST_F(Reload, KeepsTheUsersCamera) {
+    writeText("moved.json", moved(sceneText(0.1)));
+    const Ran ran = view(
+        "wait 2\nkey Left\nkey PageUp\nwait 1\nprint camera\ncopy moved.json scene.json\nreload\nprint "
+        "camera\n"
+        "key R\nwait 2\nscreenshot reset.png\n",
+        {"--spp", "1"});
+    const size_t end = ran.out.find('\n');
+    EXPECT_EQ(ran.out.substr(0, end), ran.out.substr(end + 1, ran.out.find('\n', end + 1) - end - 1));
+    render("moved.json", "b.png");
+    EXPECT_EQ(readBytes("reset.png"), readBytes("b.png"));
+}
+
+std::string withSettings(int depth, const std::string& background) {
+    std::string text = sceneText();
+    text.replace(text.find("\"maxDepth\": 3"), 13, "\"maxDepth\": " + std::to_string(depth));
+    const std::string old = "[0.3, 0.4, 0.6]";
+    return text.replace(text.find(old), old.size(), background);
+}
+
+// Settings that the user has not changed, the camera included, follow the file.
+TEST_F(Reload, SettingsFollowTheFile) {
+    writeText("other.json", moved(withSettings(1, "[0.1, 0.8, 0.2]")));
+    view("wait 2\ncopy other.json scene.json\nreload\nexpect depth 1\nscreenshot shot.png\n", {"--spp", "1"});
+    render("other.json", "other.png");
+    EXPECT_EQ(readBytes("shot.png"), readBytes("other.png"));
+}
+
+TEST_F(Reload, ABrokenSceneIsSaidAndTheOldOneStays) {
+    render("scene.json", "rendered.png");
+    writeText("broken.json", "{\"objects\": [}");
+    writeText("good.json", sceneText());
+    const Ran ran = view(
+        "wait 2\ncopy broken.json scene.json\nreload\nexpect fault scene.json:1:\nscreenshot shot.png\n"
+        "copy good.json scene.json\nreload\nexpect fault none\n",
+        {"--spp", "1"});
+    EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png"));
+    EXPECT_NE(ran.err.find("scene.json:1:"), std::string::npos) << ran.err;
+}
+
+TEST_F(Reload, FollowsMeshesAndTheirMaterials) {
+    const auto obj = [](double height) {
+        return "mtllib part.mtl\nusemtl m\nv -1 0 0\nv 1 0 0\nv 0 " + std::to_string(height) +
+               " 0\nf 1 2 3\n";
+    };
+    writeText("part.obj", obj(1));
+    writeText("part.mtl", "newmtl m\nKd 1 0 0\n");
+    writeText("tall.obj", obj(2));
+    writeText("green.mtl", "newmtl m\nKd 0 1 0\n");
+    writeText("scene.json",
+              R"({"camera": {"type": "perspective", "eye": [0, 1, 5], "target": [0, 1, 0], "fovY": 45},
+      "lights": [{"type": "directional", "direction": [0, 0, -1], "intensity": 1}],
+      "meshes": {"part": {"file": "part.obj"}}, "objects": [{"type": "mesh", "mesh": "part"}]})");
+    view(
+        "wait 2\ncopy tall.obj part.obj\nreload\nscreenshot tall.png\ncopy green.mtl part.mtl\nreload\n"
+        "screenshot green.png\n",
+        {"--spp", "1"});
+    render("scene.json", "now.png");
+    EXPECT_EQ(readBytes("green.png"), readBytes("now.png"));
+    writeText("part.mtl", "newmtl m\nKd 1 0 0\n");
+    render("scene.json", "before.png");
+    EXPECT_EQ(readBytes("tall.png"), readBytes("before.png"));
+    EXPECT_NE(readBytes("tall.png"), readBytes("green.png"));
+}
+
+// ---- until the error is small enough ----
+
+class Until : public FolderTest {
+  protected:
+    const std::vector<std::string> asked_ = {"--error", "0.01", "--within-depth"};
+};
+
+// Sums of floats are rounded in another order: a few units of 2^-24.
+TEST_F(Until, StopsWhereRenderStops) {
+    const Ran ran = view("settle\nprint error\nprint samples\nsave seen.exr\nidle 1\n", asked_);
+    std::vector<std::string> options = {"render",   "scene.json", "--size",  size_, "-o",
+                                        "like.exr", "-q",         "--stats", "json"};
+    options.insert(options.end(), asked_.begin(), asked_.end());
+    const Ran like = runGlint(options);
+    ASSERT_EQ(like.code, 0) << like.err;
+    const std::string samples =
+        std::to_string(nlohmann::json::parse(like.out).at("error").at("samplesPerPixel").get<int>());
+    EXPECT_EQ(printed(ran, "samples").at(0), samples);
+    EXPECT_EQ(printed(ran, "error").at(0).rfind("error <= 0.0", 0), 0u) << ran.out;
+    EXPECT_NE(printed(ran, "error").at(0).find(samples + " samples"), std::string::npos) << ran.out;
+    EXPECT_LT(compareImages(readImage("seen.exr"), readImage("like.exr"), 0).max, 2e-6);
+}
+
+TEST_F(Until, IsSetInThePanelAndBeginsAnew) {
+    size_ = "400x800";
+    const Ran ran = view(
+        "set samples 1\nset depth 0\nwait 3\npress lights\nwait 2\npress materials\nwait 2\npress "
+        "tracing\nwait "
+        "2\nsettle\nexpect error none\npress until_error\nsettle\nprint "
+        "error\nprint "
+        "samples\n"
+        "press within_depth\nsettle\nprint error\nkey H\norbit 30 0\nkey H\nwait 3\nsettle\nprint error\n"
+        "press until_error\nsettle\nexpect error none\nexpect samples 1\n");
+    const std::vector<std::string> errors = printed(ran, "error");
+    EXPECT_EQ(errors.at(0).rfind("out of reach: with depth 0 ", 0), 0u) << errors[0];
+    for (const size_t i : {1u, 2u}) EXPECT_EQ(errors.at(i).rfind("error <= 0.0", 0), 0u) << errors[i];
+    // After a movement all begins anew, as if the window had been opened there.
+    const Ran there = view("set depth 0\nkey H\norbit 30 0\nsettle\nprint error\n", asked_);
+    EXPECT_EQ(printed(there, "error").at(0), errors.at(2));
+}
+
+// The same samples, of both replicates.
+TEST_F(Until, TheReferenceDrawsTheSameSamples) {
+    size_ = "400x800";
+    const Ran ran =
+        view("settle\npress compare\nwait 3\npress reference\nsettle\nwait 5\nprint figures\n", asked_);
+    EXPECT_LT(std::stod(printed(ran, "figures").at(0)), 2e-3);
+}
+
+TEST_F(Until, WhatSaysNothingWithoutItIsRefused) {
+    for (const std::vector<std::string>& more :
+         {std::vector<std::string>{"--confidence", "0.9"}, {"--within-depth"}}) {
+        std::vector<std::string> options = {"view", "scene.json"};
+        options.insert(options.end(), more.begin(), more.end());
+        const Ran ran = runGlint(options);
+        EXPECT_EQ(ran.code, 2);
+        EXPECT_NE(ran.err.find(more[0] + " requires --error"), std::string::npos) << ran.err;
+    }
 }
 
 }  // namespace glint::view::test::settings_test

@@ -1,10 +1,10 @@
 #include "support.h"
 
-#include <cctype>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <map>
 #include <sstream>
-#include <utility>
 
 #include "app/cli.h"
 #include "core/error.h"
@@ -25,38 +25,30 @@ Ran runGlint(const std::vector<std::string>& args) {
 namespace {
 
 Options optionsOf(const std::vector<std::string>& args) {
-    Options options;
-    options.scene = args.at(0);
+    Options o;
+    o.scene = args.at(0);
+    using Value = const std::string&;
+    const std::map<std::string, std::function<void(Value)>> options = {
+        {"--size", [&](Value v) { std::sscanf(v.c_str(), "%dx%d", &o.width, &o.height); }},
+        {"--spp", [&](Value v) { o.loading.samplesPerPixel = std::stoi(v); }},
+        {"--frames", [&](Value v) { o.frames = std::stoull(v); }},
+        {"--scale", [&](Value v) { o.scale = std::stod(v); }},
+        {"--error", [&](Value v) { o.until.error = std::stod(v); }},
+        {"--time", [&](Value v) { o.time = std::stod(v); }},
+        {"--camera", [&](Value v) { o.loading.camera = v; }},
+        {"--present", [&](Value v) { o.presentMode = named<gpu::PresentMode>(v).value(); }},
+        {"--build-quality", [&](Value v) { o.loading.quality = named<BuildQuality>(v).value(); }}};
     for (size_t i = 1; i < args.size(); ++i) {
-        const std::string& name = args[i];
-        const auto value = [&]() -> const std::string& { return args.at(++i); };
-        if (name == "--validation")
-            options.validation = true;
-        else if (name == "--within-depth")
-            options.until.depthCounts = false;
-        else if (name == "--size" &&
-                 std::sscanf(value().c_str(), "%dx%d", &options.width, &options.height) == 2)
-            continue;
-        else if (name == "--spp")
-            options.loading.samplesPerPixel = std::stoi(value());
-        else if (name == "--frames")
-            options.frames = std::stoull(value());
-        else if (name == "--scale")
-            options.scale = std::stod(value());
-        else if (name == "--error")
-            options.until.error = std::stod(value());
-        else if (name == "--time")
-            options.time = std::stod(value());
-        else if (name == "--camera")
-            options.loading.camera = value();
-        else if (name == "--present")
-            options.presentMode = named<gpu::PresentMode>(value()).value();
-        else if (name == "--build-quality")
-            options.loading.quality = named<BuildQuality>(value()).value();
-        else
-            throw Error(ErrorKind::Argument, "tests of the window do not use " + name);
+        if (args[i] == "--validation")
+            o.validation = true;
+        else if (args[i] == "--within-depth")
+            o.until.depthCounts = false;
+        else {
+            options.at(args[i])(args.at(i + 1));
+            ++i;
+        }
     }
-    return options;
+    return o;
 }
 
 }  // namespace
@@ -76,47 +68,6 @@ Ran runView(const std::vector<std::string>& args, const std::vector<ScriptComman
     ran.out = out.str();
     ran.err = err.str();
     return ran;
-}
-
-namespace {
-
-// As X names it.
-std::string keyByHand(const std::string& name) {
-    const std::pair<const char*, const char*> others[] = {{"Esc", "Escape"},
-                                                          {"PageUp", "Prior"},
-                                                          {"PageDown", "Next"},
-                                                          {"[", "bracketleft"},
-                                                          {"]", "bracketright"}};
-    const size_t plus = name.find_last_of('+', name.size() - 2);
-    const std::string before = plus == std::string::npos ? "" : name.substr(0, plus + 1);
-    std::string key = name.substr(before.size());
-    for (const auto& [ours, theirs] : others)
-        if (key == ours) key = theirs;
-    if (key.size() == 1) key[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(key[0])));
-    return before + key;
-}
-
-}  // namespace
-
-std::string byHand(const std::string& script) {
-    std::string result;
-    std::istringstream lines(script);
-    for (std::string line; std::getline(lines, line);) {
-        std::istringstream words(line);
-        std::string name, first, second;
-        words >> name >> first >> second;
-        if (name == "key")
-            line = "hand key " + keyByHand(first);
-        else if (name == "press")
-            line = "hand mousemove @" + first + " click 1";
-        else if (name == "click")
-            line = "hand mousemove @" + first + "," + second + " click 1";
-        else if (name == "hold")
-            line =
-                "hand keydown " + keyByHand(first) + "\nwait " + second + "\nhand keyup " + keyByHand(first);
-        result += line + '\n';
-    }
-    return result;
 }
 
 std::vector<nlohmann::json> cameras(const Ran& ran) {
@@ -163,7 +114,7 @@ Ran FolderTest::view(const std::string& script, const std::vector<std::string>& 
     if (!newcomer_) Hints(stateFile("hints")).close();
     std::vector<std::string> args = {"scene.json", "--size", size_, "--validation"};
     args.insert(args.end(), more.begin(), more.end());
-    const Ran ran = runView(args, parseScript(byHand_ ? byHand(script) : script, "script.txt"));
+    const Ran ran = runView(args, parseScript(script, "script.txt"));
     EXPECT_EQ(ran.code, code) << ran.err;
     EXPECT_EQ(ran.err.find("validation"), std::string::npos) << ran.err;
     return ran;

@@ -19,9 +19,6 @@ struct Ran {
     std::string out, err;
 };
 
-// The same script, in which xdotool presses the keys and moves the mouse.
-std::string byHand(const std::string& script);
-
 // A command line, inside this process.
 Ran runGlint(const std::vector<std::string>& args);
 
@@ -55,8 +52,6 @@ class FolderTest : public glint::test::WorkingFolderTest {
     const glint::test::TemporaryFolder stateFolder_;
     const glint::test::ScopedEnvironment state_{"XDG_STATE_HOME", stateFolder_.path().c_str()};
     std::string size_ = "240x180";  // of the window and of rendered pictures
-    // Keys, clicks, drags and presses of scripts are made by the real mouse and keyboard.
-    bool byHand_ = false;
     // The window shows the first steps, as to a new user. Off: they are done already.
     bool newcomer_ = false;
 };
