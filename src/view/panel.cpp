@@ -46,10 +46,13 @@ bool button(Gui& gui, const char* label, const std::string& help) {
     return pressed;
 }
 
-void commandButton(Gui& gui, Model& m, const char* label, std::string_view key) {
-    for (const KeyBinding& binding : keyBindings())
-        if (binding.name == key && button(gui, label, format("%s (%s)", binding.help, binding.name)))
-            m.wish = binding.run;
+void commandButtons(Gui& gui, Model& m, std::initializer_list<std::pair<const char*, std::string_view>> row) {
+    for (const auto& [label, key] : row) {
+        if (label != row.begin()->first) ImGui::SameLine();
+        for (const KeyBinding& binding : keyBindings())
+            if (binding.name == key && button(gui, label, format("%s (%s)", binding.help, binding.name)))
+                m.wish = binding.run;
+    }
 }
 
 bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help, bool bright) {

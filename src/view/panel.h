@@ -3,9 +3,11 @@
 
 #include <imgui.h>
 
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include "view/commands.h"
 #include "view/gui.h"
@@ -47,8 +49,8 @@ bool slider(Gui& gui, const char* label, T& value, std::type_identity_t<T> lo, s
 }
 bool checkbox(Gui& gui, const char* label, bool& value, const char* help);
 bool button(Gui& gui, const char* label, const std::string& help);
-// A button for the command of a key (KeyBinding::name).
-void commandButton(Gui& gui, Model& m, const char* label, std::string_view key);
+// A row of buttons, by label and key (KeyBinding::name), for the commands of these keys.
+void commandButtons(Gui& gui, Model& m, std::initializer_list<std::pair<const char*, std::string_view>> row);
 
 // A list of an enumeration's names, each with its own tooltip.
 template <NamedEnum E>

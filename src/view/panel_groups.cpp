@@ -189,15 +189,9 @@ void drawFiles(Gui& gui, Model& m) {
     if (m.hasJsonFile() && m.edited() && button(gui, "save scene", "lights and materials, into a scene file"))
         m.saveSceneVisible = true;
     if (!group(gui, "save and open", false, "images to files, other scenes into the window")) return;
-    commandButton(gui, m, "PNG", "S");
-    ImGui::SameLine();
-    commandButton(gui, m, "EXR", "Shift+S");
-    ImGui::SameLine();
-    commandButton(gui, m, "save as", "Ctrl+Shift+S");
-    commandButton(gui, m, "render PNG", "Alt+S");
-    ImGui::SameLine();
-    commandButton(gui, m, "render EXR", "Alt+Shift+S");
-    commandButton(gui, m, "open", "Ctrl+O");
+    commandButtons(gui, m, {{"PNG", "S"}, {"EXR", "Shift+S"}, {"save as", "Ctrl+Shift+S"}});
+    commandButtons(gui, m, {{"render PNG", "Alt+S"}, {"render EXR", "Alt+Shift+S"}});
+    commandButtons(gui, m, {{"open", "Ctrl+O"}});
     drawRecent(gui, m);
 }
 
@@ -226,14 +220,8 @@ void drawCameraList(Gui& gui, Model& m) {
 
 void drawCameras(Gui& gui, Model& m) {
     if (!group(gui, "camera", false, "cameras of the file, bookmarks, undo, lens")) return;
-    commandButton(gui, m, "undo", "Ctrl+Z");
-    ImGui::SameLine();
-    commandButton(gui, m, "redo", "Ctrl+Y");
-    ImGui::SameLine();
-    commandButton(gui, m, "scene's", "R");
-    commandButton(gui, m, "bookmark", "M");
-    ImGui::SameLine();
-    commandButton(gui, m, "copy JSON", "C");
+    commandButtons(gui, m, {{"undo", "Ctrl+Z"}, {"redo", "Ctrl+Y"}, {"scene's", "R"}});
+    commandButtons(gui, m, {{"bookmark", "M"}, {"copy JSON", "C"}});
     drawCameraList(gui, m);
     const Camera& camera = m.control.camera();
     if (camera.projection != Projection::Perspective) return;
@@ -251,12 +239,12 @@ void drawCameras(Gui& gui, Model& m) {
 void drawCompare(Gui& gui, Model& m) {
     if (!group(gui, "compare", false, "compare this image with another")) return;
     Comparison& c = m.comparison;
-    commandButton(gui, m, "keep", "K");
+    commandButtons(gui, m, {{"keep", "K"}});
     ImGui::SameLine();
     if (button(gui, "reference", "the same samples by the tracer in double precision, on the processor"))
         m.wish = traceReference;
     ImGui::SameLine();
-    commandButton(gui, m, "verify", "V");
+    commandButtons(gui, m, {{"verify", "V"}});
     if (!c.any()) return wrapped("Keep an image, trace the reference, or drop an image file here.", kDim);
     text("with: " + c.name);
     choice(gui, "mode", c.mode, "how the two are shown (B: next)");
@@ -396,8 +384,7 @@ float drawTimeline(Gui& gui, Model& m, float width) {
     if (ImGui::ArrowButton("##on", ImGuiDir_Right)) t.step(1);
     tip(gui, "frame on", "a frame on (.)");
     ImGui::SameLine();
-    bool loops = t.loops();
-    if (checkbox(gui, "loop", loops, "from the end on to the beginning")) t.setLoops(loops);
+    checkbox(gui, "loop", t.loops, "from the end on to the beginning");
     int frame = t.frame();
     if (slider(gui, "frame", frame, t.first(), std::max(t.last(), t.first() + 1), "%d",
                "drag through the animation; Home and End go to its ends"))

@@ -151,7 +151,7 @@ bool Timeline::advance(double now) {
     if (!playing_) return false;
     position_ += now - std::exchange(since_, now);
     const double begin = first() / rate(), end = last() / rate();
-    if (loops_)
+    if (loops)
         position_ = begin + std::fmod(position_ - begin, std::max(end - begin, 1 / rate()));
     else if (position_ >= end)
         playing_ = false;

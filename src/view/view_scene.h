@@ -83,8 +83,7 @@ class Timeline {
     int first() const;
     int last() const;
 
-    bool loops() const { return loops_; }
-    void setLoops(bool loops) { loops_ = loops; }
+    bool loops = true;  // from the end on to the beginning
 
     // `now`: of any clock, in seconds. Playing begins at the time that is shown, or at 0 after the end.
     bool playing() const { return playing_; }
@@ -102,7 +101,7 @@ class Timeline {
 
     std::optional<AnimationSpan> span_;
     std::optional<double> time_;
-    bool playing_ = false, loops_ = true;
+    bool playing_ = false;
     double position_ = 0, since_ = 0;  // while playing: the moment between frames, and when it was reached
 };
 

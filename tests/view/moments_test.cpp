@@ -179,7 +179,7 @@ TEST(TimelineTest, LoopsUnlessAsked) {
     EXPECT_EQ(t.frame(), 24) << "the last one is the first one";
     t.advance(2 + 2 + 0.5);
     EXPECT_EQ(t.frame(), 36);
-    t.setLoops(false);
+    t.loops = false;
     t.advance(9);
     EXPECT_EQ(t.frame(), 72);
     EXPECT_FALSE(t.playing());
