@@ -76,8 +76,7 @@ TEST_F(Animation, IsPlayed) {
     EXPECT_EQ(built.at(0), built.at(1));
     const Json eye = Json::parse("{" + cameras.at(0) + "}")["camera"]["eye"];
     EXPECT_NEAR(eye[0], std::stod(times.at(1)), 1e-12) << "a unit a second";
-    render("scene.json", "rendered.png", {"--spp", "1", "--time", times.at(1)});
-    EXPECT_EQ(readBytes("shown.png"), readBytes("rendered.png"));
+    expectRendered("shown.png", "scene.json", {"--spp", "1", "--time", times.at(1)});
     EXPECT_EQ(cameras.at(1), cameras.at(2)) << "the user's";
     EXPECT_EQ(Json::parse("{" + cameras.at(3) + "}")["camera"]["eye"], Json({0, 1.5, 7})) << "the file's";
 }
@@ -97,16 +96,13 @@ TEST_F(Animation, KeepsItsMoment) {
         "time none\n"
         "hand key space\nexpect toast this scene has no animation\nscreenshot still.png\n",
         {"--spp", "1", "--time", "0.5"});
-    render("still.json", "rendered-still.png", {"--spp", "1"});
-    EXPECT_EQ(readBytes("still.png"), readBytes("rendered-still.png"));
+    expectRendered("still.png", "still.json", {"--spp", "1"});
     still_["materials"]["two"]["diffuse"] = {0.75, 0.25, 0.5};
     animate(Json::array({hop_, shrink}), "edited.json");
     animate(Json::array({hop_}), "edited-other.json");
-    render("edited.json", "a.png", {"--spp", "1", "--time", "0.5"});
-    render("edited-other.json", "b.png", {"--spp", "1", "--time", "0.5"});
-    EXPECT_EQ(readBytes("own.png"), readBytes("a.png"));
-    EXPECT_EQ(readBytes("still-own.png"), readBytes("a.png"));
-    EXPECT_EQ(readBytes("other.png"), readBytes("b.png"));
+    expectRendered("own.png", "edited.json", {"--spp", "1", "--time", "0.5"});
+    expectRendered("still-own.png", "edited.json", {"--spp", "1", "--time", "0.5"});
+    expectRendered("other.png", "edited-other.json", {"--spp", "1", "--time", "0.5"});
 }
 
 }  // namespace glint::view::test::animation_test

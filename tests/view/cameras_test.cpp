@@ -39,10 +39,8 @@ TEST_F(Cameras, BookmarksAreWrittenIntoTheFile) {
     const std::string names = "cameras bookmark 1, from_above\n";
     EXPECT_EQ(ran.out.substr(ran.out.find(names)), names + "wrote 2 cameras to scene.json\n" + names)
         << ran.out;
-    render("scene.json", "a.png", {"--camera", "bookmark 1"});
-    render("scene.json", "b.png", {"--camera", "from_above"});
-    EXPECT_EQ(readBytes("one.png"), readBytes("a.png"));
-    EXPECT_EQ(readBytes("two.png"), readBytes("b.png"));
+    expectRendered("one.png", "scene.json", {"--camera", "bookmark 1"});
+    expectRendered("two.png", "scene.json", {"--camera", "from_above"});
     EXPECT_NE(readBytes("one.png"), readBytes("two.png"));
 
     std::string written = glint::test::readText("scene.json");
@@ -70,13 +68,11 @@ TEST_F(Cameras, OfTheFileAreChosen) {
         "screenshot pressed.png\nkey ctrl+Z\nsettle\nscreenshot undone.png\nkey R\nsettle\nscreenshot "
         "own.png\n",
         {"--spp", "4"});
-    render("scene.json", "side.png", {"--spp", "4", "--camera", "side"});
-    render("scene.json", "top.png", {"--spp", "4", "--camera", "top"});
-    render("scene.json", "rendered.png", {"--spp", "4"});
-    EXPECT_EQ(readBytes("next.png"), readBytes("side.png"));  // nlohmann's order: by name
-    EXPECT_EQ(readBytes("pressed.png"), readBytes("top.png"));
-    EXPECT_EQ(readBytes("undone.png"), readBytes("side.png"));
-    EXPECT_EQ(readBytes("own.png"), readBytes("rendered.png"));
+    expectRendered("next.png", "scene.json",
+                   {"--spp", "4", "--camera", "side"});  // nlohmann's order: by name
+    expectRendered("pressed.png", "scene.json", {"--spp", "4", "--camera", "top"});
+    expectRendered("undone.png", "scene.json", {"--spp", "4", "--camera", "side"});
+    expectRendered("own.png", "scene.json", {"--spp", "4"});
 }
 
 // With the option the window begins there, and R comes back to it; another scene need not have such a camera.
@@ -114,8 +110,7 @@ TEST_F(Cameras, OfGltfAreChosen) {
     EXPECT_EQ(ran.code, 1);
     EXPECT_NE(ran.err.find("no control 'write to file' is to be seen"), std::string::npos) << ran.err;
     EXPECT_NE(ran.out.find("cameras wide, flat\n"), std::string::npos) << ran.out;
-    render("two.gltf", "rendered.png", {"--camera", "flat"});
-    EXPECT_EQ(readBytes("flat.png"), readBytes("rendered.png"));
+    expectRendered("flat.png", "two.gltf", {"--camera", "flat"});
 }
 
 }  // namespace glint::view::test::cameras_test

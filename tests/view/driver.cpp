@@ -45,7 +45,6 @@ std::optional<KeyPress> keyNamed(const std::string& name) {
     const std::string wanted = upper(name);
     for (const KeyBinding& b : keyBindings())
         if (b.run != nullptr && wanted == upper(b.name)) return KeyPress{b.key, b.mods};
-    if (wanted.size() == 1 && isFlyKey(wanted[0])) return KeyPress{wanted[0], 0};
     return std::nullopt;
 }
 
@@ -157,13 +156,6 @@ void Driver::start(const ScriptCommand& command) {
         set(command);
     } else if (name == "reload") {
         wait_ = [this, before = m_.reloads] { return m_.reloads > before; };
-    } else if (name == "verify") {
-        verify(m_);
-        wait_ = [this, &command] {
-            if (m_.verifying.running()) return false;
-            if (!m_.verdictPassed) fail(command, m_.verdict);
-            return true;
-        };
     } else if (name == "idle") {
         startIdling(numberOf(command, 0));
     } else if (name == "lose-device") {
@@ -186,14 +178,6 @@ bool Driver::startInput(const ScriptCommand& command) {
     } else if (name == "key") {
         input_.push(keyEvent(keyNamed(command.arguments.at(0)).value(), true));
         input_.push(keyEvent(keyNamed(command.arguments.at(0)).value(), false));
-    } else if (name == "hold") {
-        input_.push(keyEvent(keyNamed(command.arguments.at(0)).value(), true));
-        wait_ = [this, until = viewer_.frames() + static_cast<uint64_t>(wholeOf(command, 1)),
-                 k = keyNamed(command.arguments.at(0)).value()] {
-            if (viewer_.frames() < until) return false;
-            input_.push(keyEvent(k, false));
-            return true;
-        };
     } else if (name == "click") {
         input_.push(cursorAt(m_.left + wholeOf(command, 0), wholeOf(command, 1)));
         input_.push(press(true));

@@ -4,7 +4,7 @@
 //   wait N                 let N frames pass
 //   settle                 wait until the image is finished, and saving, verifying and loading are done
 //   orbit DX DY            drag from the middle of the window
-//   key K, hold K N        press a key, named as in the list of keys; hold it for N frames
+//   key K                  press a key, named as in the list of keys
 //   click X Y              pick a pixel
 //   press CONTROL          click on a control of the panel, by its label, with _ for blanks
 //   hand ARGUMENTS...      real mouse and keys: runs `xdotool ARGUMENTS` and waits for it;
@@ -21,7 +21,6 @@
 //   window FILE            save the whole window, with the panel, as PNG
 //   copy FROM TO           copy a file, to change a scene on disk
 //   reload                 wait until a changed file is loaded or found invalid
-//   verify                 check the view as V does, and wait; fails if it does not pass
 //   idle SECONDS           do nothing, and print the numbers of frames and of rounds of the viewer's loop
 //   lose-device            behave as if the device were lost
 //   stay                   leave the window open at the end of the script
@@ -56,7 +55,7 @@ struct KeyPress {
     int mods = 0;
 };
 
-// A key by its name in keyBindings(), in any case, and those of flying ("W"). Empty for an unknown name.
+// A key by its name in keyBindings(), in any case. Empty for an unknown name.
 std::optional<KeyPress> keyNamed(const std::string& name);
 
 class Driver {

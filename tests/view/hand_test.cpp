@@ -157,8 +157,7 @@ TEST_F(Hand, TheInspectorReadsThePixel) {
 // With Ctrl+Q right behind S the picture is there, whole, and nobody had to wait for it.
 TEST_F(Hand, QuittingFinishesTheSave) {
     view("set samples 1\nstay\nhand key alt+s key ctrl+q\n", {"--spp", "4"});
-    render("scene.json", "rendered.png", {"--spp", "4"});
-    EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("rendered.png"));
+    expectRendered("scene-view-001.png", "scene.json", {"--spp", "4"});
 }
 
 TEST_F(Hand, ASaveThatFailsIsSaid) {
@@ -183,9 +182,8 @@ TEST_F(Hand, SavesWhatIsSeen) {
 TEST_F(Hand, SavesLayersAsSeen) {
     size_ = "240x180";
     view("set samples 1\nsettle\nhand key shift+s\nsettle\n");
-    render("scene.json", "rendered.exr",
-           {"--aov", "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
-    EXPECT_EQ(readBytes("scene-view-001.exr"), readBytes("rendered.exr"));
+    expectRendered("scene-view-001.exr", "scene.json",
+                   {"--aov", "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
 }
 
 // Nobody's picture is lost to another window that looks for a name at the same time.
@@ -239,9 +237,11 @@ class ByHand : public FolderTest {
 
 // ---- reload ----
 
-// The user moves the depth in the panel: it stays while all else follows the file, until it is given back.
+// What the user has not changed, the camera included, follows the file. The depth that the panel has moved
+// stays until it is given back.
 TEST_F(ByHand, WhatThePanelHasMovedStaysOnReload) {
     size_ = "400x1000";
+    scene_["camera"]["eye"] = {3, 2.5, 6};
     const auto write = [&](const std::string& file, int depth, const Json& background) {
         scene_["maxDepth"] = depth;
         scene_["background"] = background;
@@ -376,9 +376,8 @@ TEST_F(ByHand, TheWipeIsDraggedAndAPictureNamed) {
     render("scene.json", "own.png");
     const Image own = readImage("own.png");
     EXPECT_EQ(pixelOf(wipe, 400, 300), pixelOf(own, 400, 300)) << "the kept one";
-    render("scene.json", "own.exr",
-           {"--aov", "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
-    EXPECT_EQ(readBytes("chosen.exr"), readBytes("own.exr"));
+    expectRendered("chosen.exr", "scene.json",
+                   {"--aov", "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
 }
 
 }  // namespace glint::view::test::hand_test

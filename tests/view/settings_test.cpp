@@ -44,22 +44,6 @@ TEST_F(Settings, ShadowsOfGlass) {
     expectLike("set samples 1\nset glass full\nsettle\n", scene_);
 }
 
-// What C prints of lights and materials, put into the file, is the scene that is seen.
-TEST_F(Settings, TheCopiedSceneIsTheOneThatIsSeen) {
-    const Ran ran =
-        view("set light 0 0.5\nset diffuse two 0.75 0.25 0.5\nkey Left\nsettle\nkey C\nscreenshot shot.png\n",
-             {"--spp", "1"});
-    const size_t from = ran.out.find("\"camera\""), to = ran.out.find("saved ");
-    const nlohmann::json copied = nlohmann::json::parse("{" + ran.out.substr(from, to - from) + "}");
-    scene_["camera"] = copied["camera"];
-    scene_["lights"] = copied["lights"];
-    EXPECT_EQ(copied["materials"].size(), 1u);
-    scene_["materials"]["two"]["diffuse"] = copied["materials"]["two"]["diffuse"];
-    writeText("like.json", scene_.dump());
-    render("like.json", "like.png");
-    EXPECT_EQ(readBytes("shot.png"), readBytes("like.png"));
-}
-
 // A scene that is loaded without reflections has a pipeline that can still be asked for them.
 TEST_F(Settings, ReflectionsInASceneOfDepthZero) {
     nlohmann::json flat = scene_;
@@ -83,8 +67,7 @@ TEST_F(Settings, Exposure) {
 TEST_F(Settings, Shadows) {
     view("set shadows off\nwait 2\nscreenshot off.png\nset shadows on\nwait 2\nscreenshot on.png\n",
          {"--spp", "1"});
-    render("scene.json", "rendered.png");
-    EXPECT_EQ(readBytes("on.png"), readBytes("rendered.png"));
+    expectRendered("on.png", "scene.json");
     const Image off = readImage("off.png"), on = readImage("on.png");
     int brighter = 0, darker = 0, same = 0;
     for (int y = 0; y < 180; ++y) {
@@ -120,23 +103,7 @@ TEST_F(Reload, KeepsTheUsersCamera) {
         {"--spp", "1"});
     const size_t end = ran.out.find('\n');
     EXPECT_EQ(ran.out.substr(0, end), ran.out.substr(end + 1, ran.out.find('\n', end + 1) - end - 1));
-    render("moved.json", "b.png");
-    EXPECT_EQ(readBytes("reset.png"), readBytes("b.png"));
-}
-
-std::string withSettings(int depth, const std::string& background) {
-    std::string text = sceneText();
-    text.replace(text.find("\"maxDepth\": 3"), 13, "\"maxDepth\": " + std::to_string(depth));
-    const std::string old = "[0.3, 0.4, 0.6]";
-    return text.replace(text.find(old), old.size(), background);
-}
-
-// Settings that the user has not changed, the camera included, follow the file.
-TEST_F(Reload, SettingsFollowTheFile) {
-    writeText("other.json", moved(withSettings(1, "[0.1, 0.8, 0.2]")));
-    view("wait 2\ncopy other.json scene.json\nreload\nexpect depth 1\nscreenshot shot.png\n", {"--spp", "1"});
-    render("other.json", "other.png");
-    EXPECT_EQ(readBytes("shot.png"), readBytes("other.png"));
+    expectRendered("reset.png", "moved.json");
 }
 
 TEST_F(Reload, ABrokenSceneIsSaidAndTheOldOneStays) {
@@ -168,11 +135,9 @@ TEST_F(Reload, FollowsMeshesAndTheirMaterials) {
         "wait 2\ncopy tall.obj part.obj\nreload\nscreenshot tall.png\ncopy green.mtl part.mtl\nreload\n"
         "screenshot green.png\n",
         {"--spp", "1"});
-    render("scene.json", "now.png");
-    EXPECT_EQ(readBytes("green.png"), readBytes("now.png"));
+    expectRendered("green.png", "scene.json");
     writeText("part.mtl", "newmtl m\nKd 1 0 0\n");
-    render("scene.json", "before.png");
-    EXPECT_EQ(readBytes("tall.png"), readBytes("before.png"));
+    expectRendered("tall.png", "scene.json");
     EXPECT_NE(readBytes("tall.png"), readBytes("green.png"));
 }
 

@@ -212,8 +212,7 @@ TEST_F(Shell, ResetsGiveTheFileBack) {
         "press materials\nset diffuse two 1 1 1\nwait 3\npress reset_materials\nsettle\n"
         "key 5\npress camera\nwait 3\npress scene's\nwait 3\nscreenshot shot.png\n",
         {"--spp", "4"});
-    render("scene.json", "rendered.png", {"--spp", "4"});
-    EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png"));
+    expectRendered("shot.png", "scene.json", {"--spp", "4"});
 }
 
 // ---- messages, sizes ----

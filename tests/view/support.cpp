@@ -136,6 +136,13 @@ void FolderTest::render(const std::string& scene, const std::string& output,
     ASSERT_EQ(ran.code, 0) << ran.err;
 }
 
+void FolderTest::expectRendered(const std::string& saved, const std::string& scene,
+                                const std::vector<std::string>& more) {
+    const std::string like = "like" + std::filesystem::path(saved).extension().string();
+    render(scene, like, more);
+    EXPECT_EQ(readBytes(saved), readBytes(like)) << saved << " and " << scene;
+}
+
 Rgb pixelOf(const Image& image, int x, int y) {
     return {srgbByte(image.at(x, y, 0)), srgbByte(image.at(x, y, 1)), srgbByte(image.at(x, y, 2))};
 }

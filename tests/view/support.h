@@ -47,6 +47,9 @@ class FolderTest : public glint::test::WorkingFolderTest {
     // `glint render NAME --size SIZE`, to `output`.
     void render(const std::string& scene, const std::string& output,
                 const std::vector<std::string>& more = {});
+    // The saved image has the bytes of `glint render SCENE --size SIZE MORE`.
+    void expectRendered(const std::string& saved, const std::string& scene,
+                        const std::vector<std::string>& more = {});
 
     // What windows remember goes here, not to whoever runs the tests.
     const glint::test::TemporaryFolder stateFolder_;

@@ -106,12 +106,10 @@ TEST_F(Window, ShowsWhatRenderDraws) {
 
 TEST_F(Window, ScreenshotHasTheBytesOfRender) {
     view("wait 2\nscreenshot shot.png\nscreenshot shot.exr\n", {"--spp", "16"});
-    render("scene.json", "rendered.png", {"--spp", "16"});
-    EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png"));
-    render("scene.json", "rendered.exr",
-           {"--spp", "16", "--aov",
-            "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
-    EXPECT_EQ(readBytes("shot.exr"), readBytes("rendered.exr"));
+    expectRendered("shot.png", "scene.json", {"--spp", "16"});
+    expectRendered("shot.exr", "scene.json",
+                   {"--spp", "16", "--aov",
+                    "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
 }
 
 // A drag across the whole height turns the eye by 180 degrees, so 30 of 180 pixels to the right turn it by 30
@@ -146,8 +144,9 @@ TEST_F(Window, EveryProjectionDrawsWhatItsJsonDraws) {
 }
 
 TEST_F(Window, KeysOfTheCameraAndReset) {
-    const Ran ran =
-        view("key C\nkey 5\nkey Left\nkey PageUp\nkey [\nkey Tab\nhold W 4\nkey C\nkey Tab\nkey R\nkey C\n");
+    const Ran ran = view(
+        "key C\nkey 5\nkey Left\nkey PageUp\nkey [\nkey Tab\nhand keydown w\nwait 4\nhand keyup w\nkey "
+        "C\nkey Tab\nkey R\nkey C\n");
     EXPECT_NE(cameras(ran).at(1), cameras(ran).at(0));
     EXPECT_EQ(cameras(ran).at(2), cameras(ran).at(0));
 }
@@ -215,7 +214,7 @@ TEST_F(Window, RestsAtNoCost) {
 }
 
 TEST_F(Window, VerifiesTheView) {
-    const Ran ran = view("orbit 20 10\nverify\nexpect verdict passed\nexpect difference off\n");
+    const Ran ran = view("orbit 20 10\nkey V\nsettle\nexpect verdict passed\nexpect difference off\n");
     EXPECT_NE(ran.out.find("verify passed: 43200 pixels"), std::string::npos) << ran.out;
 }
 
