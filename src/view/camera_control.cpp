@@ -6,7 +6,6 @@
 #include <glm/gtc/quaternion.hpp>
 #include <tuple>
 
-#include "import/camera_writer.h"
 #include "scene/cameras.h"
 #include "scene/frame_model.h"
 
@@ -189,10 +188,6 @@ void CameraControl::view(Side side, const Ball& ball) {
     camera_.up = fromYUp({0, 1, 0}, up);
     frame(ball);
     fixPlane();
-}
-
-std::string cameraJson(const Camera& camera) {
-    return "\"camera\": " + cameraText(camera);
 }
 
 }  // namespace glint::view

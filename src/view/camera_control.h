@@ -79,7 +79,4 @@ inline bool hasLens(const Camera& camera) {
     return camera.lensRadius > 0 && camera.projection == Projection::Perspective;
 }
 
-// The camera as a scene file writes it: "camera": {...}
-std::string cameraJson(const Camera& camera);
-
 }  // namespace glint::view

@@ -225,7 +225,7 @@ void framePicked(Model& m) {
 }
 
 void copyJson(Model& m) {
-    std::string json = cameraJson(m.control.camera());
+    std::string json = "\"camera\": " + cameraText(m.control.camera());
     std::string what = "camera";
     for (const auto& [name, value] : changedMembers(m.settings, m.fileSettings)) {
         json += ",\n\"" + name + "\": " + value;

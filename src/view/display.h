@@ -112,12 +112,6 @@ struct LayerRange {
 // Depth: from the nearest to the farthest but a twentieth; Bounces, Cost: from 0 to the most; else nothing.
 LayerRange rangeOf(const Picture& picture, ViewLayer layer);
 
-// True if colors stand for numbers of a range, so that a legend is needed.
-inline bool hasLegend(ViewLayer layer, const Display& display) {
-    return layer == ViewLayer::Bounces || layer == ViewLayer::Cost || layer == ViewLayer::Depth ||
-           (layer == ViewLayer::Color && display.toneMap == ToneMap::False);
-}
-
 // With the default display, Color gives the bytes of a PNG of the image.
 Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range);
 

@@ -278,10 +278,12 @@ void drawMessages(const Model& m) {
     });
 }
 
+// Of layers whose colors stand for numbers of a range.
 void drawLegend(const Model& m) {
     const ViewLayer layer = m.settings.layer;
-    if (!hasLegend(layer, m.display)) return;
-    const bool colors = layer == ViewLayer::Color;
+    const bool colors = layer == ViewLayer::Color && m.display.toneMap == ToneMap::False;
+    if (!colors && layer != ViewLayer::Bounces && layer != ViewLayer::Cost && layer != ViewLayer::Depth)
+        return;
     const bool grey = layer == ViewLayer::Depth && m.display.toneMap != ToneMap::False;
     const LayerRange range = m.session->range();
     drawCorner({"##legend", m.left, {0.5f, 0}, 14, kUnderMouse}, [&] {

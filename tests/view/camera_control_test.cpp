@@ -7,6 +7,7 @@
 #include <glm/gtc/constants.hpp>
 #include <nlohmann/json.hpp>
 
+#include "import/camera_writer.h"
 #include "import/load.h"
 
 namespace glint::view::camera_control_test {
@@ -17,6 +18,11 @@ Camera cameraAt(const glm::dvec3& eye) {
     camera.eye = eye;
     camera.fovY = 60;
     return camera;
+}
+
+// A scene with the camera as the key C writes it.
+Scene reread(const Camera& camera) {
+    return parseScene("{\"camera\": " + cameraText(camera) + ", \"objects\": []}", "text", ".");
 }
 
 void expectNear(const glm::dvec3& a, const glm::dvec3& b) {
@@ -144,7 +150,7 @@ TEST(CameraControl, EveryProjectionIsValidAndKeepsTheSize) {
         } else {
             EXPECT_NEAR(camera.fovY, 60, 1e-9);
         }
-        const Scene scene = parseScene("{" + cameraJson(camera) + ", \"objects\": []}", "text", ".");
+        const Scene scene = reread(camera);
         EXPECT_EQ(scene.camera.projection, camera.projection);
         EXPECT_EQ(scene.camera.planeNormal, camera.planeNormal);
         if (camera.planeNormal) {  // upright
@@ -180,15 +186,14 @@ TEST(CameraControl, JsonHoldsEveryDigit) {
     Camera camera = cameraAt({0.1, 1e-17, 123456.789});
     camera.nearT = 0.25;
     camera.farT = 1e6;
-    const Scene scene = parseScene("{" + cameraJson(camera) + ", \"objects\": []}", "text", ".");
+    const Scene scene = reread(camera);
     EXPECT_EQ(scene.camera.eye, camera.eye);
     EXPECT_EQ(scene.camera.fovY, camera.fovY);
     EXPECT_EQ(scene.camera.nearT, camera.nearT);
     EXPECT_EQ(scene.camera.farT, camera.farT);
     EXPECT_FALSE(scene.camera.window);
     camera.window = ViewWindow{-1, 2, -0.5, 1};
-    EXPECT_EQ(parseScene("{" + cameraJson(camera) + ", \"objects\": []}", "text", ".").camera.window->right,
-              2);
+    EXPECT_EQ(reread(camera).camera.window->right, 2);
 }
 
 }  // namespace glint::view::camera_control_test

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/format.h"
 #include "core/text_file.h"
+#include "import/camera_writer.h"
 
 namespace glint::view::test {
 
@@ -56,7 +57,7 @@ std::string Driver::stateOf(const ScriptCommand& command) const {
     const std::string& what = command.arguments[0];
     const Camera& camera = m_.control.camera();
     if (what == "aim") return format("%g", 1e3 * m_.targetSeconds);
-    if (what == "camera") return cameraJson(camera);
+    if (what == "camera") return "\"camera\": " + cameraText(camera);
     if (what == "cameras") return cameraNames(m_);
     if (what == "control" && command.arguments.size() > 1) {
         const glm::dvec2 place = placeOf(command, "@" + command.arguments[1]);
