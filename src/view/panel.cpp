@@ -278,7 +278,7 @@ void drawMessages(const Model& m) {
     });
 }
 
-// Of layers whose colors stand for numbers of a range.
+// Draws the legend of a layer whose colors stand for numbers of a range.
 void drawLegend(const Model& m) {
     const ViewLayer layer = m.settings.layer;
     const bool colors = layer == ViewLayer::Color && m.display.toneMap == ToneMap::False;
