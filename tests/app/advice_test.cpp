@@ -38,18 +38,18 @@ std::string onlyBlack(const std::string& reason) {
     return "everything in the image is black: " + reason;
 }
 
+const std::string kPast = onlyBackground(
+    "the camera looks past the objects; check its eye and target (glint info prints the bounds)");
+const std::string kAlike = onlyBackground(
+    "the surfaces have its colour, by what they let through, mirror or reflect; change a material or the "
+    "background");
+
 const Nothing kCases[] = {
     {"fine", R"("ambient": 0.5, )" + std::string(kBall), ""},
     {"empty", R"("objects": [])", onlyBackground("the scene has no objects")},
-    {"behind", ballAt("[0, 0, 20]"),
-     onlyBackground(
-         "the camera looks past the objects; check its eye and target (glint info prints the bounds)")},
-    {"aside", ballAt("[90, 0, 0]"),
-     onlyBackground(
-         "the camera looks past the objects; check its eye and target (glint info prints the bounds)")},
-    {"planeAlone", R"("objects": [{"type": "plane", "point": [0, 0, 9], "normal": [0, 0, 1]}])",
-     onlyBackground(
-         "the camera looks past the objects; check its eye and target (glint info prints the bounds)")},
+    {"behind", ballAt("[0, 0, 20]"), kPast},
+    {"aside", ballAt("[90, 0, 0]"), kPast},
+    {"planeAlone", R"("objects": [{"type": "plane", "point": [0, 0, 9], "normal": [0, 0, 1]}])", kPast},
     {"planeEdgeOn",
      R"("ambient": 0.5, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1},
         {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0]}])",
@@ -92,16 +92,11 @@ const Nothing kCases[] = {
     {"invisible",
      R"("background": [1, 0.5, 0.2], "materials": {"clear": {"transmission": 1, "ior": 1}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "clear"}])",
-     onlyBackground(
-         "the surfaces have its colour, by what they let through, mirror or reflect; change a material or "
-         "the background"),
-     "--spp 3"},
+     kAlike, "--spp 3"},
     {"mirrorOfNothing",
      R"("background": [1, 0.5, 0.2], "materials": {"mirror": {"diffuse": 0, "mirror": 1}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "mirror"}])",
-     onlyBackground(
-         "the surfaces have its colour, by what they let through, mirror or reflect; change a material or "
-         "the background")},
+     kAlike},
     {"tooDark",
      R"("lights": [{"type": "point", "position": [0, 0, 601], "falloff": "inverseSquare"}], )" +
          std::string(kBall),

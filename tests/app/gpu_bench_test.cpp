@@ -53,12 +53,17 @@ TEST_F(GpuBench, CountsTheReferencesRays) {
     EXPECT_GT(device["bytes"]["device"].get<double>(), 64 * 48 * 16);
 }
 
-// A mirror ball in the middle of 64 x 48 pixels of sky: later bounces need fewer invocations than pixels.
-TEST_F(GpuBench, LaterBouncesRunOverLivePathsOnly) {
+// A mirror ball in the middle of 64 x 48 pixels of sky.
+void writeMirrorBall() {
     writeText("a.json", sceneText(64, 48, R"("maxDepth": 3,
   "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
   "materials": {"chrome": {"diffuse": 0.1, "mirror": 0.9}},
   "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0.3, "material": "chrome"}])"));
+}
+
+// Later bounces need fewer invocations than pixels.
+TEST_F(GpuBench, LaterBouncesRunOverLivePathsOnly) {
+    writeMirrorBall();
     const uint64_t pixels = 64 * 48;
     const nlohmann::json found = bench({});
     EXPECT_GT(found["paths"]["live"].get<uint64_t>(), pixels);
@@ -69,10 +74,7 @@ TEST_F(GpuBench, LaterBouncesRunOverLivePathsOnly) {
 
 // Steps have no times of their own then.
 TEST_F(GpuBench, WholePathsDrawTheSameBitsInOneKernel) {
-    writeText("a.json", sceneText(64, 48, R"("maxDepth": 3,
-  "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
-  "materials": {"chrome": {"diffuse": 0.1, "mirror": 0.9}},
-  "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0.3, "material": "chrome"}])"));
+    writeMirrorBall();
     const nlohmann::json steps = bench("--traversal lane"), whole = bench("--traversal lane --whole-paths");
     EXPECT_EQ(whole["picture"], steps["picture"]);
     EXPECT_EQ(whole["rays"]["all"]["number"], steps["rays"]["all"]["number"]);

@@ -6,109 +6,90 @@
 
 namespace glint::app::test::options_test {
 
-struct Value {
-    const char* command;
-    const char* option;
-    std::string text;
-    std::string line;  // after "glint: "; empty: the value is fine
+class OptionValue : public FolderTest {
+  protected:
+    // `line`: after "glint: "; empty: the value is fine.
+    void expectLine(const std::string& command, const std::string& option, const std::string& text,
+                    const std::string& line) {
+        SCOPED_TRACE(command + " " + option + " " + text);
+        const Ran ran = runGlint({command, "x.json", option, text});
+        EXPECT_EQ(ran.err, "glint: " + (line.empty() ? "x.json: no such file" : line) + "\n");
+        EXPECT_EQ(ran.code, line.empty() ? 3 : 2);
+        EXPECT_EQ(ran.out, "");
+        EXPECT_TRUE(names().empty());
+    }
 };
 
-class OptionValue : public FolderTest, public ::testing::WithParamInterface<Value> {};
+using Texts = std::vector<std::string>;
 
-TEST_P(OptionValue, IsTakenOrRefusedInOneLine) {
-    const Value& v = GetParam();
-    const Ran ran = runGlint({v.command, "x.json", v.option, v.text});
-    EXPECT_EQ(ran.err, "glint: " + (v.line.empty() ? "x.json: no such file" : v.line) + "\n")
-        << v.option << ' ' << v.text;
-    EXPECT_EQ(ran.code, v.line.empty() ? 3 : 2);
-    EXPECT_EQ(ran.out, "");
-    EXPECT_TRUE(names().empty());
+TEST_F(OptionValue, IsTaken) {
+    const std::pair<const char*, Texts> cases[] = {
+        {"--size", {"1x1", "800x600"}}, {"--spp", {"1", "65536"}},
+        {"--max-depth", {"0", "1000"}}, {"--frames", {"3"}},
+        {"--crop", {"0,0,1,1"}},        {"--aov", {"color,depth", " color , depth"}},
+        {"--backend", {"cpu", "gpu"}},  {"--progress", {"none"}},
+        {"--stats", {"json"}}};
+    for (const auto& [option, texts] : cases)
+        for (const std::string& text : texts) expectLine("render", option, text, "");
+    expectLine("trace", "--pixel", "3,4", "");
 }
 
-Value refused(const char* option, const std::string& text, const std::string& wanted,
-              const char* command = "render") {
-    return {command, option, text, std::string(option) + ": expected " + wanted + ", got \"" + text + "\""};
+// Texts that are refused by naming what is expected.
+struct Refused {
+    const char *option, *expected;
+    Texts texts;
+    const char* command = "render";
+};
+
+TEST_F(OptionValue, IsRefusedInOneLine) {
+    const char *const size = "WxH such as 640x480", *const frames =
+                                                        "A:B with 0 <= A <= B, such as 0:240, or one number";
+    const char* const progress = "auto, bar, plain or none";
+    const Refused cases[] = {
+        {"--size",
+         "a width and a height from 1 to 65536",
+         {"0x0", "5x0", "-5x3", "65537x1", "99999999999999999999x3"}},
+        {"--size", size, {"640x", "x480", "640", "640X480", "1e9x1e9", "64x48x3", " 64x48", "64.5x48", ""}},
+        {"--size", size, {"0"}, "trace"},
+        {"--size", size, {"0"}, "info"},
+        {"--size", size, {"0"}, "verify"},
+        {"--spp",
+         "a whole number from 1 to 65536",
+         {"0", "-4", "65537", "1.5", "1e3", "many", "", "99999999999999999999"}},
+        {"--max-depth", "a whole number from 0 to 1000", {"-1", "1001", "-99999999999999999999"}},
+        {"--part", "K/N with 1 <= K <= N, such as 3/8", {"0/4", "5/4"}},
+        {"--frames", frames, {"3:2", "1:2:3"}},
+        {"--error", "a number above 0", {"0", "-1", "nan", "inf", "", "1e-400"}},
+        {"--crop",
+         "x0,y0,x1,y1 with 0 <= x0 < x1 and 0 <= y0 < y1",
+         {"5,5,5,6", "5,5,6,5", "9,9,5,5", "-1,0,3,3"}},
+        {"--crop", "x0,y0,x1,y1 such as 0,0,64,64", {"1,2,3", "1,2,3,4,5", "a", "0, 0, 5, 5", ""}},
+        {"--pixel", "x,y such as 320,240", {"3", "3,4,5", "a,b"}, "trace"},
+        {"--backend", "gpu or cpu", {"CPU"}},
+        {"--backend", "gpu or cpu", {""}, "trace"},
+        {"--progress", progress, {"on"}},
+        {"--progress", progress, {""}, "verify"},
+        {"--stats", "json", {"xml", ""}}};
+    for (const auto& [option, expected, texts, command] : cases)
+        for (const std::string& text : texts)
+            expectLine(command, option, text,
+                       std::string(option) + ": expected " + expected + ", got \"" + text + "\"");
 }
 
-const std::string kSizeForm = "WxH such as 640x480", kSizeRange = "a width and a height from 1 to 65536";
-INSTANTIATE_TEST_SUITE_P(
-    Size, OptionValue,
-    ::testing::Values(Value{"render", "--size", "1x1", ""}, Value{"render", "--size", "800x600", ""},
-                      refused("--size", "0x0", kSizeRange), refused("--size", "5x0", kSizeRange),
-                      refused("--size", "-5x3", kSizeRange), refused("--size", "65537x1", kSizeRange),
-                      refused("--size", "99999999999999999999x3", kSizeRange),
-                      refused("--size", "640x", kSizeForm), refused("--size", "x480", kSizeForm),
-                      refused("--size", "640", kSizeForm), refused("--size", "640X480", kSizeForm),
-                      refused("--size", "1e9x1e9", kSizeForm), refused("--size", "64x48x3", kSizeForm),
-                      refused("--size", " 64x48", kSizeForm), refused("--size", "64.5x48", kSizeForm),
-                      refused("--size", "", kSizeForm), refused("--size", "0", kSizeForm, "trace"),
-                      refused("--size", "0", kSizeForm, "info"),
-                      refused("--size", "0", kSizeForm, "verify")));
-
-const std::string kSpp = "a whole number from 1 to 65536", kDepth = "a whole number from 0 to 1000";
-INSTANTIATE_TEST_SUITE_P(
-    Counts, OptionValue,
-    ::testing::Values(Value{"render", "--spp", "1", ""}, Value{"render", "--spp", "65536", ""},
-                      refused("--spp", "0", kSpp), refused("--spp", "-4", kSpp),
-                      refused("--spp", "65537", kSpp), refused("--spp", "1.5", kSpp),
-                      refused("--spp", "1e3", kSpp), refused("--spp", "many", kSpp),
-                      refused("--spp", "", kSpp), refused("--spp", "99999999999999999999", kSpp),
-                      Value{"render", "--max-depth", "0", ""}, Value{"render", "--max-depth", "1000", ""},
-                      refused("--max-depth", "-1", kDepth), refused("--max-depth", "1001", kDepth),
-                      refused("--max-depth", "-99999999999999999999", kDepth)));
-
-const std::string kPart = "K/N with 1 <= K <= N, such as 3/8", kError = "a number above 0";
-INSTANTIATE_TEST_SUITE_P(
-    Ranges, OptionValue,
-    ::testing::Values(refused("--part", "0/4", kPart), refused("--part", "5/4", kPart),
-                      refused("--frames", "3:2", "A:B with 0 <= A <= B, such as 0:240, or one number"),
-                      refused("--frames", "1:2:3", "A:B with 0 <= A <= B, such as 0:240, or one number"),
-                      Value{"render", "--frames", "3", ""}, refused("--error", "0", kError),
-                      refused("--error", "-1", kError), refused("--error", "nan", kError),
-                      refused("--error", "inf", kError), refused("--error", "", kError),
-                      refused("--error", "1e-400", kError)));
-
-const std::string kCropForm = "x0,y0,x1,y1 such as 0,0,64,64",
-                  kCropOrder = "x0,y0,x1,y1 with 0 <= x0 < x1 and 0 <= y0 < y1";
-INSTANTIATE_TEST_SUITE_P(
-    Places, OptionValue,
-    ::testing::Values(Value{"render", "--crop", "0,0,1,1", ""}, refused("--crop", "5,5,5,6", kCropOrder),
-                      refused("--crop", "5,5,6,5", kCropOrder), refused("--crop", "9,9,5,5", kCropOrder),
-                      refused("--crop", "-1,0,3,3", kCropOrder), refused("--crop", "1,2,3", kCropForm),
-                      refused("--crop", "1,2,3,4,5", kCropForm), refused("--crop", "a", kCropForm),
-                      refused("--crop", "0, 0, 5, 5", kCropForm), refused("--crop", "", kCropForm),
-                      refused("--pixel", "3", "x,y such as 320,240", "trace"),
-                      refused("--pixel", "3,4,5", "x,y such as 320,240", "trace"),
-                      refused("--pixel", "a,b", "x,y such as 320,240", "trace"),
-                      Value{"trace", "--pixel", "3,4", ""}));
-
-const std::string kKnown =
-    " (known: color, alpha, depth, position, normal, uv, object, primitive, material, bounces, cost, error, "
-    "samples)";
-INSTANTIATE_TEST_SUITE_P(
-    Aovs, OptionValue,
-    ::testing::Values(
-        Value{"render", "--aov", "color,depth", ""}, Value{"render", "--aov", " color , depth", ""},
-        Value{"render", "--aov", "", "--aov: unknown layer \"\"" + kKnown},
-        Value{"render", "--aov", ",", "--aov: unknown layer \"\"" + kKnown},
-        Value{"render", "--aov", "color,", "--aov: unknown layer \"\"" + kKnown},
-        Value{"render", "--aov", "xyzzy", "--aov: unknown layer \"xyzzy\"" + kKnown},
-        Value{"render", "--aov", "dpeth", "--aov: unknown layer \"dpeth\" (did you mean \"depth\"?)"},
-        Value{"render", "--aov", "Color", "--aov: unknown layer \"Color\" (did you mean \"color\"?)"},
-        Value{"render", "--aov", "uv,uv", "--aov: the layer \"uv\" is given twice"}));
-
-const std::string kNumber = "a number from 0 up";
-INSTANTIATE_TEST_SUITE_P(Words, OptionValue,
-                         ::testing::Values(Value{"render", "--backend", "cpu", ""},
-                                           Value{"render", "--backend", "gpu", ""},
-                                           refused("--backend", "CPU", "gpu or cpu"),
-                                           refused("--backend", "", "gpu or cpu", "trace"),
-                                           Value{"render", "--progress", "none", ""},
-                                           refused("--progress", "on", "auto, bar, plain or none"),
-                                           refused("--progress", "", "auto, bar, plain or none", "verify"),
-                                           Value{"render", "--stats", "json", ""},
-                                           refused("--stats", "xml", "json"),
-                                           refused("--stats", "", "json")));
+TEST_F(OptionValue, NamesTheLayerThatIsRefused) {
+    const std::string known =
+        " (known: color, alpha, depth, position, normal, uv, object, primitive, material, bounces, cost, "
+        "error, samples)";
+    const std::pair<const char*, std::string> cases[] = {
+        {"", "unknown layer \"\"" + known},
+        {",", "unknown layer \"\"" + known},
+        {"color,", "unknown layer \"\"" + known},
+        {"xyzzy", "unknown layer \"xyzzy\"" + known},
+        {"dpeth", "unknown layer \"dpeth\" (did you mean \"depth\"?)"},
+        {"Color", "unknown layer \"Color\" (did you mean \"color\"?)"},
+        {"uv,uv", "the layer \"uv\" is given twice"}};
+    for (const auto& [text, line] : cases) expectLine("render", "--aov", text, "--aov: " + line);
+}
 
 TEST(Options, ToleranceIsAFiniteNumberFromZeroUp) {
     for (const char* text : {"-1", "nan", "inf", "1x", "", "0x1", "1e999", "-0.001", " 1"}) {
