@@ -14,15 +14,7 @@
 
 namespace glint::app {
 
-namespace {
-
 namespace fs = std::filesystem;
-
-std::string reasonOf(int errorNumber) {
-    return std::generic_category().message(errorNumber);
-}
-
-}  // namespace
 
 bool isTerminal(const std::ostream& err) {
     return &err == &std::cerr && isatty(STDERR_FILENO) == 1;
@@ -68,7 +60,8 @@ void makeFolder(const fs::path& folder) {
 
 void checkStandardOutput(const std::ostream& out) {
     if (&out != &std::cout || ::write(STDOUT_FILENO, "", 0) == 0) return;
-    throw Error(ErrorKind::Failed, "cannot write to standard output: " + reasonOf(errno));
+    throw Error(ErrorKind::Failed,
+                "cannot write to standard output: " + std::generic_category().message(errno));
 }
 
 }  // namespace glint::app

@@ -4,7 +4,7 @@
 #include <limits>
 #include <variant>
 
-#include "app/render_result.h"
+#include "app/render_command.h"
 #include "core/format.h"
 #include "core/quantize.h"
 #include "pack/request_environment.h"

@@ -6,8 +6,6 @@
 #include <ostream>
 
 #include "app/commands.h"
-#include "app/render_result.h"
-#include "app/rendering.h"
 #include "core/available_memory.h"
 #include "core/enum_names.h"
 #include "core/error.h"

@@ -1,4 +1,4 @@
-#include "app/render_result.h"
+#include "app/render_command.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,8 +11,6 @@
 #include "app/cli.h"
 #include "app/commands.h"
 #include "app/render_command.h"
-#include "app/render_result.h"
-#include "app/rendering.h"
 #include "app/units.h"
 #include "core/available_memory.h"
 #include "core/content_hash.h"

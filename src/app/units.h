@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/render_result.h"
+#include "app/render_command.h"
 #include "farm/merge.h"
 #include "farm/unit_file.h"
 
