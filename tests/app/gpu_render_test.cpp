@@ -6,14 +6,7 @@
 #include "support.h"
 
 namespace glint::app::test::gpu_render_test {
-class GpuRender : public SmallSceneTest {
-  protected:
-    static void render(Words options) {
-        const Ran ran = runGlint("render a.json -q", options);
-        EXPECT_EQ(ran.code, 0);
-        EXPECT_EQ(ran.out + ran.err, "");
-    }
-};
+using GpuRender = SmallSceneTest;
 
 // The same samples of the same pixels, so the same rounds, and the picture of the reference but for rounding.
 TEST_F(GpuRender, AnErrorIsReachedAsTheReferenceReachesIt) {

@@ -8,11 +8,7 @@
 namespace glint::app::test::render_test {
 class Render : public SmallSceneTest {
   protected:
-    static void render(Words options) {
-        const Ran ran = runGlint("render a.json --backend cpu -q", options);
-        EXPECT_EQ(ran.code, 0);
-        EXPECT_EQ(ran.out + ran.err, "");
-    }
+    static void render(const Words& options) { SmallSceneTest::render("--backend cpu" + options); }
 };
 
 TEST_F(Render, DefaultNameIsTheScenesInTheCurrentFolder) {

@@ -50,4 +50,10 @@ void writeSmallScene(const std::filesystem::path& path) {
               {"type": "triangle", "vertices": [[1.4, -1.7, -0.3], [3.6, -0.9, 0.2], [2.1, 2.2, 0.1]], "material": "blue"}])"));
 }
 
+void SmallSceneTest::render(const Words& options) {
+    const Ran ran = runGlint("render a.json -q", options);
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_EQ(ran.out + ran.err, "");
+}
+
 }  // namespace glint::app::test

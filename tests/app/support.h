@@ -52,6 +52,8 @@ void writeSmallScene(const std::filesystem::path& path);
 class SmallSceneTest : public FolderTest {
   protected:
     SmallSceneTest() { writeSmallScene("a.json"); }
+    // Renders it; expects success and no output.
+    static void render(const Words& options);
 };
 
 // The camera's right and up at unit distance for a picture with fovY 90 degrees are 1 and 1: easy to compute
