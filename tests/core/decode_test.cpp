@@ -122,27 +122,14 @@ Image varied(int width, int height) {
     return image;
 }
 
-TEST(Truncated, Png) {
-    const Image image = varied(20, 10);
-    expectEveryPrefixRefused(encodePng(20, 10, 3, quantizeColor(image)), decodePng);
-}
-
-TEST(Truncated, Jpeg) {
+TEST(Truncated, EveryPrefixIsRefused) {
+    expectEveryPrefixRefused(encodePng(20, 10, 3, quantizeColor(varied(20, 10))), decodePng);
     expectEveryPrefixRefused(greyJpeg(), decodeJpeg);
-}
-
-TEST(Truncated, Pfm) {
     expectEveryPrefixRefused(encodePfm(varied(5, 4)), decodePfm);
-}
-
-TEST(Truncated, Hdr) {
     expectEveryPrefixRefused(encodeHdr(varied(5, 4)), decodeHdr);  // narrow pictures are stored without runs
     Image image = varied(40, 6);
     for (int x = 10; x < 30; ++x) image.at(x, 3, 0) = 0.5f;
     expectEveryPrefixRefused(encodeHdr(image), decodeHdr);
-}
-
-TEST(Truncated, Exr) {
     Image noise(6, 60, 1);
     noise.pixels = varied(6, 20).pixels;
     expectEveryPrefixRefused(encodeExr({{"color", noise}}), decodeExr);

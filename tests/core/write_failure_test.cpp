@@ -17,7 +17,20 @@ using test::writeBytes;
 
 const std::vector<uint8_t> kOld = {'o', 'l', 'd'};
 
-class WriteFailure : public test::FolderTest {};
+class WriteFailure : public test::FolderTest {
+  protected:
+    static void expectUnwritable(const std::string& path, const std::string& reason) {
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+                  path + ": cannot write: " + reason);
+    }
+    // An image with the layers color and normal.
+    void expectLayersUnwritable(const std::string& reason) {
+        const std::vector<Layer> layers = {{"color", Image(1, 1, 3)}, {"normal", Image(1, 1, 3)}};
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
+                  file("x.normal.pfm").string() + ": cannot write: " + reason);
+        EXPECT_EQ(names(), std::set<std::string>{"x.normal.pfm"});
+    }
+};
 
 // No file may grow beyond `bytes` while this exists: the stand-in for a full disk.
 class FileSizeLimit {
@@ -40,48 +53,34 @@ class FileSizeLimit {
 };
 
 TEST_F(WriteFailure, MissingFolder) {
-    for (const char* name : {"out/x.png", "out/x.exr", "out/x.pfm", "out/x.hdr"}) {
-        const std::string path = file(name).string();
-        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
-                  path + ": cannot write: there is no folder " + file("out").string());
-    }
+    for (const char* name : {"out/x.png", "out/x.exr", "out/x.pfm", "out/x.hdr"})
+        expectUnwritable(file(name), "there is no folder " + file("out").string());
     EXPECT_TRUE(names().empty());
 }
 
 TEST_F(WriteFailure, DestinationIsAFolder) {
     fs::create_directory(file("x.png"));
-    const std::string path = file("x.png").string();
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
-              path + ": cannot write: Is a directory");
+    expectUnwritable(file("x.png"), "Is a directory");
     EXPECT_EQ(names(), std::set<std::string>{"x.png"});
 }
 
 TEST_F(WriteFailure, ParentIsAFile) {
     writeBytes(file("out"), kOld);
-    const std::string path = file("out/x.png").string();
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
-              path + ": cannot write: " + file("out").string() + " is not a folder");
+    expectUnwritable(file("out/x.png"), file("out").string() + " is not a folder");
     EXPECT_EQ(names(), std::set<std::string>{"out"});
 }
 
 TEST_F(WriteFailure, NoPermission) {
     fs::create_directory(file("locked"));
     fs::permissions(file("locked"), fs::perms::owner_read | fs::perms::owner_exec);
-    const std::string inside = file("locked/x.png").string();
-    test::withoutPrivileges(folder_, [&] {
-        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(inside, Image(1, 1, 3)); }),
-                  inside + ": cannot write: Permission denied");
-    });
+    test::withoutPrivileges(folder_, [&] { expectUnwritable(file("locked/x.png"), "Permission denied"); });
     fs::permissions(file("locked"), fs::perms::owner_all);
 
     // Renaming would replace a write-protected file; its owner did not want that.
     const std::string path = file("protected.png").string();
     writeBytes(path, kOld);
     fs::permissions(path, fs::perms::owner_read);
-    test::withoutPrivileges(folder_, [&] {
-        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
-                  path + ": cannot write: Permission denied");
-    });
+    test::withoutPrivileges(folder_, [&] { expectUnwritable(path, "Permission denied"); });
     EXPECT_EQ(readBytes(path), kOld);
 }
 
@@ -114,10 +113,8 @@ TEST_F(WriteFailure, FullDiskForTheSecondLayerLeavesNone) {
 TEST_F(WriteFailure, FullDevice) {
     ASSERT_TRUE(fs::is_character_file("/dev/full"));
     fs::create_symlink("/dev/full", file("full.png"));
-    const std::string path = file("full.png").string();
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
-              path + ": cannot write: No space left on device");
-    EXPECT_TRUE(fs::is_symlink(path));
+    expectUnwritable(file("full.png"), "No space left on device");
+    EXPECT_TRUE(fs::is_symlink(file("full.png")));
     EXPECT_TRUE(fs::is_character_file("/dev/full"));
     EXPECT_EQ(names(), std::set<std::string>{"full.png"});
 }
@@ -125,18 +122,12 @@ TEST_F(WriteFailure, FullDevice) {
 TEST_F(WriteFailure, LaterLayerFailsAfterTheFirstIsInPlace) {
     ASSERT_TRUE(fs::is_character_file("/dev/full"));
     fs::create_symlink("/dev/full", file("x.normal.pfm"));
-    const std::vector<Layer> layers = {{"color", Image(1, 1, 3)}, {"normal", Image(1, 1, 3)}};
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
-              file("x.normal.pfm").string() + ": cannot write: No space left on device");
-    EXPECT_EQ(names(), std::set<std::string>{"x.normal.pfm"});
+    expectLayersUnwritable("No space left on device");
 }
 
 TEST_F(WriteFailure, LayerThatIsAFolderStopsAllOfThem) {
     fs::create_directory(file("x.normal.pfm"));
-    const std::vector<Layer> layers = {{"color", Image(1, 1, 3)}, {"normal", Image(1, 1, 3)}};
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
-              file("x.normal.pfm").string() + ": cannot write: Is a directory");
-    EXPECT_EQ(names(), std::set<std::string>{"x.normal.pfm"});
+    expectLayersUnwritable("Is a directory");
 }
 
 class WriteFiles : public test::FolderTest {};
