@@ -5,6 +5,7 @@
 
 #include "core/device_layout.h"
 #include "core/parallel.h"
+#include "pack/primitives.h"
 
 namespace glint {
 namespace {
@@ -47,8 +48,7 @@ bool haveSlivers(const std::vector<shared::Triangle>& triangles, const Context& 
     return found;
 }
 
-SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used,
-                         const Context& context) {
+SceneFeatures featuresOf(const PackedScene& packed, const Materials& materials, const Context& context) {
     SceneFeatures f = packed.features;  // those of packTextures
 #define GLINT_USES(number, Kind, KINDS, kinds, one, many) f.kinds = !packed.kinds.empty();
     GLINT_PRIMITIVES(GLINT_USES, GLINT_USES)
@@ -59,7 +59,7 @@ SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(siz
     f.vertexNormals = !packed.vertexNormals.empty();
     for (const shared::Light& light : packed.lights) addLightKind(light, f);
     for (size_t i = 0; i < packed.materials.size(); ++i) {
-        if (!used(i)) continue;
+        if (!materials.used(i)) continue;
         f.specular |= packed.materials[i].specular != glm::vec3(0);
         f.mirrors |= packed.environment.maxDepth > 0 && packed.materials[i].mirror != glm::vec3(0);
         if (packed.materials[i].medium == 0) continue;

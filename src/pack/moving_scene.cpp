@@ -137,18 +137,14 @@ void MovingScene::measure(const Scene& scene, const std::vector<bool>& moved, co
 // Moves everything to a new origin of coordinates; false if something cannot follow.
 bool MovingScene::followOrigin(const Scene& scene, const PrimitiveNumbers& numbers, std::vector<bool>& moved,
                                const Context& context) {
-    const Geometry geometry = geometryOf(scene, extents_);
-    if (const glm::dvec3 origin = originOf(geometry, scene.camera.eye); origin != packed_.origin) {
+    packed_.geometry = geometryOf(scene, extents_);
+    if (const glm::dvec3 origin = originOf(packed_.geometry, scene.camera.eye); origin != packed_.origin) {
         if (!std::all_of(kinds_.begin(), kinds_.end(), follows)) return false;
         packed_.origin = origin;
         moved.assign(moved.size(), true);
         measure(scene, moved, context);
     }
-    packed_.geometryLo = geometry.extent.lo;
-    packed_.geometryHi = geometry.extent.hi;
-    packed_.geometryMiddle = geometry.middle;
-    packed_.geometryReach = geometry.reach;
-    packPlanes(scene, numbers, withCamera(geometry.extent, scene), packed_);
+    packPlanes(scene, numbers, packed_);
     return true;
 }
 

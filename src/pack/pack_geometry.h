@@ -1,7 +1,6 @@
 // The primitives and the tree of a scene, or of a prototype of its instances; internal to the packing.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "pack/packed_scene.h"
@@ -14,9 +13,8 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
                   const PackOptions& options, const Context& context, PackedScene& packed,
                   Materials& materials);
 
-// Packs the planes again. extent: with the camera.
-void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Extent& extent,
-                PackedScene& packed);
+// Packs the planes again, near packed.geometry and the camera.
+void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, PackedScene& packed);
 
 // packScene for a placed scene. `instances`: its instances, still to be placed.
 PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
@@ -27,8 +25,7 @@ bool anyTransmits(const Scene& scene);
 
 // Features of the arrays and of the materials in use. packTextures has added its own; packScene adds those of
 // the camera and of shadows.
-SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used,
-                         const Context& context);
+SceneFeatures featuresOf(const PackedScene& packed, const Materials& materials, const Context& context);
 
 // True if a triangle is so narrow that rounding may report a hit behind a ray's origin.
 bool haveSlivers(const std::vector<shared::Triangle>& triangles, const Context& context);

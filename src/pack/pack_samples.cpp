@@ -326,16 +326,14 @@ PackedSamples packSamples(const ImageSettings& image, bool lens) {
 }
 
 struct SampleSequence::State {
-    ImageSettings image;
     SampleMaker maker;
-    explicit State(const ImageSettings& settings) : image(settings), maker(image) {}
 };
 
 SampleSequence::SampleSequence(const ImageSettings& image) {
     if (image.sampler == Sampler::Grid) throw std::invalid_argument("a grid cannot be gone on with");
     ImageSettings settings = image;
     if (settings.sampler == Sampler::Auto) settings.sampler = Sampler::LowDiscrepancy;
-    state_ = std::make_unique<State>(settings);
+    state_ = std::make_unique<State>(State{SampleMaker(settings)});
 }
 SampleSequence::~SampleSequence() = default;
 SampleSequence::SampleSequence(SampleSequence&&) noexcept = default;

@@ -74,8 +74,8 @@ shared::Light packLight(const Light& light, const glm::dvec3& origin) {
     return out;
 }
 
-void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Extent& extent,
-                PackedScene& packed) {
+void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, PackedScene& packed) {
+    const Extent extent = withCamera(packed.geometry.extent, scene);
     packed.planes.clear();
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
         const auto* plane = std::get_if<PlaneShape>(&scene.objects[i].shape);
@@ -103,12 +103,6 @@ void setEye(PackedScene& packed, const glm::dvec3& eye) {
 }
 
 namespace {
-
-std::vector<Extent> extentsOf(const Scene& scene, const PrimitiveNumbers& numbers, const Instances& instances,
-                              const Context& context) {
-    const auto corners = [&](uint32_t object) { return instances.corners(scene, object); };
-    return objectExtents(scene, numbers, corners, context);
-}
 
 // Rounds materials, optics, lights and what is the same for all rays. The tree and the planes are packed
 // already.
@@ -139,15 +133,11 @@ bool anyTransmits(const Scene& scene) {
 PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
                        const PackOptions& options, const Context& whole) {
     const Context context = whole.part(instances.any() ? Instances::kPrototypesPart : 0, 1);
-    const Geometry geometry = geometryOf(scene, extentsOf(scene, numbers, instances, context));
-    const Extent extent = withCamera(geometry.extent, scene);
+    const auto corners = [&](uint32_t object) { return instances.corners(scene, object); };
     PackedScene packed;
-    packed.geometryLo = geometry.extent.lo;
-    packed.geometryHi = geometry.extent.hi;
-    packed.geometryMiddle = geometry.middle;
-    packed.geometryReach = geometry.reach;
-    packed.origin = originOf(geometry, scene.camera.eye);
-    packPlanes(scene, numbers, extent, packed);
+    packed.geometry = geometryOf(scene, objectExtents(scene, numbers, corners, context));
+    packed.origin = originOf(packed.geometry, scene.camera.eye);
+    packPlanes(scene, numbers, packed);
     instances.place(scene, numbers, packed.origin, context);
 
     Materials materials(scene.materials.size());
@@ -156,10 +146,8 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
     packShading(scene, packed);
     instances.append(packed);
     for (const shared::Plane& plane : packed.planes) materials.use(plane.material);
-    packTextures(
-        scene, [&](size_t material) { return materials.used(material); }, packed, context);
-    packed.features = featuresOf(
-        packed, [&](size_t material) { return materials.used(material); }, context);
+    packTextures(scene, materials, packed, context);
+    packed.features = featuresOf(packed, materials, context);
     if (packed.features.transmission) {
         setEye(packed, scene.camera.eye);
         packed.features.coloredShadows =
@@ -174,14 +162,6 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
     packed.features.thinLens = scene.camera.lensRadius > 0;
     return packed;
-}
-
-glm::dvec3 chooseOrigin(const Scene& given, const Context& context) {
-    Scene copy;
-    const Scene& scene = placedScene(given, copy);
-    const PrimitiveNumbers numbers(scene);
-    const Instances instances(scene, numbers, PackOptions{}, context);
-    return originOf(geometryOf(scene, extentsOf(scene, numbers, instances, context)), scene.camera.eye);
 }
 
 PackedScene packScene(const Scene& given, const PackOptions& wanted, const Context& context) {
@@ -212,12 +192,9 @@ bool looksTheSame(const Object& object, const Frame& before, const Frame& after,
 bool keepsArrays(const PackedScene& packed, const Scene& scene, const Camera& camera) {
     const Camera& old = scene.camera;
     if (camera.projection != old.projection || (camera.lensRadius > 0) != (old.lensRadius > 0)) return false;
-    Extent before;
-    before.lo = packed.geometryLo;
-    before.hi = packed.geometryHi;
+    Extent before = packed.geometry.extent;
     if (before.empty()) return false;  // nothing but planes: packed in no time
-    const Geometry geometry{before, packed.geometryMiddle, packed.geometryReach};
-    if (originOf(geometry, camera.eye) != packed.origin) return false;
+    if (originOf(packed.geometry, camera.eye) != packed.origin) return false;
     Extent after = before;
     before.include(old.eye);
     after.include(camera.eye);

@@ -355,13 +355,13 @@ void writeAttributes(const Mesh& mesh, uint32_t face, uint32_t flags, shared::Ve
     }
 }
 
-void packTextures(const Scene& scene, const std::function<bool(size_t)>& used, PackedScene& packed,
+void packTextures(const Scene& scene, const Materials& materials, PackedScene& packed,
                   const Context& context) {
     TexturePacker packer(scene, packed, context);
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& from = scene.materials[i];
         shared::Material& to = packed.materials[i];
-        if (!used(i)) continue;
+        if (!materials.used(i)) continue;
         to.ambientTexture = packer.pack(from.ambientTexture);
         to.diffuseTexture = packer.pack(from.diffuseTexture);
         to.specularTexture = packer.pack(from.specularTexture);

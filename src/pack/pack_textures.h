@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 
 #include "pack/packed_scene.h"
 
 namespace glint {
+
+class Materials;
 
 // The rows that a triangle of this material has in PackedScene::vertexAttributes, as shared::kAttribute...
 // flags; 0: none. Coordinates are kept only where the material has a texture.
@@ -15,10 +16,10 @@ bool hasTexture(const Material& material);
 uint32_t attributeRows(uint32_t flags);
 void writeAttributes(const Mesh& mesh, uint32_t face, uint32_t flags, shared::VertexAttribute* rows);
 
-// Fills textures, texels and object frames for the materials that `used` holds true and for the environment
-// map, and the indices and features that go with them. packed.materials are there already. Throws
-// Error(Scene) naming the array, its size and the limit if there are too many texels.
-void packTextures(const Scene& scene, const std::function<bool(size_t)>& used, PackedScene& packed,
+// Fills textures, texels and object frames for the materials in use and for the environment map, and the
+// indices and features that go with them. packed.materials are there already. Throws Error(Scene) naming the
+// array, its size and the limit if there are too many texels.
+void packTextures(const Scene& scene, const Materials& materials, PackedScene& packed,
                   const Context& context);
 
 // Origin of the cubes of a scene's solid checkers, in the space of every object: a corner of the first

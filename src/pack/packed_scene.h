@@ -9,6 +9,7 @@
 #include "bvh/bvh.h"
 #include "core/context.h"
 #include "core/device_layout.h"
+#include "pack/extent.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -63,7 +64,7 @@ struct PackStatistics {
 
 // Nothing changes a packed scene: what may vary from picture to picture is in a Request (trace/request.h).
 struct PackedScene {
-    glm::dvec3 origin{0};  // world = origin + local; every position below is local
+    glm::dvec3 origin{0};  // world = origin + local; every position below is local; see originOf
     std::vector<shared::Node> nodes;
 // triangles, spheres, ...: of each kind those that are in leaves in leaf order
 #define GLINT_KIND_ARRAY(number, Kind, KINDS, kinds, one, many) std::vector<shared::Kind> kinds;
@@ -87,25 +88,9 @@ struct PackedScene {
     SceneFeatures features;
     PackStatistics statistics;
     std::vector<std::string> warnings;
-    // Bounds of the finite geometry, world space; lo above hi in an empty scene. Excludes coordinates beyond
-    // fp32.
-    glm::dvec3 geometryLo{0}, geometryHi{0};
-    glm::dvec3 geometryMiddle{0};  // and where most of it is, as chooseOrigin describes it
-    double geometryReach = 0;
+    Geometry geometry;                   // world space, without coordinates beyond fp32
     glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing
 };
-
-// The world point that local coordinates start from. Let m be the median, in each axis, of the
-// centres of the nearer half of all objects but planes (nearer to the median of all centres, with all
-// their parts), and e how far half of all objects reach from m in any axis. (Without such objects:
-// centre and half the greatest edge of the box around the eye, its target and each plane's point
-// nearest the eye.) The origin is 0 unless the largest |component| of m exceeds four times both e and
-// the eye's distance from m in any axis: that would cost 2 and more of fp32's 24 bits. (An eye
-// farther than 4096 e from all geometry sees none of it and does not count.) Then it is m rounded to
-// a multiple of the power of two in (e, 2e]: no more than e away from m in any axis, and of few bits,
-// exact in fp32 too where |m| < 2^24 e. So a planet among small things does not decide, nor a grain
-// far from all.
-glm::dvec3 chooseOrigin(const Scene& scene, const Context& context = {});
 
 class TreeMemory;
 
@@ -121,7 +106,7 @@ struct PackOptions {
 // Flattens a valid scene: places its objects (scene/placement.h), rounds to fp32 relative to the origin,
 // drops degenerate triangles, builds the BVH, puts primitives in leaf order. What instances show is packed
 // once, behind what stands in the world itself. The origin is 0 unless the geometry lies far from it compared
-// with its size, see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
+// with its size, see originOf. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
 // naming the array, its size and the limit.
 PackedScene packScene(const Scene& scene, const PackOptions& options = {}, const Context& context = {});
 

@@ -29,9 +29,9 @@ bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 TEST(PackOrigin, ZeroForOrdinaryScenes) {
-    EXPECT_EQ(chooseOrigin(Scene{}), glm::dvec3(0));
-    EXPECT_EQ(chooseOrigin(sceneAt({0, 0, 0})), glm::dvec3(0));
-    EXPECT_EQ(chooseOrigin(sceneAt({10, 0, 0})), glm::dvec3(0));
+    EXPECT_EQ(packScene(Scene{}).origin, glm::dvec3(0));
+    EXPECT_EQ(packScene(sceneAt({0, 0, 0})).origin, glm::dvec3(0));
+    EXPECT_EQ(packScene(sceneAt({10, 0, 0})).origin, glm::dvec3(0));
 }
 
 // A triangle of edges 2 around (x, 0, 0), which reaches 1 from there, seen from `away`.
@@ -43,17 +43,17 @@ Scene triangleAt(double x, double away) {
 }
 
 TEST(PackOrigin, TurnsAtFourReaches) {
-    EXPECT_EQ(chooseOrigin(triangleAt(4, 1)), glm::dvec3(0));
-    EXPECT_EQ(chooseOrigin(triangleAt(-4, 1)), glm::dvec3(0));
+    EXPECT_EQ(packScene(triangleAt(4, 1)).origin, glm::dvec3(0));
+    EXPECT_EQ(packScene(triangleAt(-4, 1)).origin, glm::dvec3(0));
     // The reach is 1 = 0.5 * 2^1: multiples of 2.
-    EXPECT_EQ(chooseOrigin(triangleAt(6, 1)), glm::dvec3(6, 0, 0));
-    EXPECT_EQ(chooseOrigin(triangleAt(-6, 1)), glm::dvec3(-6, 0, 0));
-    EXPECT_EQ(chooseOrigin(triangleAt(100.75, 1)), glm::dvec3(100, 0, 0));
+    EXPECT_EQ(packScene(triangleAt(6, 1)).origin, glm::dvec3(6, 0, 0));
+    EXPECT_EQ(packScene(triangleAt(-6, 1)).origin, glm::dvec3(-6, 0, 0));
+    EXPECT_EQ(packScene(triangleAt(100.75, 1)).origin, glm::dvec3(100, 0, 0));
 }
 
 TEST(PackOrigin, TurnsAtFourTimesTheWayFromTheEye) {
-    EXPECT_EQ(chooseOrigin(triangleAt(40, 10)), glm::dvec3(0));
-    EXPECT_EQ(chooseOrigin(triangleAt(42, 10)), glm::dvec3(42, 0, 0));
+    EXPECT_EQ(packScene(triangleAt(40, 10)).origin, glm::dvec3(0));
+    EXPECT_EQ(packScene(triangleAt(42, 10)).origin, glm::dvec3(42, 0, 0));
 }
 
 // Small balls, and fewer that are a thousand times as large, whose box has its middle elsewhere.
@@ -72,10 +72,10 @@ Scene ballsAt(const glm::dvec3& middle) {
 TEST(PackOrigin, IsWhereMostObjectsAre) {
     for (const double far : {100.0, 5e3, 1e7}) {
         const glm::dvec3 middle(-far, 0.7 * far, 0.1 * far);
-        const glm::dvec3 away = glm::abs(chooseOrigin(ballsAt(middle)) - middle);
+        const glm::dvec3 away = glm::abs(packScene(ballsAt(middle)).origin - middle);
         EXPECT_LE(std::max({away.x, away.y, away.z}), 3) << far;
     }
-    EXPECT_EQ(chooseOrigin(ballsAt({8, 0, 0})), glm::dvec3(0));
+    EXPECT_EQ(packScene(ballsAt({8, 0, 0})).origin, glm::dvec3(0));
 }
 
 // As many large ones as small: the median of the centres alone lies between them.
@@ -85,7 +85,7 @@ TEST(PackOrigin, OnePlanetAndOneBall) {
     scene.camera.eye = at + glm::dvec3(0, 1, 4);
     addObject(scene, SphereShape{at - glm::dvec3(0, 1e6, 0), 1e6});
     addObject(scene, SphereShape{at + glm::dvec3(0, 1, 0), 1});
-    const glm::dvec3 away = glm::abs(chooseOrigin(scene) - at);
+    const glm::dvec3 away = glm::abs(packScene(scene).origin - at);
     EXPECT_LE(std::max({away.x, away.y, away.z}), 2);
 }
 
@@ -95,9 +95,9 @@ TEST(PackOrigin, StaysWhereTheEyeIs) {
     scene.camera.eye = {0, 1, 4};
     addObject(scene, SphereShape{{0, 0, 0}, 1});
     for (int i = 0; i < 8; ++i) addObject(scene, SphereShape{{100 + i % 3, 0, i / 3}, 1});
-    EXPECT_EQ(chooseOrigin(scene), glm::dvec3(0));
+    EXPECT_EQ(packScene(scene).origin, glm::dvec3(0));
     scene.camera.eye = {90, 1, 4};
-    EXPECT_EQ(chooseOrigin(scene), glm::dvec3(100, 0, 0));
+    EXPECT_EQ(packScene(scene).origin, glm::dvec3(100, 0, 0));
 }
 
 // Rays that others cast may come from anywhere.
@@ -105,11 +105,11 @@ TEST(PackOrigin, AnEyeThatSeesNothingDoesNotCount) {
     Scene scene;
     addObject(scene, SphereShape{{1e6, 0, 0}, 1});
     scene.camera.eye = {0, 0, 5};
-    EXPECT_EQ(chooseOrigin(scene), glm::dvec3(1e6, 0, 0));
+    EXPECT_EQ(packScene(scene).origin, glm::dvec3(1e6, 0, 0));
     addObject(scene, SphereShape{{0, 0, 0}, 1});
     scene.camera.eye = {0, 0, 5};
     addObject(scene, SphereShape{{1e6, 2, 0}, 1});
-    EXPECT_EQ(chooseOrigin(scene), glm::dvec3(0));
+    EXPECT_EQ(packScene(scene).origin, glm::dvec3(0));
 }
 
 // Half of the objects reach 2 to 4 from their middle, so origins are multiples of 4; that middle is less than
@@ -141,7 +141,7 @@ TEST(PackOrigin, IsNearTheGeometry) {
             Scene scene;
             scene.camera.eye = at + glm::dvec3(0, 0, size);
             addObject(scene, SphereShape{at, size});
-            const glm::dvec3 origin = chooseOrigin(scene);
+            const glm::dvec3 origin = packScene(scene).origin;
             const glm::dvec3 away = glm::abs(origin - at);
             EXPECT_LE(std::max({away.x, away.y, away.z}), size * 1.000001);
         }
@@ -168,7 +168,7 @@ TEST(PackOrigin, IgnoresWhatIsNotFinite) {
     mesh->positions[0] = {NAN, 0, 0};
     mesh->positions[3] = {0, 1e300, 0};
     addObject(scene, MeshShape{mesh});
-    const glm::dvec3 away = glm::abs(chooseOrigin(scene) - offset);
+    const glm::dvec3 away = glm::abs(packScene(scene).origin - offset);
     EXPECT_LE(std::max({away.x, away.y, away.z}), 2);
     EXPECT_EQ(packScene(scene).statistics.droppedNotFinite, 2u);
 }

@@ -55,7 +55,7 @@ TEST(QuadricExtent, TransformedQuadricsHaveARegion) {
     scene.materials = {material};
     scene.objects = {objectOf(EllipsoidShape{{0, 0, 0}, {1, 2, 3}}, map)};
     scene.camera.eye = {1e6, 0, 20};
-    EXPECT_NEAR(chooseOrigin(scene).x, 1e6, 16);
+    EXPECT_NEAR(packScene(scene).origin.x, 1e6, 16);
     EXPECT_EQ(packScene(scene).quadrics.size(), 1u);
 }
 

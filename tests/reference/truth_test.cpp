@@ -133,7 +133,7 @@ TEST(Truth, AnotherEyeIsInOtherMedia) {
 TEST(Truth, CameraIsThePackedOneUnrounded) {
     for (const std::string name : {"showcase", "orthographic", "lens", "shift", "far_away"}) {
         const Scene scene = sceneOf(name);
-        const dvec3 origin = chooseOrigin(scene);
+        const dvec3 origin = packScene(scene).origin;
         const rows::Camera truth = truthCamera(scene.camera, 64, 48, origin);
         const shared::Camera packed = packCamera(scene.camera, 64, 48, origin);
         const auto expectSame = [&](const dvec3& exact, const glm::vec3& rounded) {
