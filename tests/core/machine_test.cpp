@@ -252,24 +252,17 @@ TEST_F(Interrupt, RepeatedSigtermOnlyKeepsTheFlag) {
     EXPECT_TRUE(interrupted());
 }
 
-TEST_F(InterruptDeathTest, SecondSigintEndsTheProcess) {
-    EXPECT_EXIT(
-        {
-            std::raise(SIGINT);
-            std::raise(SIGINT);
-            _exit(0);
-        },
-        ::testing::ExitedWithCode(130), "");
-}
-
-TEST_F(InterruptDeathTest, SigintAfterSigtermEndsTheProcess) {
-    EXPECT_EXIT(
-        {
-            std::raise(SIGTERM);
-            std::raise(SIGINT);
-            _exit(0);
-        },
-        ::testing::ExitedWithCode(130), "");
+TEST_F(InterruptDeathTest, SigintAfterAnySignalEndsTheProcess) {
+    for (const int first : {SIGINT, SIGTERM}) {
+        EXPECT_EXIT(
+            {
+                std::raise(first);
+                std::raise(SIGINT);
+                _exit(0);
+            },
+            ::testing::ExitedWithCode(130), "")
+            << first;
+    }
 }
 
 TEST_F(Interrupt, IgnoredSignalsStayIgnored) {
