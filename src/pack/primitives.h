@@ -225,10 +225,10 @@ class KindPacker {
 
     virtual Fate judge(const Object&, uint32_t /*face*/, const Frame&) const { return Fate::Kept; }
     // Takes in where the faces from begin to end are in the world.
-    virtual void extend(const Object&, uint32_t /*begin*/, uint32_t /*end*/, Extent&) const {}
+    virtual void extend(const Object& object, uint32_t begin, uint32_t end, Extent& extent) const = 0;
     // Box of a kept primitive: contains the rounded primitive and everything that the device's test may
     // accept.
-    virtual Box box(const Object&, uint32_t /*face*/, const Frame&) const { return {}; }
+    virtual Box box(const Object& object, uint32_t face, const Frame& frame) const = 0;
     // True if the row is the same from both eyes, `before` and `after`.
     virtual bool isSameFrom(const Object&, const Frame& /*before*/, const Frame& /*after*/) const {
         return true;
@@ -237,7 +237,8 @@ class KindPacker {
     virtual void count(const Packing&, Primitives::Source, FurtherRows&) const {}
     // Writes the primitive to place `slot` of its array, and its further rows from `next` on, which moves
     // behind them.
-    virtual void write(const Packing&, Primitives::Source, uint32_t /*slot*/, FurtherRows& /*next*/) const {}
+    virtual void write(const Packing& packing, Primitives::Source source, uint32_t slot,
+                       FurtherRows& next) const = 0;
 
     // ---- Of a packed primitive, in its own coordinates
 

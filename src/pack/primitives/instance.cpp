@@ -10,6 +10,8 @@ namespace {
 class InstancePacker final : public KindPacker {
   public:
     bool packs(const Shape&) const override { return false; }
+    void extend(const Object&, uint32_t, uint32_t, Extent&) const override {}
+    Box box(const Object&, uint32_t, const Frame&) const override { return {}; }
     void write(const Packing& packing, Primitives::Source source, uint32_t slot,
                FurtherRows&) const override {
         shared::Instance& instance = packing.packed.instances[slot];
