@@ -237,8 +237,8 @@ class ByHand : public FolderTest {
 
 // ---- reload ----
 
-// What the user has not changed, the camera included, follows the file. The depth that the panel has moved
-// stays until it is given back.
+// After a reload, the window takes the camera and all unchanged settings from the file. A depth set in the
+// panel stays until the panel resets it.
 TEST_F(ByHand, WhatThePanelHasMovedStaysOnReload) {
     size_ = "400x1000";
     scene_["camera"]["eye"] = {3, 2.5, 6};

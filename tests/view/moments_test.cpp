@@ -1,5 +1,5 @@
-// What another moment, and what the panel has changed, take to be packed; playing, stepping and scrubbing, by
-// a clock that the test turns.
+// Tests of repacking after a change of time or an edit in the panel, and of the timeline, which plays by
+// times that the test gives.
 #include "view/view_scene.h"
 
 #include <gtest/gtest.h>
@@ -184,7 +184,7 @@ TEST(TimelineTest, LoopsUnlessAsked) {
     EXPECT_EQ(t.frame(), 72);
     EXPECT_FALSE(t.playing());
     t.play(20);
-    EXPECT_EQ(t.frame(), 24) << "anew at the end";
+    EXPECT_EQ(t.frame(), 24) << "playing restarts at the first frame";
 }
 
 // A file that is loaded again: the moment stays, and goes on.

@@ -1,5 +1,5 @@
-// What the panel changes is what a scene with those values would draw; files that change under the window;
-// and error targets.
+// Tests of the panel's settings (a scene file with the same values gives the same image), of reloading
+// changed files, and of error targets.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -83,7 +83,7 @@ TEST_F(Settings, Shadows) {
     EXPECT_GT(same, 20000);
 }
 
-// ---- files that change under the window ----
+// ---- reloading changed files ----
 
 class Reload : public FolderTest {};
 
@@ -177,7 +177,7 @@ TEST_F(Until, IsSetInThePanelAndBeginsAnew) {
     const std::vector<std::string> errors = printed(ran, "error");
     EXPECT_EQ(errors.at(0).rfind("out of reach: with depth 0 ", 0), 0u) << errors[0];
     for (const size_t i : {1u, 2u}) EXPECT_EQ(errors.at(i).rfind("error <= 0.0", 0), 0u) << errors[i];
-    // After a movement all begins anew, as if the window had been opened there.
+    // A moved camera restarts the image, as if the window had been opened with that camera.
     const Ran there = view("set depth 0\nkey H\norbit 30 0\nsettle\nprint error\n", asked_);
     EXPECT_EQ(printed(there, "error").at(0), errors.at(2));
 }
