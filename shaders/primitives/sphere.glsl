@@ -53,11 +53,11 @@ bool intersectSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, out
         disc = b * b - a * c;
     }
     if (primitive == ray.source) {
-        // The ray starts on the surface: c is 0, and so is b if rounding, also of origin and direction,
-        // decides its sign. A ray that a limb mirrors does not hit it again.
+        // The ray starts on the surface: c is 0, and the start's side decides the sign of b if rounding does:
+        // only from inside (c < 0) does the ray hit the sphere again.
         precise vec3 reach = abs(ray.origin) + abs(sphere.point) + sphere.radius * abs(sphere.anchorNormal);
         precise float errorB = gammaBound(8.0) * dot(reach, abs(ray.direction));
-        if (abs(b) <= errorB) b = 0.0;
+        if (abs(b) <= errorB) b = c < 0.0 ? -larger(abs(b), kUnit * errorB) : 0.0;
         c = 0.0;
         disc = b * b;
     }

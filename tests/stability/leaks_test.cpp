@@ -2,12 +2,19 @@
 // T82). And rays that start on a surface neither hit it again (T81) nor jump over its neighbour (T82).
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <optional>
+
 #include "../render/support.h"
 #include "checks.h"
 #include "closed_meshes.h"
 #include "reference/render.h"
 
 namespace glint::stability::leaks_test {
+
+using glm::dvec3;
+
 class LeakTest : public render::test::RenderTest {
   protected:
     Subject subject() const { return {&device(), {}}; }
@@ -51,6 +58,72 @@ TEST_F(LeakTest, BodiesOfEveryKindAreLitWhereTheLightSeesThem) {
             EXPECT_GT(counts[i].seen, 50u) << where;
             EXPECT_EQ(counts[i].wrong, 0u) << where;
         }
+    }
+}
+
+// Closed round bodies and a light outside all of them.
+constexpr dvec3 kLight(6, 7, -3);
+constexpr char kRoundBodies[] = R"({
+    "camera": {"eye": [0, 0, 9], "target": [0, 0, 0], "fovY": 0.003}, "ambient": 0,
+    "lights": [{"type": "point", "position": [6, 7, -3], "intensity": 1000}],
+    "objects": [
+        {"type": "sphere", "center": [3.5, 2.5, 0.6], "radius": 0.5},
+        {"type": "ellipsoid", "center": [-3.2, 0.5, 0.8], "radii": [0.75, 0.5, 0.4]},
+        {"type": "cylinder", "base": [-2.1, 0.4, 1.1], "top": [-0.9, 0.4, 0.5], "radius": 0.4, "capped": true},
+        {"type": "cone", "base": [0, 0, 0.6], "apex": [0, 1.2, 0.6], "radius": 0.5, "capped": true},
+        {"type": "hyperboloid", "base": [2.3, 0, 2.4], "top": [2.3, 0.9, 2.4], "radius": 0.4, "waist": 0.2, "capped": true},
+        {"type": "paraboloid", "vertex": [3.2, 0.8, 2.2], "top": [3.2, 0, 2.2], "radius": 0.4, "capped": true}
+    ]})";
+constexpr dvec3 kInside[] = {{3.5, 2.5, 0.6}, {-3.2, 0.5, 0.8}, {-1.5, 0.4, 0.8},
+                             {0, 0.3, 0.6},   {2.3, 0.45, 2.4}, {3.2, 0.2, 2.2}};
+
+// The direction from `eye`, between those `towards` the light and away from it through `side`, in which light
+// lies in the tangent plane of the wall. None if a rim lies there instead.
+std::optional<dvec3> terminatorOf(const reference::Tracer& tracer, const dvec3& eye, const dvec3& light,
+                                  const dvec3& towards, const dvec3& side) {
+    double dark = 0, lit = glm::pi<double>(), cosine = 0;
+    const auto at = [&](double angle) { return std::cos(angle) * towards + std::sin(angle) * side; };
+    for (int halving = 0; halving < 50; ++halving) {
+        const double middle = (dark + lit) / 2;
+        reference::Ray ray;
+        ray.origin = eye;
+        ray.direction = at(middle);
+        const auto surface = tracer.surfaceAt(ray, tracer.closest(ray).value());
+        cosine = -glm::dot(surface.geometricNormal, glm::normalize(light - surface.position));
+        (cosine > 0 ? lit : dark) = middle;
+    }
+    return std::abs(cosine) < 1e-6 ? std::optional(at(lit)) : std::nullopt;
+}
+
+// However close a point inside lies to the terminator, the body hides the light: there the shadow ray hits
+// the body again after a chord as short as rounding.
+TEST_F(LeakTest, RoundBodiesAreDarkInside) {
+    render::test::Case c = render::test::textCase(kRoundBodies, 32, 32);
+    const reference::Tracer tracer(c.packed);
+    render::Renderer renderer(device(), c.packed, {});
+    Camera& camera = c.scene.camera;
+    for (const dvec3& inside : kInside) {
+        const dvec3 towards = glm::normalize(kLight - inside);
+        const dvec3 across = glm::normalize(glm::cross(towards, dvec3(0.3, 1, 0.2)));
+        int terminators = 0;
+        for (int turn = 0; turn < 24; ++turn) {
+            const double angle = glm::two_pi<double>() * turn / 24;
+            const dvec3 side = std::cos(angle) * across + std::sin(angle) * glm::cross(towards, across);
+            const auto direction =
+                terminatorOf(tracer, inside - c.packed.origin, kLight - c.packed.origin, towards, side);
+            if (!direction) continue;
+            ++terminators;
+            camera.eye = inside;
+            camera.target = inside + *direction;
+            camera.up = towards;
+            c.camera = packCamera(camera, c.width, c.height, c.packed.origin);
+            const Image image = render::test::draw(renderer, c).color;
+            for (int i = 0; i < c.width * c.height; ++i)
+                ASSERT_EQ(image.at(i % c.width, i / c.width, 0), 0.0f)
+                    << "body around (" << inside.x << ", " << inside.y << ", " << inside.z << "), turn "
+                    << turn << ", pixel " << i;
+        }
+        EXPECT_GT(terminators, 5) << inside.x;
     }
 }
 
