@@ -142,10 +142,13 @@ void declare(OptionTable& table, RenderCommand& c) {
 
 // Throws for a render that was cut short and whose finished part has been written.
 void checkComplete(const Outcome& outcome) {
-    const std::string start = "interrupted: " + outcome.files.front().string() + " holds the ";
-    if (!outcome.picture.complete)
+    const std::string start = "interrupted: " + outcome.written.files.front().string() + " holds the ";
+    if (!outcome.complete)
         throw Error(ErrorKind::Interrupted,
-                    start + format("%.3g", 100 * outcome.doneShare()) + " % of the image that was finished");
+                    start +
+                        format("%.3g", 100 * static_cast<double>(outcome.written.totals.done) /
+                                           static_cast<double>(outcome.region.pixels())) +
+                        " % of the image that was finished");
     if (outcome.converged && outcome.converged->stop == converge::Stop::Interrupted)
         throw Error(ErrorKind::Interrupted, start + "samples of all rounds that were finished");
 }
@@ -213,25 +216,21 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
     Drawing drawing(command.backend, command.device, err);
     const LoadedScene loaded = loadAndPack(command.scene, err);
     Request request = requestOf(command, loaded);
-    Outcome outcome;
-    outcome.request = request;
     const fs::path output = outputOf(command, loaded.scene);
     const int bandRows = bandRowsOf(command, output, request.region);
     installInterruptHandler();
     PictureFile file(output, request.region, command.aovs, command.exposure, bandRows > 0);
-    {
-        Progress progress = progressOf("render", command.progress, err);
-        request.progress = [&](double fraction) { progress.update(fraction); };
-        std::optional<converge::Job> job;
-        if (command.target.error) job = jobOf(command.target, loaded, command.backend, request);
-        // The number of samples for an error target is unknown.
-        drawing.load(loaded, request, job ? 0 : cameraRaysOf(request));
-        drawInto(file, drawing, command, loaded, request, job,
-                 bandRows > 0 ? bandRows : request.region.height(), outcome);
-    }
+    Progress progress = progressOf("render", command.progress, err);
+    request.progress = [&](double fraction) { progress.update(fraction); };
+    const std::optional<converge::Job> job = jobOf(command.target, loaded, command.backend, request);
+    // The number of samples for an error target is unknown.
+    drawing.load(loaded, request, job ? 0 : cameraRaysOf(request));
+    Outcome outcome = drawInto(file, drawing, command, loaded, request, job,
+                               bandRows > 0 ? bandRows : request.region.height());
+    progress.finish();
     outcome.drawn = drawing.facts();
     warnAboutPicture(outcome, command, loaded, err);
-    file.finish(outcome, out, errorNotes(command.target, outcome));
+    outcome.written = file.finish(out, errorNotes(command.target, outcome));
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, loaded, out);
     drawing.checkValidation();
@@ -343,11 +342,9 @@ class FrameRenderer {
         const double time = timeOf(frame);
         const bool first = drawn_.empty();
         const Change change = first ? Change::Scene : scene_->moveTo(time);
-        Outcome outcome;
-        Request request = outcome.request = requestOf(command_, loaded);
+        Request request = requestOf(command_, loaded);
         request.progress = show;
-        std::optional<converge::Job> job;
-        if (command_.target.error) job = jobOf(command_.target, loaded, command_.backend, request);
+        const std::optional<converge::Job> job = jobOf(command_.target, loaded, command_.backend, request);
         if (first)
             drawing_.load(loaded, request);
         else if (change != Change::Nothing)
@@ -355,20 +352,20 @@ class FrameRenderer {
         const Region region = regionOf(request);
         PictureFile file(numbered(outputOf(command_), frame), region, command_.aovs, command_.exposure,
                          false);
-        drawInto(file, drawing_, command_, loaded, request, job, region.height(), outcome);
+        Outcome outcome = drawInto(file, drawing_, command_, loaded, request, job, region.height());
         const bool cut = outcome.converged && outcome.converged->stop == converge::Stop::Interrupted;
         // The next run would skip an incomplete frame as finished.
-        if (!outcome.picture.complete || cut) return false;
+        if (!outcome.complete || cut) return false;
         missed_ = missed_ || (outcome.converged && !outcome.converged->reached());
         warnAboutPicture(outcome, command_, loaded, err_);
-        file.finish(outcome, out_, errorNotes(command_.target, outcome));
+        const Written written = file.finish(out_, errorNotes(command_.target, outcome));
         constexpr const char* kChanges[] = {"nothing", "camera", "scene"};
         drawn_.push_back({{"frame", frame},
                           {"time", time},
-                          {"hash", outcome.hash},
+                          {"hash", written.hash},
                           {"seconds", watch.seconds()},
                           {"changed", kChanges[static_cast<size_t>(change)]},
-                          {"files", filesJson(outcome.files)}});
+                          {"files", filesJson(written.files)}});
         return true;
     }
 

@@ -74,20 +74,25 @@ struct SampleTotals {
     void add(const Picture& picture);
 };
 
-struct Outcome {
-    Request request;  // that it answers
-    Picture picture;  // its region and counts; without pixels
+// An image in its files.
+struct Written {
+    std::vector<std::filesystem::path> files;
     SampleTotals totals;
-    int bands = 0;                              // 0: written at once
+    int bands = 0;     // 0: written at once
+    std::string hash;  // of the image, as it is written; empty for a part
+    double seconds = 0;
+};
+
+struct Outcome {
+    Region region;
+    bool complete = true;
+    PictureFlaws flaws;
     std::optional<std::string> advice;          // pictureAdvice()
     std::optional<converge::Result> converged;  // without its image
     DrawingFacts drawn;
-    std::vector<std::filesystem::path> files;  // that were written
-    std::string hash;                          // of the image, as it is written; empty for a part
-    double writeSeconds = 0, totalSeconds = 0;
+    Written written;
+    double totalSeconds = 0;
     int ranks = 0;  // of MPI; 0: rendered by one process
-
-    double doneShare() const;  // of the pixels
 };
 
 // Factor of the colours in an 8-bit file, 2^exposure; 0 for files with floats. Throws Error(Argument) if
@@ -113,9 +118,8 @@ class PictureFile {
     void add(const Picture& rows, std::vector<Layer> layers);
     // All rows that are left, each like the one given.
     void fill(const Picture& row, std::vector<Layer> layers);
-    // Gives the files their names. Sets totals, bands, files, hash and seconds of writing. `out`: for "-".
-    // Throws Error(Interrupted) if no pixel is finished.
-    void finish(Outcome& outcome, std::ostream& out, const PictureNotes& notes = {});
+    // Gives the files their names. `out`: for "-". Throws Error(Interrupted) if no pixel is finished.
+    Written finish(std::ostream& out, const PictureNotes& notes = {});
 
     bool goesByRows() const { return rows_.has_value(); }
     float scale() const { return scale_; }  // see scaleOf()
@@ -127,15 +131,13 @@ class PictureFile {
     std::optional<PictureRows> rows_;  // empty: at once
     std::vector<Layer> layers_;        // of an image at once
     PictureHash hash_;
-    SampleTotals totals_;
-    int bands_ = 0;
-    double seconds_ = 0;
+    Written written_;  // so far
 };
 
 // Renders an image in bands of `rows` rows from the top, and gives them to its file. Pixels are independent,
-// so the file does not depend on `rows`. Sets picture, advice and converged.
-void drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
-              const Request& request, const std::optional<converge::Job>& job, int rows, Outcome& outcome);
+// so the file does not depend on `rows`. The outcome has neither its files nor facts about the drawing.
+Outcome drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
+                 const Request& request, const std::optional<converge::Job>& job, int rows);
 
 // Figures of --error for the file: glint.error.asked and so on; none without --error.
 PictureNotes errorNotes(const ErrorTarget& target, const Outcome& outcome);
@@ -162,11 +164,11 @@ nlohmann::json filesJson(const std::vector<std::filesystem::path>& files);
 
 // {"cut": {"branches", "meanBound", "greatestBound"}, "maxDepth": ..., "waiting": ..., "crowdedMedia"}.
 // Bounds are of a pixel's colour; null where none is known.
-nlohmann::json lossesJson(const Picture& picture);
+nlohmann::json lossesJson(const Outcome& outcome);
 
 // A line on pixels that are not finite and, if `losses`, one for each kind of loss that may be seen, each
 // after `start`: branches that were cut, that found no room, media without room; branches beyond the depth
 // limit if a pixel may lack 1/255 by them.
-void warnOf(const Picture& picture, bool losses, const std::string& start, std::ostream& err);
+void warnOf(const Outcome& outcome, bool losses, const std::string& start, std::ostream& err);
 
 }  // namespace glint::app

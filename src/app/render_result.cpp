@@ -73,21 +73,18 @@ void warnAboutError(const ErrorTarget& target, const converge::Result& result, c
 // of dark colours are smaller, but there a loss of this size is one of a bright branch.
 constexpr double kVisible = 1.0 / 255;
 
-double pixelsOf(const Picture& picture) {
-    return static_cast<double>(picture.region.width()) * picture.region.height();
+double meanOf(const LostBranches& lost, const Region& region) {
+    return lost.sum / static_cast<double>(region.pixels());
 }
 
 // Numbers that are not finite become null.
-nlohmann::json lostJson(const LostBranches& lost, const Picture& picture) {
-    return {{"branches", lost.count},
-            {"meanBound", lost.sum / pixelsOf(picture)},
-            {"greatestBound", lost.greatest}};
+nlohmann::json lostJson(const LostBranches& lost, const Region& region) {
+    return {{"branches", lost.count}, {"meanBound", meanOf(lost, region)}, {"greatestBound", lost.greatest}};
 }
 
-std::string boundText(const LostBranches& lost, const Picture& picture) {
+std::string boundText(const LostBranches& lost, const Region& region) {
     if (!std::isfinite(lost.greatest)) return "no bound on their light is known";
-    return format("a pixel lacks at most %.3g, on average at most %.3g", lost.greatest,
-                  lost.sum / pixelsOf(picture));
+    return format("a pixel lacks at most %.3g, on average at most %.3g", lost.greatest, meanOf(lost, region));
 }
 
 nlohmann::json samplesJson(const SampleTotals& totals) {
@@ -105,32 +102,26 @@ void expose(std::vector<Layer>& layers, float scale) {
                 if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
 }
 
-// Adds the counts of the band below.
-void addFacts(Picture& all, const Picture& band) {
-    if (all.notFinite == 0) all.firstNotFinite = band.firstNotFinite;
-    all.notFinite += band.notFinite;
-    all.losses.add(band.losses);
-    all.complete = all.complete && band.complete;
-}
-
 nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
     const render::StageTimes& t = outcome.drawn.times;
-    const Picture& picture = outcome.picture;
+    const Request request = requestOf(command, loaded);
+    const PictureFlaws& flaws = outcome.flaws;
+    const Written& written = outcome.written;
     nlohmann::json json = drawnJson(outcome.drawn);
     json.update({{"scene", command.scene.scene.string()},
-                 {"files", filesJson(outcome.files)},
-                 {"complete", picture.complete},
-                 {"width", picture.region.width()},
-                 {"height", picture.region.height()},
-                 {"samplesPerPixel", outcome.request.image.samplesPerPixel},
-                 {"sampler", nameOf(samplerOf(outcome.request.image))},
-                 {"samplesTaken", samplesJson(outcome.totals)},
-                 {"maxDepth", depthOf(loaded.packed, outcome.request)},
+                 {"files", filesJson(written.files)},
+                 {"complete", outcome.complete},
+                 {"width", outcome.region.width()},
+                 {"height", outcome.region.height()},
+                 {"samplesPerPixel", request.image.samplesPerPixel},
+                 {"sampler", nameOf(samplerOf(request.image))},
+                 {"samplesTaken", samplesJson(written.totals)},
+                 {"maxDepth", depthOf(loaded.packed, request)},
                  {"intersector", nameOf(command.scene.methods.triangles)},
                  {"sphere", nameOf(command.scene.methods.spheres)},
-                 {"lost", lossesJson(picture)},
+                 {"lost", lossesJson(outcome)},
                  {"minContribution", command.scene.limits.minContribution},
-                 {"notFinite", picture.notFinite},
+                 {"notFinite", flaws.notFinite},
                  {"submissions", t.submissions},
                  {"slices", t.slices},
                  {"resumes", t.resumes},
@@ -142,21 +133,21 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
                    {"trace", t.trace},
                    {"device", t.device},
                    {"readback", t.readback},
-                   {"write", outcome.writeSeconds},
+                   {"write", written.seconds},
                    {"total", outcome.totalSeconds},
                    {"longestSubmission", t.longestSubmission}}}});
     visitKinds(loaded.packed, [&](const KindCount& kind) {
         if (kind.kind != shared::PrimitiveKind::Instance) json[kind.array] = kind.count;
     });
-    if (!outcome.hash.empty()) json["hash"] = outcome.hash;
+    if (!written.hash.empty()) json["hash"] = written.hash;
     if (!outcome.drawn.traversal.empty()) json["traversal"] = outcome.drawn.traversal;
     if (command.part)
         json.update(
-            {{"part", command.part->number}, {"parts", command.part->of}, {"pixels", outcome.totals.done}});
-    if (outcome.bands > 0) json["bands"] = outcome.bands;
+            {{"part", command.part->number}, {"parts", command.part->of}, {"pixels", written.totals.done}});
+    if (written.bands > 0) json["bands"] = written.bands;
     if (outcome.ranks > 0) json["ranks"] = outcome.ranks;
     if (outcome.converged) json["error"] = errorJson(command.target, *outcome.converged);
-    if (picture.notFinite > 0) json["firstNotFinite"] = {picture.firstNotFinite.x, picture.firstNotFinite.y};
+    if (flaws.notFinite > 0) json["firstNotFinite"] = {flaws.firstNotFinite.x, flaws.firstNotFinite.y};
     return json;
 }
 
@@ -169,23 +160,23 @@ void printTimes(const Outcome& outcome, const LoadedScene& loaded, std::ostream&
     }
     out << ", trace " << formatSeconds(t.trace);
     if (t.submissions > 0) out << ", readback " << formatSeconds(t.readback);
-    out << ", write " << formatSeconds(outcome.writeSeconds) << "; " << formatSeconds(outcome.totalSeconds)
+    out << ", write " << formatSeconds(outcome.written.seconds) << "; " << formatSeconds(outcome.totalSeconds)
         << " in all\n";
 }
 
 void printSummary(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                   std::ostream& out) {
     if (command.part)
-        out << "wrote " << shown(outcome.files.front())
+        out << "wrote " << shown(outcome.written.files.front())
             << format(" (part %d of %d, ", command.part->number, command.part->of)
-            << counted(outcome.totals.done, "pixel") << ")\n";
+            << counted(outcome.written.totals.done, "pixel") << ")\n";
     else
         printFiles(outcome, out);
     if (outcome.converged) out << errorSummary(command.target, *outcome.converged);
     printDevice(outcome.drawn, out);
     if (outcome.ranks > 0) out << "ranks: " << outcome.ranks << '\n';
     if (!command.part) {
-        out << "hash: " << outcome.hash;
+        out << "hash: " << outcome.written.hash;
         if (outcome.drawn.arithmetic && !outcome.drawn.sharesBits())
             out << " (this device " << outcome.drawn.arithmetic->text() << ')';
         out << '\n';
@@ -195,34 +186,35 @@ void printSummary(const Outcome& outcome, const RenderCommand& command, const Lo
 
 }  // namespace
 
-nlohmann::json lossesJson(const Picture& picture) {
-    const TreeLosses& losses = picture.losses;
-    return {{"cut", lostJson(losses.cut, picture)},
-            {"maxDepth", lostJson(losses.depth, picture)},
-            {"waiting", lostJson(losses.room, picture)},
+nlohmann::json lossesJson(const Outcome& outcome) {
+    const TreeLosses& losses = outcome.flaws.losses;
+    return {{"cut", lostJson(losses.cut, outcome.region)},
+            {"maxDepth", lostJson(losses.depth, outcome.region)},
+            {"waiting", lostJson(losses.room, outcome.region)},
             {"crowdedMedia", losses.crowdedMedia}};
 }
 
-void warnOf(const Picture& picture, bool losses, const std::string& start, std::ostream& err) {
-    if (picture.notFinite > 0)
-        err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite), the first at "
-            << picture.firstNotFinite.x << ',' << picture.firstNotFinite.y
+void warnOf(const Outcome& outcome, bool losses, const std::string& start, std::ostream& err) {
+    const auto& [notFinite, firstNotFinite, lost] = outcome.flaws;
+    if (notFinite > 0)
+        err << start << counted(notFinite, "pixel") << " not finite (NaN or infinite), the first at "
+            << firstNotFinite.x << ',' << firstNotFinite.y
             << "; shown black. Is a light of falloff inverseSquare almost on a surface, or far too "
                "bright?\n";
     if (!losses) return;
-    const auto& [cut, depth, room, crowdedMedia] = picture.losses;
+    const auto& [cut, depth, room, crowdedMedia] = lost;
     const auto branches = [](uint64_t count) {
         return std::to_string(count) + (count == 1 ? " branch" : " branches");
     };
     if (cut.count > 0)
-        err << start << "--min-contribution cut " << branches(cut.count) << "; " << boundText(cut, picture)
-            << '\n';
+        err << start << "--min-contribution cut " << branches(cut.count) << "; "
+            << boundText(cut, outcome.region) << '\n';
     if (depth.greatest > kVisible)
         err << start << branches(depth.count) << " beyond maxDepth not followed (increase --max-depth); "
-            << boundText(depth, picture) << '\n';
+            << boundText(depth, outcome.region) << '\n';
     if (room.count > 0)
         err << start << "dropped " << branches(room.count) << ", as at most " << shared::kMaxWaiting
-            << " can wait; " << boundText(room, picture) << '\n';
+            << " can wait; " << boundText(room, outcome.region) << '\n';
     if (crowdedMedia > 0)
         err << start << "ignored " << counted(crowdedMedia, "surface") << ": a ray can be inside at most "
             << shared::kMaxMedia << " dielectrics\n";
@@ -237,10 +229,6 @@ void SampleTotals::add(const Picture& picture) {
         sum += taken;
         ++done;
     }
-}
-
-double Outcome::doneShare() const {
-    return static_cast<double>(totals.done) / pixelsOf(picture);
 }
 
 nlohmann::json drawnJson(const DrawingFacts& drawn) {
@@ -259,9 +247,9 @@ nlohmann::json filesJson(const std::vector<std::filesystem::path>& files) {
 }
 
 void printFiles(const Outcome& outcome, std::ostream& out) {
-    for (const auto& file : outcome.files)
-        out << "wrote " << shown(file) << " (" << outcome.picture.region.width() << "x"
-            << outcome.picture.region.height() << ")\n";
+    for (const auto& file : outcome.written.files)
+        out << "wrote " << shown(file) << " (" << outcome.region.width() << "x" << outcome.region.height()
+            << ")\n";
 }
 
 void printDevice(const DrawingFacts& drawn, std::ostream& out) {
@@ -270,11 +258,10 @@ void printDevice(const DrawingFacts& drawn, std::ostream& out) {
 
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err) {
-    const Picture& picture = outcome.picture;
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
     // That mirrors face each other without end is nothing new.
     const bool losses = loaded.packed.features.transmission || command.scene.limits.minContribution > 0;
-    warnOf(picture, losses, start, err);
+    warnOf(outcome, losses, start, err);
     if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
     if (outcome.advice) err << start << *outcome.advice << '\n';
 }
@@ -301,8 +288,7 @@ bool goesByRows(const std::filesystem::path& output, const std::vector<Aov>& aov
         throw Error(ErrorKind::Argument,
                     output.string() + ": bands go into .png (layers color and alpha alone), .exr and .pfm");
     const uint64_t available = availableMemory();
-    const uint64_t pixels = static_cast<uint64_t>(region.width()) * static_cast<uint64_t>(region.height());
-    if (!wanted && pixels * bytesPerPixel + further <= available) return false;
+    if (!wanted && region.pixels() * bytesPerPixel + further <= available) return false;
     if (!able) checkMemory(region.width(), region.height(), bytesPerPixel, available);
     return able;
 }
@@ -316,54 +302,54 @@ PictureFile::PictureFile(const std::filesystem::path& output, const Region& regi
 void PictureFile::add(const Picture& rows, std::vector<Layer> layers) {
     const Stopwatch writing;
     left_ -= rows.region.height();
-    totals_.add(rows);
+    written_.totals.add(rows);
     hash_.add(rows.color);
     expose(layers, scale_);
     if (rows_) {
-        ++bands_;
+        ++written_.bands;
         rows_->add(layers);
     } else {
         layers_ = std::move(layers);
     }
-    seconds_ += writing.seconds();
+    written_.seconds += writing.seconds();
 }
 
 void PictureFile::fill(const Picture& row, std::vector<Layer> layers) {
-    if (left_ == 0 || totals_.done == 0) return;
+    if (left_ == 0 || written_.totals.done == 0) return;
     const Stopwatch writing;
     hash_.fill(left_, row.color);
     expose(layers, scale_);
     rows_->fill(layers);
-    seconds_ += writing.seconds();
+    written_.seconds += writing.seconds();
 }
 
-void PictureFile::finish(Outcome& outcome, std::ostream& out, const PictureNotes& notes) {
-    if (totals_.done == 0)
+Written PictureFile::finish(std::ostream& out, const PictureNotes& notes) {
+    if (written_.totals.done == 0)
         throw Error(ErrorKind::Interrupted,
                     "interrupted before any part of the image was finished; nothing written");
     const Stopwatch writing;
     if (rows_) {
-        outcome.files = rows_->finish();
+        written_.files = rows_->finish();
     } else if (output_ == "-") {
         const Image& image = layers_.front().image;
         const auto bytes = encodePng(image.width, image.height, image.channels, quantizeColor(image));
         out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-        outcome.files = {"standard output"};
+        written_.files = {"standard output"};
     } else {
-        outcome.files = writeLayers(output_, layers_, notes);
+        written_.files = writeLayers(output_, layers_, notes);
     }
-    outcome.totals = totals_;
-    outcome.bands = bands_;
-    outcome.hash = hash_.text();
-    outcome.writeSeconds = seconds_ + writing.seconds();
+    written_.hash = hash_.text();
+    written_.seconds += writing.seconds();
+    return std::move(written_);
 }
 
-void drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
-              const Request& request, const std::optional<converge::Job>& job, int rows, Outcome& outcome) {
-    const Region region = outcome.picture.region = regionOf(request);
+Outcome drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
+                 const Request& request, const std::optional<converge::Job>& job, int rows) {
+    Outcome outcome;
+    const Region region = outcome.region = regionOf(request);
     bool alike = !command.quiet;  // all bands so far lack the same
     Request part = request;
-    for (int y = region.y0; y < region.y1 && outcome.picture.complete; y += rows) {
+    for (int y = region.y0; y < region.y1 && outcome.complete; y += rows) {
         part.region = {region.x0, y, region.x1, std::min(y + rows, region.y1)};
         const auto share = [&](int row) { return static_cast<double>(row - region.y0) / region.height(); };
         const double from = share(y), to = share(part.region.y1);
@@ -378,7 +364,8 @@ void drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& command,
             alike = reason && (y == region.y0 || reason == outcome.advice);
             outcome.advice = alike ? reason : std::nullopt;
         }
-        addFacts(outcome.picture, band);
+        outcome.flaws.add(band);
+        outcome.complete = band.complete;
         blackenNotFinite(band);
         file.add(band, makeLayers(band, command.aovs));
     }
@@ -386,6 +373,7 @@ void drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& command,
     part.region.y1 = part.region.y0 + 1;
     const Picture blank = blankPicture(part);
     file.fill(blank, makeLayers(blank, command.aovs));
+    return outcome;
 }
 
 PictureNotes errorNotes(const ErrorTarget& target, const Outcome& outcome) {

@@ -52,8 +52,7 @@ std::string regionText(const Region& r) {
 
 uint64_t pixelsOf(const std::vector<Region>& regions) {
     uint64_t pixels = 0;
-    for (const Region& r : regions)
-        pixels += static_cast<uint64_t>(r.width()) * static_cast<uint64_t>(r.height());
+    for (const Region& r : regions) pixels += r.pixels();
     return pixels;
 }
 
@@ -156,7 +155,7 @@ class UnitRenderer {
     Outcome complete(UnitPicture& picture, std::ostream& out) const {
         Outcome outcome = picture.write(out);
         if (!picture.file().goesByRows() && !command_.quiet)
-            outcome.advice = pictureAdvice(outcome.picture, loaded_, request_, picture.file().scale());
+            outcome.advice = pictureAdvice(picture.picture(), loaded_, request_, picture.file().scale());
         warnAboutPicture(outcome, command_, loaded_, err_);
         warnOfMixedBits(picture.assembly().producers(),
                         "glint: warning: " + command_.scene.scene.string() + ": ", err_);
@@ -166,9 +165,8 @@ class UnitRenderer {
     // Prints the summary of an image or part of so many pixels.
     ExitCode finish(Outcome& outcome, uint64_t pixels, std::ostream& out) const {
         const uint32_t samples = request_.samples.count();
-        outcome.request = request_;
         outcome.drawn = drawing_.facts();
-        outcome.totals = {pixels, pixels * samples, samples, samples};
+        outcome.written.totals = {pixels, pixels * samples, samples, samples};
         outcome.totalSeconds = total_.seconds();
         printResult(outcome, command_, loaded_, out);
         drawing_.checkValidation();
@@ -279,7 +277,7 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     Outcome outcome = units->complete(*picture, out);
     ranks.end();
     outcome.ranks = transport.size();
-    return units->finish(outcome, outcome.totals.done, out);
+    return units->finish(outcome, outcome.written.totals.done, out);
 }
 
 // Prints nothing: rank 0 does.
@@ -320,12 +318,10 @@ ExitCode renderPart(const RenderCommand& command, std::ostream& out, std::ostrea
     const Stopwatch writing;
     writeFile(file, farm::encodePart(units.header(), *result));
     Outcome outcome;
-    outcome.picture.region = units.header().region;
-    outcome.picture.losses = result->losses;
-    outcome.picture.notFinite = result->notFinite;
-    outcome.picture.firstNotFinite = result->firstNotFinite;
-    outcome.files = {file};
-    outcome.writeSeconds = writing.seconds();
+    outcome.region = units.header().region;
+    outcome.flaws = *result;
+    outcome.written.files = {file};
+    outcome.written.seconds = writing.seconds();
     return units.finish(outcome, pixels, out);
 }
 
@@ -344,7 +340,7 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
     installInterruptHandler();
     {
         Progress progress = progressOf("render", command.progress, err);
-        const double pixels = static_cast<double>(header.region.width()) * header.region.height();
+        const auto pixels = static_cast<double>(header.region.pixels());
         for (int part = 1; part <= header.parts; ++part) {
             if (there[static_cast<size_t>(part)]) continue;
             const double from = picture.assembly().share();
@@ -363,7 +359,7 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
     }
     Outcome outcome = units.complete(picture, out);
     checkpoint.remove();
-    return units.finish(outcome, outcome.totals.done, out);
+    return units.finish(outcome, outcome.written.totals.done, out);
 }
 
 }  // namespace

@@ -187,11 +187,13 @@ void checkValidation(const gpu::Device& device, const DeviceChoice& choice) {
     if (!messages.empty()) throw Error(ErrorKind::Device, text);
 }
 
-converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request) {
+std::optional<converge::Job> jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend,
+                                   Request& request) {
+    if (!target.error) return std::nullopt;
     if (!target.withinDepth && converge::missesReflections(loaded.scene, depthOf(loaded.packed, request)))
         throw Error(ErrorKind::Argument,
                     "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
-    if (regionOf(request).width() * regionOf(request).height() == 1)
+    if (regionOf(request).pixels() == 1)
         throw Error(ErrorKind::Argument,
                     "--error cannot bound the error of a single pixel: use a larger --crop");
     converge::Target wanted = target.limits;

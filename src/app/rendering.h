@@ -93,9 +93,10 @@ struct DrawingFacts {
     bool sharesBits() const { return arithmetic && arithmetic->sharesBits(); }
 };
 
-// The job for the scene's image; `request` becomes like those of its batches. `backend`: for the rounding
-// error.
-converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request);
+// The job of --error for the scene's image; `request` becomes like those of its batches. Empty without
+// --error. `backend`: for the rounding error.
+std::optional<converge::Job> jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend,
+                                   Request& request);
 
 class Drawing {
   public:

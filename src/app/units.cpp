@@ -48,12 +48,9 @@ Outcome UnitPicture::write(std::ostream& out) {
     if (!assembly_.complete())
         throw Error(ErrorKind::Failed, "the parts leave some of the image's pixels out");
     Outcome outcome;
-    outcome.picture = std::move(picture_);
-    outcome.picture.region = assembly_.region();
-    outcome.picture.losses = assembly_.losses();
-    outcome.picture.notFinite = assembly_.notFinite();
-    outcome.picture.firstNotFinite = assembly_.firstNotFinite();
-    file_.finish(outcome, out);
+    outcome.region = assembly_.region();
+    outcome.flaws = assembly_.flaws();
+    outcome.written = file_.finish(out);
     return outcome;
 }
 
@@ -108,15 +105,15 @@ nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outc
                          const MergeCommand& command, const std::vector<farm::Producer>& producers) {
     nlohmann::json json = {{"scene", scene.string()},
                            {"parts", command.parts.size()},
-                           {"files", filesJson(outcome.files)},
-                           {"width", outcome.picture.region.width()},
-                           {"height", outcome.picture.region.height()},
-                           {"hash", outcome.hash},
-                           {"inBands", outcome.bands > 0},
+                           {"files", filesJson(outcome.written.files)},
+                           {"width", outcome.region.width()},
+                           {"height", outcome.region.height()},
+                           {"hash", outcome.written.hash},
+                           {"inBands", outcome.written.bands > 0},
                            {"reproducible", std::all_of(producers.begin(), producers.end(),
                                                         [](const auto& p) { return p.sharesBits; })},
-                           {"lost", lossesJson(outcome.picture)},
-                           {"notFinite", outcome.picture.notFinite},
+                           {"lost", lossesJson(outcome)},
+                           {"notFinite", outcome.flaws.notFinite},
                            {"seconds", outcome.totalSeconds},
                            {"devices", nlohmann::json::array()}};
     for (const farm::Producer& producer : producers) json["devices"].push_back(textOf(producer));
@@ -145,15 +142,15 @@ ExitCode run(const MergeCommand& command, std::ostream& out, std::ostream& err) 
     std::ostream silence(nullptr);
     std::ostream& warnings = command.quiet ? silence : err;
     const std::string start = "glint: warning: " + scene.string() + ": ";
-    warnOf(outcome.picture, true, start, warnings);
+    warnOf(outcome, true, start, warnings);
     warnOfMixedBits(producers, start, warnings);
     if (command.json) {
         printJson(mergeJson(scene, outcome, command, producers), out);
     } else if (!command.quiet) {
         printFiles(outcome, out);
         for (const farm::Producer& producer : producers) out << "device: " << textOf(producer) << '\n';
-        out << "hash: " << outcome.hash << "\ntimes: " << formatSeconds(outcome.totalSeconds) << " for "
-            << counted(command.parts.size(), "part") << '\n';
+        out << "hash: " << outcome.written.hash << "\ntimes: " << formatSeconds(outcome.totalSeconds)
+            << " for " << counted(command.parts.size(), "part") << '\n';
     }
     return ExitCode::Done;
 }

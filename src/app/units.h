@@ -25,15 +25,16 @@ class UnitPicture {
     void add(const farm::UnitResult& result);
     const farm::Assembly& assembly() const { return assembly_; }
     const PictureFile& file() const { return file_; }
+    // The complete image; without pixels if it goes by rows.
+    const Picture& picture() const { return picture_; }
 
-    // Call once the image is complete: names the file, and sets all that PictureFile::finish() sets, and the
-    // image, which has no pixels if it went by rows.
+    // Call once the image is complete: names the file.
     Outcome write(std::ostream& out);
 
   private:
     farm::Assembly assembly_;
     PictureFile file_;
-    Picture picture_;  // the whole image at once
+    Picture picture_;
 };
 
 // Device and driver.

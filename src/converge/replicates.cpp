@@ -96,7 +96,7 @@ PackedSamples Replicate::begin(uint32_t count) {
 }
 
 void Replicate::add(const Picture& part, const Region& whole) {
-    const size_t pixels = static_cast<size_t>(whole.width()) * static_cast<size_t>(whole.height());
+    const uint64_t pixels = whole.pixels();
     means_.resize(pixels, glm::dvec3(0));
     alphas_.resize(pixels, 0.0);
     const double share = static_cast<double>(taking_) / static_cast<double>(count_ + taking_);

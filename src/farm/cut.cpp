@@ -41,7 +41,7 @@ Region regionOfTiles(const CostMap& map, int column0, int row0, int column1, int
 
 // How many pixels of the picture the coarse one has for one, each way.
 double coarseness(const Region& region, uint32_t samples, int parts) {
-    const double pixels = static_cast<double>(region.width()) * region.height();
+    const auto pixels = static_cast<double>(region.pixels());
     const double probes = std::clamp(kShare * pixels * samples / parts, kLeastProbes, kMostProbes);
     return std::max(1.0, std::sqrt(pixels / probes));
 }
@@ -99,9 +99,8 @@ CostMap estimateCosts(const PackedScene& scene, const Camera& camera, const Requ
             const Region tile = regionOfTiles(map, column, row, column + 1, row + 1);
             const int x = std::clamp(scaled((tile.x0 + tile.x1) / 2), seen.x0, seen.x1 - 1);
             const int y = std::clamp(scaled((tile.y0 + tile.y1) / 2), seen.y0, seen.y1 - 1);
-            const auto pixels = static_cast<uint64_t>(tile.width()) * static_cast<uint64_t>(tile.height());
             map.costs[static_cast<size_t>(row) * map.columns + column] =
-                pixels * (kPixelCost + picture.at(x, y).cost);
+                tile.pixels() * (kPixelCost + picture.at(x, y).cost);
         }
     }
     return map;

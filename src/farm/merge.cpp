@@ -65,13 +65,10 @@ std::map<int, std::filesystem::path> filesOfParts(const std::vector<std::filesys
 }  // namespace
 
 Assembly::Assembly(const Region& whole, const std::vector<Aov>& aovs)
-    : whole_(whole),
-      aovs_(aovs),
-      shapes_(layerShapes(aovs)),
-      missing_(static_cast<uint64_t>(whole.width()) * static_cast<uint64_t>(whole.height())) {}
+    : whole_(whole), aovs_(aovs), shapes_(layerShapes(aovs)), missing_(whole.pixels()) {}
 
 double Assembly::share() const {
-    const double all = static_cast<double>(whole_.width()) * whole_.height();
+    const auto all = static_cast<double>(whole_.pixels());
     return all > 0 ? (all - static_cast<double>(missing_)) / all : 1;
 }
 
@@ -87,7 +84,7 @@ Assembly::Strip& Assembly::stripOf(int y) {
     if (!isNew) return strip;
     const Region region = regionOf(index);
     strip.color = Image(region.width(), region.height(), 4);
-    strip.missing = static_cast<uint64_t>(region.width()) * static_cast<uint64_t>(region.height());
+    strip.missing = region.pixels();
     strip.done.assign(strip.missing, 0);
     for (const auto& [name, channels] : shapes_)
         strip.layers.push_back({name, Image(region.width(), region.height(), channels)});
@@ -118,14 +115,9 @@ void Assembly::addRow(const Block& block, int y, int part) {
 void Assembly::add(const UnitResult& result) {
     for (const Block& block : result.blocks)
         for (int y = block.region.y0; y < block.region.y1; ++y) addRow(block, y, result.part);
-    losses_.add(result.losses);
+    flaws_.add(result);
     if (std::find(producers_.begin(), producers_.end(), result.producer) == producers_.end())
         producers_.push_back(result.producer);
-    if (result.notFinite == 0) return;
-    const glm::ivec2& first = result.firstNotFinite;
-    if (notFinite_ == 0 || std::pair(first.y, first.x) < std::pair(firstNotFinite_.y, firstNotFinite_.x))
-        firstNotFinite_ = first;
-    notFinite_ += result.notFinite;
 }
 
 Rows Assembly::take() {
@@ -143,7 +135,7 @@ Rows Assembly::take() {
         strips_.erase(strips_.begin());
         region.y1 = regionOf(taken_++).y1;
     }
-    rows.picture.done.assign(static_cast<size_t>(region.width()) * region.height(), 1);
+    rows.picture.done.assign(region.pixels(), 1);
     auto next = layers.begin();
     for (const Aov aov : aovs_) {
         if (aov == Aov::Radiance || aov == Aov::Alpha)

@@ -35,10 +35,8 @@ class Assembly {
     // rows.
     Rows take();
 
-    // Losses and non-finite pixels of all units so far, as in Picture.
-    const TreeLosses& losses() const { return losses_; }
-    uint64_t notFinite() const { return notFinite_; }
-    glm::ivec2 firstNotFinite() const { return firstNotFinite_; }
+    // Flaws of all units so far.
+    const PictureFlaws& flaws() const { return flaws_; }
     // All that drew them, each once, in the order in which they came.
     const std::vector<Producer>& producers() const { return producers_; }
 
@@ -60,9 +58,7 @@ class Assembly {
     std::map<int, Strip> strips_;  // that are begun and not taken, from the top
     int taken_ = 0;                // strips
     uint64_t missing_;
-    TreeLosses losses_;
-    uint64_t notFinite_ = 0;
-    glm::ivec2 firstNotFinite_{-1};
+    PictureFlaws flaws_;
     std::vector<Producer> producers_;
 };
 

@@ -31,10 +31,6 @@ std::vector<Aov> withoutColor(const std::vector<Aov>& aovs) {
     return rest;
 }
 
-double areaOf(const Region& region) {
-    return static_cast<double>(region.width()) * region.height();
-}
-
 }  // namespace
 
 std::string difference(const Identity& there, const Identity& here) {
@@ -61,26 +57,21 @@ std::optional<UnitResult> drawUnit(const Draw& draw, const Request& whole, const
                                    const std::vector<Aov>& aovs) {
     const std::vector<Aov> rest = withoutColor(aovs);
     double all = 0, before = 0;
-    for (const Region& region : regions) all += areaOf(region);
+    for (const Region& region : regions) all += static_cast<double>(region.pixels());
     UnitResult result;
     for (const Region& region : regions) {
         Request request = whole;
         request.region = region;
-        const double share = areaOf(region) / all, start = before / all;
+        const double share = static_cast<double>(region.pixels()) / all, start = before;
         if (whole.progress)
             request.progress = [&whole, share, start](double done) { whole.progress(start + share * done); };
         Picture picture = draw(request);
         if (!picture.complete) return std::nullopt;
-        if (picture.notFinite > 0 &&
-            (result.notFinite == 0 || std::pair(picture.firstNotFinite.y, picture.firstNotFinite.x) <
-                                          std::pair(result.firstNotFinite.y, result.firstNotFinite.x)))
-            result.firstNotFinite = picture.firstNotFinite;
-        result.notFinite += picture.notFinite;
-        result.losses.add(picture.losses);
+        result.add(picture);
         blackenNotFinite(picture);
         std::vector<Layer> layers = makeLayers(picture, rest);
         result.blocks.push_back({region, std::move(picture.color), std::move(layers)});
-        before += areaOf(region);
+        before += share;
     }
     return result;
 }

@@ -55,13 +55,10 @@ struct Block {
     std::vector<Layer> layers;  // as LayerShapes says
 };
 
-struct UnitResult {
+struct UnitResult : PictureFlaws {
     int part = 1;  // from 1
     Producer producer;
     std::vector<Block> blocks;
-    uint64_t notFinite = 0;  // as in Picture
-    glm::ivec2 firstNotFinite{-1};
-    TreeLosses losses;
 };
 
 // Draws what the request asks for: a tracer.

@@ -73,10 +73,17 @@ bool isFinite(const float* color) {
 
 }  // namespace
 
+void PictureFlaws::add(const PictureFlaws& other) {
+    const glm::ivec2 first = firstNotFinite, another = other.firstNotFinite;
+    if (other.notFinite > 0 &&
+        (notFinite == 0 || std::pair(another.y, another.x) < std::pair(first.y, first.x)))
+        firstNotFinite = another;
+    notFinite += other.notFinite;
+    losses.add(other.losses);
+}
+
 void Picture::checkFinite(int x, int y) {
-    if (isFinite(&color.pixels[indexOf(x, y) * 4])) return;
-    const bool first = notFinite++ == 0;
-    if (first || std::pair(y, x) < std::pair(firstNotFinite.y, firstNotFinite.x)) firstNotFinite = {x, y};
+    if (!isFinite(&color.pixels[indexOf(x, y) * 4])) add({1, {x, y}, {}});
 }
 
 void blackenNotFinite(Picture& picture) {

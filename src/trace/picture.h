@@ -18,6 +18,7 @@ struct Region {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
     int width() const { return x1 - x0; }
     int height() const { return y1 - y0; }
+    uint64_t pixels() const { return static_cast<uint64_t>(width()) * static_cast<uint64_t>(height()); }
 };
 
 // Layers of a pixel's first sample (docs/reference/shading.md). On a miss indices are kNoIndex, depth is
@@ -74,7 +75,18 @@ struct TreeLosses {
     }
 };
 
-struct Picture {
+// Flaws of an image's pixels.
+struct PictureFlaws {
+    uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
+    // The first of them in reading order, in coordinates of the whole image; -1: none.
+    glm::ivec2 firstNotFinite{-1};
+    TreeLosses losses;  // the device's only if asked for
+
+    // Adds the flaws of other pixels.
+    void add(const PictureFlaws& other);
+};
+
+struct Picture : PictureFlaws {
     Region region;
     Image color;                  // region-sized, 4 channels: linear radiance and alpha
     std::vector<PixelData> data;  // region-sized, rows top to bottom; empty unless asked for
@@ -87,10 +99,6 @@ struct Picture {
     uint32_t samplesPerPixel = 1;
     // Per pixel: what converge/converge.h says of its error, greatest channel; empty if nothing does.
     std::vector<float> errors;
-    uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
-    TreeLosses losses;       // the device's only if asked for
-    // The first of them in reading order, in coordinates of the whole picture; -1: none.
-    glm::ivec2 firstNotFinite{-1};
 
     // Counts the pixel if its colour is not finite.
     void checkFinite(int x, int y);

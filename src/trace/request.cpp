@@ -37,15 +37,13 @@ Region regionOf(const Request& request) {
 }
 
 uint64_t cameraRaysOf(const Request& request) {
-    const Region region = regionOf(request);
-    return static_cast<uint64_t>(region.width()) * static_cast<uint64_t>(region.height()) *
-           request.samples.count();
+    return regionOf(request).pixels() * request.samples.count();
 }
 
 Picture blankPicture(const Request& request) {
     Picture picture;
     picture.region = regionOf(request);
-    const size_t pixels = static_cast<size_t>(picture.region.width()) * picture.region.height();
+    const uint64_t pixels = picture.region.pixels();
     picture.color = Image(picture.region.width(), picture.region.height(), 4);
     picture.done.assign(pixels, 0);
     picture.samplesPerPixel = request.samples.count();

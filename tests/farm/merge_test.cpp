@@ -47,7 +47,7 @@ TEST(Merge, HasTheBitsOfThePictureInEveryLayer) {
                     << rows.layers[i].name << ' ' << count;
             }
             EXPECT_TRUE(sameBits(rows.picture.color, whole.color));
-            EXPECT_EQ(assembly.losses().depth.count, whole.losses.depth.count);
+            EXPECT_EQ(assembly.flaws().losses.depth.count, whole.losses.depth.count);
         }
     }
 }
