@@ -85,8 +85,7 @@ std::unique_ptr<RowEncoder> pngRows(ByteSink& sink, int width, int height, const
 // bytes of them.
 std::unique_ptr<RowEncoder> pfmRows(ByteSink& sink, int width, int height, const Layer& shape);
 
-// The largest image that is decoded: 16,384 x 16,384 pixels, 4 GiB of RGBA floats.
-inline constexpr uint64_t kMostPicturePixels = kMostPixels;
+// Pixels along a side of the largest image that is decoded.
 inline constexpr uint64_t kMostPictureSide = 65536;
 
 // For decoders, before memory is taken: refuses a size of nothing, beyond the limits above, or of which the
@@ -113,16 +112,16 @@ class RowCollector {
 std::vector<float> linearOfCodes(size_t count);
 
 // By libpng. 1 to 16 bits, grey, RGB or palette, with or without alpha; grey with alpha becomes RGBA.
-Image decodePng(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
+Image decodePng(ByteView file, uint64_t mostPixels = kMostPixels, const Context& context = {});
 // By libjpeg-turbo. Grey, or RGB of whatever colour space.
-Image decodeJpeg(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
-Image decodeHdr(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
+Image decodeJpeg(ByteView file, uint64_t mostPixels = kMostPixels, const Context& context = {});
+Image decodeHdr(ByteView file, uint64_t mostPixels = kMostPixels, const Context& context = {});
 // By libwebp: sRGB, with or without alpha, no animations. Refused in builds without it.
-Image decodeWebp(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
-Image decodePfm(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
+Image decodeWebp(ByteView file, uint64_t mostPixels = kMostPixels, const Context& context = {});
+Image decodePfm(ByteView file, uint64_t mostPixels = kMostPixels, const Context& context = {});
 
 // By OpenEXR. Of the first part: the channels R, G, B and A if there is colour, else Y, else the channels of
 // the only layer. Tiles, scanlines and every compression; no deep pixels.
-Image decodeExr(ByteView file, uint64_t mostPixels = kMostPicturePixels, const Context& context = {});
+Image decodeExr(ByteView file, uint64_t mostPixels = kMostPixels, const Context& context = {});
 
 }  // namespace glint

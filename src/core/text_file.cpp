@@ -150,10 +150,14 @@ std::string escapePointer(std::string_view key) {
     return escaped;
 }
 
+std::string lowerCase(std::string_view text) {
+    std::string result(text);
+    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
+}
+
 std::string lowerExtension(const fs::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
+    return lowerCase(path.extension().string());
 }
 
 std::string counted(uint64_t count, const std::string& noun) {

@@ -71,6 +71,15 @@ std::string concat(const Parts&... parts) {
     return text;
 }
 
+// Throws Error(Scene) "FILE: what", `what` being the parts; in printable form.
+template <typename... Parts>
+[[noreturn]] void failFile(const std::string& file, const Parts&... what) {
+    throw Error(ErrorKind::Scene, printable(concat(file, ": ", what...)));
+}
+
+// `text` with the letters A to Z in lower case.
+std::string lowerCase(std::string_view text);
+
 // The extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);
 

@@ -83,7 +83,7 @@ void checkRotations(const JsonCursor& values, const AnimationTrack& track) {
 }
 
 AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
-    cursor.expectKeys(keys::of("animation/track"));
+    expectKeys(cursor, "animation/track");
     AnimationTrack track;
     const JsonCursor target = cursor.require("target");
     track.target = target.string();
@@ -111,7 +111,7 @@ Animation parseAnimation(const JsonCursor& root) {
     Animation animation;
     const auto cursor = root.find("animation");
     if (!cursor) return animation;
-    cursor->expectKeys(keys::of("animation"));
+    expectKeys(*cursor, "animation");
     if (const auto rate = cursor->find("framesPerSecond")) {
         animation.framesPerSecond = rate->number();
         if (!(animation.framesPerSecond > 0)) rate->failWanted("must be > 0");

@@ -178,32 +178,6 @@ void describeInto(const JsonValue& value, std::string& out) {
     }
 }
 
-// Keys as other programs have them, and what to write here. `what` is the beginning of a table's name.
-struct Synonym {
-    std::string_view what, key, advice;
-};
-constexpr Synonym kSynonyms[] = {
-    {"material", "color", "the colour of a material is \"diffuse\""},
-    {"material", "colour", "the colour of a material is \"diffuse\""},
-    {"material", "opacity", "give \"transmission\", which is 1 - opacity"},
-    {"material", "emission", "surfaces do not glow; \"ambient\" is what they show without a light"},
-    {"material", "reflectivity", "give \"mirror\""},
-    {"object/mesh", "file",
-     "name the file in \"meshes\": {\"NAME\": {\"file\": ...}}, and give \"mesh\": \"NAME\""},
-    {"object/", "color", "give a \"material\" with \"diffuse\""},
-    {"object/", "colour", "give a \"material\" with \"diffuse\""},
-    {"object/plane", "position", "give \"point\""},
-    {"object/", "position", "give \"center\", or \"transform\""},
-    {"light/", "color", "give \"intensity\", a number or [r, g, b]"},
-    {"camera/", "position", "give \"eye\""},
-    {"camera/", "lookAt", "give \"target\""},
-    {"camera/", "fov", "give \"fovY\", in degrees"},
-    {"camera/orthographic", "fovY",
-     "an orthographic camera has no field of view; give \"height\" or \"window\""},
-    {"camera/perspective", "height", "only an orthographic camera has a height; give \"fovY\" or \"window\""},
-    {"camera/orthographic", "lensRadius", "only a perspective camera has a lens"},
-    {"camera/orthographic", "focusDistance", "only a perspective camera has a lens"}};
-
 }  // namespace
 
 const JsonValue* JsonValue::child(const std::string& step) const {
@@ -250,10 +224,6 @@ std::string describe(const JsonValue& value) {
     return text.substr(0, kLongest);
 }
 
-void JsonCursor::failWith(const std::string& what) const {
-    failFile(pointer_.empty() ? *file_ : *file_ + ": " + pointer_, what);
-}
-
 size_t JsonCursor::size() const {
     if (!value_->array()) failWanted("must be an array [...]");
     return value_->array()->size();
@@ -270,18 +240,6 @@ const JsonObject& JsonCursor::object() const {
 
 JsonCursor JsonCursor::member(size_t index) const {
     return {*this, object().values[index], escapePointer(object().keys[index])};
-}
-
-void JsonCursor::expectKeys(const KeyTable& table) const {
-    for (size_t i = 0; i < object().keys.size(); i++) {
-        const std::string& key = object().keys[i];
-        if (std::ranges::find(table.keys(), key) != table.keys().end()) continue;
-        for (const Synonym& known : kSynonyms)
-            if (key == known.key && table.what.starts_with(known.what))
-                member(i).fail("unknown key (", known.advice, ")");
-        const std::string hint = suggestion(key, table.keys(), "known");
-        member(i).fail("unknown key", (hint.empty() ? "" : " (" + hint + ")"));
-    }
 }
 
 std::vector<std::pair<std::string_view, JsonCursor>> JsonCursor::members() const {

@@ -2,12 +2,9 @@
 // parser, with // and /* */ comments.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -51,17 +48,6 @@ std::vector<std::string> stepsOf(std::string_view pointer);
 // A value for messages: short values as JSON on one line, long values by their kind.
 std::string describe(const JsonValue& value);
 
-// The keys of one kind of JSON object.
-struct KeyTable {
-    std::string_view what;                   // the path of the object in the schema, e.g. "object/sphere"
-    std::array<std::string_view, 13> names;  // then empty
-
-    constexpr std::span<const std::string_view> keys() const {
-        return std::span(names).first(
-            static_cast<size_t>(std::ranges::find(names, std::string_view()) - names.begin()));
-    }
-};
-
 // A place in the tree with its JSON pointer (RFC 6901), for as long as the tree and the file's name live.
 // Every reading function throws Error(Scene) "FILE: POINTER: what is wanted (got what)".
 class JsonCursor {
@@ -70,10 +56,9 @@ class JsonCursor {
 
     const JsonValue& value() const { return *value_; }
     const std::string& pointer() const { return pointer_; }
-    [[noreturn]] void failWith(const std::string& what) const;
     template <typename... Parts>
     [[noreturn]] void fail(const Parts&... what) const {
-        failWith(concat(what...));
+        failFile(pointer_.empty() ? *file_ : *file_ + ": " + pointer_, what...);
     }
     template <typename... Parts>
     [[noreturn]] void failWanted(const Parts&... wanted) const {
@@ -82,8 +67,7 @@ class JsonCursor {
 
     size_t size() const;  // of an array; fails for anything else
     JsonCursor item(size_t index) const;
-    const JsonObject& object() const;              // fails for anything else, as all of the following do
-    void expectKeys(const KeyTable& table) const;  // no other keys
+    const JsonObject& object() const;  // fails for anything else, as all of the following do
     std::vector<std::pair<std::string_view, JsonCursor>> members() const;
     std::optional<JsonCursor> find(std::string_view key) const;
     JsonCursor require(std::string_view key) const;

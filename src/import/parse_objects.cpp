@@ -60,22 +60,6 @@ Shape parseShape(std::string_view type, const JsonCursor& object) {
         {vertices.item(0).vector3(), vertices.item(1).vector3(), vertices.item(2).vector3()}};
 }
 
-// Names of types in other programs, and what to write here.
-struct OtherName {
-    std::string_view kind, name, advice;
-};
-constexpr OtherName kOtherNames[] = {
-    {"object", "cube", "did you mean \"box\"?"},
-    {"object", "cuboid", "did you mean \"box\"?"},
-    {"object", "quad", "did you mean \"polygon\"?"},
-    {"object", "rectangle", "did you mean \"polygon\"?"},
-    {"object", "circle", "did you mean \"disc\"?"},
-    {"object", "ball", "did you mean \"sphere\"?"},
-    {"object", "obj", "did you mean \"mesh\"?"},
-    {"object", "model", "did you mean \"mesh\"?"},
-    {"light", "sun", "did you mean \"directional\"?"},
-    {"camera", "oblique", "\"planeNormal\" makes a perspective or orthographic camera oblique"}};
-
 // ---- Transforms
 
 Affine parseMatrix(const JsonCursor& list) {
@@ -112,7 +96,7 @@ Affine parseQuaternion(const JsonCursor& turn) {
 }
 
 Affine parseStep(const JsonCursor& step) {
-    step.expectKeys(keys::of("transformStep"));
+    expectKeys(step, "transformStep");
     const auto members = step.members();
     if (members.size() != 1)
         step.fail("must hold exactly one of \"scale\", \"rotate\", \"quaternion\" and \"translate\"");
@@ -179,15 +163,17 @@ class ObjectParser {
         : scene_(scene), file_(file), folder_(folder), files_(files), memory_(memory) {
         for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
         if (!meshes) return;
-        for (const auto& [name, mesh] : meshes->members()) meshes_.emplace(name, mesh);
+        for (const auto& [name, mesh] : meshes->members())
+            meshes_.try_emplace(name, NamedMesh{mesh, nullptr});
     }
 
     // Appends the object, or those of a group, to the scene.
     void parse(const JsonCursor& object) { parse(object, {}); }
     void warnOfUnusedMeshes() {
         for (const auto& [name, mesh] : meshes_)
-            if (!loaded_.contains(name))
-                scene_.warnings.push_back(file_ + ": " + mesh.pointer() + ": no object uses this mesh");
+            if (!mesh.loaded)
+                scene_.warnings.push_back(file_ + ": " + mesh.source.pointer() +
+                                          ": no object uses this mesh");
     }
 
   private:
@@ -195,6 +181,10 @@ class ObjectParser {
         std::shared_ptr<const Mesh> own;    // with the file's materials, if it names some
         std::shared_ptr<const Mesh> plain;  // without
         uint32_t material = 0;              // the first of the file's materials in the scene
+    };
+    struct NamedMesh {
+        JsonCursor source;
+        std::shared_ptr<LoadedMesh> loaded;  // null before its first use
     };
 
     // Settings that an object inherits from the groups around it.
@@ -207,7 +197,7 @@ class ObjectParser {
     void parse(const JsonCursor& object, const Surrounding& around) {
         const std::string type(readType(object.require("type"), "object"));
         if (type == "group") return parseGroup(object, around);
-        object.expectKeys(keys::of("object/" + type));
+        expectKeys(object, "object/" + type);
 
         Object result;
         result.name = object.pointer();
@@ -228,7 +218,7 @@ class ObjectParser {
     }
 
     void parseGroup(const JsonCursor& group, const Surrounding& around) {
-        group.expectKeys(keys::of("object/group"));
+        expectKeys(group, "object/group");
         if (around.depth == kMaxGroupDepth)
             group.fail("groups must not be nested deeper than ", kMaxGroupDepth);
         Surrounding inside = around;
@@ -258,13 +248,12 @@ class ObjectParser {
     }
 
     LoadedMesh& load(const JsonCursor& nameCursor) {
-        const std::string& name = nameCursor.string();
-        const auto known = loaded_.find(name);
-        if (known != loaded_.end()) return *known->second;
-
-        const auto found = meshes_.find(name);
+        const auto found = meshes_.find(nameCursor.string());
         if (found == meshes_.end()) failName(nameCursor, "mesh", meshes_);
-        const JsonCursor file = found->second.require("file");
+        std::shared_ptr<LoadedMesh>& loaded = found->second.loaded;
+        if (loaded) return *loaded;
+
+        const JsonCursor file = found->second.source.require("file");
         std::filesystem::path path;
         try {
             path = files_.resolve(folder_, file.string());
@@ -275,7 +264,8 @@ class ObjectParser {
         if (!isMeshFile(path)) file.fail(path.string(), ": ", kNoMeshFile);
         std::shared_ptr<LoadedMesh>& shared = byFile_[files_.real(path)];
         if (!shared) shared = std::make_shared<LoadedMesh>(readMesh(path));
-        return *loaded_.emplace(name, shared).first->second;
+        loaded = shared;
+        return *loaded;
     }
 
     LoadedMesh readMesh(const std::filesystem::path& path) {
@@ -328,24 +318,13 @@ class ObjectParser {
     const std::filesystem::path& folder_;
     SceneFiles& files_;
     MeshMemory& memory_;
-    std::map<std::string_view, JsonCursor> meshes_;
+    std::map<std::string_view, NamedMesh> meshes_;
     std::map<std::string, uint32_t, std::less<>> materials_;
-    std::map<std::string, std::shared_ptr<LoadedMesh>, std::less<>> loaded_;  // by name
-    std::map<std::filesystem::path, std::shared_ptr<LoadedMesh>> byFile_;     // several names may share one
+    std::map<std::filesystem::path, std::shared_ptr<LoadedMesh>> byFile_;  // several names may share one
     uint32_t default_ = Mesh::kNoIndex;
 };
 
 }  // namespace
-
-std::string_view readType(const JsonCursor& type, std::string_view kind) {
-    const std::string& name = type.string();
-    const std::vector<std::string_view> types = keys::typesOf(kind);
-    if (std::ranges::find(types, name) != types.end()) return name;
-    std::string hint = suggestion(name, types, "supported");
-    for (const OtherName& other : kOtherNames)
-        if (other.kind == kind && other.name == name) hint = other.advice;
-    type.fail("unknown ", kind, " type \"", name, "\" (", hint, ")");
-}
 
 void parseObjects(const JsonCursor& root, const std::string& name, const std::filesystem::path& folder,
                   SceneFiles& files, MeshMemory& memory, Scene& scene, SceneErrors& errors) {
@@ -353,7 +332,7 @@ void parseObjects(const JsonCursor& root, const std::string& name, const std::fi
     if (meshes) {
         for (const auto& member : meshes->members())
             errors.attempt([&] {
-                member.second.expectKeys(keys::of("mesh"));
+                expectKeys(member.second, "mesh");
                 member.second.require("file").string();
             });
     }

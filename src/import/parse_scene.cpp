@@ -16,6 +16,51 @@ namespace glint {
 
 namespace {
 
+// Words of other programs, and what to write here. `what` is the beginning of a key table's name, or "type of
+// KIND".
+struct Advice {
+    std::string_view what, word, text;
+};
+constexpr Advice kAdvice[] = {
+    {"material", "color", "the colour of a material is \"diffuse\""},
+    {"material", "colour", "the colour of a material is \"diffuse\""},
+    {"material", "opacity", "give \"transmission\", which is 1 - opacity"},
+    {"material", "emission", "surfaces do not glow; \"ambient\" is what they show without a light"},
+    {"material", "reflectivity", "give \"mirror\""},
+    {"object/mesh", "file",
+     "name the file in \"meshes\": {\"NAME\": {\"file\": ...}}, and give \"mesh\": \"NAME\""},
+    {"object/", "color", "give a \"material\" with \"diffuse\""},
+    {"object/", "colour", "give a \"material\" with \"diffuse\""},
+    {"object/plane", "position", "give \"point\""},
+    {"object/", "position", "give \"center\", or \"transform\""},
+    {"light/", "color", "give \"intensity\", a number or [r, g, b]"},
+    {"camera/", "position", "give \"eye\""},
+    {"camera/", "lookAt", "give \"target\""},
+    {"camera/", "fov", "give \"fovY\", in degrees"},
+    {"camera/orthographic", "fovY",
+     "an orthographic camera has no field of view; give \"height\" or \"window\""},
+    {"camera/perspective", "height", "only an orthographic camera has a height; give \"fovY\" or \"window\""},
+    {"camera/orthographic", "lensRadius", "only a perspective camera has a lens"},
+    {"camera/orthographic", "focusDistance", "only a perspective camera has a lens"},
+    {"type of object", "cube", "did you mean \"box\"?"},
+    {"type of object", "cuboid", "did you mean \"box\"?"},
+    {"type of object", "quad", "did you mean \"polygon\"?"},
+    {"type of object", "rectangle", "did you mean \"polygon\"?"},
+    {"type of object", "circle", "did you mean \"disc\"?"},
+    {"type of object", "ball", "did you mean \"sphere\"?"},
+    {"type of object", "obj", "did you mean \"mesh\"?"},
+    {"type of object", "model", "did you mean \"mesh\"?"},
+    {"type of light", "sun", "did you mean \"directional\"?"},
+    {"type of camera", "oblique", "\"planeNormal\" makes a perspective or orthographic camera oblique"}};
+
+// Advice on an unknown word: that of the table, else suggestion().
+std::string hintFor(std::string_view what, std::string_view word, std::span<const std::string_view> known,
+                    std::string_view list) {
+    for (const Advice& advice : kAdvice)
+        if (word == advice.word && what.starts_with(advice.what)) return std::string(advice.text);
+    return suggestion(word, known, list);
+}
+
 // ---- Textures
 
 glm::dvec2 pair(const JsonCursor& value, const char* wanted) {
@@ -87,7 +132,7 @@ class TextureParser {
             scene_.background = background->color();
             return;
         }
-        background->expectKeys(keys::of("environmentMap"));
+        expectKeys(*background, "environmentMap");
         EnvironmentMap map;
         const JsonCursor file = background->require("environment");
         map.file = file.string();
@@ -99,7 +144,7 @@ class TextureParser {
 
   private:
     Texture parseImage(const JsonCursor& source) {
-        source.expectKeys(keys::of("imageTexture"));
+        expectKeys(source, "imageTexture");
         ImageTexture image;
         const JsonCursor file = source.require("texture");
         image.file = file.string();
@@ -110,7 +155,7 @@ class TextureParser {
     }
 
     Texture parseChecker(const JsonCursor& source) {
-        source.expectKeys(keys::of("checkerTexture"));
+        expectKeys(source, "checkerTexture");
         CheckerTexture checker;
         const JsonCursor colors = source.require("checker");
         colors.expectItems(2, "two colours [a, b]");
@@ -158,7 +203,7 @@ void parseSampling(const JsonCursor& image, ImageSettings& settings) {
         settings.seed = static_cast<uint32_t>(value);
     }
     if (const auto adaptive = image.find("adaptive")) {
-        adaptive->expectKeys(keys::of("image/adaptive"));
+        expectKeys(*adaptive, "image/adaptive");
         settings.adaptive.emplace();
         settings.adaptive->maxSamples =
             adaptive->integer("maxSamples", 1, kMaxSamplesPerPixel, settings.adaptive->maxSamples);
@@ -167,7 +212,7 @@ void parseSampling(const JsonCursor& image, ImageSettings& settings) {
 }
 
 void parseImage(const JsonCursor& image, ImageSettings& settings) {
-    image.expectKeys(keys::of("image"));
+    expectKeys(image, "image");
     settings.width = image.integer("width", 1, kMaxImageSize, settings.width);
     settings.height = image.integer("height", 1, kMaxImageSize, settings.height);
     settings.samplesPerPixel =
@@ -182,7 +227,7 @@ Projection readProjection(const JsonCursor& camera) {
 
 void readCamera(const JsonCursor& camera, Camera& result) {
     result.projection = readProjection(camera);
-    camera.expectKeys(keys::of("camera/" + std::string(nameOf(result.projection))));
+    expectKeys(camera, "camera/" + std::string(nameOf(result.projection)));
     result.eye = camera.vector3("eye", result.eye);
     result.target = camera.vector3("target", result.target);
     result.up = camera.vector3("up", result.up);
@@ -200,7 +245,7 @@ void readCamera(const JsonCursor& camera, Camera& result) {
 }
 
 PointLight parsePoint(const JsonCursor& light) {
-    light.expectKeys(keys::of("light/point"));
+    expectKeys(light, "light/point");
     PointLight point;
     point.position = light.require("position").vector3();
     point.intensity = light.color("intensity", point.intensity);
@@ -209,7 +254,7 @@ PointLight parsePoint(const JsonCursor& light) {
 }
 
 SpotLight parseSpot(const JsonCursor& light) {
-    light.expectKeys(keys::of("light/spot"));
+    expectKeys(light, "light/spot");
     SpotLight spot;
     spot.position = light.require("position").vector3();
     spot.direction = light.require("direction").vector3();
@@ -224,7 +269,7 @@ Light parseLight(const JsonCursor& light) {
     const std::string_view type = readType(light.require("type"), "light");
     if (type == "point") return parsePoint(light);
     if (type == "spot") return parseSpot(light);
-    light.expectKeys(keys::of("light/directional"));
+    expectKeys(light, "light/directional");
     DirectionalLight directional;
     directional.direction = light.require("direction").vector3();
     directional.intensity = light.color("intensity", directional.intensity);
@@ -260,7 +305,7 @@ void parseDielectric(const JsonCursor& material, Material& result, TextureParser
 }
 
 Material parseMaterial(const JsonCursor& material, std::string_view name, TextureParser& textures) {
-    material.expectKeys(keys::of("material"));
+    expectKeys(material, "material");
     Material result;
     result.name = name;
     parseDielectric(material, result, textures);
@@ -293,6 +338,21 @@ void warnOfUnits(Scene& scene, const std::string& name) {
 }
 
 }  // namespace
+
+void expectKeys(const JsonCursor& object, std::string_view what) {
+    const auto keys = std::ranges::find(keys::kAllTables, what, &KeyTable::what)->keys();
+    for (const std::string& key : object.object().keys)
+        if (std::ranges::find(keys, key) == keys.end())
+            object.require(key).fail("unknown key (", hintFor(what, key, keys, "known"), ")");
+}
+
+std::string_view readType(const JsonCursor& type, std::string_view kind) {
+    const std::string& name = type.string();
+    const std::vector<std::string_view> types = keys::typesOf(kind);
+    if (std::ranges::find(types, name) != types.end()) return name;
+    type.fail("unknown ", kind, " type \"", name, "\" (",
+              hintFor(concat("type of ", kind), name, types, "supported"), ")");
+}
 
 void SceneErrors::attempt(const std::function<void()>& read) {
     constexpr size_t kMost = 10;
@@ -347,7 +407,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
     Scene scene;
     SceneErrors errors(document, name);
     TextureParser textures(scene, folder, files);
-    errors.attempt([&] { root.expectKeys(keys::of("scene")); });
+    errors.attempt([&] { expectKeys(root, "scene"); });
     errors.attempt([&] {
         if (const auto schema = root.find("$schema")) schema->string();
         if (const auto image = root.find("image")) parseImage(*image, scene.image);

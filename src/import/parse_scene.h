@@ -8,8 +8,9 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <stdexcept>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "import/json_document.h"
@@ -63,6 +64,16 @@ void parseObjects(const JsonCursor& root, const std::string& name, const std::fi
 // ---- The keys of each object of a scene file. The parser refuses all others; tests compare
 // scenes/scene.schema.json with this list.
 
+struct KeyTable {
+    std::string_view what;                   // the path of the object in the schema, e.g. "object/sphere"
+    std::array<std::string_view, 13> names;  // then empty
+
+    constexpr std::span<const std::string_view> keys() const {
+        return std::span(names).first(
+            static_cast<size_t>(std::ranges::find(names, std::string_view()) - names.begin()));
+    }
+};
+
 namespace keys {
 
 inline constexpr auto kAllTables = std::to_array<KeyTable>({
@@ -106,11 +117,6 @@ inline constexpr auto kAllTables = std::to_array<KeyTable>({
     {"animation/track", {"target", "interpolation", "times", "values"}},
 });
 
-constexpr const KeyTable& of(std::string_view what) {
-    const auto found = std::ranges::find(kAllTables, what, &KeyTable::what);
-    return found != kAllTables.end() ? *found : throw std::logic_error("no such key table");
-}
-
 // The values of "type" of an "object", "light" or "camera".
 inline std::vector<std::string_view> typesOf(std::string_view kind) {
     std::vector<std::string_view> types;
@@ -121,6 +127,9 @@ inline std::vector<std::string_view> typesOf(std::string_view kind) {
 }
 
 }  // namespace keys
+
+// Fails at a key that the table of this name lacks.
+void expectKeys(const JsonCursor& object, std::string_view what);
 
 // The value of `type` for an "object", "light" or "camera"; fails if it is unknown.
 std::string_view readType(const JsonCursor& type, std::string_view kind);

@@ -1,11 +1,11 @@
 #include "import/scene_files.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <span>
 
 #include "core/content_hash.h"
 #include "core/error.h"
+#include "core/format.h"
 #include "core/image_io.h"
 #include "core/text_file.h"
 
@@ -25,9 +25,7 @@ constexpr uint64_t kMostBytesPerByte = 256;
 }
 
 std::string mebibytes(uint64_t bytes) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
-    return text;
+    return format("%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
 }
 
 bool isWithin(const fs::path& path, const fs::path& folder) {
@@ -67,7 +65,7 @@ fs::path SceneFiles::findOrBeside(const fs::path& folder, const std::string& nam
 
 std::string SceneFiles::read(const fs::path& path) {
     const uint64_t size = source_->status(path).size;
-    if (size > options_.memory - std::min(options_.memory, read_ + pictures_ + taken_))
+    if (size > memoryLeft())
         fail(path.string() + ": has " + mebibytes(size) + ", more than there is memory for");
     std::string bytes = source_->read(path, context());
     read_ += bytes.size();
@@ -104,9 +102,12 @@ std::vector<SourceFile> SceneFiles::sources() const {
     return list;
 }
 
+uint64_t SceneFiles::memoryLeft() const {
+    return options_.memory - std::min(options_.memory, read_ + pictures_ + taken_);
+}
+
 uint64_t SceneFiles::mostPixels() const {
-    const uint64_t left = options_.memory - std::min(options_.memory, read_ + pictures_ + taken_);
-    return std::min<uint64_t>(kMostPixels, left / (4 * sizeof(float)));
+    return std::min<uint64_t>(kMostPixels, memoryLeft() / (4 * sizeof(float)));
 }
 
 void SceneFiles::take(uint64_t bytes, const std::string& where) {

@@ -79,6 +79,7 @@ class SceneFiles {
   private:
     friend class ProgressPart;
     void note(const std::filesystem::path& path, uint64_t hash);
+    uint64_t memoryLeft() const;
 
     LoadOptions options_;
     std::shared_ptr<FileSource> source_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -189,10 +188,9 @@ bool isAscii(std::string_view bytes, std::string_view text) {
     std::string_view head = text.substr(0, 1024);
     if (head.find('\0') != head.npos) return false;
     if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
-    const auto lower = [](unsigned char c) { return std::tolower(c); };
     while (!head.empty()) {
         head.remove_prefix(std::min(head.find_first_not_of(" \t\r\n"), head.size()));
-        if (std::ranges::equal(head.substr(0, 5), "solid"sv, {}, lower)) return true;
+        if (lowerCase(head.substr(0, 5)) == "solid") return true;
         head.remove_prefix(std::min(head.find_first_of("\r\n"), head.size()));
     }
     return false;

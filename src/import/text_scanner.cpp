@@ -1,26 +1,14 @@
 #include "import/text_scanner.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cstdlib>
 #include <type_traits>
 
 #include "core/enum_names.h"
-#include "core/error.h"
 #include "core/text_file.h"
 
 namespace glint {
-
-void failWith(const std::string& file, const std::string& what) {
-    throw Error(ErrorKind::Scene, printable(file + ": " + what));
-}
-
-std::string lowerCase(std::string_view text) {
-    std::string result(text);
-    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return result;
-}
 
 std::string_view withoutByteOrderMark(std::string_view text, const std::string& file) {
     const bool wide = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');

@@ -15,16 +15,6 @@ namespace glint {
 // `text` without a UTF-8 byte order mark. Throws Error(Scene) "FILE: is UTF-16 text ..." for UTF-16.
 std::string_view withoutByteOrderMark(std::string_view text, const std::string& file);
 
-// Throws Error(Scene) "FILE: what", `what` being the parts in printable form.
-[[noreturn]] void failWith(const std::string& file, const std::string& what);
-template <typename... Parts>
-[[noreturn]] void failFile(const std::string& file, const Parts&... what) {
-    failWith(file, concat(what...));
-}
-
-// `text` with the letters A to Z in lower case.
-std::string lowerCase(std::string_view text);
-
 // Warnings about one file, and one for all names that its reader ignored.
 class FileWarnings {
   public:

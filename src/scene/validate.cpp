@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <span>
 #include <tuple>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/format.h"
 #include "core/text_file.h"
 #include "core/vectors.h"
 #include "scene/limits.h"
@@ -398,9 +398,7 @@ void checkObjects(const Scene& scene, const std::string& name) {
 }  // namespace
 
 std::string sixDigits(double number) {
-    char rounded[32];
-    std::snprintf(rounded, sizeof rounded, "%.6g", number);
-    return rounded;
+    return format("%.6g", number);
 }
 
 void Place::failWith(std::string_view key, const std::string& what) const {
