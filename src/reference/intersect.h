@@ -37,7 +37,7 @@ struct PreparedRay {
 
 // A hit in the coordinates of the primitive.
 struct Root {
-    double t, u, v;
+    double t = 0, u = 0, v = 0;
     double slip = 0;     // see slipOfFlat
     uint32_t part = 0;   // of a solid with several surfaces, the one that is hit
     bool twice = false;  // tangent: the line enters and leaves a round surface at one t
@@ -58,10 +58,6 @@ double errorOfRound(const PreparedRay& ray, const glm::dvec3& spread, const glm:
 // The slip of a round surface whose equation may differ by `error`.
 double slipOfRound(const PreparedRay& ray, const glm::dvec3& gradient, const glm::dvec3& spread,
                    double error);
-// The last roundings of t.
-inline double slipOfRounding(const PreparedRay& ray, double t) {
-    return ray.slips * 8 * 0x1p-24 * std::abs(t);
-}
 // True if a surface at t +- slip is within the ray's interval, which ends at tMax.
 inline bool isWithin(const PreparedRay& ray, double t, double slip, double tMax) {
     return t > ray.tMin && t - (ray.ties ? slip : 0) <= tMax && t <= std::numeric_limits<double>::max();
@@ -174,18 +170,23 @@ inline bool isAnchored(const rows::Sphere& sphere) {
     return sphere.anchorNormal != glm::dvec3(0);
 }
 
-// The map of a solid, a quadric or box, into its own coordinates.
-template <class Solid>
-glm::dmat3 toLocal(const Solid& solid) {
-    return glm::transpose(glm::dmat3(solid.toLocal0, solid.toLocal1, solid.toLocal2));
-}
-
 // `from`, and how far the solid's clipping box reaches from its point along each axis.
 template <class Solid>
 glm::dvec3 reachFrom(const glm::dvec3& from, const Solid& solid) {
     const glm::dmat3 back = glm::inverse(toLocal(solid));
     const glm::dvec3 size = glm::max(glm::abs(solid.lo), glm::abs(solid.hi));
     return from + glm::abs(back[0]) * size.x + glm::abs(back[1]) * size.y + glm::abs(back[2]) * size.z;
+}
+
+// slipOfFlat for the planes that clip a solid along an axis. speed: of the ray along the axis. The last term
+// is for the last roundings of t. Instances hold no solids, so PreparedRay::slip is 0.
+template <class Solid>
+double slipOfFace(const Solid& solid, int axis, Extended speed, Extended t, const PreparedRay& ray) {
+    if (!ray.leaves && !ray.ties) return 0;
+    const double plane = std::max(std::abs(solid.lo[axis]), std::abs(solid.hi[axis]));
+    const double height = heightError(ray, rowsOf(solid)[axis], solid.point, 0) + kFloatUnit * 2 * plane;
+    return height / std::abs(static_cast<double>(speed)) +
+           ray.slips * 8 * kFloatUnit * std::abs(static_cast<double>(t));
 }
 
 }  // namespace glint::reference

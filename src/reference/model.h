@@ -62,6 +62,16 @@ GLINT_SCENE_ARRAYS(GLINT_ROW_STRUCT)
 #undef GLINT_NUMBERS_U4
 }  // namespace rows
 
+// The map of a solid, a quadric or box, into its own coordinates, and the rows of its matrix.
+template <class Solid>
+glm::dmat3 rowsOf(const Solid& solid) {
+    return {solid.toLocal0, solid.toLocal1, solid.toLocal2};
+}
+template <class Solid>
+glm::dmat3 toLocal(const Solid& solid) {
+    return glm::transpose(rowsOf(solid));
+}
+
 // Levels below a tree's root at most, of the world's and of each prototype's.
 inline constexpr size_t kMaxTreeDepth = 63;
 

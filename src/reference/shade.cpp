@@ -74,7 +74,7 @@ class PathTracer {
 
   private:
     std::optional<Hit> closest(const Ray& ray, const Source& source, RayClass kind);
-    void decide(uint32_t word) { record_.decisions = (record_.decisions ^ word) * shared::kHashPrime; }
+    void decide(uint32_t word) { record_.decisions = addDecisions(record_.decisions, word); }
     void decide(const Hit& hit) {
         decide(hit.primitive);
         decide(hit.instance);

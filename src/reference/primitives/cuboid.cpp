@@ -19,7 +19,7 @@ struct Seen {
     Sum<Extended> o[3], d[3];
 
     Seen(const rows::Cuboid& c, const PreparedRay& ray) {
-        const dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+        const glm::dmat3 normals = rowsOf(c);
         for (int i = 0; i < 3; ++i) {
             const auto n = toVec<Extended>(normals[i]);
             o[i] = sumOfProducts(n, toVec<Extended>(ray.origin) - toVec<Extended>(c.point));
@@ -37,21 +37,9 @@ struct Seen {
     }
 };
 
-// slipOfFlat for the face across an axis.
-double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t, const PreparedRay& ray) {
-    if (!ray.leaves && !ray.ties) return 0;
-    const dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
-    const double plane = std::max(std::abs(c.lo[axis]), std::abs(c.hi[axis]));
-    const double height =
-        heightError(ray, normals[axis], c.point, 0) + kFloatUnit * 2 * plane + ray.slips * ray.slip;
-    return height / std::abs(static_cast<double>(seen.d[axis].value)) +
-           slipOfRounding(ray, static_cast<double>(t));
-}
-
 }  // namespace
 
 bool intersect(const rows::Cuboid& c, const RayTest& test, Root& root) {
-    root.u = root.v = 0;
     const Seen seen(c, test.ray);
     bool found = false, leaves = false;
     for (uint32_t face = 0; face < 6; ++face) {
@@ -60,7 +48,7 @@ bool intersect(const rows::Cuboid& c, const RayTest& test, Root& root) {
         const Extended t = seen.reach(axis, face & 1 ? c.hi[axis] : c.lo[axis]);
         if (found && static_cast<double>(t) > root.t) continue;
         if (!seen.isBetween(c, (axis + 1) % 3, t) || !seen.isBetween(c, (axis + 2) % 3, t)) continue;
-        const double slip = slipOfFace(c, seen, axis, t, test.ray);
+        const double slip = slipOfFace(c, axis, seen.d[axis].value, t, test.ray);
         if (!countsAt(test.ray, static_cast<double>(t), slip, test.tMax)) continue;
         const bool leavesHere = (face & 1) == (seen.d[axis].value > 0 ? 1u : 0u);
         if (found && static_cast<double>(t) == root.t) {
@@ -78,7 +66,7 @@ bool intersect(const rows::Cuboid& c, const RayTest& test, Root& root) {
 }
 
 void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
-    const dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+    const glm::dmat3 normals = rowsOf(c);
     const int axis = static_cast<int>(place.part() / 2);
     const bool upper = place.part() % 2 == 1;
     const dvec3 normal = glm::normalize(normals[axis]);

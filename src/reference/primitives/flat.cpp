@@ -23,7 +23,6 @@ bool solvePlane(const PreparedRay& ray, const dvec3& normal, const dvec3& point,
 }
 
 bool acceptFlat(Extended t, const dvec3& normal, const dvec3& point, const RayTest& test, Root& root) {
-    root.u = root.v = 0;
     return accept(t, slipOfFlat(test.ray, normal, point, static_cast<double>(t)), test, root);
 }
 

@@ -48,10 +48,10 @@ struct LocalRay {
     LocalRay(const rows::Quadric& q, const PreparedRay& ray) {
         const Vec<T> origin = toVec<T>(ray.origin) - toVec<T>(q.point);
         const Vec<T> direction = toVec<T>(ray.direction);
-        const dvec3 turned[3] = {q.toLocal0, q.toLocal1, q.toLocal2};
+        const dmat3 rows = rowsOf(q);
         for (int i = 0; i < 3; ++i) {
-            o[i] = sumOfProducts(toVec<T>(turned[i]), origin);
-            d[i] = sumOfProducts(toVec<T>(turned[i]), direction);
+            o[i] = sumOfProducts(toVec<T>(rows[i]), origin);
+            d[i] = sumOfProducts(toVec<T>(rows[i]), direction);
         }
         o[3] = T{1};
     }
@@ -127,7 +127,7 @@ struct SideRule {
     double error;
 
     SideRule(const rows::Quadric& quadric, const PreparedRay& ray, double t, const Vec4<Extended>& place) {
-        const dmat3 squares = squaresOf(quadric), rows = glm::transpose(toLocal(quadric));
+        const dmat3 squares = squaresOf(quadric), rows = rowsOf(quadric);
         dvec3 y;
         for (int i = 0; i < 3; ++i) y[i] = static_cast<double>(place[i].value);
         const dvec3 slope = squares * y + quadric.linear;
@@ -153,7 +153,6 @@ class Search {
           root_(root) {}
 
     bool run(bool fromSide) {
-        root_.u = root_.v = 0;
         sides(fromSide);
         for (const bool upper : {false, true}) {
             const uint32_t cap = upper ? shared::kPartUpperCap : shared::kPartLowerCap;
@@ -206,7 +205,7 @@ class Search {
         const Extended plane = upper ? quadric_.hi.z : quadric_.lo.z;
         if (local_.d[2].value == 0) return;
         const Extended t = (plane - local_.o[2].value) / local_.d[2].value;
-        const double slip = slipOfCap(t);
+        const double slip = slipOfFace(quadric_, 2, local_.d[2].value, t, ray_);
         if (!countsAt(ray_, static_cast<double>(t), slip, test_.tMax) || !isFirst(t)) return;
         Vec4<Extended> y = local_.at(t);
         y[2] = plane;
@@ -224,17 +223,6 @@ class Search {
         if (!ray_.ties) return 0;
         const SideRule at(quadric_, ray_, static_cast<double>(t), y);
         return slipOfRound(ray_, at.gradient, at.spread, at.error);
-    }
-
-    // slipOfFlat for a cap: the third axis, which is no unit vector, is the caps' normal.
-    double slipOfCap(Extended t) const {
-        if (!ray_.leaves && !ray_.ties) return 0;
-        const dvec3 axis(quadric_.toLocal2), point(quadric_.point);
-        const double plane = std::max(std::abs(quadric_.lo.z), std::abs(quadric_.hi.z));
-        const double height = heightError(ray_, axis, point, 0) + kFloatUnit * 2 * plane +
-                              glm::length(axis) * ray_.slips * ray_.slip;
-        return height / std::abs(static_cast<double>(local_.d[2].value)) +
-               slipOfRounding(ray_, static_cast<double>(t));
     }
 
     void take(Extended t, double slip, uint32_t part, bool twice) {
@@ -277,7 +265,7 @@ double errorAlong(double terms, const dvec3& slope, const dmat3& rows, const dve
 // Fill in position, normal and bend of the surface next to a hit point. They return the fp32 error of the
 // equation's value there, along the normal (rounding.h).
 double pointOnCap(const rows::Quadric& quadric, bool upper, const dvec3& point, Surface& surface) {
-    const dmat3 rows = glm::transpose(toLocal(quadric));
+    const dmat3 rows = rowsOf(quadric);
     const double plane = upper ? quadric.hi.z : quadric.lo.z;
     const double height = glm::dot(rows[2], point - quadric.point) - plane;
     surface.position = point - height / glm::dot(rows[2], rows[2]) * rows[2];
@@ -290,7 +278,7 @@ double pointOnCap(const rows::Quadric& quadric, bool upper, const dvec3& point, 
 // plane).
 double pointOnSide(const rows::Quadric& quadric, const dvec3& point, const dvec3& direction,
                    Surface& surface) {
-    const dmat3 local = toLocal(quadric), rows = glm::transpose(local);
+    const dmat3 local = toLocal(quadric), rows = rowsOf(quadric);
     const dmat3 squares = squaresOf(quadric);
     const dvec3 y = local * (point - quadric.point);
     const dvec3 slope = 2.0 * (squares * y + quadric.linear);

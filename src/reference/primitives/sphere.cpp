@@ -97,7 +97,6 @@ bool intersect(const rows::Sphere& sphere, const RayTest& test, Root& root) {
     const PreparedRay& ray = test.ray;
     const bool robust = test.methods.spheres == SphereMethod::Robust;
     const TextbookError error(sphere, test);
-    root.u = root.v = 0;
     root.twice = false;
     const Vec<Extended> d = toVec<Extended>(ray.direction);
     const Vec<Extended> w = toVec<Extended>(sphere.point) - toVec<Extended>(ray.origin);

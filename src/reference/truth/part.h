@@ -14,19 +14,12 @@
 
 namespace glint::reference::truth {
 
-struct Bounds {
-    glm::dvec3 lo{std::numeric_limits<double>::infinity()};
-    glm::dvec3 hi{-std::numeric_limits<double>::infinity()};
-
-    void include(const glm::dvec3& p) {
-        lo = glm::min(lo, p);
-        hi = glm::max(hi, p);
-    }
+struct Bounds : BoundingBox {
+    using BoundingBox::include;
     void include(const Bounds& other) {
         lo = glm::min(lo, other.lo);
         hi = glm::max(hi, other.hi);
     }
-    bool empty() const { return lo.x > hi.x; }
     double halfArea() const {
         const glm::dvec3 size = hi - lo;
         return empty() ? 0 : size.x * size.y + size.y * size.z + size.z * size.x;

@@ -338,13 +338,12 @@ class MediaAround {
     // The eye in the solid's own coordinates.
     template <class Solid>
     dvec3 eyeIn(const Solid& solid, Bounds& box) const {
-        const glm::dmat3 toLocal = glm::transpose(glm::dmat3(solid.toLocal0, solid.toLocal1, solid.toLocal2));
-        const glm::dmat3 back = glm::inverse(toLocal);
+        const glm::dmat3 own = toLocal(solid), back = glm::inverse(own);
         Bounds local;
         local.include(solid.lo);
         local.include(solid.hi);
         for (int i = 0; i < 8; ++i) box.include(solid.point + back * local.corner(i));
-        return toLocal * (eye_ - solid.point);
+        return own * (eye_ - solid.point);
     }
 
     dvec3 eye_;
