@@ -71,7 +71,7 @@ void MovingScene::findDropped(const Scene& scene, const PrimitiveNumbers& number
         if (kinds_[object] != shared::kKindTriangle) continue;
         const Frame frame{packed_.origin, eye_, nullptr};
         for (uint32_t face = 0; face < numbers.facesOf(object); ++face) {
-            if (packerOfTriangle().judge(scene.objects[object], face, frame) != Fate::Kept)
+            if (packerOfTriangle().statusOf(scene.objects[object], face, frame) != PrimitiveStatus::Kept)
                 dropped_.push_back({object, face});
         }
     }
@@ -151,8 +151,8 @@ bool MovingScene::followOrigin(const Scene& scene, const PrimitiveNumbers& numbe
 bool MovingScene::droppedStaySo(const Scene& scene, const std::vector<bool>& moved) const {
     const Frame frame{packed_.origin, eye_, nullptr};
     return std::none_of(dropped_.begin(), dropped_.end(), [&](const Face& gone) {
-        return moved[gone.object] &&
-               packerOfTriangle().judge(scene.objects[gone.object], gone.face, frame) == Fate::Kept;
+        return moved[gone.object] && packerOfTriangle().statusOf(scene.objects[gone.object], gone.face,
+                                                                 frame) == PrimitiveStatus::Kept;
     });
 }
 

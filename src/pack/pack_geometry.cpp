@@ -35,25 +35,25 @@ struct ChunkCount {
 constexpr const char* kKindNames[shared::kKindCount] = {GLINT_PRIMITIVES(GLINT_KIND_NAMES, GLINT_KIND_NAMES)};
 #undef GLINT_KIND_NAMES
 
-Fate judgeInstance(const Instances& instances, uint32_t object) {
-    if (!instances.showsAnything(object)) return Fate::Absent;
-    return instances.isFinite(object) ? Fate::Kept : Fate::NotFinite;
+PrimitiveStatus statusOfInstance(const Instances& instances, uint32_t object) {
+    if (!instances.showsAnything(object)) return PrimitiveStatus::Absent;
+    return instances.isFinite(object) ? PrimitiveStatus::Kept : PrimitiveStatus::NotFinite;
 }
 
-ChunkCount judgeChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, size_t chunk,
-                      std::vector<Fate>& fates) {
+ChunkCount statusesOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame,
+                           size_t chunk, std::vector<PrimitiveStatus>& statuses) {
     ChunkCount count;
     numbers.visitChunk(chunk, [&](uint32_t object, uint32_t begin, uint32_t end) {
         const shared::PrimitiveKind kind = kindOf(scene.objects[object]);
-        Fate* fate = &fates[numbers.firstItem(object)];
+        PrimitiveStatus* status = &statuses[numbers.firstItem(object)];
         Dropped dropped{object, 0, 0};
         for (uint32_t face = begin; face < end; ++face) {
-            fate[face] = kind == shared::PrimitiveKind::Instance
-                             ? judgeInstance(*frame.instances, object)
-                             : packerOf(kind).judge(scene.objects[object], face, frame);
-            count.kept[static_cast<size_t>(kind)] += fate[face] == Fate::Kept;
-            dropped.noArea += fate[face] == Fate::NoArea;
-            dropped.notFinite += fate[face] == Fate::NotFinite;
+            status[face] = kind == shared::PrimitiveKind::Instance
+                               ? statusOfInstance(*frame.instances, object)
+                               : packerOf(kind).statusOf(scene.objects[object], face, frame);
+            count.kept[static_cast<size_t>(kind)] += status[face] == PrimitiveStatus::Kept;
+            dropped.noArea += status[face] == PrimitiveStatus::NoArea;
+            dropped.notFinite += status[face] == PrimitiveStatus::NotFinite;
         }
         if (dropped.noArea + dropped.notFinite > 0) count.dropped.push_back(dropped);
     });
@@ -92,12 +92,12 @@ void reportDropped(const Scene& scene, const PrimitiveNumbers& numbers, const st
 
 // Writes the chunk's primitives from position `next` on.
 void collectChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, size_t chunk,
-                  const std::vector<Fate>& fates, size_t next, Primitives& out) {
+                  const std::vector<PrimitiveStatus>& statuses, size_t next, Primitives& out) {
     numbers.visitChunk(chunk, [&](uint32_t object, uint32_t begin, uint32_t end) {
-        const Fate* fate = &fates[numbers.firstItem(object)];
+        const PrimitiveStatus* status = &statuses[numbers.firstItem(object)];
         const shared::PrimitiveKind kind = kindOf(scene.objects[object]);
         for (uint32_t face = begin; face < end; ++face) {
-            if (fate[face] != Fate::Kept) continue;
+            if (status[face] != PrimitiveStatus::Kept) continue;
             out.boxes[next] = kind == shared::PrimitiveKind::Instance
                                   ? frame.instances->box(object)
                                   : packerOf(kind).box(scene.objects[object], face, frame);
@@ -112,10 +112,10 @@ void collectChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
 Primitives collectPrimitives(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame,
                              const Context& context, PackStatistics& statistics,
                              std::vector<std::string>& warnings) {
-    std::vector<Fate> fates(numbers.total(), Fate::Absent);
+    std::vector<PrimitiveStatus> statuses(numbers.total(), PrimitiveStatus::Absent);
     std::vector<ChunkCount> counts(numbers.chunks());
-    const auto judge = [&](size_t i) { counts[i] = judgeChunk(scene, numbers, frame, i, fates); };
-    parallelFor(context, counts.size(), judge);
+    const auto assess = [&](size_t i) { counts[i] = statusesOfChunk(scene, numbers, frame, i, statuses); };
+    parallelFor(context, counts.size(), assess);
     reportDropped(scene, numbers, counts, statistics, warnings);
 
     Primitives out;
@@ -133,7 +133,7 @@ Primitives collectPrimitives(const Scene& scene, const PrimitiveNumbers& numbers
 
     parallelTasks(context, {[&] { out.boxes.resize(total); },
                             [&] { out.kinds.resize(total), out.sources.resize(total); }});
-    const auto collect = [&](size_t i) { collectChunk(scene, numbers, frame, i, fates, first[i], out); };
+    const auto collect = [&](size_t i) { collectChunk(scene, numbers, frame, i, statuses, first[i], out); };
     parallelFor(context, counts.size(), collect);
     return out;
 }

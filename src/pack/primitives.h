@@ -188,7 +188,7 @@ class Materials {
 };
 
 // Outcome for a primitive: absent without a warning, kept, or dropped with a warning.
-enum class Fate : uint8_t { Absent, Kept, NoArea, NotFinite };
+enum class PrimitiveStatus : uint8_t { Absent, Kept, NoArea, NotFinite };
 
 // Rows that primitives have in further arrays; where the next ones begin.
 struct FurtherRows {
@@ -223,7 +223,9 @@ class KindPacker {
 
     // ---- On the way in. `face`: of a mesh, else 0.
 
-    virtual Fate judge(const Object&, uint32_t /*face*/, const Frame&) const { return Fate::Kept; }
+    virtual PrimitiveStatus statusOf(const Object&, uint32_t /*face*/, const Frame&) const {
+        return PrimitiveStatus::Kept;
+    }
     // Takes in where the faces from begin to end are in the world.
     virtual void extend(const Object& object, uint32_t begin, uint32_t end, Extent& extent) const = 0;
     // Box of a kept primitive: contains the rounded primitive and everything that the device's test may

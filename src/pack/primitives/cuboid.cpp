@@ -82,10 +82,10 @@ class CuboidPacker final : public KindPacker {
   public:
     bool packs(const Shape& shape) const override { return std::holds_alternative<BoxShape>(shape); }
     // Without volume after rounding, far from the scene's origin, it has a pair of faces that are one.
-    Fate judge(const Object& object, uint32_t, const Frame& frame) const override {
+    PrimitiveStatus statusOf(const Object& object, uint32_t, const Frame& frame) const override {
         const shared::Cuboid c = roundCuboid(object, frame);
-        if (!isFinite(c.point) || !isFinite(c.lo) || !isFinite(c.hi)) return Fate::NotFinite;
-        return glm::all(glm::lessThan(c.lo, c.hi)) ? Fate::Kept : Fate::NoArea;
+        if (!isFinite(c.point) || !isFinite(c.lo) || !isFinite(c.hi)) return PrimitiveStatus::NotFinite;
+        return glm::all(glm::lessThan(c.lo, c.hi)) ? PrimitiveStatus::Kept : PrimitiveStatus::NoArea;
     }
     void extend(const Object& object, uint32_t, uint32_t, Extent& extent) const override {
         const Edges edges = edgesOf(object);

@@ -7,7 +7,9 @@ namespace {
 class PlanePacker final : public KindPacker {
   public:
     bool packs(const Shape& shape) const override { return std::holds_alternative<PlaneShape>(shape); }
-    Fate judge(const Object&, uint32_t, const Frame&) const override { return Fate::Absent; }
+    PrimitiveStatus statusOf(const Object&, uint32_t, const Frame&) const override {
+        return PrimitiveStatus::Absent;
+    }
     void extend(const Object&, uint32_t, uint32_t, Extent&) const override {}
     Box box(const Object&, uint32_t, const Frame&) const override { return {}; }
     void write(const Packing&, Primitives::Source, uint32_t, FurtherRows&) const override {}

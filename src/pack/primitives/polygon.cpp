@@ -65,12 +65,12 @@ uint32_t packedVertices(const PolygonShape& polygon) {
 class PolygonPacker final : public KindPacker {
   public:
     bool packs(const Shape& shape) const override { return std::holds_alternative<PolygonShape>(shape); }
-    Fate judge(const Object& object, uint32_t, const Frame& frame) const override {
+    PrimitiveStatus statusOf(const Object& object, uint32_t, const Frame& frame) const override {
         const auto vertices = roundPolygon(std::get<PolygonShape>(object.shape), frame.origin);
-        if (!vertices) return Fate::NotFinite;
+        if (!vertices) return PrimitiveStatus::NotFinite;
         return polygonPlane(widened(*vertices)) && polygonPlane(std::get<PolygonShape>(object.shape).vertices)
-                   ? Fate::Kept
-                   : Fate::NoArea;
+                   ? PrimitiveStatus::Kept
+                   : PrimitiveStatus::NoArea;
     }
     void extend(const Object& object, uint32_t, uint32_t, Extent& extent) const override {
         for (const glm::dvec3& vertex : std::get<PolygonShape>(object.shape).vertices) extent.include(vertex);

@@ -44,10 +44,11 @@ class TrianglePacker final : public KindPacker {
     // line has a plane and a normal and is kept; a degenerate triangle has none, and watertight intersection
     // tests would hit some of them (M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", 4th
     // ed., 6.5.3).
-    Fate judge(const Object& object, uint32_t face, const Frame& frame) const override {
+    PrimitiveStatus statusOf(const Object& object, uint32_t face, const Frame& frame) const override {
         const auto v = roundTriangle(TriangleSource(object).vertices(face), frame.origin);
-        if (!v) return Fate::NotFinite;
-        return areaVector((*v)[0], (*v)[1], (*v)[2]) == glm::dvec3(0) ? Fate::NoArea : Fate::Kept;
+        if (!v) return PrimitiveStatus::NotFinite;
+        return areaVector((*v)[0], (*v)[1], (*v)[2]) == glm::dvec3(0) ? PrimitiveStatus::NoArea
+                                                                      : PrimitiveStatus::Kept;
     }
     void extend(const Object& object, uint32_t begin, uint32_t end, Extent& extent) const override {
         const TriangleSource source(object);
