@@ -69,7 +69,7 @@ class Builder {
     // left over.
     uint32_t capacity(uint32_t levels) const;
     bool mixed(const Range& range) const;
-    // True if the boxes of the range must not share a leaf, whatever their number.
+    // True if the boxes of the range must not share a leaf, even if they are few.
     bool apart(const Range& range) const;
     Plan plan(const Range& range, const sah::Binning& binning, const sah::BinSet& bins) const;
     void split(const Range& range, const Plan& plan, const sah::Binning& binning, Range& left, Range& right);
@@ -290,7 +290,7 @@ Plan Builder::plan(const Range& range, const sah::Binning& binning, const sah::B
     const glm::vec3 extent = toVec3(range.bounds.centroids.hi - range.bounds.centroids.lo);
     const int widest = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2) : (extent.y >= extent.z ? 1 : 2);
     const Plan fallback{small ? Plan::How::Leaf : Plan::How::Median, widest};
-    // Boxes on one line have no area at all, and the heuristic nothing to say.
+    // Boxes on one line have no area, so the heuristic cannot compare splits.
     const double area = range.bounds.box.halfArea();
     if (!(area > 0)) return fallback;
 

@@ -9,8 +9,8 @@
 namespace glint {
 namespace {
 
-// How far a stored box reaches beyond its contents: one ulp, and enough that a ray that runs in one of its
-// sides (a direction of 0, whose inverse the shaders take for 2^125) is seen well inside.
+// Distance by which a stored box exceeds its contents: one ulp, and enough that a ray in the plane of a side
+// (a direction of 0, whose inverse the shaders take for 2^125) is well inside.
 Lanes storedMargin(Lanes x) {
     const Lanes magnitude = max(x, Lanes::all(0) - x);
     return max(magnitude * Lanes::all(0x1p-23f), Lanes::all(0x1p-100f));
@@ -60,7 +60,7 @@ std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>&
     std::vector<shared::Node> nodes;
     if (bvh.nodes.empty()) return nodes;
     nodes.reserve(bvh.nodes.size() / 2 + 1);
-    // Leaves are met in the order of Bvh::order, so each kind's array fills up from its start.
+    // Leaves come in the order of Bvh::order, so the array of each kind fills up from its start.
     std::array<uint32_t, 256> filled{};
     const auto leafChild = [&](const BvhNode& leaf) {
         const uint32_t kind = kinds.empty() ? shared::kKindTriangle : kinds[bvh.order[leaf.first]];
@@ -107,7 +107,7 @@ namespace {
 
 constexpr size_t kRefitChunk = 8192;  // nodes that one thread treats at a time
 
-// Half areas, each child's times what a ray that meets it does there.
+// Sums of half areas: of inner children, and of leaves times their primitives.
 struct CostSum {
     double primitives = 0, nodes = 0;
 
@@ -128,9 +128,9 @@ struct CostSum {
 
 using LeafBox = std::function<std::optional<Box>(uint32_t child)>;
 
-// Nodes that lie side by side. Children stand behind their parents, so a run taken from its end on needs no
-// others, but for the nodes of which a child is not in it or waits itself. Stored boxes are joined, not tight
-// ones: as storedBox is monotonic, it makes no difference.
+// Consecutive nodes. Children follow their parents, so a run is finished from its end. A node waits for other
+// runs if one of its children is outside of the run, or waits itself. Joining stored boxes equals storing
+// joined ones, as storedBox is monotonic.
 class Run {
   public:
     void work(std::span<shared::Node> nodes, size_t first, size_t end, const LeafBox& leafBox) {

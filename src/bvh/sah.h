@@ -26,7 +26,7 @@ struct alignas(16) Item {
 
     Lanes lower() const { return Lanes::load(lo); }
     Lanes upper() const { return Lanes::load(&hi[0]); }
-    // Half the centre, so that neither it nor a difference of two of them overflows for any finite box.
+    // Half the centre: neither the sum nor a difference of two of them overflows for finite boxes.
     Lanes centroid() const {
         const Lanes quarter = Lanes::all(0.25f);
         return lower().withoutW() * quarter + upper().withoutW() * quarter;

@@ -9,10 +9,10 @@ namespace glint {
 // Exact area vector for nearly degenerate polygons.
 glm::dvec3 exactAreaVector(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
-// (v1 - v0) x (v2 - v0): along the triangle's normal, as long as twice its area. Exactly zero if and only if
-// the three points, as rounded, are collinear or coincide; otherwise every component is within 2^-28 of the
-// largest one's magnitude, whatever the triangle's shape, so that a needle's normal is as good in fp32 as any
-// other's.
+// (v1 - v0) x (v2 - v0), along the triangle's normal with twice its area as length. It is exactly zero if and
+// only if the three rounded points are collinear or coincide. Otherwise every component is within 2^-28 of
+// the largest one's magnitude for triangles of any shape, so fp32 normals of needles are as accurate as those
+// of other triangles.
 inline glm::dvec3 areaVector(const glm::vec3& v0, const glm::vec3& v1, const glm::vec3& v2) {
     const glm::dvec3 a(v0), b(v1), c(v2);
     const glm::dvec3 e1 = b - a, e2 = c - a;

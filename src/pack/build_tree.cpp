@@ -18,9 +18,9 @@ constexpr double kSplitBudget = 1;
 // and modelled meshes, where splitting costs 2 to 60 %; 51 for the hall of arches, where it gains a factor of
 // 2.4.
 constexpr double kMuchEmptiness = 6;
-// And of all that such a ray tests, the least share that is worth a try by default: 0.43 in the hall of
-// arches; 0.08 in a shader ball of 64 k triangles, whose splitting took six times as long as its tree and was
-// no use.
+// Least share of all tests of such a ray for which `default` tries splitting: 0.43 in the hall of arches;
+// 0.08 in a shader ball of 64 k triangles, where splitting took six times as long as the tree and gained
+// nothing.
 constexpr double kMuchOfAll = 0.2;
 
 bool mayGrow(const Primitives& primitives) {
@@ -135,8 +135,8 @@ void TreeMemory::keep(uint64_t key, Entry entry) {
 
 double expectedCost(const Bvh& bvh, double traversalCost) {
     if (bvh.nodes.empty()) return 0;
-    // A random line that meets a convex box meets one inside it with the chance of their areas' ratio; where
-    // both are points or lines, it meets both.
+    // A random line that hits a convex box hits one inside it with a probability of the ratio of their areas.
+    // If both boxes are points or lines, it hits both.
     const double rootArea = bvh.nodes[0].box.halfArea();
     double cost = 0;
     for (const BvhNode& node : bvh.nodes) {

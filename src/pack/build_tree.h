@@ -1,4 +1,4 @@
-// From primitives to a tree of the wanted quality.
+// Builds a BVH of the requested quality from primitives.
 #pragma once
 
 #include <cstdint>
@@ -54,17 +54,19 @@ class TreeMemory {
     uint64_t built_ = 0;
 };
 
-// The expected cost of a random ray that meets the root's box, in tests of a primitive: each node by its
-// chance of being met, the ratio of areas (Goldsmith & Salmon 1987; MacDonald & Booth 1990). 0 for an empty
-// tree.
+// The expected cost of a random ray that hits the root's box, in tests of a primitive: each node counts with
+// its probability of being hit, the ratio of areas (Goldsmith & Salmon 1987; MacDonald & Booth 1990). 0 for
+// an empty tree.
 double expectedCost(const Bvh& bvh, double traversalCost);
 
 // Builds the tree over `primitives`, to which split triangles are added as further entries
 // (splitLargeTriangles).
-// Fast: binned surface area heuristic, nothing else. High: besides, triangles are split if their boxes are
-// mostly empty (boxEmptiness, presplit.h) and the tree is cheaper for it. Default: the same, if they are also
-// much of the tree's cost. No quality changes what a ray hits, but for hits by rounding of triangles that a
-// ray lies in the plane of (tests/render/traversal_test.cpp).
+// - Fast: binned surface area heuristic.
+// - High: also splits triangles if their boxes are mostly empty (boxEmptiness, presplit.h) and the tree
+//   becomes cheaper.
+// - Default: as High, if these triangles are also a large part of the tree's cost.
+// The quality does not change hits, except rounding hits of triangles in whose plane a ray lies
+// (tests/render/traversal_test.cpp).
 Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options,
                const Context& context);
 

@@ -156,7 +156,7 @@ glm::dvec3 originOf(const glm::dvec3& middle, double reach, double looksFrom) {
 }
 
 glm::dvec3 originOf(const Geometry& geometry, const glm::dvec3& eye) {
-    constexpr double kOutOfSight = 4096;  // reaches: what is less than a pixel
+    constexpr double kOutOfSight = 4096;  // reaches of the geometry: beyond, it is smaller than a pixel
     if (geometry.extent.empty()) return originOf(geometry.middle, geometry.reach, 0);
     const glm::dvec3 nearest = glm::clamp(eye, geometry.extent.lo, geometry.extent.hi);
     const bool seesNothing = greatestMagnitude(eye - nearest) > kOutOfSight * geometry.reach;

@@ -44,16 +44,16 @@ Geometry geometryOf(const Scene& scene, std::vector<Extent> objects);
 // With the camera.
 Extent withCamera(const Extent& geometry, const Scene& scene);
 
-// The world point that local coordinates start from. Let m be the median, in each axis, of the
-// centres of the nearer half of all objects but planes (nearer to the median of all centres, with all
-// their parts), and e how far half of all objects reach from m in any axis. (Without such objects:
-// centre and half the greatest edge of the box around the eye, its target and each plane's point
-// nearest the eye.) The origin is 0 unless the largest |component| of m exceeds four times both e and
-// the eye's distance from m in any axis: that would cost 2 and more of fp32's 24 bits. (An eye
-// farther than 4096 e from all geometry sees none of it and does not count.) Then it is m rounded to
-// a multiple of the power of two in (e, 2e]: no more than e away from m in any axis, and of few bits,
-// exact in fp32 too where |m| < 2^24 e. So a planet among small things does not decide, nor a grain
-// far from all.
+// The origin of local coordinates, in the world. Let m be the median, in each axis, of the centres of the
+// nearer half of all objects except planes (nearer to the median of all centres, with all their parts). Let e
+// be the greatest distance from m, in any axis, of half of all objects. Without such objects, m and e are the
+// centre and half the greatest edge of the box around the eye, its target and the point of each plane that is
+// nearest the eye.
+// The origin is 0 unless the largest |component| of m exceeds four times both e and the eye's distance from m
+// in any axis, which would cost at least 2 of the 24 bits of fp32. An eye farther than 4096 e from all
+// geometry does not count. Otherwise the origin is m rounded to a multiple of the power of two in (e, 2e]: at
+// most e away from m in any axis, and exact in fp32 if |m| < 2^24 e. So neither a planet among small objects
+// decides, nor a grain far from all.
 glm::dvec3 originOf(const Geometry& geometry, const glm::dvec3& eye);
 // looksFrom: how far the eye is from the middle.
 glm::dvec3 originOf(const glm::dvec3& middle, double reach, double looksFrom);

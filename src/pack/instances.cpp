@@ -64,8 +64,7 @@ Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxLe
                         const PackOptions& options, const Context& context) {
     Scene alone;
     alone.objects.push_back({object.name, object.shape, 0, std::nullopt});
-    // Each instance may have a material of its own, so texture coordinates are kept if any material wants
-    // them.
+    // Each instance may have its own material, so texture coordinates are kept if any material uses them.
     alone.materials.assign(scene.materials.size(), {});
     const auto textured = std::find_if(scene.materials.begin(), scene.materials.end(), hasTexture);
     if (textured != scene.materials.end()) alone.materials.assign(scene.materials.size(), *textured);
@@ -232,7 +231,7 @@ Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint3
     row.toObjectX = glm::vec3(rows[0]);
     row.toObjectY = glm::vec3(rows[1]);
     row.toObjectZ = glm::vec3(rows[2]);
-    // The surface is where the rounded matrix says; so the way back is its inverse.
+    // The rounded matrix defines the surface, so the way back is its inverse.
     const glm::dmat3 toObject = glm::transpose(
         glm::dmat3(glm::dvec3(row.toObjectX), glm::dvec3(row.toObjectY), glm::dvec3(row.toObjectZ)));
     const glm::dmat3 back = inverse({toObject, glm::dvec3(0)}).linear;

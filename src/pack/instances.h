@@ -1,4 +1,4 @@
-// Objects that are instances: what they show is packed once, in its own coordinates, with a tree of its own.
+// Objects that are instances: each prototype is packed once, in its own coordinates, with its own tree.
 // Internal to the packing.
 #pragma once
 
@@ -25,8 +25,8 @@ struct Prototype {
 
 class Instances {
   public:
-    // Packs the prototypes of the objects with a transform, see placeObjects. A level of the trees' 48 is
-    // left to the instances for each factor of two in their number and 4 more.
+    // Packs the prototypes of the objects with a transform, see placeObjects. Of the trees' 48 levels it
+    // leaves one to the instances for each factor of two in their number, and 4 more.
     Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options,
               const Context& context);
 
@@ -49,12 +49,12 @@ class Instances {
     const Box& box(uint32_t object) const { return placed_[slot_[object]].box; }
     const shared::Instance& row(uint32_t object) const { return placed_[slot_[object]].row; }
 
-    // Puts the instances' new places, see place(), into the rows of a packed scene that has append() behind
-    // it. False if other instances than those of its rows now show something within the range of fp32.
+    // Writes the instances' new places, see place(), into the rows of a packed scene after append(). False if
+    // the set of instances within the range of fp32 has changed.
     bool move(PackedScene& packed) const;
 
-    // Puts the prototypes' arrays behind those of the scene, completes its instances, and says how far boxes
-    // are to be widened for them (Environment::instancePad...).
+    // Appends the prototypes' arrays to those of the scene, completes its instances, and sets the distance by
+    // which boxes grow for them (Environment::instancePad...).
     void append(PackedScene& packed);
     // First node of the instances.
     size_t firstNode(const PackedScene& packed) const { return any() ? ownNodes_ : packed.nodes.size(); }

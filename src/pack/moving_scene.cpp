@@ -21,7 +21,7 @@ namespace {
 
 constexpr size_t kMoveChunk = 16384;  // vertices that one thread treats at a time
 
-// Kinds whose rows depend on nothing but the origin and what is known to have moved.
+// Kinds whose rows depend only on the origin and on the objects passed as moved.
 bool follows(uint8_t kind) {
     return kind == shared::kKindTriangle || kind == shared::kKindInstance || kind == shared::kKindPlane;
 }

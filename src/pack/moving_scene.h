@@ -21,16 +21,16 @@ class MovingScene {
     // The BVH is rebuilt if its expected cost (tests per ray) has grown by more than this factor.
     static constexpr double kMostGrowth = 1.3;
 
-    // `scene`: placed, and like the one packed but for the camera, transforms, and the positions of meshes;
-    // moved: for each object, whether its transform or its positions may have changed. Afterwards the arrays
-    // equal those of a new packing of `scene`, except for the order and the BVH, so answers to rays keep
-    // their bits. False if the scene must be packed again; the arrays are then invalid. Reasons:
+    // `scene`: placed, and equal to the packed one except for the camera, transforms, and positions of
+    // meshes. moved: for each object, true if its transform or its positions may have changed. Afterwards the
+    // arrays equal those of a new packing of `scene`, except for the order and the BVH, so answers to rays
+    // keep their bits. False if the scene must be packed again; the arrays are then invalid. Reasons:
     // - the BVH costs kMostGrowth times as much,
-    // - other triangles than before have no area,
-    // - something moved that is neither triangles nor an instance nor a plane, or the camera did where other
-    //   kinds round by it, or the scene's origin where there are other kinds,
-    // - a mesh changed that instances share, or an object became an instance or ceased to be one,
-    // - materials have textures or let light through.
+    // - the set of triangles without area changes,
+    // - something moves that is neither triangles nor an instance nor a plane; in scenes with other kinds,
+    //   the camera moves and their rounding depends on it, or the scene's origin moves,
+    // - a mesh changes that instances share, or an object becomes an instance or ceases to be one,
+    // - materials have textures or transmit light.
     bool update(const Scene& scene, std::vector<bool> moved, const Context& context = {});
 
   private:
@@ -58,7 +58,7 @@ class MovingScene {
     std::vector<uint8_t> kinds_;                       // of each object
     std::vector<std::shared_ptr<const Mesh>> shared_;  // of each object, the mesh that it is an instance of
     std::vector<Vertices> vertices_;                   // of each object
-    std::vector<Extent> extents_;                      // of each object, as far as it is known
+    std::vector<Extent> extents_;                      // of each object, if known
     std::vector<Face> dropped_;                        // triangles that are not packed
     glm::dvec3 eye_{0};
     double builtCost_ = 0;

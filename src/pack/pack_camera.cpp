@@ -22,8 +22,8 @@ float boundedT(double t) {
     return static_cast<float>(std::min(t, static_cast<double>(shared::kInfinity)));
 }
 
-// The film lies at unit distance along the view direction, so that the ray of a film point d meets the plane
-// of focus at eye + F d, F the focus distance; from eye + l it goes there along d - l / F (R. L. Cook, T.
+// The film lies at unit distance along the view direction, so the ray of a film point d crosses the plane of
+// focus at eye + F d, F the focus distance. From eye + l the ray goes there along d - l / F (R. L. Cook, T.
 // Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984).
 void packLens(const Camera& camera, const CameraFrame& frame, shared::Camera& out) {
     const double focus =
@@ -36,9 +36,9 @@ void packLens(const Camera& camera, const CameraFrame& frame, shared::Camera& ou
 }  // namespace
 
 // P. Shirley and S. Marschner, "Fundamentals of Computer Graphics", 3rd ed., 4.3: the point of pixel (i, j)
-// on the image plane is at u = l + (r - l)(i + 0.5) / nx along the frame's u, likewise along v, here with row
-// 0 at the top. It moves the direction of perspective rays and the origin of parallel ones; oblique cameras
-// of both kinds keep the view direction and turn the frame (4.3.1, 4.3.2).
+// on the image plane is at u = l + (r - l)(i + 0.5) / nx along the frame's u, and correspondingly along v,
+// here with row 0 at the top. It moves the direction of perspective rays and the origin of parallel ones.
+// Oblique cameras of both kinds keep the view direction and turn the frame (4.3.1, 4.3.2).
 shared::Camera packCamera(const Camera& camera, int width, int height, const glm::dvec3& origin) {
     const CameraFrame frame = cameraFrame(camera);
     const ViewWindow window = windowOf(camera, width, height);

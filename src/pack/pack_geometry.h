@@ -8,7 +8,7 @@
 
 namespace glint {
 
-// Fills the arrays of nodes and of what is in the tree, the bounds, the statistics and the warnings.
+// Fills the arrays of nodes and primitives, the bounds, the statistics and the warnings.
 void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxLevels,
                   const PackOptions& options, const Context& context, PackedScene& packed,
                   Materials& materials);

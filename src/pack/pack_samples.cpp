@@ -217,9 +217,9 @@ std::vector<SampleClass> classesOf(const FilterParts& parts, uint32_t count) {
     return classes;
 }
 
-// The finalizer of MurmurHash3 (A. Appleby 2011), a bijection in which each bit of the seed turns each bit of
-// the result over with probability 1/2; 0 stays 0. Words of pcg4d's results keep their low bits whatever the
-// high bits of its arguments are: places that two seeds 2^30 apart scatter would correlate.
+// The finalizer of MurmurHash3 (A. Appleby 2011), a bijection in which each bit of the seed flips each bit of
+// the result with probability 1/2; 0 stays 0. Without it, places scattered by two seeds 2^30 apart would
+// correlate: the low bits of pcg4d's results do not depend on the high bits of its arguments.
 uint32_t mixed(uint32_t seed) {
     seed = (seed ^ (seed >> 16)) * 0x85ebca6bu;
     seed = (seed ^ (seed >> 13)) * 0xc2b2ae35u;

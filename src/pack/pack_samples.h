@@ -11,8 +11,8 @@
 
 namespace glint {
 
-// The samples that valid settings ask for; `lens`: the camera has one. A regular grid under the box filter of
-// radius 0.5 comes as offsets, anything else as rows.
+// The samples of valid settings; `lens`: the camera has one. A regular grid under the box filter of radius
+// 0.5 comes as offsets, anything else as rows.
 PackedSamples packSamples(const ImageSettings& image, bool lens);
 
 // The samples of an image piece by piece, for callers that find the number during the render. Only `next`
@@ -25,8 +25,8 @@ class SampleSequence {
     SampleSequence(SampleSequence&&) noexcept;
     SampleSequence& operator=(SampleSequence&&) noexcept;
 
-    // `count` samples of each pixel that no earlier call gave, whose weights sum to count; with
-    // LowDiscrepancy the sequence goes on. At least leastSamples(image.filter).
+    // The next `count` samples of each pixel, whose weights sum to count; LowDiscrepancy continues its
+    // sequence. count: at least leastSamples(image.filter).
     PackedSamples next(uint32_t count);
 
   private:
@@ -37,7 +37,7 @@ class SampleSequence {
 // How few samples have weights at all: a filter with negative parts takes some of each.
 uint32_t leastSamples(Filter filter);
 
-// The whole picture that these settings ask for; everything else is the default.
+// A request for the whole image with these settings; everything else is the default.
 Request requestOf(const ImageSettings& image, bool lens);
 
 // ---- Reconstruction filters as tables of inverse cumulative distributions

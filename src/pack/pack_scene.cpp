@@ -104,8 +104,8 @@ void setEye(PackedScene& packed, const glm::dvec3& eye) {
 
 namespace {
 
-// Rounds materials, optics, lights and what is the same for all rays. The tree and the planes are packed
-// already.
+// Rounds materials, optics, lights and the numbers that all rays share, once the tree and the planes are
+// packed.
 void packShading(const Scene& scene, PackedScene& packed) {
     for (const Material& material : scene.materials) {
         packed.materials.push_back(roundMaterial(material));

@@ -155,11 +155,11 @@ CubeOrigin cubeOrigin(const Scene& scene) {
     return {solidChecker(*solid.front())->corner, commonPeriod(solid)};
 }
 
-// A coordinate counted from that corner: as it is, or, where fp32 tells no cubes apart, in the period around
-// the corner. Which period is seen by none, so an object's place may be moved by some, and a texture's corner
-// by others. period 0: as it is.
+// A coordinate relative to that corner. If fp32 cannot distinguish cubes there, it is reduced to the period
+// around the corner. Whole periods do not change the texture, so an object and a texture's corner may be
+// moved by different numbers of periods. period 0: no reduction.
 double inCubes(double fromCorner, double period) {
-    // Cubes of a thousand periods away are still told apart to 2^-13 of their size.
+    // A thousand periods away, fp32 still resolves 2^-13 of a cube.
     constexpr double kManyPeriods = 1024;
     const bool far = period > 0 && std::abs(fromCorner) > kManyPeriods * period;
     return far ? std::remainder(fromCorner, period) : fromCorner;

@@ -104,26 +104,26 @@ struct PackOptions {
 };
 
 // Flattens a valid scene: places its objects (scene/placement.h), rounds to fp32 relative to the origin,
-// drops degenerate triangles, builds the BVH, puts primitives in leaf order. What instances show is packed
-// once, behind what stands in the world itself. The origin is 0 unless the geometry lies far from it compared
-// with its size, see originOf. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
-// naming the array, its size and the limit.
+// drops degenerate triangles, builds the BVH, puts primitives in leaf order. Each prototype of instances is
+// packed once, after the geometry of the world. The origin is 0 unless the geometry lies far from it compared
+// with its size, see originOf. Throws Error(Scene) if an array would exceed a limit of shared/layout.h, with
+// the array, its size and the limit.
 PackedScene packScene(const Scene& scene, const PackOptions& options = {}, const Context& context = {});
 
 // True if packScene would make the same arrays for `camera` as it made in `packed` for `scene`, which is
 // placed (scene/placement.h): the camera determines the local origin and the anchors of planes and of huge
 // spheres and quadrics next to the eye. May be false for equal arrays.
 bool keepsArrays(const PackedScene& packed, const Scene& scene, const Camera& camera);
-// Sets what of the arrays follows the eye all the same: the media that it is in.
+// Sets the part of the arrays that depends on the eye: the media around it.
 void setEye(PackedScene& packed, const glm::dvec3& eye);
 
 // A valid light, rounded, relative to `origin`.
 shared::Light packLight(const Light& light, const glm::dvec3& origin);
 
-// The media that contain `point` (local): of each dielectric material as often as its surfaces go round the
-// point, which their solid angle tells (A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle",
-// IEEE Trans. Biomed. Eng. 30(2), 1983), so surfaces must be closed and wound outwards; a plane has its
-// inside below. Numbers as in shared::Material::medium; ordered from the material of the largest box to that
+// The media that contain `point` (local): each dielectric material as often as its surfaces wind round the
+// point, by their solid angle (A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle", IEEE
+// Trans. Biomed. Eng. 30(2), 1983). Surfaces must therefore be closed and wound outwards; a plane has its
+// inside below. Numbers as in shared::Material::medium, ordered from the material of the largest box to that
 // of the smallest, those of planes first, and cut off at kMaxMedia.
 glm::uvec4 mediaAt(const PackedScene& scene, const glm::dvec3& point);
 

@@ -167,8 +167,8 @@ Corners triangleCorners(Primitives::Source source, const Scene& scene, const Fra
     return roundTriangle(triangles.vertices(source.face), frame.origin).value();
 }
 
-// The factor from importance to parts that makes the sum of all further parts come as near to `wanted` as
-// bisection finds.
+// The factor from importance to parts for which the sum of all further parts is nearest to `wanted`, by
+// bisection.
 double scaleFor(const std::vector<float>& importances, double wanted, const Context& context) {
     const auto further = [&](double scale) {
         std::vector<double> sums(chunksOf(importances.size()));

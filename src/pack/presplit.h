@@ -1,4 +1,4 @@
-// Large triangles given to the BVH in parts, so that boxes hug what they hold.
+// Splits large triangles into parts for the BVH, so that boxes fit tightly.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace glint {
 // that the parts of neighbours end at the same planes.
 std::vector<Box> splitTriangle(const Corners& corners, const Box& root, uint32_t parts);
 
-// How many triangles a random ray that meets the scene's box is tested against only because their boxes are
-// larger than they are: the sum of (half the box's area - the least that boxes around small parts of the
-// triangle come down to) over half the scene's box's area. 1 to 4 for meshes of even triangles, much more
-// where long ones stand askew.
+// Mean number of triangles that a random ray through the scene's box tests only because boxes are larger than
+// triangles: the sum of (half the box's area - the least that boxes around small parts of the triangle come
+// down to) over half the area of the scene's box. 1 to 4 for meshes of even triangles, much more for long
+// oblique ones.
 double boxEmptiness(const Primitives& primitives, const Scene& scene, const Frame& frame,
                     const Context& context);
 

@@ -21,7 +21,7 @@
 namespace glint {
 
 // Ids are consecutive over objects and, within a mesh, over its triangles; every primitive has one, packed or
-// not. Items are what is packed: the primitives, and an instance as a whole.
+// not. Items are the entries of the tree: the primitives, and each instance as a whole.
 class PrimitiveNumbers {
   public:
     static constexpr uint32_t kChunk = 32768;  // items that one thread treats at a time
@@ -127,7 +127,7 @@ bool vertexNormals(const Mesh* mesh, uint32_t face, shared::VertexNormals& out);
 // Point, radius and anchor normal; anchored as shared/layout.h describes it if the eye is nearer to the
 // surface than radius / 64: then centre and radius would cancel 6 and more of fp32's 24 bits.
 shared::Sphere roundSphere(const SphereShape& sphere, const Frame& frame);
-// Encloses the rounded sphere, whatever its form.
+// Encloses the rounded sphere, anchored or not.
 Box sphereBox(const shared::Sphere& sphere);
 
 shared::Disc roundDisc(const DiscShape& disc, const Frame& frame);
@@ -138,9 +138,9 @@ glm::dvec3 discExtent(const glm::dvec3& normal, double radius);
 // World box of the clipped surface: exact for the named forms, of a general quadric that of its clipping box.
 Extent quadricExtent(const Object& object);
 
-// The object's geometry rounded to fp32: everything of shared::Quadric but its ids and material. The surface
-// is what the rounded numbers say; it differs from the exact one by 2^-24 of the distance from `point` and of
-// the object's size.
+// The object's geometry rounded to fp32: everything of shared::Quadric except its ids and material. The
+// rounded numbers define the surface; it differs from the exact one by 2^-24 of the distance from `point` and
+// of the object's size.
 shared::Quadric roundQuadric(const Object& object, const Frame& frame);
 
 // Encloses the rounded quadric.
@@ -247,16 +247,16 @@ class KindPacker {
     // Balls that together reach as far as it does: visit(centre, radius). None of what has no end.
     using VisitBall = std::function<void(const glm::dvec3& center, double radius)>;
     virtual void balls(const PackedScene&, uint32_t /*index*/, const VisitBall&) const {}
-    // How often its surface goes round the point, which closed surfaces together do a whole number of times:
-    // 1 or 0 for a solid by itself, the sum of windingOf for a part of a surface. Not of triangles, which
-    // mediaAt knows.
+    // How often its surface winds round the point; closed surfaces together do so a whole number of times. 1
+    // or 0 for a solid by itself, the sum of windingOf for a part of a surface. Not of triangles, see
+    // mediaAt.
     virtual double windings(const PackedScene&, uint32_t /*index*/, const glm::dvec3& /*point*/) const {
         return 0;
     }
 };
 
-// The solid angle of a triangle, seen from 0, over that of the whole sphere; positive if its outer side is
-// turned away (A. van Oosterom, J. Strackee 1983, see mediaAt).
+// The solid angle of a triangle, from 0, over that of the whole sphere; positive if 0 is on its inner side
+// (A. van Oosterom, J. Strackee 1983, see mediaAt).
 double windingOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
 const KindPacker& packerOf(shared::PrimitiveKind kind);

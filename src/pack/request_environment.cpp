@@ -80,7 +80,7 @@ Reflection reflectionOf(const PackedScene& scene, const shared::Material& m, dou
     r.ofLights = greatest(m.diffuse) * vertex * brightest(scene, m.diffuseTexture) +
                  greatest(m.specular) * brightest(scene, m.specularTexture);
     r.ofAmbient = greatest(m.ambient) * vertex * brightest(scene, m.ambientTexture);
-    // R + (1 - R) t <= max(1, t), whatever R.
+    // R + (1 - R) t <= max(1, t) for every R.
     const double passed =
         m.medium == 0 ? 0 : std::max(1.0, brightest(scene, scene.optics[m.medium - 1].transmissionTexture));
     r.branches = greatest(m.mirror) * brightest(scene, m.mirrorTexture) + passed;

@@ -1,4 +1,4 @@
-// A scene's surroundings as a request wants them, for both tracers.
+// A scene's environment with a request's settings, for both tracers.
 #pragma once
 
 #include "pack/packed_scene.h"
@@ -20,8 +20,8 @@ float radianceBound(const PackedScene& scene, const shared::Environment& environ
 // Reflections and refractions in a row that are followed.
 uint32_t depthOf(const PackedScene& scene, const Tracing& tracing);
 
-// The scene's environment with what `tracing` says instead. The radiance bound is the scene's: it holds for
-// its own lights, background and depth.
+// The scene's environment with the settings of `tracing`. The radiance bound is the scene's: it holds for its
+// own lights, background and depth.
 shared::Environment environmentOf(const PackedScene& scene, const Tracing& tracing);
 
 // The scene's radiance bound where that holds for `tracing`, or else one that does, which looks at every

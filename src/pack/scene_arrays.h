@@ -47,8 +47,8 @@ void visitPrimitiveArrays(Packed& scene, const Visit& visit) {
 #undef GLINT_VISIT
 }
 
-// Calls visit with primitive `index` of a kind, as shared::Triangle, shared::Sphere, ...
-// `scene`: or whatever else has an array for each.
+// Calls visit with primitive `index` of a kind, as shared::Triangle, shared::Sphere, ... `scene`: anything
+// with an array for each kind.
 template <class Packed, class Visit>
 decltype(auto) visitPrimitive(const Packed& scene, shared::PrimitiveKind kind, uint32_t index,
                               Visit&& visit) {

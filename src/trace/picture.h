@@ -40,8 +40,8 @@ struct PixelData {
     uint32_t shadowBits = 0;
 };
 
-// Branches of one kind that were not followed. Bounds are of what they could have added to the pixels, in any
-// channel; infinite where no bound is known.
+// Branches of one kind that were not followed. Bounds are of the light that they could have added to the
+// pixels, in any channel; infinite if no bound is known.
 struct LostBranches {
     uint64_t count = 0;
     double sum = 0;       // over all pixels
@@ -61,7 +61,7 @@ struct LostBranches {
 
 // Branches of the ray tree that the image omits.
 struct TreeLosses {
-    LostBranches cut;    // below the least contribution asked for
+    LostBranches cut;    // below the request's least contribution
     LostBranches depth;  // beyond the depth limit
     LostBranches room;   // more than could wait at a time
     uint64_t crowdedMedia =
@@ -80,7 +80,7 @@ struct PictureFlaws {
     uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
     // The first of them in reading order, in coordinates of the whole image; -1: none.
     glm::ivec2 firstNotFinite{-1};
-    TreeLosses losses;  // the device's only if asked for
+    TreeLosses losses;  // of a device only if requested
 
     // Adds the flaws of other pixels.
     void add(const PictureFlaws& other);
@@ -89,15 +89,14 @@ struct PictureFlaws {
 struct Picture : PictureFlaws {
     Region region;
     Image color;                  // region-sized, 4 channels: linear radiance and alpha
-    std::vector<PixelData> data;  // region-sized, rows top to bottom; empty unless asked for
-    // The colours and alpha as they were before rounding to `color`, of the reference; empty unless asked for
-    // (Request::exact).
+    std::vector<PixelData> data;  // region-sized, rows top to bottom; empty unless requested
+    // The reference's colours and alpha before rounding to `color`; empty unless requested (Request::exact).
     std::vector<glm::dvec4> exact;
     std::vector<uint8_t> done;  // per pixel: finished; all 1 unless the render was cancelled
     bool complete = true;
     std::vector<uint32_t> samples;  // per pixel, taken; empty if all pixels took samplesPerPixel
     uint32_t samplesPerPixel = 1;
-    // Per pixel: what converge/converge.h says of its error, greatest channel; empty if nothing does.
+    // Per pixel, of the greatest channel: its error by converge/converge.h; empty without one.
     std::vector<float> errors;
 
     // Counts the pixel if its colour is not finite.

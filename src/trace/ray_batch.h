@@ -23,7 +23,7 @@ struct WorldRay {
     double tMax = std::numeric_limits<double>::infinity();
 };
 
-// How much of a hit is wanted. What is not wanted is neither computed nor read back.
+// Extent of the answer about a hit. The rest is neither computed nor read back.
 enum class HitDetail {
     Any,      // whether anything is hit: WorldHit::hit alone
     Nearest,  // the nearest hit: t and `packed`
@@ -50,14 +50,14 @@ struct WorldHit {
     uint64_t cost = 0;                      // boxes and primitives tested, of the reference
 };
 
-// Seconds that finding hits took, without preparing rays, compiling kernels or what HitDetail::Surface needs
-// besides; `processor`: of all threads of the process, which a busy machine spoils least.
+// Seconds for finding hits, without preparing rays, compiling kernels or the surfaces of HitDetail::Surface.
+// `processor`: of all threads of the process, the measure that other processes disturb least.
 struct BatchTimes {
     double wall = 0, processor = 0;
 };
 
-// A ray as tracers follow it: relative to the scene's origin, which is subtracted in double before anything
-// is rounded, and with a direction whose square neither overflows nor vanishes in fp32.
+// A ray as tracers follow it: relative to the scene's origin, which is subtracted in double before rounding,
+// and with a direction whose square neither overflows nor vanishes in fp32.
 struct LocalRay {
     glm::dvec3 origin{0};
     glm::dvec3 direction{0};
@@ -87,7 +87,7 @@ inline LocalRay localRay(const WorldRay& ray, const glm::dvec3& sceneOrigin) {
 // The lines of `glint trace`: a heading, and a hit with so many significant digits, or with `anyOnly` no more
 // than whether there is one.
 inline constexpr const char* kHitCsvHeading = "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n";
-inline constexpr int kDeviceDigits = 9, kReferenceDigits = 17;  // each tells all of its numbers apart
+inline constexpr int kDeviceDigits = 9, kReferenceDigits = 17;  // enough to distinguish all numbers of each
 std::string hitCsv(const WorldHit& hit, int digits, bool anyOnly = false);
 
 // The hit of a pixel's first sample.

@@ -24,8 +24,8 @@ struct PackedSamples {
     std::vector<glm::dvec2> offsets;
     // Two filter tables in place of the first shared::kFirstSample, then the samples.
     std::vector<shared::Sample> rows;
-    // Samples are taken in whole rounds of so many, and after each one a pixel stops unless `threshold` says
-    // to go on. Not adaptive: one round.
+    // Samples are taken in rounds of this size; after each round a pixel stops unless it exceeds `threshold`.
+    // Not adaptive: one round.
     uint32_t round = 1;
     std::optional<float> threshold;
 
@@ -47,10 +47,10 @@ struct Lighting {
 // Limits of a path's reflections and refractions.
 struct PathLimits {
     // Reflections and refractions in a row; empty: the scene's (depthOf in pack/request_environment.h). A
-    // device whose pipeline leaves mirrors out (render::Options::also) sees none.
+    // device whose pipeline omits mirrors (render::Options::also) follows none.
     std::optional<uint32_t> depth = std::nullopt;
-    // Reflected and refracted rays that can add no more than this to any channel of a pixel's colour (linear
-    // radiance) are not followed, and what they might have added is in Picture::losses. 0 follows all.
+    // Reflected and refracted rays are followed if they can add more than this to any channel of a pixel's
+    // colour (linear radiance). Picture::losses has the bound of the others. 0 follows all.
     double minContribution = 0;
 };
 
@@ -67,7 +67,7 @@ struct Tracing {
 struct Request : Tracing {
     // ---- which pixels ----
     int width = 0, height = 0;  // of the whole picture
-    Region region;              // the part wanted, cut off at the picture's edges; all zero: everything
+    Region region;              // cut off at the image's edges; all zero: everything
     // Size, sampler, filter, seed and adaptivity as the user wishes; `width`, `height` and `samples` are made
     // from them (requestOf in pack/pack_samples.h).
     ImageSettings image = {};
@@ -75,7 +75,7 @@ struct Request : Tracing {
     // They include sampler, filter, seed and adaptivity (pack/pack_samples.h).
     PackedSamples samples = PackedSamples::fixed({{0.5, 0.5}});
 
-    // ---- what is wanted ----
+    // ---- layers and other outputs ----
     bool data = false;    // Picture::data
     bool cost = false;    // PixelData::cost, which the reference always counts; implies data
     bool exact = false;   // Picture::exact, of the reference alone
@@ -93,13 +93,13 @@ struct Request : Tracing {
     bool wantsLosses() const { return ledger || limits.minContribution > 0; }
 };
 
-// The pixels that are asked for; empty if the region lies outside of the picture.
+// The pixels to render; empty if the region lies outside of the image.
 Region regionOf(const Request& request);
 
 // Upper bound: an adaptive image may take fewer.
 uint64_t cameraRaysOf(const Request& request);
 
-// A picture of the region with nothing done yet: what is asked for has its size.
+// A picture of the region with nothing done yet; each requested output has its size.
 Picture blankPicture(const Request& request);
 
 }  // namespace glint

@@ -19,7 +19,7 @@ using reference::Jitter;
 using reference::Step;
 
 constexpr uint64_t kResponseMoves = 16;
-// Moves of a step in turns, as parts of kStepUnits: narrow gaps need small ones.
+// Sizes of moves in rotation, as parts of kStepUnits: narrow gaps need small moves.
 constexpr double kSizes[] = {1, 0.25, 1.0 / 34};
 constexpr int kMovesAtOnce = 48, kTurns = 32;
 // Least number of members of a class whose box may be missed by its own size; smaller classes may miss it by
@@ -61,7 +61,7 @@ class Certifier {
     }
 
   private:
-    // A ray to come, the step that made it, and its number among that step's.
+    // A ray to follow, the step that produced it, and its index among the rays of that step.
     struct Pending {
         Branch branch;
         std::shared_ptr<Outcome> from;
@@ -74,7 +74,7 @@ class Certifier {
         return tracer_.step(branch, jitter);
     }
     Box boxOf(const Branch& branch, const Step& step) const;
-    // The whole rest of the path, from the ray at cursor_ on.
+    // Follows the rest of the path, from the ray at cursor_.
     bool follow();
     bool startsAs(Pending& pending, const TrailRay& ray);
     bool startsWithin(const Pending& pending, const TrailRay& ray) const;
@@ -83,7 +83,8 @@ class Certifier {
         Box box = boxOf(branch, step);
         return std::make_shared<Outcome>(Outcome{std::move(step), std::move(box), jitter});
     }
-    // The step as it is, by one way to order surfaces in one place. given: it has the device's hit and light.
+    // Tries the step without moves, with one order of surfaces in one place. given: becomes true if the step
+    // has the device's hit and light.
     bool exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
                       bool& given);
     // given: the still step has the device's hit and light.
@@ -103,7 +104,7 @@ class Certifier {
     size_t cursor_ = 0;
     std::vector<Pending> pending_;  // the next ray last
     uint32_t decisions_ = 0;        // of the steps so far
-    bool failed_ = false;           // no rounding of a step gives what the device has of it
+    bool failed_ = false;           // no rounding of a step gives the device's hit and light
 };
 
 // The light that ray `ray` of the trail adds, without the sample's weight.
@@ -242,8 +243,8 @@ bool Certifier::explore(Branch branch, const TrailRay& ray) {
     return !exhausted() && exploreMoved(std::move(branch), ray, *still, given);
 }
 
-// Roundings of this step that decide otherwise than the reference, or move the answer farther than its
-// response to one unit tells.
+// Tries moves of this step whose decisions differ from the reference's, or whose answer changes more than its
+// response to one unit.
 bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still, bool given) {
     std::vector<std::shared_ptr<Outcome>> outcomes;
     uint64_t seed = 0;
@@ -251,7 +252,7 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
     const auto& surface = still.step.record.surface;
     if (surface) branch.scale = std::max(branch.scale, surface->scale);
     for (int turn = 0; turn < kTurns && !exhausted(); ++turn) {
-        // Every other turn by what an instance's transform may add.
+        // Every other turn adds the error of an instance's transform.
         const bool wide = gain > 1 && turn % 2 == 1;
         for (int i = 0; i < kMovesAtOnce; ++i) {
             const double units = kStepUnits * kSizes[i % 3] * (wide ? gain : 1);

@@ -12,9 +12,9 @@ namespace glint::verify {
 // takes some ten roundings where a move changes a ray once.
 inline constexpr double kResponseGain = 16;
 
-// Units of 2^-24 that a ray may be moved by in one step: 10 on each of two axes for the triangle test (PBRT
-// 4th ed., 6.8.7) and 14 for the origin, as parts of the greatest coordinate involved. In an instance as many
-// times its condition more.
+// Units of 2^-24 that a ray may move by in one step, relative to the greatest coordinate involved: 10 on each
+// of two axes for the triangle test (PBRT 4th ed., 6.8.7), 14 for the origin. The transform of an instance
+// adds its condition times as many.
 inline constexpr double kStepUnits = 34;
 
 // True if the first hit and the colour lie within the shading bounds of the reference's answer, or within
@@ -25,24 +25,26 @@ bool isPredicted(const reference::Tracer& tracer, const reference::Ray& cameraRa
 // A path as the device traced it.
 struct SeenPath {
     const Trail* trail = nullptr;
-    Quantities first{};      // colour and first hit, without the sample's weight
-    double weight = 1;       // of the sample, which the trail holds
-    bool fromDevice = true;  // false: by the reference, of other numbers; then starts of rays are not judged
+    Quantities first{};  // colour and first hit, without the sample's weight
+    double weight = 1;   // of the sample, which the trail holds
+    // False: traced by the reference through other numbers. Starts of rays are then not compared.
+    bool fromDevice = true;
 };
 
 // Trail of a record that includes its path.
 Trail trailOf(const reference::PixelRecord& record);
 
-// Beyond so many steps a path is undecided.
+// A path that takes more steps is undecided.
 inline constexpr uint64_t kMostStepsOfPixel = 1 << 16;
 
 struct Certificate {
     enum class Verdict { Holds, Fails, Undecided } verdict = Verdict::Fails;
-    // Steps at which rounding decided, and the greatest move, in units of 2^-24, that one of them took.
+    // Open decisions: steps that rounding decided; units: the greatest move of a ray for one of them, in
+    // units of 2^-24.
     uint32_t openDecisions = 0;
     double units = 0;
     uint32_t decisions = 0;  // of a certificate that holds, as PixelRecord::decisions
-    uint64_t steps = 0;      // steps of the reference that this took
+    uint64_t steps = 0;      // of the reference
 };
 
 // Undecided: after `mostSteps`.

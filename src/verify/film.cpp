@@ -37,7 +37,7 @@ void Film::add(uint32_t index, const Picture& sample) {
         Pixel& pixel = pixels[i];
         pixel.sum += taken;
         pixel.magnitudes += glm::abs(taken);
-        // Adaptive: a sample is added whole. Else each light is, and what the hit has of its own.
+        // Adaptive images add whole samples; others add each light, and the hit's own light.
         pixel.additions += samples_.threshold ? 1 : (sample.data[i].bounces + 1) * (lights_ + 1);
         if (!samples_.threshold || index >= samples_.round) continue;
         const glm::ivec2 at = pixelAt(region_, i);
@@ -46,9 +46,9 @@ void Film::add(uint32_t index, const Picture& sample) {
     }
 }
 
-// True if a pixel of an adaptive image may take a further round, or end. The device's sums are fp32: a
-// deviation errs by a few units of the greatest colour, and so does their root mean square. A pixel whose
-// standard error is as near to the threshold may do either.
+// True if a pixel of an adaptive image may take a further round, or may end. The device's sums are fp32:
+// deviations, and so their root mean square, err by a few units of the greatest colour. If the standard error
+// is that near to the threshold, both are right.
 bool Film::mayTake(size_t pixel, bool further) const {
     double greatest = 0;
     for (const glm::dvec3& color : colors_[pixel])
@@ -58,8 +58,8 @@ bool Film::mayTake(size_t pixel, bool further) const {
     return reference::needsMore(colors_[pixel], threshold * (further ? 1 - slack : 1 + slack)) == further;
 }
 
-// Each addition errs by a unit of the sum so far, on the way to each sample and to all of them; then come the
-// count's inverse and the product with it. Subnormal numbers err by more, and a device may take them for 0.
+// Each addition errs by a unit of the sum so far, within samples and over all samples; the count's inverse
+// and the product add two more. Subnormal numbers err by more, and devices may flush them to 0.
 bool Film::isMean(const Pixel& pixel, const float* color, uint32_t taken) const {
     const double units = kFloatUnit * (2 * pixel.additions + 4);
     const glm::dvec4 error =
@@ -94,9 +94,9 @@ void Account::addOther(uint32_t bounces, double weight) {
     greatestWeight_ = std::max(greatestWeight_, weight);
 }
 
-// Counts are exact, except for pixels that decide otherwise. Bounds are products of weights: their sum must
-// be right to a 256th, and each of them to a 16,384th of the greatest possible one. If that is near the
-// greatest float, the device may report infinity.
+// Counts are exact, except for pixels that decide differently. Bounds are products of weights: their sum must
+// be right to a 256th, and each bound to a 16,384th of the greatest possible one. Near the greatest float the
+// device may report infinity.
 bool Account::agrees(const LostBranches& alike, const LostBranches& device, uint64_t otherwise) const {
     const uint64_t most = alike.count + other_.count + otherwise;
     if (device.count + otherwise < alike.count || device.count > most) return false;

@@ -1,4 +1,4 @@
-// Compares a device's totals of an image: the sum of its samples, and the branches that no ray followed.
+// Compares a device's totals of an image: the sum of its samples, and the branches that it did not follow.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace glint::verify {
 
-// The first round of samples, and of adaptive images the second: enough to judge which pixels take another
-// round, without all the rounds that a few pixels may take.
+// The first round of samples; of adaptive images the first two, enough to check which pixels take another
+// round.
 PackedSamples firstRounds(const PackedSamples& samples);
 
 // The pixel of an index into arrays of the region's size.
@@ -21,20 +21,20 @@ inline glm::ivec2 pixelAt(const Region& region, size_t index) {
 // Adds samples up in double precision, pixel by pixel.
 class Film {
   public:
-    // Holds the pixels of `region`. lights: at most so many add to a sample at each of its hits.
+    // `region`: its pixels. lights: at most so many add to a sample at each hit.
     Film(const PackedSamples& samples, const Region& region, size_t lights);
 
     // In the order of the indices; samples of the first round with data.
     void add(uint32_t index, const Picture& sample);
 
-    // Indices of the pixels of `whole`, rendered with the samples of the constructor, that took another
-    // number of samples than they should, or differ from their mean.
+    // Indices of the pixels of `whole`, rendered with the constructor's samples, that took a wrong number of
+    // samples or differ from their mean.
     std::vector<size_t> differing(const Picture& whole) const;
 
   private:
     struct Pixel {
         glm::dvec4 sum{0}, magnitudes{0};
-        double additions = 0;  // by which the device came to the sum
+        double additions = 0;  // that the device makes for the sum
     };
     bool mayTake(size_t pixel, bool further) const;
     bool isMean(const Pixel& pixel, const float* color, uint32_t taken) const;
@@ -50,7 +50,7 @@ class Film {
 // room. The device reports the sum over all pixels.
 class Account {
   public:
-    // radianceBound: by which branches are judged (Environment::radianceBound).
+    // radianceBound: Environment::radianceBound, the scale of branches' bounds.
     explicit Account(double radianceBound) : radianceBound_(radianceBound) {}
 
     // Adds a pixel whose rays hit the same primitives on device and reference: it loses the same branches.
@@ -58,8 +58,8 @@ class Account {
     // Adds a pixel whose rays hit others. Each hit loses at most two branches, and one medium.
     void addOther(uint32_t bounces, double weight);
 
-    // otherwise: how many pixels of those alike may decide about a hit's branches as the reference does not:
-    // where light is just reflected totally, at the edge of a mirroring square of a checker.
+    // otherwise: number of pixels alike whose branches may differ from the reference's, at the limit of total
+    // reflection or the edge of a mirroring square of a checker.
     bool agrees(const TreeLosses& device, uint64_t otherwise) const;
 
   private:

@@ -88,14 +88,14 @@ Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, co
     return {way, 12 + reference::normalError(surface.bend, way, gain), slant};
 }
 
-// t, and each coordinate of a point, is a sum of a dozen products of numbers up to the way and the eye's
-// coordinates, and of a triangle its corners', 16 units with the last rounding; normals and texture
-// coordinates take as many of numbers up to 1 (8 to 12, shading/texture.glsl), of coordinates beyond it up
-// to what they are sums of. A camera that is moved with the scene's origin rounds the sum once more.
+// t and each coordinate of a point are sums of a dozen products: 16 units with the last rounding, of numbers
+// up to the way, the eye's coordinates and a triangle's corners. Normals and texture coordinates take as many
+// units of numbers up to 1 (8 to 12, shading/texture.glsl), larger texture coordinates of the terms of their
+// sums. A camera that moves with the scene's origin rounds the sum once more.
 //
-// The clearance is a sum of magnitudes, which rounding cannot cancel: it errs by at most 4096 units of 2^-24,
-// and by what the floors of point, normal (of a quadric: its gradient) and barycentrics add to its terms. On
-// a cone it may be unknown, where two sums meet.
+// The clearance is a sum of magnitudes, which rounding cannot cancel. It errs by at most 4096 units of 2^-24,
+// and by the floors of its terms: point, normal (of a quadric its gradient) and barycentrics. On a cone it
+// may be unknown where the two places of measurement change over.
 Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
                     const reference::Ray& ray) {
     Quantities f{};

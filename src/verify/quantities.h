@@ -36,7 +36,7 @@ struct Reach {
 };
 Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray);
 
-// The least bounds of numbers seen, and the rounding error that may be added to each.
+// The least box around vectors of numbers, with the rounding error of each number.
 struct Box {
     std::vector<double> lo, hi, floors;
 

@@ -16,17 +16,18 @@ namespace glint::verify {
 
 namespace {
 
-// Larger images have one of each 2 x 2 pixels examined, at random.
+// In larger images one random pixel of each 2 x 2 is examined.
 constexpr size_t kSmallImage = 4096;
-// Scenes whose numbers are moved by up to one unit each, as packing moves them: at first, at least, and at
-// most for the few pixels that are left, kFewPixels and one in kFewPixels of those examined. More are a
-// defect. At an edge one scene in dozens takes the packed one's path, and of what that may show (a face's
-// normal, where its corners' last places are a thousandth of it) two or three scenes make no box.
+// Numbers of scenes with each number moved by up to one unit, as by packing: at first, at least, and at most
+// for the few pixels that are left (kFewPixels and one in kFewPixels of those examined; more are a defect).
+// At an edge one scene in dozens takes the path of the packed one, and two or three scenes make no box for
+// quantities that rounding changes much, such as the normal of a face whose corners' last places are a
+// thousandth of it.
 constexpr uint64_t kFirstScenes = 8, kMovedScenes = 24, kLastScenes = 1024;
 constexpr size_t kFewPixels = 64;
-// How many times its own size a class's box may be missed by: what packing has made of the numbers is one
-// more of the random moves, and of two such moves one is 5 times as long as the other in one case of ten, of
-// ten the longest hardly ever.
+// A class's box may be missed by this many times its size. Packing is one more random move of the numbers. Of
+// two random moves one is 5 times as long as the other in one case of ten; it is hardly ever that much longer
+// than the longest of ten.
 constexpr double kMoveGain = 4;
 
 // True if a box has the quantities of a pixel, other than those that depend on packing.
@@ -81,7 +82,7 @@ void RepresentationCheck::compare(int x, int y, uint32_t sample, const reference
     row.doubts.push_back(std::move(doubt));
 }
 
-// Traces all pixels in doubt in a scene with moved numbers; drops those that it decides.
+// Traces all doubtful pixels in a scene with moved numbers, and removes those that it explains.
 void RepresentationCheck::draw(uint64_t seed, std::vector<Doubt*>& open) const {
     const auto moved = std::make_shared<const reference::Model>(reference::disturbed(*model_, seed, 1));
     const reference::Tracer tracer(moved, options_, radianceBound_);
@@ -104,8 +105,8 @@ void RepresentationCheck::draw(uint64_t seed, std::vector<Doubt*>& open) const {
     std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
 }
 
-// Behind many bounces a handful of moved scenes does not take the path in question: then the truth must give
-// each ray's hit and light for roundings of that ray.
+// After many bounces a few moved scenes do not reproduce the path. The truth must then give each ray's hit
+// and light for roundings of that ray.
 void RepresentationCheck::certifyDoubt(Doubt& doubt) const {
     const Trail trail = trailOf(rounded_.trace(rayOf(rounded_, roundedCamera_, doubt), {}, true));
     const SeenPath seen{&trail, doubt.rounded, 1, false};
@@ -114,14 +115,14 @@ void RepresentationCheck::certifyDoubt(Doubt& doubt) const {
     if (certificate.verdict == Certificate::Verdict::Holds) doubt.state = Doubt::State::Explained;
 }
 
-// Doubts stay open that nothing explains, or that are not worth a longer search.
+// Leaves doubts open that nothing explains, or whose search would be too long.
 void RepresentationCheck::search(std::vector<Doubt*> open, size_t examined) const {
     uint64_t drawn = 0;
     const auto drawUpTo = [&](uint64_t last) {
         while (drawn < last && !open.empty()) draw(++drawn, open);
     };
-    // All pixels see the same few moves, so that many in doubt may be one number's: three times as many
-    // scenes as long as that halves the pixels in doubt.
+    // All pixels share the same few moves, so one number may leave many pixels in doubt. Triple the scenes
+    // while that halves the pixels in doubt.
     size_t before = open.size();
     for (uint64_t last = kFirstScenes; last <= kLastScenes; last *= 3) {
         if (last > kMovedScenes && 2 * open.size() > before) break;

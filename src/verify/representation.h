@@ -1,6 +1,6 @@
-// Compares the packed scene with the scene as it was read, both rendered by the reference: what differs is
-// the rounding of numbers by packing. Each number is rounded once; a difference must be one that the truth
-// shows with its numbers moved as far (docs/design/verification.md).
+// Compares the packed scene with the scene as it was read, both rendered by the reference. They differ by the
+// rounding of packing, once for each number. Some scene with numbers moved as far must explain each
+// difference (docs/design/verification.md).
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace glint::verify {
 
 struct Options;
 
-// A pixel where rounding the scene shows more than its response, and why.
+// A pixel that rounding the scene changes by more than its response, and whether that is explained.
 struct RepresentedPixel {
     int x = 0, y = 0;
     uint32_t sample = 0;
@@ -25,7 +25,7 @@ struct RepresentedPixel {
 
 struct Representation {
     uint64_t asked = 0;  // pixels
-    // Beyond what the truth's own response predicts: given by some rounding of the scene, or a defect in
+    // Pixels beyond the truth's own response: explained by some rounding of the scene, or a defect in
     // packing.
     uint64_t explained = 0, unexplained = 0;
     double rmse = 0, p99 = 0, greatest = 0;  // of colour, between both scenes
@@ -35,13 +35,13 @@ struct Representation {
 
 class RepresentationCheck {
   public:
-    // `read`: what `packed` was made from; rounded, camera: of that. All must outlive the check.
+    // `read`: the source of `packed`; rounded, camera: of `packed`. All must outlive the check.
     RepresentationCheck(const Scene& read, const PackedScene& packed, const reference::Tracer& rounded,
                         const shared::Camera& camera, const Options& options);
 
-    // From any thread, but one for a row; rounded: what the reference sees of the packed scene there.
+    // Thread-safe for different rows. rounded: the reference's record of the packed scene.
     void compare(int x, int y, uint32_t sample, const reference::PixelRecord& rounded);
-    // Once all are compared.
+    // Call after all pixels are compared.
     Representation judge(size_t worstCount);
 
   private:

@@ -52,9 +52,10 @@ bool leaves(const reference::PixelRecord& record) {
     return rays > 1;
 }
 
-// The greatest change of one unit. What is decided otherwise is counted for rays that moreover begin as far
-// from the surfaces that they leave as the device's do: between curved mirrors that is many times what the
-// rounding of their points adds. Not so of the wide move: thirty times as far a ray is past thin things.
+// Returns the greatest change by one unit. Changed decisions are counted for rays that also start as far from
+// their surfaces as the device's rays: between curved mirrors this distance counts many times as much as the
+// rounding of points. The wide move omits it, because at 32 times the distance a ray starts beyond thin
+// objects.
 double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint64_t seed, int seeds,
                Sensitivity& counts) {
     const reference::PixelRecord still = tracer.trace(ray);

@@ -1,5 +1,5 @@
-// How hard a scene is for fp32, from the double-precision tracer alone: the condition number of an image, and
-// how many of its pixels may hang on rounding.
+// Sensitivity of a scene to fp32, from the double-precision tracer alone: the condition number of an image,
+// and the number of pixels that rounding may decide.
 #pragma once
 
 #include <cstddef>
@@ -24,16 +24,16 @@ inline constexpr double kConfidence = 0.999;  // of each limit
 double greatestMean(uint64_t count);
 // The least number that a Poisson variable of this mean exceeds with a chance of at most 1 - kConfidence.
 uint64_t greatestCount(double mean);
-// 0 of nothing; no NaN.
+// 0 for an empty vector; values must not be NaN.
 double percentile99(std::vector<float> values);
 
 // ---- sensitivity ----
 
 inline constexpr double kWideUnits = 32;
-// The device may see this many times as many pixels otherwise as the reference does when each of its rays is
-// moved by up to one unit of 2^-24.
+// The device may differ in this many times as many pixels as the reference changes when each of its rays
+// moves by up to one unit of 2^-24.
 inline constexpr double kShareOfPrediction = 2;
-// At most about so many pixels are examined, one at random in each cell of a grid.
+// Approximate maximum of pixels to examine, one at random in each cell of a grid.
 inline constexpr size_t kMaxKappaPixels = 4096;
 
 struct Sensitivity {
@@ -42,7 +42,7 @@ struct Sensitivity {
     // 99th percentile over the pixels. kappa 2^-24 is the error that fp32 arithmetic may make; several times
     // that is a sign of a method that loses digits.
     double kappa = 0;
-    uint64_t tried = 0;  // pixels, with so many moves of one unit each, and one of kWideUnits
+    uint64_t tried = 0;  // pixels, each with `moves` moves of one unit and one of kWideUnits
     uint64_t moves = 1;
     // Moves for which the reference itself changes a pixel: `changed` of all moves of one unit,
     // `changedWidely` of the moves of kWideUnits. A change is a hit of other primitives, or other decisions
@@ -51,10 +51,10 @@ struct Sensitivity {
     uint64_t open = 0;  // pixels for which isOpen
 
     double changedByOne() const { return static_cast<double>(changed) / static_cast<double>(moves); }
-    // Greatest share of pixels that the device may see otherwise, with kConfidence: all that are open, and
-    // kShareOfPrediction times those that a move of one unit changes. Edges are as wide as the move, so that
-    // a wide one counts for as many; where more than that change at one unit, paths are chaotic, and they are
-    // counted at one unit alone.
+    // Greatest share of pixels in which the device may differ, with kConfidence: all open ones, and
+    // kShareOfPrediction times those that a move of one unit changes. The width of edges grows with the move,
+    // so the share at one unit is at least a 32nd of that of wide moves. If more pixels change at one unit,
+    // paths are chaotic, and only moves of one unit count.
     double explainedShare() const;
 };
 
@@ -69,12 +69,12 @@ double conditionNumber(const reference::Tracer& tracer, const shared::Camera& ca
 double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                      double unit);
 
-// A random pixel of cell number `cell` of step x step pixels: what hangs on rounding often lies along one row
-// or column of an image, which a regular grid hits always or never.
+// A random pixel of cell number `cell` of step x step pixels. Pixels that rounding decides often lie along
+// one row or column, which a regular grid hits always or never.
 glm::ivec2 placeInCell(size_t cell, int step);
 
-// True if fp32's errors decide on the way which surfaces are in one place (Jitter::slips). still: of `ray`,
-// moved by `move`. change: becomes at least as great as the change of colour.
+// True if fp32's errors decide anywhere on the path which surfaces are in one place (Jitter::slips). still:
+// the record of `ray`, moved by `move`. change: becomes at least the change of colour.
 bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
             reference::Jitter move = {}, double* change = nullptr);
 

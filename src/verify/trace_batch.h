@@ -9,8 +9,8 @@
 
 namespace glint::verify {
 
-// The device finds the hits of the rays, rounded to fp32 relative to the scene's origin. The reference's code
-// computes point, normal and names of what was hit (HitDetail::Surface). WorldHit::cost stays 0. `coherent`,
+// The device finds the hits of the rays, rounded to fp32 relative to the scene's origin. The reference
+// computes the hit's point, normal and names (HitDetail::Surface). WorldHit::cost stays 0. `coherent`,
 // `times`: see RayTask.
 std::vector<WorldHit> traceBatch(render::RayQueries& queries, const PackedScene& scene, const RayBatch& batch,
                                  bool coherent = false, BatchTimes* times = nullptr);

@@ -20,12 +20,11 @@ namespace {
 
 constexpr float kDifferenceGain = 64;
 
-// Steps of the reference that certificates may take: as many for each of its rays, and some more for each
-// sample.
+// Steps of the reference for certificates: for each of its rays, and for each sample.
 constexpr uint64_t kStepsOfRay = 3, kLeastSteps = 1'000'000;
-// Pixels that are certified between two looks at the steps left.
+// Pixels that are certified at a time, before the steps left are counted.
 constexpr size_t kCertifiedAtOnce = 64;
-// Pixels that are compared at a time, whose rays are held; fewer where paths are deep.
+// Pixels that are compared at a time, and whose rays are stored; fewer if paths are deep.
 constexpr int kPixelsAtOnce = 1 << 15;
 
 // Whole tiles: the same packets of rays as in the whole image.
@@ -35,8 +34,8 @@ int rowsOfPart(const Options& options, uint32_t maxDepth) {
     return std::max(1, pixels / (options.width * kTile)) * kTile;
 }
 
-// True if the pixel's alpha is the sample's weight where the device has hit anything, and 0 elsewhere. The
-// weight is rounded once, and so are the inverse of the count and the product with it.
+// True if the pixel's alpha is the sample's weight at a hit, and 0 at a miss. The weight, the inverse of the
+// count and their product are rounded.
 bool isCovered(float alpha, const PixelData& data, double weight) {
     const double expected = data.object == PixelData::kNoIndex ? 0 : weight;
     return std::abs(static_cast<double>(alpha) - expected) <= 4 * kFloatUnit * std::abs(expected);
@@ -46,7 +45,7 @@ bool isCovered(float alpha, const PixelData& data, double weight) {
 bool isSamePath(const DifferingPixel& pixel) {
     return pixel.device.pathHash == pixel.reference.pathHash;
 }
-// True if moreover they followed as many rays, and so lost the same branches.
+// True if they also followed equally many rays, and so lost the same branches.
 bool isAlike(const DifferingPixel& pixel) {
     return isSamePath(pixel) && pixel.device.bounces == pixel.reference.bounces;
 }
@@ -172,7 +171,7 @@ void Verification::conclude() {
     // Without secondary rays the device has no code for mirrors, and counts no omitted branches.
     const bool countsBranches = tracer_.environment().maxDepth > 0;
     report_.lossesDiffer = countsBranches && !account_.agrees(losses_, report_.allowedExplained());
-    // A few thousand pixels tell little of what seldom happens: before they fail an image, ask more.
+    // A few thousand pixels are a poor estimate of rare events: examine more before they fail an image.
     const bool tooMany = report_.explained() + report_.undecided > report_.allowedExplained();
     if (tooMany && report_.unexplained == 0)
         report_.sensitivity = sensitivityOf(tracer_, camera_, options_.width, options_.height, samples_, 3,
@@ -267,8 +266,8 @@ void Verification::add(const DifferingPixel& pixel) {
     }
 }
 
-// Certifies the undecided pixels, in order, as long as there are steps left. Deterministic: the steps are
-// counted between batches.
+// Certifies the undecided pixels in order, until the steps run out. Deterministic: the steps are counted
+// between batches.
 void Verification::certifyAll(std::vector<DifferingPixel>& pixels, const Picture& device,
                               const std::vector<Trail>& trails) {
     std::vector<DifferingPixel*> doubts;
@@ -290,8 +289,8 @@ void Verification::certifyAll(std::vector<DifferingPixel>& pixels, const Picture
     }
 }
 
-// Returns the steps that it took. A pixel is within its predicted error after all if each ray of the
-// reference's own path is predicted, and takes the decisions of the reference's own ray.
+// Returns the number of steps. A pixel is within its predicted error after all if each ray of the reference's
+// own path is predicted and decides as the reference's own ray.
 uint64_t Verification::certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t mostSteps) const {
     const auto [weight, ray] = sampleAt(pixel.sample, pixel.x, pixel.y);
     const SeenPath seen{&trail, quantitiesOf(pixel.deviceColor, pixel.device), weight};
@@ -320,8 +319,8 @@ std::vector<size_t> Verification::plainDifferences(const Picture& device) const 
     return differing;
 }
 
-// True if some ray as near as roundings move it hits surfaces of which fp32's errors decide whether they are
-// in one place. Which of them is hit may then depend on the order of the traversal, and so on the kernel.
+// True if the ray, or one that rounding may make of it, hits surfaces whose coincidence depends on fp32's
+// errors. The order of the traversal, and so the kernel, may then decide which of them is hit.
 bool isOrderOpen(const reference::Tracer& tracer, const reference::Ray& ray) {
     constexpr uint64_t kMoves = 64;
     for (uint64_t seed = 0; seed <= kMoves; ++seed) {
@@ -331,7 +330,8 @@ bool isOrderOpen(const reference::Tracer& tracer, const reference::Ray& ray) {
     return false;
 }
 
-// How many of these pixels of a part have no such rays in samples 0 to `end` - 1.
+// Counts those pixels of a part for which the order of surfaces is open in none of the samples 0 to `end` -
+// 1.
 uint64_t Verification::countSettled(const Region& part, uint32_t end,
                                     const std::vector<size_t>& pixels) const {
     std::atomic<uint64_t> settled = 0;

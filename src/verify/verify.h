@@ -24,7 +24,7 @@ namespace glint::verify {
 // Why a pixel differs.
 enum class Reason {
     Predicted,   // within its predicted error: not in the report
-    Edge,        // explained: another path, each ray of which is what roundings of that step give
+    Edge,        // explained: another path; each of its rays is a possible rounding of the step before
     Rounding,    // explained: the same of the reference's own path, by more than its response to one unit
     Undecided,   // not examined, or beyond the steps that a pixel or an image may take
     Unexplained  // a defect, in the shader, the reference or the scene's packing
@@ -37,12 +37,12 @@ constexpr auto entriesOf(Reason) {
                                              {Reason::Unexplained, "unexplained"}});
 }
 
-// Settings of a comparison. Each sample (adaptive: of the first round) is an image of its own, of the whole
-// view. The request's region and its outputs besides colour are ignored.
+// Settings of a comparison. Each sample (adaptive: of the first round) is compared as an image of its own, of
+// the whole view. Region and outputs of the request other than colour are ignored.
 struct Options : Request {
     Options() { width = 640, height = 480; }
     size_t worstCount = 10;
-    // Unexplained pixels that a scene may have and pass, for devices with a known defect.
+    // A scene passes with up to this many unexplained pixels, for devices with a known defect.
     uint64_t allowedUnexplained = 0;
     // Leave pixels in doubt undecided once the unexplained pixels fail the image.
     bool verdictAlone = false;
@@ -65,9 +65,9 @@ struct DifferingPixel {
 struct Report {
     uint64_t pixels = 0;
     uint64_t edges = 0, roundings = 0, undecided = 0, unexplained = 0;
-    uint64_t plainDiffers = 0;  // pixels that the picture without data has with other bits
-    uint64_t filmDiffers = 0;   // pixels whose samples, drawn together, are not what they are one by one
-    bool lossesDiffer = false;  // other branches were not followed
+    uint64_t plainDiffers = 0;  // pixels whose bits differ in the image without layers
+    uint64_t filmDiffers = 0;   // pixels of the combined image that are not the mean of their samples
+    bool lossesDiffer = false;  // device and reference omitted different branches
     double rmse = 0;            // colour, all pixels
     double rmseSamePath = 0;    // colour, pixels whose paths hit the same primitives: pure arithmetic
     double maxSamePath = 0;
@@ -93,12 +93,12 @@ struct Report {
     }
 };
 
-// Bytes that verify() holds for each pixel of the image: images, differences, and its share of the part that
-// is compared at a time, with one ray for each path. maxDepth: of the scene with these options.
+// Bytes that verify() allocates for each pixel of the image: images, differences, and the part that is
+// compared at a time, with one ray for each path. maxDepth: of the scene with these options.
 uint64_t bytesPerPixel(const Options& options, uint32_t maxDepth);
 
-// `scene` must be the one that `renderer` was made from. read: what that was packed from, if its rounding is
-// to be judged too, with the camera of the picture.
+// `scene`: the scene of `renderer`. read: the source of `scene`, to check its rounding too, with the camera
+// of the image.
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
               const Options& options, const Scene* read = nullptr);
 

@@ -5,8 +5,7 @@
 namespace glint {
 namespace {
 
-// Any object whose transform its shape cannot take (kindOf). Class Instances knows where they are; this hands
-// on.
+// Any object whose shape cannot absorb its transform (kindOf). Class Instances places them.
 class InstancePacker final : public KindPacker {
   public:
     bool packs(const Shape&) const override { return false; }

@@ -104,7 +104,7 @@ class PolygonPacker final : public KindPacker {
         for (uint32_t i = 0; i <= polygon.trips * shared::kPolygonEdgesPerTrip; ++i)
             visit(scene.polygonVertices[polygon.firstVertex + i].position, 0);
     }
-    // A fan about the first vertex: what it covers twice with opposite signs, in a concave outline, cancels.
+    // A fan about the first vertex: in a concave outline, areas covered twice with opposite signs cancel.
     double windings(const PackedScene& scene, uint32_t index, const glm::dvec3& point) const override {
         const shared::Polygon& polygon = scene.polygons[index];
         const shared::PolygonVertex* v = &scene.polygonVertices[polygon.firstVertex];

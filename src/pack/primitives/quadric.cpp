@@ -1,4 +1,4 @@
-// Quadrics of every name as the one form that the tracers know (Quadric in shared/layout.h).
+// Turns quadrics of every name into the one form of the tracers (Quadric in shared/layout.h).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -225,12 +225,13 @@ std::optional<dvec3> nearestOnSide(const Form& form, const dvec3& eye) {
     return inBox && step < 0x1p-40 ? std::optional(y) : std::nullopt;
 }
 
-// The point of the surface nearest the eye, if that is near, beside the radius or the way to where the form
-// is measured from: there the constant, and with it the radius of curvature, drops out of the equation, as it
-// does from an anchored sphere's; the plane of a cap is at exactly 0. Measured from anywhere else, hits would
-// err by 2^-24 of the way there, which from a long cone's apex is many times the radius. Where the gradient
-// vanishes rounded constants would open or fill the surface: such a form is moved only if the eye is so near
-// that the rest would lose six digits. A cone with a tip goes on to be measured from there, too.
+// The point of the surface nearest the eye, if it is near compared with the radius or with the distance to
+// the point that the form is measured from. Measured from there, the constant drops out of the equation, and
+// with it the radius of curvature, as for an anchored sphere; the plane of a cap is at exactly 0. Measured
+// from elsewhere, hits would err by 2^-24 of the distance, which from a long cone's apex is many times the
+// radius.
+// If the gradient vanishes, rounded constants would open or fill the surface. Such a form moves only if the
+// eye is so near that hits would otherwise lose six digits. A cone with a tip is measured from its apex, too.
 std::optional<dvec3> anchorOf(const Form& form, const dvec3& eye) {
     double nearest = form.isSingular && !form.hasTip ? 1.0 / 64 : std::max(0.5, 0.25 * glm::length(eye));
     std::optional<dvec3> anchor;

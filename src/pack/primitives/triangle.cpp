@@ -40,10 +40,9 @@ class TrianglePacker final : public KindPacker {
     bool packs(const Shape& shape) const override {
         return std::holds_alternative<TriangleShape>(shape) || std::holds_alternative<MeshShape>(shape);
     }
-    // No area means collinear after rounding, exactly: a needle of any thinness that fp32 can tell from a
-    // line has a plane and a normal and is kept; a degenerate triangle has none, and watertight intersection
-    // tests would hit some of them (M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", 4th
-    // ed., 6.5.3).
+    // No area means exactly collinear after rounding. A needle that fp32 can distinguish from a line has a
+    // plane and a normal and is kept. A degenerate triangle has none, and watertight intersection tests would
+    // hit some of them (M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", 4th ed., 6.5.3).
     PrimitiveStatus statusOf(const Object& object, uint32_t face, const Frame& frame) const override {
         const auto v = roundTriangle(TriangleSource(object).vertices(face), frame.origin);
         if (!v) return PrimitiveStatus::NotFinite;
