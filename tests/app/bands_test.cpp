@@ -1,6 +1,5 @@
 // Pictures in bands: the pixels, and what is said of them, are those of a picture that was drawn at once.
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "core/content_hash.h"
 #include "core/image_io.h"
@@ -9,12 +8,8 @@
 namespace glint::app::test::bands_test {
 class Bands : public SmallSceneTest {
   protected:
-    static nlohmann::json render(const std::string& output, Words more) {
-        const Ran ran =
-            runGlint({"render", "a.json", "--backend", "cpu", "-o", output, "--stats", "json"}, more);
-        EXPECT_EQ(ran.code, 0) << ran.err;
-        EXPECT_EQ(ran.err, "");
-        return ran.code == 0 ? nlohmann::json::parse(ran.out) : nlohmann::json();
+    static nlohmann::json render(const std::string& output, const Words& more) {
+        return jsonOf("render a.json --backend cpu --stats json -o" + Words(output) + more);
     }
 
     static void expectSamePixels(const std::string& a, const std::string& b) {
@@ -28,9 +23,7 @@ class Bands : public SmallSceneTest {
     static void compare(const std::string& kind, const Words& options, bool sameBytes) {
         const auto whole = render("whole" + kind, options);
         for (const int rows : {1, 8, 16, 40, 1000}) {
-            Words more = options;
-            more.insert(more.end(), {"--band-rows", std::to_string(rows)});
-            const auto bands = render("bands" + kind, more);
+            const auto bands = render("bands" + kind, options + ("--band-rows " + std::to_string(rows)));
             EXPECT_EQ(bands.at("hash"), whole.at("hash")) << kind << rows;
             EXPECT_EQ(bands.at("samplesTaken"), whole.at("samplesTaken"));
             EXPECT_EQ(bands.at("lost"), whole.at("lost"));
@@ -82,14 +75,10 @@ TEST_F(Bands, AdviceIsOfTheWholePicture) {
 }
 
 TEST_F(Bands, WhereThereCanBeNone) {
-    const auto message = [](Words more) {
-        const Ran ran = runGlint("render a.json --backend cpu --band-rows 8", more);
-        EXPECT_EQ(ran.code, 2);
-        return ran.err;
-    };
-    const std::string where = ": bands go into .png (layers color and alpha alone), .exr and .pfm\n";
-    EXPECT_EQ(message("-o a.hdr"), "glint: a.hdr" + where);
-    EXPECT_EQ(message("-o a.png --aov color,depth"), "glint: a.png" + where);
+    const Words bands = "render a.json --backend cpu --band-rows 8 -o";
+    const std::string where = ": bands go into .png (layers color and alpha alone), .exr and .pfm";
+    expectError(bands + "a.hdr", 2, "a.hdr" + where);
+    expectError(bands + "a.png --aov color,depth", 2, "a.png" + where);
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 

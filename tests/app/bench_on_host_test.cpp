@@ -1,6 +1,4 @@
 // `glint bench` by the reference on the host, which needs no device.
-#include <nlohmann/json.hpp>
-
 #include "app/options.h"
 #include "core/error.h"
 #include "support.h"
@@ -22,9 +20,7 @@ TEST_F(BenchOnHost, CountsEveryRayOfThePicture) {
              {"type": "point", "position": [0, 0, -4], "intensity": 1}],
   "materials": {"m": {"diffuse": 0.5}},
   "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "m"}])"));
-    const Ran ran = runGlint("bench a.json a.json --backend cpu --repeat 2 --spp 4 --stats json");
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    const nlohmann::json json = nlohmann::json::parse(ran.out);
+    const nlohmann::json json = jsonOf("bench a.json a.json --backend cpu --repeat 2 --spp 4 --stats json");
     EXPECT_EQ(json["version"], GLINT_VERSION);
     EXPECT_FALSE(json["commit"].get<std::string>().empty());
     ASSERT_EQ(json["scenes"].size(), 2u);
@@ -43,10 +39,7 @@ TEST_F(BenchOnHost, CountsEveryRayOfThePicture) {
 }
 
 TEST_F(BenchOnHost, SceneAtFault) {
-    const Ran ran = runGlint("bench no.json --backend cpu");
-    EXPECT_EQ(ran.code, 3);
-    EXPECT_EQ(ran.err, "glint: no.json: no such file\n");
-    EXPECT_EQ(ran.out, "");
+    expectError("bench no.json --backend cpu", 3, "no.json: no such file");
 }
 
 // 65536^2 pixels times 17 bytes are beyond this machine.

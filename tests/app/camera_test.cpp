@@ -17,10 +17,7 @@ class CameraOption : public FolderTest {
                   R"({"image": {"width": 32, "height": 24}, "camera": {"eye": [5, 1, 0], "fovY": 30}, )" +
                       kRest + "}");
     }
-    static Ran onHost(Words args) {
-        args += "--backend cpu";
-        return runGlint(args);
-    }
+    static Ran onHost(const Words& args) { return runGlint(args, "--backend cpu"); }
 };
 
 TEST_F(CameraOption, DrawsWhatThatCameraSees) {
@@ -46,16 +43,12 @@ TEST_F(CameraOption, InfoListsThem) {
 }
 
 TEST_F(CameraOption, AnUnknownNameIsAnErrorOfTheCommandLine) {
-    for (const std::string command : {"render", "trace", "info", "bench"}) {
-        Words args = {command, "two.json", "--camera", "sid"};
-        if (command == "trace") args += "--pixel 1,1";
-        const Ran ran = command == "info" ? runGlint(args) : onHost(args);
-        EXPECT_EQ(ran.code, 2) << command;
-        EXPECT_EQ(ran.err, "glint: two.json: no camera \"sid\" (there are \"side\", \"far\")\n") << command;
-    }
-    EXPECT_EQ(runGlint("info side.json --camera x").err,
-              "glint: side.json: no camera \"x\" (none in it has a name)\n");
-    EXPECT_EQ(runGlint("info two.json --camera ''").err, "glint: --camera: the name is empty\n");
+    for (const char* command : {"render two.json --backend cpu", "trace two.json --backend cpu --pixel 1,1",
+                                "info two.json", "bench two.json --backend cpu"})
+        expectError(command + Words("--camera sid"), 2,
+                    "two.json: no camera \"sid\" (there are \"side\", \"far\")");
+    expectError("info side.json --camera x", 2, "side.json: no camera \"x\" (none in it has a name)");
+    expectError("info two.json --camera ''", 2, "--camera: the name is empty");
 }
 
 // Parts of pictures of two cameras make no picture.

@@ -69,12 +69,7 @@ TEST_F(Diff, FaultsAreOneLine) {
         {"no.png", "no.png: no such file"},
         {"folder.png", "folder.png: is a folder, not a file"},
         {"text.png", "text.png: not an image of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)"}};
-    for (const auto& [file, line] : cases) {
-        const Ran ran = runGlint({"diff", "a.pfm", file, "-o", "d.png"});
-        EXPECT_EQ(ran.err, "glint: " + line + "\n");
-        EXPECT_EQ(ran.out, "");
-        EXPECT_EQ(ran.code, 1);
-    }
+    for (const auto& [file, line] : cases) expectError({"diff", "a.pfm", file, "-o", "d.png"}, 1, line);
     EXPECT_FALSE(std::filesystem::exists("d.png"));
 }
 

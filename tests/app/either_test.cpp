@@ -11,9 +11,7 @@ const std::string kBackend = GLINT_BACKEND;
 
 class RenderEither : public SmallSceneTest {
   protected:
-    static void render(const Words& options) {
-        SmallSceneTest::render(Words("--backend") + kBackend + options);
-    }
+    static void render(const Words& options) { SmallSceneTest::render("--backend " + kBackend + options); }
 };
 
 TEST_F(RenderEither, SameBytesOnEveryRun) {
@@ -51,10 +49,8 @@ TEST_F(RenderEither, OptionsHaveTheBitsOfTheFile) {
     std::string text = sceneText(24, 18, R"("maxDepth": 3, )" + rest);
     text.replace(text.find("\"width\""), 0, R"("samplesPerPixel": 4, "sampler": "jittered", "seed": 9, )");
     writeText("b.json", text);
-    const auto draw = [](Words args) {
-        args.insert(args.begin(), "render");
-        args.insert(args.end(), {"--backend", kBackend, "-q"});
-        const Ran ran = runGlint(args);
+    const auto draw = [](const Words& args) {
+        const Ran ran = runGlint("render -q --backend " + kBackend, args);
         EXPECT_EQ(ran.code, 0) << ran.err;
     };
     draw("b.json -o b.pfm");
@@ -79,15 +75,17 @@ class Trace : public FolderTest {
             {"type": "triangle", "vertices": [[2, 0, 0], [4, 0, 0], [2, 4, 0]]}])"));
     }
 
-    std::string trace(const std::string& rays, bool any = false) {
-        writeText("r.csv", rays);
-        Words args = {"trace", "a.json", "--rays", "r.csv", "--backend", kBackend};
-        if (any) args.push_back("--any");
-        const Ran ran = runGlint(args);
+    static std::string traceBy(const Words& options) {
+        const Ran ran = runGlint("trace a.json --backend " + kBackend, options);
         EXPECT_EQ(ran.code, 0) << ran.err;
         EXPECT_EQ(ran.err, "");
         EXPECT_TRUE(ran.out.starts_with(kHeader)) << ran.out;
         return ran.out.substr(std::string(kHeader).size());
+    }
+
+    static std::string trace(const std::string& rays, const Words& options = {}) {
+        writeText("r.csv", rays);
+        return traceBy("--rays r.csv" + options);
     }
 };
 
@@ -125,7 +123,7 @@ TEST_F(Trace, RaysThatAreNoneMiss) {
 
 // Powers of two scale exactly: t must be 4 * 2^900 and 4 * 2^-900.
 TEST_F(Trace, DirectionsOfAnyLength) {
-    const auto scaled = [this](double length) {
+    const auto scaled = [](double length) {
         char ray[64];
         std::snprintf(ray, sizeof(ray), "0,0,5,0,0,%.17g,0,%.17g\n", -length, 4.5 / length);
         const std::string line = trace(ray);
@@ -139,35 +137,24 @@ TEST_F(Trace, DirectionsOfAnyLength) {
 
 TEST_F(Trace, NoRays) {
     writeText("r.csv", "# none\n");
-    const Ran ran = runGlint({"trace", "a.json", "--rays", "r.csv", "--backend", kBackend});
+    const Ran ran = runGlint("trace a.json --rays r.csv --backend " + kBackend);
     EXPECT_EQ(ran.out, kHeader);
     EXPECT_EQ(ran.err, "glint: warning: r.csv: holds no rays\n");
 }
 
 TEST_F(Trace, AnyTellsHitsOnly) {
-    EXPECT_EQ(trace("0,0,5,0,0,-1\n0,0,5,0,0,1\n0,0,5,0,0,-1,0,3\n3,1,2,0,0,-1\n", true),
+    EXPECT_EQ(trace("0,0,5,0,0,-1\n0,0,5,0,0,1\n0,0,5,0,0,-1,0,3\n3,1,2,0,0,-1\n", "--any"),
               std::string("1,,,,,,,,,,,\n") + kMiss + kMiss + "1,,,,,,,,,,,\n");
 }
 
 // The middle pixel of 3 x 3 looks along -z; the first one, at 45 degrees to each side of a 90 degree picture
 // times 2/3, sees nothing.
 TEST_F(Trace, PixelIsTheCameraRayOfItsCentre) {
-    const auto pixel = [](const std::string& where, bool any = false) {
-        Words args = {"trace", "a.json", "--pixel", where, "--backend", kBackend};
-        if (any) args.push_back("--any");
-        const Ran ran = runGlint(args);
-        EXPECT_EQ(ran.code, 0);
-        return ran.out.substr(std::string(kHeader).size());
-    };
-    EXPECT_EQ(pixel("1,1"), "1,4,0,0,0,0,0,0,1,0,0,1\n");
-    EXPECT_EQ(pixel("0,0"), kMiss);
-    EXPECT_EQ(pixel("1,1", true), "1,,,,,,,,,,,\n");
-    EXPECT_EQ(pixel("0,0", true), kMiss);
-}
-
-TEST_F(Trace, SizeIsThePicturesThatThePixelIsIn) {
-    const Ran ran = runGlint({"trace", "a.json", "--pixel", "4,4", "--size", "9x9", "--backend", kBackend});
-    EXPECT_EQ(ran.out, std::string(kHeader) + "1,4,0,0,0,0,0,0,1,0,0,1\n");
+    EXPECT_EQ(traceBy("--pixel 1,1"), "1,4,0,0,0,0,0,0,1,0,0,1\n");
+    EXPECT_EQ(traceBy("--pixel 0,0"), kMiss);
+    EXPECT_EQ(traceBy("--pixel 1,1 --any"), "1,,,,,,,,,,,\n");
+    EXPECT_EQ(traceBy("--pixel 0,0 --any"), kMiss);
+    EXPECT_EQ(traceBy("--pixel 4,4 --size 9x9"), "1,4,0,0,0,0,0,0,1,0,0,1\n");
 }
 
 // `object` is the index in the scene's list, also where another object comes first in the BVH; `primitive`

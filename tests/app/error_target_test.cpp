@@ -4,21 +4,19 @@
 #include <ImfInputFile.h>
 #include <ImfStringAttribute.h>
 
-#include <nlohmann/json.hpp>
-
 #include "core/image_io.h"
 #include "support.h"
 
 namespace glint::app::test::error_target_test {
 class ErrorTarget : public SmallSceneTest {
   protected:
-    static Ran render(Words options) { return runGlint("render a.json --backend cpu --size 32x24", options); }
+    static Ran render(const Words& options) { return runGlint(kRender, options); }
+
+    inline static const Words kRender = "render a.json --backend cpu --size 32x24";
 };
 
 TEST_F(ErrorTarget, IsReachedAndTold) {
-    const Ran ran = render("--error 0.02 --within-depth --stats json -q");
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    const nlohmann::json stats = nlohmann::json::parse(ran.out);
+    const nlohmann::json stats = jsonOf(kRender + "--error 0.02 --within-depth --stats json -q");
     const nlohmann::json& error = stats.at("error");
     EXPECT_EQ(error.at("stopped"), "reached");
     EXPECT_LE(error.at("bound").get<double>(), 0.02);
@@ -32,9 +30,7 @@ TEST_F(ErrorTarget, IsReachedAndTold) {
 // As attributes that --stats has too. An EXR without --error has none: its bytes are those of any other way
 // to draw it.
 TEST_F(ErrorTarget, IsInTheHeaderOfAnExr) {
-    const Ran ran = render("--error 0.02 --within-depth --stats json -q -o a.exr");
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    const nlohmann::json stats = nlohmann::json::parse(ran.out);
+    const nlohmann::json stats = jsonOf(kRender + "--error 0.02 --within-depth --stats json -q -o a.exr");
     const auto header = [](const std::string& file) {
         Imf::InputFile exr(file.c_str());
         return exr.header();
@@ -67,9 +63,9 @@ TEST_F(ErrorTarget, SummaryDoesNotRoundTheConfidence) {
 
 // The scene has a sample for each pixel, which is too few for the filter, and --spp is not for --error.
 TEST_F(ErrorTarget, FiltersTakeTheSamplesThatTheyNeed) {
-    const Ran ran = render("--error 0.1 --within-depth --filter mitchell --stats json");
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    EXPECT_GE(nlohmann::json::parse(ran.out)["error"]["samplesPerPixel"], 8) << "two replicates of 4";
+    const nlohmann::json stats =
+        jsonOf(kRender + "--error 0.1 --within-depth --filter mitchell --stats json");
+    EXPECT_GE(stats["error"]["samplesPerPixel"], 8) << "two replicates of 4";
 }
 
 // Two replicates of one pixel that errs have no quantile.
@@ -89,16 +85,16 @@ TEST_F(ErrorTarget, OfTooFewPixelsNothingIsPromised) {
 // What all samples may have missed is counted up to full scale, and told beyond it.
 TEST_F(ErrorTarget, HighlightsThatNobodySawAreTold) {
     // Nothing but sky.
-    const auto drawn = [&](const std::string& sky, Words options) {
+    const auto argsFor = [](const std::string& sky) {
         writeText("a.json", sceneText(32, 24, R"("background": )" + sky + R"(, "objects": [
                       {"type": "sphere", "center": [0, 1000, 0], "radius": 1}])"));
-        return runGlint("render a.json --backend cpu --error 0.5", options).out;
+        return Words("render a.json --backend cpu --error 0.5");
     };
     const std::string note = "not counted: a highlight as bright as the scene allows";
-    EXPECT_LACKS(drawn("0.5", {}), note);
-    EXPECT_HAS(drawn("500", {}), note);
+    EXPECT_LACKS(runGlint(argsFor("0.5")).out, note);
+    EXPECT_HAS(runGlint(argsFor("500")).out, note);
     const auto unseen = [&](const std::string& sky) {
-        return nlohmann::json::parse(drawn(sky, "--stats json"))["error"]["unseen"].get<double>();
+        return jsonOf(argsFor(sky) + "--stats json -q")["error"]["unseen"].get<double>();
     };
     EXPECT_NEAR(unseen("500") / unseen("5"), 100, 0.01);
 }
@@ -123,9 +119,7 @@ TEST_F(ErrorTarget, WhatIsNotReachedIsSaidAndStrictFails) {
     const Ran lenient = render(few);
     EXPECT_EQ(lenient.code, 0);
     EXPECT_HAS(lenient.err, "after 8 samples per pixel (--max-spp)");
-    Words strict = few;
-    strict.push_back("--strict");
-    EXPECT_EQ(render(strict).code, 5);
+    EXPECT_EQ(render(few + "--strict").code, 5);
     EXPECT_TRUE(std::filesystem::exists("a.png"));
 }
 

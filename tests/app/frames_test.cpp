@@ -1,7 +1,5 @@
 // `glint render --frames` and `--time`, on the reference.
-#include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "support.h"
 
@@ -22,11 +20,12 @@ class Frames : public FolderTest {
             "animation": {"framesPerSecond": 4, "tracks": [)") +
                                           kTracks + "]}"));
     }
-    static Ran frames(const std::string& range, Words more = {}) {
-        Words args = {"render", "a.json", "--backend", "cpu", "--frames", range};
-        if (std::find(more.begin(), more.end(), "-o") == more.end()) args += "-o f.##.pfm";
-        args += more;
-        return runGlint(args);
+
+    inline static const Words kRender = "render a.json --backend cpu";
+
+    static Words wordsFor(const std::string& range) { return kRender + "-o f.##.pfm --frames" + range; }
+    static Ran frames(const std::string& range, const Words& more = {}) {
+        return runGlint(wordsFor(range), more);
     }
 };
 
@@ -38,10 +37,7 @@ TEST_F(Frames, AreTheMomentsOfTheScene) {
     std::set<std::vector<uint8_t>> different;
     for (int frame = 0; frame <= 4; ++frame) {
         const std::string name = "f.0" + std::to_string(frame) + ".pfm";
-        ASSERT_EQ(runGlint({"render", "a.json", "--backend", "cpu", "-q", "-o", "one.pfm", "--time",
-                            std::to_string(frame / 4.0)})
-                      .code,
-                  0);
+        ASSERT_EQ(runGlint(kRender + "-q -o one.pfm --time" + std::to_string(frame / 4.0)).code, 0);
         EXPECT_EQ(readBytes("one.pfm"), readBytes(name)) << frame;
         different.insert(readBytes(name));
     }
@@ -61,11 +57,8 @@ TEST_F(Frames, OfGltf) {
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}, {"mesh": 0}],
         "animations": [{"samplers": [{"input": 1, "output": 2}],
                         "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}]}]})");
-    const Words common = "m.gltf --backend cpu -q --size 32x24";
-    const auto render = [&](Words args) {
-        args.insert(args.begin(), "render");
-        args.insert(args.begin() + 1, common.begin(), common.end());
-        EXPECT_EQ(runGlint(args).code, 0);
+    const auto render = [](const Words& options) {
+        EXPECT_EQ(runGlint("render m.gltf --backend cpu -q --size 32x24", options).code, 0);
     };
     render("--frames 0:3 --fps 3 -o f.#.pfm");
     std::set<std::vector<uint8_t>> different;
@@ -98,7 +91,8 @@ TEST_F(Frames, ThoseThatAreThereStay) {
 
 // The camera alone moves until half a second; a layer that is missing makes the frame incomplete.
 TEST_F(Frames, StatsSayWhatChanged) {
-    const auto json = nlohmann::json::parse(frames("0:3", "--stats json --aov color,depth").out);
+    const Words args = wordsFor("0:3") + "--stats json --aov color,depth";
+    const nlohmann::json json = jsonOf(args);
     ASSERT_EQ(json["frames"].size(), 4u);
     EXPECT_EQ(json["frames"][1]["changed"], "camera");
     EXPECT_EQ(json["frames"][2]["changed"], "camera");
@@ -107,12 +101,12 @@ TEST_F(Frames, StatsSayWhatChanged) {
     EXPECT_EQ(json["frames"][3]["files"], nlohmann::json({"f.03.pfm", "f.03.depth.pfm"}));
     EXPECT_EQ(json["treesBuilt"], 2);
     std::filesystem::remove("f.02.depth.pfm");
-    EXPECT_EQ(nlohmann::json::parse(frames("0:3", "--stats json --aov color,depth").out)["there"], 3);
+    EXPECT_EQ(jsonOf(args)["there"], 3);
 }
 
 TEST_F(Frames, RateAndNames) {
-    ASSERT_EQ(frames("2", "-q --fps 8 -o one.pfm").code, 0);
-    ASSERT_EQ(frames("1:1", "-q -o two.pfm").code, 0);
+    ASSERT_EQ(runGlint(kRender + "--frames 2 -q --fps 8 -o one.pfm").code, 0);
+    ASSERT_EQ(runGlint(kRender + "--frames 1:1 -q -o two.pfm").code, 0);
     EXPECT_EQ(readBytes("one.pfm"), readBytes("two.pfm"));
 }
 
@@ -122,7 +116,7 @@ TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "glint: warning: a.json: has no animation; all frames are the same image\n");
     EXPECT_EQ(readBytes("f.00.pfm"), readBytes("f.01.pfm"));
-    const Ran one = runGlint("render a.json --backend cpu --size 8x6 --time 1");
+    const Ran one = runGlint(kRender + "--size 8x6 --time 1");
     EXPECT_EQ(one.code, 0);
     EXPECT_EQ(one.err, "glint: warning: a.json: has no animation; --time changes nothing\n");
 }

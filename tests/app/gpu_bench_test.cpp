@@ -1,16 +1,13 @@
 // `glint bench` on a device: counts against the reference's, and what a pipeline with more code draws.
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "support.h"
 #include "support/environment.h"
 
 namespace glint::app::test::gpu_bench_test {
-nlohmann::json bench(Words more) {
-    const Ran ran = runGlint("bench a.json --repeat 2 --stats json", more);
-    EXPECT_EQ(ran.code, 0) << ran.err;
-    return nlohmann::json::parse(ran.out)["scenes"][0];
+nlohmann::json bench(const Words& more) {
+    return jsonOf("bench a.json --repeat 2 --stats json" + more)["scenes"][0];
 }
 
 class GpuBench : public FolderTest {

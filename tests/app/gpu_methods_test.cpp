@@ -51,8 +51,8 @@ TEST_F(Methods, ExerciseOneTheSphere) {
 // No sample is unexplained since; but more of them hang on rounding than the scene demands, and that is said.
 TEST_F(Methods, TextbookSpheresLoseDigitsAtTheLimb) {
     for (const char* sphere : {"algebraic", "geometric"}) {
-        const Ran ran = runGlint({"verify", glint::test::sourcePath("scenes/lens.json"), "--size", "160x120",
-                                  "--sphere", sphere, "--progress", "none"});
+        const Ran ran = runGlint("verify --size 160x120 --progress none --sphere",
+                                 {sphere, glint::test::sourcePath("scenes/lens.json")});
         EXPECT_EQ(ran.code, 5) << ran.out << ran.err;
         EXPECT_HAS(ran.out, "the method loses digits here");
         EXPECT_HAS(ran.out, " 0 unexplained");
@@ -89,13 +89,11 @@ TEST_F(Methods, VerifyHoldsEachAgainstTheReference) {
 
 TEST_F(Methods, StatisticsSayWhichWasUsed) {
     writeSmallScene("a.json");
-    const Ran ran = runGlint("render a.json --intersector projection --sphere geometric --stats json");
-    EXPECT_EQ(ran.code, 0) << ran.err;
-    EXPECT_HAS(ran.out, "\"intersector\": \"projection\"");
-    EXPECT_HAS(ran.out, "\"sphere\": \"geometric\"");
-    EXPECT_EQ(
-        runGlint("render a.json --intersector best").err,
-        "glint: --intersector: expected watertight, barycentric, projection or planar3d, got \"best\"\n");
+    const auto stats = jsonOf("render a.json --intersector projection --sphere geometric --stats json");
+    EXPECT_EQ(stats["intersector"], "projection");
+    EXPECT_EQ(stats["sphere"], "geometric");
+    expectError("render a.json --intersector best", 2,
+                "--intersector: expected watertight, barycentric, projection or planar3d, got \"best\"");
     EXPECT_EQ(runGlint("info a.json --sphere round").code, 2);
 }
 

@@ -43,10 +43,9 @@ TEST_F(GpuPart, FramesHaveTheBitsOfTheirMoments) {
     ASSERT_EQ(runGlint({"render", scene, "--frames", "0:47", "--fps", "24", "-o", "f.##.pfm"}, size).code, 0);
     // At multiples of 1/8 s, which the six digits of to_string hold.
     for (const int frame : {0, 9, 30, 45}) {
-        Words one = {"render", scene, "-o", "one.pfm", "--time"};
-        one.push_back(std::to_string(frame / 24.0));
-        one += size;
-        ASSERT_EQ(runGlint(one).code, 0);
+        ASSERT_EQ(
+            runGlint({"render", scene, "-o", "one.pfm", "--time", std::to_string(frame / 24.0)}, size).code,
+            0);
         const std::string name = std::string("f.") + (frame < 10 ? "0" : "") + std::to_string(frame) + ".pfm";
         EXPECT_EQ(readBytes("one.pfm"), readBytes(name)) << frame;
     }

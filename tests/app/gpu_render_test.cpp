@@ -11,11 +11,8 @@ using GpuRender = SmallSceneTest;
 // The same samples of the same pixels, so the same rounds, and the picture of the reference but for rounding.
 TEST_F(GpuRender, AnErrorIsReachedAsTheReferenceReachesIt) {
     const Words target = "--error 0.01 --within-depth --size 32x24 --aov color,samples";
-    Words device = target, host = target;
-    device += "-o device.pfm";
-    host += "-o host.pfm --backend cpu";
-    render(device);
-    render(host);
+    render(target + "-o device.pfm");
+    render(target + "-o host.pfm --backend cpu");
     const Image a = readImage("device.pfm"), b = readImage("host.pfm");
     EXPECT_EQ(readBytes("device.samples.pfm"), readBytes("host.samples.pfm"));
     size_t differ = 0;
@@ -40,8 +37,7 @@ TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {
     EXPECT_FALSE(readBytes("lane.exr").empty());
     if (hasPackets()) {
         EXPECT_EQ(readBytes("lane.exr"), readBytes("packet.exr"));
-        EXPECT_HAS(runGlint("render a.json --traversal packet --aov cost --stats json").out,
-                   "\"traversal\": \"lane\"")
+        EXPECT_EQ(jsonOf("render a.json --traversal packet --aov cost --stats json")["traversal"], "lane")
             << "packets do not count tests";
     }
 }
@@ -77,17 +73,13 @@ TEST_F(Lavapipe, ByIndexAndName) {
 // One kernel for whole paths is there sooner, packets are faster: the command counts the picture's rays. What
 // is sampled until an error is reached counts as many.
 TEST_F(Lavapipe, PacketsAreForManyRays) {
-    const auto walkOf = [](Words options) {
-        const Ran ran = runGlint({"render", glint::test::sourcePath("scenes/knot.json"), "-q", "--size",
-                                  "40x30", "--stats", "json", "-o", "a.png"},
-                                 options);
-        EXPECT_EQ(ran.code, 0) << ran.err;
-        const size_t at = ran.out.find("\"traversal\": \"");
-        return at == std::string::npos ? ran.out : ran.out.substr(at + 14, 4);
+    const auto walkOf = [](const Words& options) {
+        const Words scene = {glint::test::sourcePath("scenes/knot.json")};
+        return jsonOf("render -q --size 40x30 --stats json -o a.png" + scene + options)["traversal"];
     };
     EXPECT_EQ(walkOf({}), "lane");
-    EXPECT_EQ(walkOf("--spp 1024"), "pack");
-    EXPECT_EQ(walkOf("--error 0.5"), "pack");
+    EXPECT_EQ(walkOf("--spp 1024"), "packet");
+    EXPECT_EQ(walkOf("--error 0.5"), "packet");
 }
 
 TEST_F(Lavapipe, IsListedAsTheChosenOne) {

@@ -24,11 +24,10 @@ class GpuReport : public FolderTest {
   "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "red"}])"));
     }
     // One kind of pipeline, as compiling takes most of the time; a budget that no machine exceeds.
-    Ran report(Words more = {}) {
-        more.insert(more.begin(), {"--size", "16", "--repeats", "2", "--truth-spp", "64", "--budget", "600"});
-        return reportOf(std::move(more));
-    }
-    static Ran reportOf(Words more) { return runGlint("report a.json -o out --only lowDiscrepancy", more); }
+    inline static const Words kReport = "report a.json -o out --only lowDiscrepancy";
+    inline static const Words kSmall = kReport + "--size 16 --repeats 2 --truth-spp 64 --budget 600";
+
+    static Ran report(const Words& more = {}) { return runGlint(kSmall, more); }
     static report::Report runReport(const gpu::Device& device, const report::Options& options) {
         SceneOptions scene;
         scene.scene = "a.json";
@@ -82,7 +81,7 @@ TEST_F(GpuReport, MeasuresOnceAndNeverAgain) {
 TEST_F(GpuReport, MoreRepeatsContinue) {
     ASSERT_EQ(report().code, 0);
     const nlohmann::json before = readJson();
-    ASSERT_EQ(reportOf("--size 16 --repeats 3 --truth-spp 64 --budget 600").code, 0);
+    ASSERT_EQ(runGlint(kReport + "--size 16 --repeats 3 --truth-spp 64 --budget 600").code, 0);
     const nlohmann::json after = readJson();
     for (size_t i = 0; i < 6; ++i) {
         const nlohmann::json &a = before["scenes"][0]["measured"][i], &b = after["scenes"][0]["measured"][i];
@@ -107,7 +106,7 @@ TEST_F(GpuReport, TheConvergedPicturesErrorIsTakenOut) {
                                   R"("background": 0.5, "ambient": 0.1,
   "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}}, "objects": [)" +
                                       spheres + "]"));
-    const Ran ran = reportOf("--size 96 --repeats 8 --truth-spp 2 --budget 600");
+    const Ran ran = runGlint(kReport + "--size 96 --repeats 8 --truth-spp 2 --budget 600");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const nlohmann::json scene = readJson()["scenes"][0];
     const double own = scene["truthError"];
@@ -133,11 +132,7 @@ TEST_F(GpuReport, DevicesAreCompared) {
     const Words args =
         "report a.json -o out --only device --size 16 --repeats 2 --truth-spp 64 --budget 600 --device 0 "
         "--devices";
-    const auto with = [&](const std::string& devices) {
-        Words all = args;
-        all.push_back(devices);
-        return runGlint(all);
-    };
+    const auto with = [&](const std::string& devices) { return runGlint(args, {devices}); };
     const Ran ran = with("cpu,0,cpu");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const nlohmann::json report = readJson();
@@ -184,19 +179,16 @@ TEST_F(GpuReport, AnotherMeshStartsOver) {
 TEST_F(GpuReport, KeepsScenesThatAreNotNamed) {
     ASSERT_EQ(report().code, 0);
     writeText("b.json", sceneText(16, 12, "\"background\": 0.25"));
-    Words args = "report b.json -o out --size 16 --repeats 2 --truth-spp 64 --only grid";
-    args.back() = "depth";
-    EXPECT_EQ(runGlint(args).err,
-              "glint: b.json: nothing was measured: no setting of --only applies to this scene\n");
-    args.back() = "grid";
-    ASSERT_EQ(runGlint(args).code, 0);
+    const Words args = "report b.json -o out --size 16 --repeats 2 --truth-spp";
+    expectError(args + "64 --only depth", 1,
+                "b.json: nothing was measured: no setting of --only applies to this scene");
+    ASSERT_EQ(runGlint(args + "64 --only grid").code, 0);
     const nlohmann::json both = readJson();
     ASSERT_EQ(both["scenes"].size(), 2u);
     EXPECT_EQ(both["scenes"][0]["name"], "b");
     EXPECT_EQ(both["scenes"][1]["name"], "a");
     EXPECT_EQ(both["scenes"][1]["measured"].size(), 6u);
-    args[9] = "32";
-    const Ran another = runGlint(args);
+    const Ran another = runGlint(args + "32 --only grid");
     ASSERT_EQ(another.code, 0);
     EXPECT_HAS(another.err, "scenes that are not named are dropped");
     EXPECT_EQ(readJson()["scenes"].size(), 1u);
@@ -233,14 +225,13 @@ TEST_F(GpuReport, AnotherCameraIsAnotherReport) {
     EXPECT_EQ(namedErrors.size(), 6u);
     EXPECT_EQ(chosenErrors, namedErrors);
     EXPECT_NE(chosenErrors, ownErrors);
-    EXPECT_EQ(report("--camera far").err, "glint: a.json: no camera \"far\" (there are \"near\")\n");
+    expectError(kSmall + "--camera far", 2, "a.json: no camera \"far\" (there are \"near\")");
 }
 
 // No machine renders 12 million pixels in double precision in time.
 TEST_F(GpuReport, ThatNothingWasMeasuredIsAnError) {
-    const Ran ran = reportOf("--size 4096 --budget 1");
-    EXPECT_EQ(ran.code, 1);
-    EXPECT_EQ(ran.err, "glint: a.json: nothing was measured: use a larger --budget or a smaller --size\n");
+    expectError(kReport + "--size 4096 --budget 1", 1,
+                "a.json: nothing was measured: use a larger --budget or a smaller --size");
     EXPECT_FALSE(std::filesystem::exists("out/report.html"));
 }
 
@@ -281,10 +272,8 @@ TEST_F(GpuReport, ImagesThatDoNotFitAreRefused) {
 TEST_F(GpuReport, RefusesAFolderThatHoldsSomethingElse) {
     std::filesystem::create_directory("out");
     writeText("out/report.json", "[]");
-    const Ran ran = report();
-    EXPECT_EQ(ran.code, 1);
-    EXPECT_EQ(ran.err,
-              "glint: out/report.json: not a report of this version; give another folder, or remove it\n");
+    expectError(kSmall, 1,
+                "out/report.json: not a report of this version; give another folder, or remove it");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out"}));
 }
 

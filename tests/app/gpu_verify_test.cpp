@@ -1,6 +1,5 @@
 // `glint verify` as a command; what makes a pixel explained is tested with the module itself.
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "core/available_memory.h"
 #include "core/image_io.h"
@@ -142,8 +141,7 @@ TEST_F(GpuVerify, FilesAndImagesForOtherPrograms) {
 
 TEST_F(GpuVerify, JsonOnStandardOutput) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
-    const Ran ran = runGlint("verify a.json --json - --brief");
-    EXPECT_EQ(nlohmann::json::parse(ran.out)["scenes"][0]["status"], "passed");
+    EXPECT_EQ(jsonOf("verify a.json --json - --brief")["scenes"][0]["status"], "passed");
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 

@@ -1,6 +1,4 @@
 // Texts of `info` and of the summaries of other commands.
-#include <nlohmann/json.hpp>
-
 #include "core/content_hash.h"
 #include "core/image_io.h"
 #include "support.h"
@@ -106,10 +104,7 @@ TEST_F(Info, IsTheSameEveryTimeButForTheBuildTime) {
 using Stats = SmallSceneTest;
 
 TEST_F(Stats, StandardOutputIsOneJsonDocument) {
-    const Ran ran = runGlint("render a.json --backend cpu --stats json --aov color,depth --spp 4");
-    EXPECT_EQ(ran.code, 0);
-    EXPECT_EQ(ran.err, "");
-    const nlohmann::json json = nlohmann::json::parse(ran.out);
+    const nlohmann::json json = jsonOf("render a.json --backend cpu --stats json --aov color,depth --spp 4");
     EXPECT_EQ(json["scene"], "a.json");
     EXPECT_EQ(json["backend"], "cpu");
     EXPECT_EQ(json["files"], (std::vector<std::string>{"a.png", "a.depth.png"}));
@@ -139,17 +134,14 @@ TEST_F(Stats, WarningsDoNotDisturbIt) {
 }
 
 TEST_F(Stats, FileNameThatIsNoUtf8) {
-    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "--stats", "json", "-o", "b\xff.png"});
-    EXPECT_EQ(ran.code, 0) << ran.err;
-    EXPECT_TRUE(nlohmann::json::accept(ran.out));
+    jsonOf("render a.json --backend cpu --stats json -o b\xff.png");
     EXPECT_TRUE(names().contains("b\xff.png"));
 }
 
 // The hash is of the image and not of its file, so it is the same for the image that is read back.
 TEST_F(Stats, HashIsOfThePicture) {
-    const auto hash = [](Words options) {
-        options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "--stats", "json"});
-        return nlohmann::json::parse(runGlint(options).out)["hash"].get<std::string>();
+    const auto hash = [](const Words& options) {
+        return jsonOf("render a.json --backend cpu --stats json" + options)["hash"].get<std::string>();
     };
     const std::string png = hash("-o b.png");
     EXPECT_EQ(hash("-o b.pfm"), png);
@@ -161,8 +153,8 @@ TEST_F(Stats, QuietSaysNothing) {
     const Ran ran = runGlint("render a.json --backend cpu -q");
     EXPECT_EQ(ran.out + ran.err, "");
     EXPECT_EQ(ran.code, 0);
-    EXPECT_TRUE(nlohmann::json::accept(runGlint("render a.json --backend cpu -q --stats json").out));
-    EXPECT_EQ(runGlint("render no.json --backend cpu -q").err, "glint: no.json: no such file\n");
+    EXPECT_EQ(jsonOf("render a.json --backend cpu -q --stats json")["scene"], "a.json");
+    expectError("render no.json --backend cpu -q", 3, "no.json: no such file");
 }
 
 TEST_F(Stats, SummaryNamesFileSizeAndTimes) {

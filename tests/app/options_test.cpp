@@ -12,10 +12,8 @@ class OptionValue : public FolderTest {
     void expectLine(const std::string& command, const std::string& option, const std::string& text,
                     const std::string& line) {
         SCOPED_TRACE(command + " " + option + " " + text);
-        const Ran ran = runGlint({command, "x.json", option, text});
-        EXPECT_EQ(ran.err, "glint: " + (line.empty() ? "x.json: no such file" : line) + "\n");
-        EXPECT_EQ(ran.code, line.empty() ? 3 : 2);
-        EXPECT_EQ(ran.out, "");
+        expectError({command, "x.json", option, text}, line.empty() ? 3 : 2,
+                    line.empty() ? "x.json: no such file" : line);
         EXPECT_TRUE(names().empty());
     }
 };
@@ -92,12 +90,9 @@ TEST_F(OptionValue, NamesTheLayerThatIsRefused) {
 }
 
 TEST(Options, ToleranceIsAFiniteNumberFromZeroUp) {
-    for (const char* text : {"-1", "nan", "inf", "1x", "", "0x1", "1e999", "-0.001", " 1"}) {
-        const Ran ran = runGlint({"diff", "a.png", "b.png", "--tolerance", text});
-        EXPECT_EQ(ran.err,
-                  std::string("glint: --tolerance: expected a number from 0 up, got \"") + text + "\"\n");
-        EXPECT_EQ(ran.code, 2);
-    }
+    for (const std::string text : {"-1", "nan", "inf", "1x", "", "0x1", "1e999", "-0.001", " 1"})
+        expectError({"diff", "a.png", "b.png", "--tolerance", text}, 2,
+                    "--tolerance: expected a number from 0 up, got \"" + text + "\"");
     EXPECT_EQ(parseNotNegative("0"), 0.0);
     EXPECT_EQ(parseNotNegative("1e-3"), 1e-3);
 }

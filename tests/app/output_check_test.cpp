@@ -61,13 +61,9 @@ TEST_F(OutputCheck, FolderThatRefusesAtTheEndLeavesNothing) {
 
 TEST_F(OutputCheck, ComesBeforeTheSceneIsRead) {
     writeText("a.json", "{\"objekts\": []}");
-    const Ran ran = runGlint("render no.json -o no/a.png");
-    EXPECT_EQ(ran.err, "glint: no/a.png: cannot write: there is no folder no\n");
-    EXPECT_EQ(ran.code, 1);
-    EXPECT_EQ(runGlint("verify a.json --artifacts a.json").err,
-              "glint: a.json: cannot write: a.json is not a folder\n");
-    EXPECT_EQ(runGlint("diff no.png no.png -o no/d.png").err,
-              "glint: no/d.png: cannot write: there is no folder no\n");
+    expectError("render no.json -o no/a.png", 1, "no/a.png: cannot write: there is no folder no");
+    expectError("verify a.json --artifacts a.json", 1, "a.json: cannot write: a.json is not a folder");
+    expectError("diff no.png no.png -o no/d.png", 1, "no/d.png: cannot write: there is no folder no");
 }
 
 TEST_F(OutputCheck, MemoryIsComparedWithWhatIsFree) {

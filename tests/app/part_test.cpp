@@ -1,36 +1,26 @@
 // `glint render --part` and `glint merge`, on the reference.
-#include <filesystem>
-#include <nlohmann/json.hpp>
-
 #include "core/image_io.h"
 #include "support.h"
 
 namespace glint::app::test::part_test {
 class Part : public SmallSceneTest {
   protected:
-    static Ran part(const std::string& which, Words more = {}) {
+    static Ran part(const std::string& which, const Words& more = {}) {
         return runGlint({"render", "a.json", "--backend", "cpu", "--part", which}, more);
-    }
-    static std::string errorOfRun(const Ran& ran, int code) {
-        EXPECT_EQ(ran.code, code);
-        EXPECT_EQ(ran.out, "");
-        return ran.err;
     }
 };
 
 TEST_F(Part, MergedPicturesAreTheBytesOfOneRun) {
     const std::string layers =
         "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost,samples";
-    const Words options = {"--aov",    layers,       "--spp",   "6",      "--sampler",
-                           "jittered", "--adaptive", "24,0.05", "--crop", "3,1,60,44"};
+    const Words options = "--spp 6 --sampler jittered --adaptive 24,0.05 --crop 3,1,60,44 --aov " + layers;
     ASSERT_EQ(runGlint("render a.json --backend cpu -q -o whole.exr", options).code, 0);
     for (const int parts : {1, 3, 7}) {
         Words merge = "merge -q -o all.exr";
         for (int k = parts; k >= 1; --k) {
             const std::string name = std::to_string(k) + ".part";
-            Words more = options;
-            more.insert(more.end(), {"-q", "-o", name});
-            ASSERT_EQ(part(std::to_string(k) + "/" + std::to_string(parts), more).code, 0);
+            ASSERT_EQ(part(std::to_string(k) + "/" + std::to_string(parts), options + "-q -o" + name).code,
+                      0);
             merge.push_back(name);
         }
         const Ran merged = runGlint(merge);
@@ -50,11 +40,10 @@ TEST_F(Part, NamesAndSummary) {
     EXPECT_TRUE(
         merged.out.starts_with("wrote a.png (64x48)\ndevice: CPU reference (double precision)\nhash: "))
         << merged.out;
-    const Ran whole = runGlint("render a.json --backend cpu --stats json -o b.png");
-    const Ran json = runGlint("merge a.2-of-2.part a.1-of-2.part --stats json");
-    const auto mergedJson = nlohmann::json::parse(json.out), wholeJson = nlohmann::json::parse(whole.out);
-    EXPECT_EQ(mergedJson["hash"], wholeJson["hash"]);
-    EXPECT_EQ(mergedJson["parts"], 2);
+    const nlohmann::json whole = jsonOf("render a.json --backend cpu --stats json -o b.png");
+    const nlohmann::json json = jsonOf("merge a.2-of-2.part a.1-of-2.part --stats json");
+    EXPECT_EQ(json["hash"], whole["hash"]);
+    EXPECT_EQ(json["parts"], 2);
     EXPECT_EQ(readBytes("a.png"), readBytes("b.png"));
 }
 
@@ -70,32 +59,31 @@ TEST_F(Part, TheMergedPictureIsExposed) {
 }
 
 TEST_F(Part, OptionsThatMakeNoSense) {
-    EXPECT_EQ(errorOfRun(part("1/2", "-o a.png"), 2),
-              "glint: a.png: the name of a part ends in .part; glint merge makes an image from the parts\n");
-    EXPECT_EQ(errorOfRun(part("1/2", "-o no/a.part"), 1),
-              "glint: no/a.part: cannot write: there is no folder no\n");
+    const Words half = "render a.json --backend cpu --part 1/2 -o";
+    expectError(half + "a.png", 2,
+                "a.png: the name of a part ends in .part; glint merge makes an image from the parts");
+    expectError(half + "no/a.part", 1, "no/a.part: cannot write: there is no folder no");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json"}));
 }
 
 // What does not belong together is told apart by name.
 TEST_F(Part, ForeignPartsAreNamed) {
     ASSERT_EQ(part("1/2", "-q").code, 0);
-    const std::string start = "glint: b.part: comes from another render than a.1-of-2.part: ";
-    const auto merge = [&] { return errorOfRun(runGlint("merge a.1-of-2.part b.part"), 1); };
-    ASSERT_EQ(part("2/2", "-q -o b.part --spp 4").code, 0);
-    EXPECT_EQ(
-        merge(),
-        start + "samples is 4 grid, filter box 0.5, seed 0 there and 1 grid, filter box 0.5, seed 0 here\n");
-    ASSERT_EQ(part("2/2", "-q -o b.part --size 32x24").code, 0);
-    EXPECT_EQ(merge(), start + "size is 32x24 there and 64x48 here\n");
-    ASSERT_EQ(part("2/3", "-q -o b.part").code, 0);
-    EXPECT_EQ(merge(), start + "parts is 3 there and 2 here\n");
-    ASSERT_EQ(part("2/2", "-q -o b.part --aov color,depth").code, 0);
-    EXPECT_EQ(merge(), start + "layers is color,depth there and color here\n");
+    const auto expectDifference = [](const std::string& which, const Words& options,
+                                     const std::string& line) {
+        EXPECT_EQ(part(which, "-q -o b.part" + options).code, 0);
+        expectError("merge a.1-of-2.part b.part", 1,
+                    "b.part: comes from another render than a.1-of-2.part: " + line);
+    };
+    expectDifference(
+        "2/2", "--spp 4",
+        "samples is 4 grid, filter box 0.5, seed 0 there and 1 grid, filter box 0.5, seed 0 here");
+    expectDifference("2/2", "--size 32x24", "size is 32x24 there and 64x48 here");
+    expectDifference("2/3", "", "parts is 3 there and 2 here");
+    expectDifference("2/2", "--aov color,depth", "layers is color,depth there and color here");
     writeText("a.json", sceneText(64, 48, R"("objects": [])"));
-    ASSERT_EQ(part("2/2", "-q -o b.part").code, 0);
-    EXPECT_EQ(merge(), start + "file a.json has other contents there\n");
-    EXPECT_EQ(errorOfRun(runGlint("merge a.1-of-2.part"), 1), "glint: part 2 of 2 is missing\n");
+    expectDifference("2/2", "", "file a.json has other contents there");
+    expectError("merge a.1-of-2.part", 1, "part 2 of 2 is missing");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "a.1-of-2.part", "b.part"}));
 }
 

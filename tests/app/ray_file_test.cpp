@@ -90,28 +90,17 @@ TEST(RayFile, FaultsNameFileLineAndText) {
     EXPECT_EQ(errorOf(std::string("1,2,3,4,5,6\0", 12) + "\n"), "r.csv:1: expected a number, got \"6?\"");
 }
 
-class RayFileOnDisk : public FolderTest {};
+using RayFileOnDisk = SmallSceneTest;
 
-TEST_F(RayFileOnDisk, MissingOrAFolder) {
-    writeSmallScene("a.json");
-    std::filesystem::create_directory("rays");
-    const std::pair<const char*, const char*> cases[] = {{"no.csv", "no.csv: no such file"},
-                                                         {"rays", "rays: is a folder, not a file of rays"}};
-    for (const auto& [file, line] : cases) {
-        const Ran ran = runGlint({"trace", "a.json", "--rays", file, "--backend", "cpu"});
-        EXPECT_EQ(ran.err, std::string("glint: ") + line + "\n");
-        EXPECT_EQ(ran.out, "");
-        EXPECT_EQ(ran.code, 3);
-    }
-}
-
-TEST_F(RayFileOnDisk, FaultyLineLeavesStandardOutputEmpty) {
-    writeSmallScene("a.json");
+TEST_F(RayFileOnDisk, FaultsLeaveStandardOutputEmpty) {
     writeText("r.csv", "0,0,5,0,0,-1\n0,0,5,0,0\n");
-    const Ran ran = runGlint("trace a.json --rays r.csv --backend cpu");
-    EXPECT_EQ(ran.err, "glint: r.csv:2: expected 6 to 8 numbers ox,oy,oz,dx,dy,dz[,tmin[,tmax]], got 5\n");
-    EXPECT_EQ(ran.out, "");
-    EXPECT_EQ(ran.code, 3);
+    std::filesystem::create_directory("rays");
+    const std::pair<const char*, const char*> cases[] = {
+        {"no.csv", "no.csv: no such file"},
+        {"rays", "rays: is a folder, not a file of rays"},
+        {"r.csv", "r.csv:2: expected 6 to 8 numbers ox,oy,oz,dx,dy,dz[,tmin[,tmax]], got 5"}};
+    for (const auto& [file, line] : cases)
+        expectError({"trace", "a.json", "--backend", "cpu", "--rays", file}, 3, line);
 }
 
 }  // namespace glint::app::test::ray_file_test

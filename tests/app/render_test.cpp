@@ -108,10 +108,9 @@ TEST_F(Render, ExposureScalesTheColoursOfPngFiles) {
         EXPECT_EQ(readImage("new/a.png").pixels, readImage("twice.png").pixels);
         std::filesystem::remove("new/a.png");
     }
-    for (const char* output : {"a.exr", "a.pfm", "a.hdr"})
-        EXPECT_EQ(runGlint({"render", "a.json", "-o", output, "--exposure", "1"}).err,
-                  std::string("glint: --exposure: ") + output +
-                      " holds linear floats, which need none; use .png\n");
+    for (const std::string output : {"a.exr", "a.pfm", "a.hdr"})
+        expectError("render a.json --exposure 1 -o " + output, 2,
+                    "--exposure: " + output + " holds linear floats, which need none; use .png");
 }
 
 // A wedge that is flat along z, and the same model lying down: x' = x, y' = -z, z' = y for z up.
@@ -119,20 +118,14 @@ TEST_F(Render, UpTurnsModelsThatLieDown) {
     writeText("y.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     writeText("z.obj", "v 0 0 0\nv 3 0 0\nv 0 0 2\nv 0 -1 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     writeText("x.obj", "v 0 0 0\nv 0 0 3\nv 2 0 0\nv 0 1 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
-    const auto draw = [](const std::string& model, const std::string& up, const std::string& output) {
-        return runGlint(
-                   {"render", model, "--backend", "cpu", "-q", "--size", "64x48", "--up", up, "-o", output})
-            .code;
-    };
-    ASSERT_EQ(draw("y.obj", "y", "y.pfm"), 0);
-    ASSERT_EQ(draw("z.obj", "z", "z.pfm"), 0);
-    ASSERT_EQ(draw("x.obj", "x", "x.pfm"), 0);
-    ASSERT_EQ(draw("z.obj", "y", "down.pfm"), 0);
+    for (const char* options : {"y.obj --up y -o y.pfm", "z.obj --up z -o z.pfm", "x.obj --up x -o x.pfm",
+                                "z.obj --up y -o down.pfm"})
+        ASSERT_EQ(runGlint("render --backend cpu -q --size 64x48", options).code, 0) << options;
     EXPECT_EQ(runGlint("diff y.pfm z.pfm --tolerance 1e-5").code, 0);
     EXPECT_EQ(runGlint("diff y.pfm x.pfm --tolerance 1e-5").code, 0);
     EXPECT_EQ(runGlint("diff y.pfm down.pfm --tolerance 0.1").code, 5);
-    EXPECT_EQ(runGlint("render a.json --up z").err,
-              "glint: a.json: has a camera of its own, which decides what is up (--up)\n");
+    expectError("render a.json --up z", 2,
+                "a.json: has a camera of its own, which decides what is up (--up)");
 }
 
 TEST_F(Render, ReplacesAnOldPicture) {
@@ -149,18 +142,13 @@ TEST_F(Render, ItsOwnTextureIsNotReplaced) {
     writeImage("sub/m.png", Image(2, 2, 3));
     const auto texture = readBytes("sub/m.png");
     std::filesystem::create_symlink("sub/m.png", "link.png");
-    for (const char* output : {"sub/m.png", "sub/../sub/m.png", "link.png"}) {
-        for (const bool checkpoint : {false, true}) {
-            Words words = {"render", "sub/m.obj", "--backend", "cpu", "-q", "--size", "8x8", "-o", output};
-            if (checkpoint) words += "--checkpoint c";
-            const Ran ran = runGlint(words);
-            EXPECT_EQ(ran.code, 2);
-            EXPECT_EQ(ran.err, std::string("glint: ") + output +
-                                   ": is read by the scene; name another file with --output\n");
-        }
-    }
+    const Words render = "render sub/m.obj --backend cpu -q --size 8x8";
+    for (const std::string output : {"sub/m.png", "sub/../sub/m.png", "link.png"})
+        for (const char* options : {"-o ", "--checkpoint c -o "})
+            expectError(render + (options + output), 2,
+                        output + ": is read by the scene; name another file with --output");
     EXPECT_EQ(readBytes("sub/m.png"), texture);
-    EXPECT_EQ(runGlint("render sub/m.obj --backend cpu -q --size 8x8").code, 0);
+    EXPECT_EQ(runGlint(render).code, 0);
     std::filesystem::current_path("sub");
     EXPECT_EQ(runGlint("render m.obj --backend cpu -q --size 8x8").code, 0);
     EXPECT_EQ(readImage("m.render.png").width, 8);

@@ -14,15 +14,8 @@ class BadScene : public FolderTest, public ::testing::WithParamInterface<Bad> {}
 TEST_P(BadScene, IsOneLineAndExitCode3) {
     const Bad& bad = GetParam();
     writeText(bad.file, bad.text);
-    for (const char* command : {"render", "info", "trace"}) {
-        Words args = {command, bad.file};
-        if (args[0] == "render") args += "--backend cpu -o out.png";
-        if (args[0] == "trace") args += "--backend cpu --pixel 0,0";
-        const Ran ran = runGlint(args);
-        EXPECT_EQ(ran.err, std::string("glint: ") + bad.file + bad.line + "\n") << command;
-        EXPECT_EQ(ran.code, 3) << command;
-        EXPECT_EQ(ran.out, "") << command;
-    }
+    for (const char* command : {"render --backend cpu -o out.png", "info", "trace --backend cpu --pixel 0,0"})
+        expectError(command + Words(bad.file), 3, std::string(bad.file) + bad.line);
     EXPECT_EQ(names(), std::set<std::string>{bad.file});
 }
 
@@ -53,14 +46,10 @@ TEST_F(SceneFile, MissingOrAFolder) {
     const std::pair<const char*, const char*> cases[] = {{"no.json", "no such file"},
                                                          {"no/no.json", "no such file"},
                                                          {"no.ply", "no such file"},
-                                                         {"folder.json", "is a folder, not a file"}};
-    for (const auto& [file, reason] : cases) {
-        const Ran ran = runGlint({"render", file, "--backend", "cpu", "-o", "out.png"});
-        EXPECT_EQ(ran.err, std::string("glint: ") + file + ": " + reason + "\n");
-        EXPECT_EQ(ran.code, 3);
-    }
-    EXPECT_EQ(runGlint("render folder.json/ --backend cpu").err,
-              "glint: folder.json/: is a folder, not a file\n");
+                                                         {"folder.json", "is a folder, not a file"},
+                                                         {"folder.json/", "is a folder, not a file"}};
+    for (const auto& [file, reason] : cases)
+        expectError({"render", file, "--backend", "cpu"}, 3, std::string(file) + ": " + reason);
     EXPECT_EQ(names(), std::set<std::string>{"folder.json"});
 }
 
@@ -70,11 +59,8 @@ TEST_F(SceneFile, AMissingOneNamesItsNeighbour) {
     writeText("sub/erth.png", "");
     for (const auto& [file, hint] : {std::pair("sub/erth.json", " (did you mean \"earth.json\"?)"),
                                      {"sub/earth.obj", " (did you mean \"earth.json\"?)"},
-                                     {"sub/moon.json", ""}}) {
-        const Ran ran = runGlint({"info", file});
-        EXPECT_EQ(ran.err, std::string("glint: ") + file + ": no such file" + hint + "\n");
-        EXPECT_EQ(ran.code, 3);
-    }
+                                     {"sub/moon.json", ""}})
+        expectError({"info", file}, 3, std::string(file) + ": no such file" + hint);
 }
 
 // Models that can be rendered, with a warning each.

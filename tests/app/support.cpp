@@ -31,6 +31,20 @@ Ran runGlint(const Words& args, const Words& more) {
     return ran;
 }
 
+void expectError(const Words& args, int code, const std::string& line) {
+    const Ran ran = runGlint(args);
+    EXPECT_EQ(ran.err, "glint: " + line + "\n");
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(ran.code, code) << line;
+}
+
+nlohmann::json jsonOf(const Words& args) {
+    const Ran ran = runGlint(args);
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_EQ(ran.err, "");
+    return nlohmann::json::parse(ran.out);
+}
+
 bool hasPackets() {
     return render::runsPackets(gpu::Device().info());
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
@@ -35,6 +36,13 @@ Words operator+(Words words, const Words& more);
 
 // Runs a command line inside this process.
 Ran runGlint(const Words& args, const Words& more = {});
+
+// Runs a command line that must end with this exit code and print the line "glint: LINE" alone, on standard
+// error.
+void expectError(const Words& args, int code, const std::string& line);
+
+// Runs a command line that must succeed without warnings, and reads the JSON that it prints.
+nlohmann::json jsonOf(const Words& args);
 
 // Whether the device that commands take has packets of rays.
 bool hasPackets();

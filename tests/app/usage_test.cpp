@@ -13,14 +13,10 @@ void PrintTo(const Case& c, std::ostream* out) {
     *out << c.name;
 }
 
-class Usage : public FolderTest, public ::testing::WithParamInterface<Case> {};
+class Usage : public SmallSceneTest, public ::testing::WithParamInterface<Case> {};
 
 TEST_P(Usage, OneLineAndExitCode2) {
-    writeSmallScene("a.json");
-    const Ran ran = runGlint(GetParam().args);
-    EXPECT_EQ(ran.err, std::string("glint: ") + GetParam().line + "\n");
-    EXPECT_EQ(ran.out, "");
-    EXPECT_EQ(ran.code, 2);
+    expectError(GetParam().args, 2, GetParam().line);
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
