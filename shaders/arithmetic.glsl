@@ -132,10 +132,10 @@ float logarithmSeries(float f) {
     return f * (f * f * sum);
 }
 
-// Natural logarithm of a normal x > 0, within 1 ulp.
+// Natural logarithm, within 1 ulp, of x clamped to the least normal float, whose exponential() is 0.
 float logarithm(float x) {
     float n;
-    float f = splitPower(x, n);
+    float f = splitPower(max(x, 1.17549435e-38), n);
     // log(2) = 0.693359375, whose products with n are exact, less 2.1219444e-4.
     float rest = logarithmSeries(f) + n * -2.12194440e-4 - 0.5 * (f * f);
     return (f + rest) + n * 0.693359375;

@@ -213,7 +213,7 @@ bool passes(inout Passage passage, Surface surface, bool leaving, bool counts, f
     Optics optics = opticsOf(medium);
     vec3 depth = optics.density;
     if (FEATURE_TEXTURED_GLASS && optics.transmissionTexture != 0u)
-        depth -= logarithm(max(textureAt(optics.transmissionTexture, surface).xyz, vec3(1e-30)));
+        depth -= logarithm(textureAt(optics.transmissionTexture, surface).xyz);
     if (FEATURE_ATTENUATION) {
         float way = (passage.reach - t) * passage.scale;
         depth += optics.attenuation * (leaving ? -way : way);

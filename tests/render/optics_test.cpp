@@ -175,6 +175,17 @@ TEST_F(OpticsTest, ShadowsAreColoured) {
     EXPECT_EQ(channel(draw(device(), makeCase(full, 1, 1))), 0);
 }
 
+TEST_F(OpticsTest, ABlackTexelOfGlassBlocksAllLight) {
+    PointLight lamp;
+    lamp.position = {0, 1.25, 0};  // one surface above the plane
+    lamp.intensity = Color(1e30);
+    Scene scene = shadowScene(Light(lamp));
+    scene.textures.push_back({CheckerTexture{Color(0), Color(0)}});
+    for (Material& material : scene.materials)
+        if (material.transmission != Color(0)) material.transmissionTexture = 0;
+    EXPECT_EQ(channel(draw(device(), makeCase(scene, 1, 1))), 0);
+}
+
 // Light that comes down through a slab, on points of a grid that meet the slab's diagonals, edges and corners
 // exactly: it crosses two surfaces and 0.75 of glass, or passes the slab. Where both triangles of an edge
 // were counted it was dimmed four times over, and by as much glass more or less.
