@@ -202,8 +202,7 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function
         result->losses = {};
     const DrawingFacts facts = drawing_.facts();
     result->part = part;
-    result->producer = {facts.device, drawing_.backend() == Backend::Cpu ? "" : facts.driver,
-                        facts.sharesBits()};
+    result->producer = {facts.device, facts.backend == Backend::Cpu ? "" : facts.driver, facts.sharesBits()};
     return result;
 }
 

@@ -224,33 +224,18 @@ Drawing::Drawing(Backend backend, const DeviceChoice& choice, std::ostream& warn
 void Drawing::load(const LoadedScene& loaded, const Request& expected, uint64_t cameraRays) {
     loaded_ = &loaded;
     expected_ = expected;
-    camera_ = cameraOf(loaded, expected);
-    try {
-        if (backend_ == Backend::Gpu) return loadDevice(expected, cameraRays);
-    } catch (const Error& error) {
-        if (!fallBack(error)) throw;
-        return;
-    }
-    loadTruth();
-}
-
-void Drawing::loadTruth() {
-    const Stopwatch watch;
-    const glm::dvec3& origin = loaded_->packed.origin;
-    truth_ = std::make_shared<reference::Model>(reference::truthOf(loaded_->scene, origin));
-    truthCamera_ = reference::truthCamera(loaded_->scene.camera, expected_.width, expected_.height, origin);
-    hostSeconds_ += watch.seconds();
-}
-
-void Drawing::loadDevice(const Request& expected, uint64_t cameraRays) {
-    if (!device_) device_.emplace(opening_.get());
-    render::Options options;
-    options.traversal = choice_.traversal;
-    options.ownArithmetic = choice_.reproducible;
-    options.expected = &expected;
-    options.also = alsoFor(*loaded_, expected);
-    options.cameraRays = cameraRays;
-    renderer_.emplace(*device_, loaded_->packed, options);
+    truth_.reset();
+    whole([&] {
+        if (backend_ == Backend::Cpu) return;
+        if (!device_) device_.emplace(opening_.get());
+        render::Options options;
+        options.traversal = choice_.traversal;
+        options.ownArithmetic = choice_.reproducible;
+        options.expected = &expected;
+        options.also = alsoFor(loaded, expected);
+        options.cameraRays = cameraRays;
+        renderer_.emplace(*device_, loaded.packed, options);
+    });
 }
 
 bool Drawing::fallBack(const Error& error) {
@@ -264,24 +249,23 @@ bool Drawing::fallBack(const Error& error) {
               << std::flush;
     renderer_.reset();
     device_.reset();
-    loadTruth();
     return true;
 }
 
 void Drawing::reload(const Request& expected, bool cameraAlone) {
     if (!cameraAlone) return load(*loaded_, expected);
-    camera_ = cameraOf(*loaded_, expected);
-    if (backend_ == Backend::Gpu) return;
-    reference::setEye(*truth_, loaded_->scene.camera.eye);
-    truthCamera_ = reference::truthCamera(loaded_->scene.camera, expected.width, expected.height,
-                                          loaded_->packed.origin);
+    if (truth_) reference::setEye(*truth_, loaded_->scene.camera.eye);
 }
 
 Picture Drawing::draw(const Request& request) {
-    if (backend_ == Backend::Gpu) return renderer_->render(camera_, request);
+    if (backend_ == Backend::Gpu) return renderer_->render(cameraOf(*loaded_, request), request);
     const Stopwatch watch;
+    const Scene& scene = loaded_->scene;
+    const glm::dvec3& origin = loaded_->packed.origin;
+    if (!truth_) truth_ = std::make_shared<reference::Model>(reference::truthOf(scene, origin));
     const reference::Tracer tracer(truth_, request, radianceBoundOf(loaded_->packed, request));
-    Picture picture = reference::render(tracer, truthCamera_, request);
+    Picture picture = reference::render(
+        tracer, reference::truthCamera(scene.camera, request.width, request.height, origin), request);
     hostSeconds_ += watch.seconds();
     return picture;
 }

@@ -105,9 +105,8 @@ class Drawing {
     // must outlive the object. `warnings`: gets one if the reference takes over, see whole().
     Drawing(Backend backend, const DeviceChoice& choice, std::ostream& warnings);
 
-    // Uploads the scene, which must outlive its images, and translates kernels for `expected`. On the host
-    // makes the truth of it; and so if the device fails and may be replaced. cameraRays: as in
-    // render::Options.
+    // Uploads the scene, which must outlive its images, and translates kernels for `expected`. `cameraRays`:
+    // as in render::Options.
     void load(const LoadedScene& loaded, const Request& expected, uint64_t cameraRays = 0);
 
     // To be called when the scene that was loaded has been changed in its place: its camera alone, or
@@ -129,17 +128,12 @@ class Drawing {
         return work();
     }
 
-    // The backend in use.
-    Backend backend() const { return backend_; }
-
     // Facts of all images so far.
     DrawingFacts facts() const;
 
     void checkValidation() const;
 
   private:
-    void loadDevice(const Request& expected, uint64_t cameraRays);
-    void loadTruth();
     // False if the error is not the device's, or it must not be replaced.
     bool fallBack(const Error& error);
 
@@ -150,10 +144,7 @@ class Drawing {
     std::optional<gpu::Device> device_;
     std::optional<render::Renderer> renderer_;
     const LoadedScene* loaded_ = nullptr;
-    shared::Camera camera_{};
-    // The host's model.
-    std::shared_ptr<reference::Model> truth_;
-    reference::rows::Camera truthCamera_;
+    std::shared_ptr<reference::Model> truth_;  // the host's model, made for the first image
     Request expected_;
     std::optional<FailedDevice> failed_;
     double hostSeconds_ = 0;
