@@ -98,16 +98,16 @@ class HelpFormatter : public CLI::Formatter {
 
 }  // namespace
 
-void declareProgram(CLI::App& app, bool& verbose, Run& chosen) {
+void declareProgram(CLI::App& app, Run& chosen) {
     app.name("glint");
     app.description(kDescription);
     app.formatter(std::make_shared<HelpFormatter>());  // commands added from here on inherit it
     app.set_help_flag("-h,--help", "print this help and exit");
-    // Before --version, whose callback ends the parsing.
-    app.add_flag("--verbose", verbose, "with --version: print what was built in, too")
+    app.add_flag("--verbose")
+        ->description("with --version: print what was built in, too")
         ->disable_flag_override();
     app.add_flag_callback(
-           "--version", [&verbose] { throw CLI::CallForVersion(versionText(verbose), 0); },
+           "--version", [&app] { throw CLI::CallForVersion(versionText(app.count("--verbose") > 0), 0); },
            "print the version and exit")
         ->configurable(false);
     app.require_subcommand(0, 1);
@@ -198,14 +198,13 @@ std::string parseErrorLine(const CLI::App& app, const CLI::ParseError& error) {
     return command.get_name() + ": " + text + "; see glint " + command.get_name() + " --help";
 }
 
-int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& err) {
+ExitCode parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& err) {
     CLI::App app;
-    bool verbose = false;
     Run chosen;
-    declareProgram(app, verbose, chosen);
+    declareProgram(app, chosen);
     if (!args.empty() && args.front() == "complete") {  // for shells, see glint pages
         complete(app, {args.begin() + 1, args.end()}, out);
-        return static_cast<int>(ExitCode::Done);
+        return ExitCode::Done;
     }
     if (!args.empty() && args.front() == "help") {
         args.erase(args.begin());
@@ -219,12 +218,12 @@ int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& 
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() != 0) throw Error(ErrorKind::Argument, parseErrorLine(app, e));
         app.exit(e, out, err);  // --help and --version
-        return static_cast<int>(ExitCode::Done);
+        return ExitCode::Done;
     }
-    if (chosen) return static_cast<int>(chosen(out, err));
-    if (verbose) throw Error(ErrorKind::Argument, "--verbose requires --version");
+    if (chosen) return chosen(out, err);
+    if (app.count("--verbose") > 0) throw Error(ErrorKind::Argument, "--verbose requires --version");
     err << app.help();
-    return static_cast<int>(ExitCode::Usage);
+    return ExitCode::Usage;
 }
 
 }  // namespace
@@ -250,9 +249,9 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
         return static_cast<int>(code);
     };
     try {
-        const int code = parseAndRun(args, out, err);
+        const ExitCode code = parseAndRun(args, out, err);
         if (!out.flush()) return failed(ExitCode::Failed, "cannot write to standard output");
-        return code;
+        return static_cast<int>(code);
     } catch (const Error& e) {
         return failed(exitCodeOf(e.kind()), e.what());
     } catch (const std::bad_alloc&) {

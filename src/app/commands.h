@@ -42,9 +42,9 @@ Run infoCommand(OptionTable& table);
 Run devicesCommand(OptionTable& table);
 Run pagesCommand(OptionTable& table);
 
-// Declares the program's options and commands. Parsing sets `verbose` for --verbose, and `chosen` to the work
-// of the command that it finds; both must outlive `app`.
-void declareProgram(CLI::App& app, bool& verbose, Run& chosen);
+// Declares the program's options and commands. Parsing sets `chosen`, which must outlive `app`, to the work
+// of the command that it finds.
+void declareProgram(CLI::App& app, Run& chosen);
 
 // Prints the completions of the last word of an unfinished command line, one a line, each with a tab and its
 // help: commands, options or an option's values.

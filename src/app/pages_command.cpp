@@ -127,9 +127,8 @@ Text manPage(const Text& name, const CLI::App& command) {
 // Below the folder that stands for /usr/share; bash and fish also read theirs below ~/.local/share.
 std::vector<OutputFile> pagesIn(const std::filesystem::path& folder) {
     CLI::App program;
-    bool verbose = false;
     Run chosen;
-    declareProgram(program, verbose, chosen);
+    declareProgram(program, chosen);
     std::vector<OutputFile> pages;
     const auto add = [&](const Text& path, const Text& text) {
         pages.push_back({folder / path, {text.begin(), text.end()}});

@@ -13,9 +13,8 @@ TEST_F(Pages, NameEveryCommandAndOption) {
     ASSERT_EQ(runGlint("pages .").code, 0);
     const std::string page = readText("man/man1/glint.1"), words = runGlint({"complete", ""}).out;
     CLI::App program;
-    bool verbose = false;
     app::Run chosen;
-    declareProgram(program, verbose, chosen);
+    declareProgram(program, chosen);
     const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
     ASSERT_FALSE(commands.empty());
     for (const CLI::App* command : commands) {
