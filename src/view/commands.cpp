@@ -1,5 +1,7 @@
 #include "view/commands.h"
 
+#include <imgui.h>
+
 #include <algorithm>
 #include <cmath>
 #include <ostream>
@@ -17,7 +19,7 @@
 namespace glint::view {
 
 void perform(Model& m, Command command) {
-    m.dirty = 3;
+    m.redraw();
     command(m);
     takeSettings(m);
 }
@@ -40,7 +42,7 @@ void takeSettings(Model& m) {
         m.touch();
         m.forgetView(true);
     }
-    m.dirty = 3;
+    m.redraw();
 }
 
 void askToClose(Model& m) {
@@ -232,7 +234,7 @@ void copyJson(Model& m) {
         what += ", changed " + name;
     }
     m.out << json << std::endl;
-    m.window->setClipboard(json);
+    ImGui::SetClipboardText(json.c_str());
     m.say("copied as scene JSON: " + what);
 }
 

@@ -85,7 +85,7 @@ uint32_t colorOf(const PixelData& d, ViewLayer layer, const Display& display, co
             if (!std::isfinite(d.depth)) return kNothing;
             const double width = range.hi > range.lo ? range.hi - range.lo : 1;
             const double at = std::clamp((d.depth - range.lo) / width, 0.0, 1.0);
-            return packUnit(display.toneMap == ToneMap::False ? heatOf(at) : glm::dvec3(1 - 0.85 * at));
+            return packUnit(rangeColor(layer, display.toneMap, at));
         }
         case ViewLayer::Normal:
             return d.object == PixelData::kNoIndex ? kNothing : packUnit(0.5 * glm::dvec3(d.normal) + 0.5);
@@ -98,9 +98,9 @@ uint32_t colorOf(const PixelData& d, ViewLayer layer, const Display& display, co
         case ViewLayer::Material:
             return idColor(d.material);
         case ViewLayer::Bounces:
-            return packUnit(heatOf(d.bounces / range.hi));
+            return packUnit(rangeColor(layer, display.toneMap, d.bounces / range.hi));
         case ViewLayer::Cost:
-            return packUnit(heatOf(d.cost / range.hi));
+            return packUnit(rangeColor(layer, display.toneMap, d.cost / range.hi));
     }
     return kNothing;
 }
@@ -112,13 +112,6 @@ void forRows(int height, const std::function<void(int)>& body) {
     });
 }
 
-Canvas fitted(Canvas canvas, const Canvas& like) {
-    if (canvas.width == like.width && canvas.height == like.height) return canvas;
-    Canvas target(like.width, like.height);
-    stretch(canvas, target, false);
-    return target;
-}
-
 // Exposure and tone map of linear colors: a function of red, green and blue.
 auto developer(const Display& display) {
     return [gain = static_cast<float>(std::exp2(display.exposure)), toneMap = display.toneMap](
@@ -126,6 +119,13 @@ auto developer(const Display& display) {
         const glm::vec3 color = gain * glm::vec3(r, g, b);
         return toneMap == ToneMap::Linear ? color : glm::vec3(toneMapped(glm::dvec3(color), toneMap));
     };
+}
+
+// Blue, cyan, green, yellow, red for 0 to 1, as the screen's own numbers, 0..1.
+glm::dvec3 heatOf(double x) {
+    const double at = 4 * std::clamp(x, 0.0, 1.0);
+    const auto ramp = [](double v) { return std::clamp(v, 0.0, 1.0); };
+    return {ramp(at - 2), at < 2 ? ramp(at) : ramp(4 - at), ramp(2 - at)};
 }
 
 constexpr uint32_t kLine = packColor(255, 255, 255);
@@ -145,10 +145,9 @@ glm::dvec3 toneMapped(const glm::dvec3& color, ToneMap toneMap) {
     return {linearFromSrgb(heat.x), linearFromSrgb(heat.y), linearFromSrgb(heat.z)};
 }
 
-glm::dvec3 heatOf(double x) {
-    const double at = 4 * std::clamp(x, 0.0, 1.0);
-    const auto ramp = [](double v) { return std::clamp(v, 0.0, 1.0); };
-    return {ramp(at - 2), at < 2 ? ramp(at) : ramp(4 - at), ramp(2 - at)};
+glm::dvec3 rangeColor(ViewLayer layer, ToneMap toneMap, double x) {
+    const bool grey = layer == ViewLayer::Depth && toneMap != ToneMap::False;
+    return grey ? glm::dvec3(1 - 0.85 * x) : heatOf(x);
 }
 
 void applyDisplay(Image& color, const Display& display) {
@@ -161,26 +160,25 @@ void applyDisplay(Image& color, const Display& display) {
     }
 }
 
-void stretch(const Canvas& source, Canvas& target, bool smooth) {
-    if (source.width == target.width && source.height == target.height) {
-        target.pixels = source.pixels;
-        return;
-    }
-    if (source.pixels.empty()) return;
-    const std::vector<Tap> columns = tapsOf(source.width, target.width, smooth);
-    const std::vector<Tap> rows = tapsOf(source.height, target.height, smooth);
-    forRows(target.height, [&](int y) {
+Canvas stretched(Canvas source, int width, int height, bool smooth) {
+    if (source.width == width && source.height == height) return source;
+    Canvas target(width, height);
+    if (source.pixels.empty()) return target;
+    const std::vector<Tap> columns = tapsOf(source.width, width, smooth);
+    const std::vector<Tap> rows = tapsOf(source.height, height, smooth);
+    forRows(height, [&](int y) {
         const Tap& down = rows[static_cast<size_t>(y)];
         const uint32_t* upper = source.row(down.first);
         const uint32_t* lower = source.row(down.second);
         uint32_t* out = target.row(y);
-        for (int x = 0; x < target.width; ++x) {
+        for (int x = 0; x < width; ++x) {
             const Tap& t = columns[static_cast<size_t>(x)];
             out[x] = smooth ? mix(mix(upper[t.first], upper[t.second], t.weight),
                                   mix(lower[t.first], lower[t.second], t.weight), down.weight)
                             : upper[t.first];
         }
     });
+    return target;
 }
 
 Image toImage(const Canvas& canvas) {
@@ -248,12 +246,13 @@ void compose(const Comparison& comparison, const Image* a, const Display& displa
     if (comparison.mode == CompareMode::Difference) {
         if (a == nullptr || !comparison.figures) return;
         const Image difference = differenceImage(*a, *comparison.linear, static_cast<float>(comparison.gain));
-        shown = fitted(canvasOf(difference, {}), shown);
+        shown = stretched(canvasOf(difference, {}), shown.width, shown.height, false);
         return;
     }
     if (comparison.mode == CompareMode::Flicker && !flash) return;
     const Canvas other =
-        fitted(comparison.linear ? canvasOf(*comparison.linear, display) : comparison.canvas, shown);
+        stretched(comparison.linear ? canvasOf(*comparison.linear, display) : comparison.canvas, shown.width,
+                  shown.height, false);
     const int end = comparison.mode == CompareMode::Flicker
                         ? shown.width
                         : static_cast<int>(std::lround(comparison.wipe * shown.width));

@@ -24,7 +24,7 @@ constexpr auto entriesOf(ToneMap) {
          {ToneMap::False, "false", "false color: luminance in stops, with a legend; so too the depth"}});
 }
 
-// Exposure and tone map of colors; the tone map also chooses grey or heat colors for data.
+// Exposure and tone map of colors; the tone map also chooses grey or heat colors for the depth.
 struct Display {
     double exposure = 0;  // stops, of color alone
     ToneMap toneMap = ToneMap::Linear;
@@ -44,9 +44,6 @@ inline double luminance(const glm::dvec3& color) {
 // Reproduction for Digital Images", SIGGRAPH 2002, eq. 3, on the luminance. Aces: K. Narkowicz, "ACES Filmic
 // Tone Mapping Curve", 2016, his fit of the ACES RRT and ODT, on each channel.
 glm::dvec3 toneMapped(const glm::dvec3& color, ToneMap toneMap);
-
-// Blue, cyan, green, yellow, red for 0 to 1, as the screen's own numbers, 0..1.
-glm::dvec3 heatOf(double x);
 
 // Applies exposure and tone map to a linear image of 4 channels, which stays linear.
 void applyDisplay(Image& color, const Display& display);
@@ -68,9 +65,8 @@ constexpr uint32_t packColor(uint32_t r, uint32_t g, uint32_t b) {
     return 0xff000000u | b << 16 | g << 8 | r;
 }
 
-// Fills `target` with `source` stretched to its size; smooth: bilinear, else each pixel takes the nearest.
-// Copies if the sizes are equal.
-void stretch(const Canvas& source, Canvas& target, bool smooth);
+// `source` at another size; smooth: bilinear, else each pixel takes the nearest. Black if `source` is empty.
+Canvas stretched(Canvas source, int width, int height, bool smooth);
 
 // The canvas as a linear image of 3 channels, so that writing it as PNG gives its bytes again.
 Image toImage(const Canvas& canvas);
@@ -103,6 +99,9 @@ E nextOf(E value, int step = 1) {
 inline bool needsData(ViewLayer layer) {
     return layer != ViewLayer::Color;
 }
+
+// Color of a layer of numbers, 0 to 1 in its range, as the screen's own numbers: grey for depth, else heat.
+glm::dvec3 rangeColor(ViewLayer layer, ToneMap toneMap, double x);
 
 // Range of values that a layer's colors span; one range for the whole image, in whatever parts it is shown.
 struct LayerRange {

@@ -1,5 +1,6 @@
 #include "view/gui.h"
 
+#include <backends/imgui_impl_glfw.h>
 #include <imgui.h>
 #include <imgui_internal.h>
 
@@ -114,23 +115,6 @@ void drawCommand(Canvas& target, const ImDrawCmd& command, const ImDrawList& lis
         drawTriangle(target, clip, font, {vertex(i), vertex(i + 1), vertex(i + 2)});
 }
 
-// Keys of ImGui's text fields: its own numbers and GLFW's.
-constexpr std::pair<int, int> kKeys[] = {{ImGuiKey_Tab, GLFW_KEY_TAB},
-                                         {ImGuiKey_LeftArrow, GLFW_KEY_LEFT},
-                                         {ImGuiKey_RightArrow, GLFW_KEY_RIGHT},
-                                         {ImGuiKey_UpArrow, GLFW_KEY_UP},
-                                         {ImGuiKey_DownArrow, GLFW_KEY_DOWN},
-                                         {ImGuiKey_Home, GLFW_KEY_HOME},
-                                         {ImGuiKey_End, GLFW_KEY_END},
-                                         {ImGuiKey_Delete, GLFW_KEY_DELETE},
-                                         {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
-                                         {ImGuiKey_Enter, GLFW_KEY_ENTER},
-                                         {ImGuiKey_Escape, GLFW_KEY_ESCAPE},
-                                         {ImGuiKey_A, 'A'},
-                                         {ImGuiKey_C, 'C'},
-                                         {ImGuiKey_V, 'V'},
-                                         {ImGuiKey_X, 'X'}};
-
 // The first font that is there, where Debian has it; null: Dear ImGui's own font, which is made of pixels.
 const char* findFont() {
     for (const char* file : {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
@@ -146,19 +130,13 @@ const char* findFont() {
 
 }  // namespace
 
-Gui::Gui(float scale, const Window& window) {
+Gui::Gui(float scale, const Window& window) : window_(window.handle()) {
     ImGui::CreateContext();
+    // Of ImGui's backend, the window uses keys and clipboard: events come from the window's own queue.
+    ImGui_ImplGlfw_InitForOther(window_, false);
     ImGuiIO& io = ImGui::GetIO();
+    io.UserData = this;
     io.IniFilename = nullptr;  // no file appears where the program runs
-    io.BackendPlatformName = "glint";
-    for (const auto& [key, code] : kKeys) io.KeyMap[key] = code;
-    io.ClipboardUserData = window.handle();
-    io.GetClipboardTextFn = [](void* handle) {
-        return glfwGetClipboardString(static_cast<GLFWwindow*>(handle));
-    };
-    io.SetClipboardTextFn = [](void* handle, const char* text) {
-        glfwSetClipboardString(static_cast<GLFWwindow*>(handle), text);
-    };
     ImFontConfig font;
     font.OversampleH = font.OversampleV = 1;  // glyphs are drawn texel for pixel
     font.PixelSnapH = true;
@@ -187,6 +165,7 @@ Gui::Gui(float scale, const Window& window) {
 }
 
 Gui::~Gui() {
+    ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
 }
 
@@ -205,17 +184,10 @@ void Gui::feed(const Event& event) {
         case Event::Type::Text:
             io.AddInputCharacter(static_cast<unsigned>(event.code));
             break;
-        case Event::Type::Key: {
-            // Both keys are Enter to ImGui.
-            const int code = event.code == GLFW_KEY_KP_ENTER ? GLFW_KEY_ENTER : event.code;
-            if (code <= GLFW_KEY_LAST) io.KeysDown[code] = event.down;
-            // Under X11 the event of a modifier's own press does not have it among its modifiers yet.
-            const auto held = [&](int left, int right) { return io.KeysDown[left] || io.KeysDown[right]; };
-            io.KeyCtrl = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
-            io.KeyShift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
-            io.KeyAlt = held(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT);
+        case Event::Type::Key:
+            ImGui_ImplGlfw_KeyCallback(window_, event.code, 0, event.down ? GLFW_PRESS : GLFW_RELEASE,
+                                       event.mods);
             break;
-        }
         default:
             break;
     }
@@ -254,9 +226,13 @@ bool Gui::closePopups() {
     return anyPopup_;
 }
 
+Gui& Gui::current() {
+    return *static_cast<Gui*>(ImGui::GetIO().UserData);
+}
+
 void Gui::noteControl(const std::string& label, float part) {
     const ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
-    nextControls_[label] = {lo.x + part * (hi.x - lo.x), 0.5f * (lo.y + hi.y)};
+    current().nextControls_[label] = {lo.x + part * (hi.x - lo.x), 0.5f * (lo.y + hi.y)};
 }
 
 void Gui::end(Canvas& target) {

@@ -37,10 +37,13 @@ class Gui {
 
     // To be called after each control. `part` of its width, from the left: always the control itself, since a
     // slider's rectangle holds its label too.
-    void noteControl(const std::string& label, float part = 0.25f);
-    void noteTip(const std::string& text) { nextTip_ = text; }
+    static void noteControl(const std::string& label, float part = 0.25f);
+    static void noteTip(const std::string& text) { current().nextTip_ = text; }
 
   private:
+    static Gui& current();  // of ImGui's context
+
+    GLFWwindow* window_;
     float fontPixels_ = 0;
     std::map<std::string, glm::dvec2> controls_, nextControls_;
     std::string tip_, nextTip_;

@@ -156,7 +156,7 @@ Model::Model(const Options& start, std::ostream& output, std::ostream& errors)
 
 void Model::say(const std::string& text, ToastKind kind) {
     toasts.add(text, kind, clock.seconds());
-    dirty = 3;
+    redraw();
 }
 
 void Model::fail(const std::string& what) {
@@ -212,7 +212,7 @@ void Model::sayWarnings() {
     warnings.insert(warnings.end(), scene->packed.warnings.begin(), scene->packed.warnings.end());
     for (const std::string& w : warnings)
         err << "glint: warning: " << scene->path.string() << ": " << w << '\n';
-    dirty = 3;
+    redraw();
 }
 
 std::string Model::waitingComparison() const {

@@ -226,6 +226,8 @@ struct Model {
     static constexpr double kRestSeconds = 0.2;  // without motion until the image is refined
     bool moving() const { return motion.seconds() < kRestSeconds; }
     void touch() { motion.restart(); }
+    // Draws at least so many frames; the panel may need three to settle after a command.
+    void redraw(int frames = 3) { dirty = std::max(dirty, frames); }
     void say(const std::string& text, ToastKind kind = ToastKind::Info);
 
     bool compares() const { return comparison.any() && comparison.mode != CompareMode::Off; }

@@ -23,10 +23,10 @@ void wrapped(const std::string& line, const ImVec4& color) {
     ImGui::PopStyleColor();
 }
 
-void tip(Gui& gui, const std::string& label, const std::string& help) {
-    gui.noteControl(label);
+void tip(const std::string& label, const std::string& help) {
+    Gui::noteControl(label);
     if (help.empty() || !ImGui::IsItemHovered() || ImGui::IsItemActive()) return;
-    gui.noteTip(help);
+    Gui::noteTip(help);
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(22 * ImGui::GetFontSize());
     text(help);
@@ -34,28 +34,28 @@ void tip(Gui& gui, const std::string& label, const std::string& help) {
     ImGui::EndTooltip();
 }
 
-bool checkbox(Gui& gui, const char* label, bool& value, const char* help) {
+bool checkbox(const char* label, bool& value, const char* help) {
     const bool changed = ImGui::Checkbox(label, &value);
-    tip(gui, label, help);
+    tip(label, help);
     return changed;
 }
 
-bool button(Gui& gui, const char* label, const std::string& help) {
+bool button(const char* label, const std::string& help) {
     const bool pressed = ImGui::Button(label);
-    tip(gui, label, help);
+    tip(label, help);
     return pressed;
 }
 
-void commandButtons(Gui& gui, Model& m, std::initializer_list<std::pair<const char*, std::string_view>> row) {
+void commandButtons(Model& m, std::initializer_list<std::pair<const char*, std::string_view>> row) {
     for (const auto& [label, key] : row) {
         if (label != row.begin()->first) ImGui::SameLine();
         for (const KeyBinding& binding : keyBindings())
-            if (binding.name == key && button(gui, label, format("%s (%s)", binding.help, binding.name)))
+            if (binding.name == key && button(label, format("%s (%s)", binding.help, binding.name)))
                 m.wish = binding.run;
     }
 }
 
-bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help, bool bright) {
+bool colorEdit(const char* label, glm::dvec3& value, const char* help, bool bright) {
     const double greatest = std::max({value.x, value.y, value.z});
     double strength = bright && greatest > 1 ? greatest : 1;
     glm::vec3 srgb;
@@ -65,15 +65,15 @@ bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help,
     ImGui::ColorEdit3(label, &srgb.x,
                       ImGuiColorEditFlags_DisplayHex | ImGuiColorEditFlags_NoOptions |
                           ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop);
-    tip(gui, label, help);
-    gui.noteControl(label, 0.02f);  // the swatch
-    gui.noteControl(std::string(label) + " hex");
+    tip(label, help);
+    Gui::noteControl(label, 0.02f);  // the swatch
+    Gui::noteControl(std::string(label) + " hex");
     for (int i = 0; i < 3; ++i)
         if (srgb[i] != before[i]) value[i] = strength * linearFromSrgb(static_cast<double>(srgb[i]));
     bool changed = srgb != before;
     if (bright) {
         ImGui::PushID(label);
-        if (slider(gui, "strength", strength, 0.01, std::max(10.0, 2 * strength), "x %.3g",
+        if (slider("strength", strength, 0.01, std::max(10.0, 2 * strength), "x %.3g",
                    "the greatest component", true)) {
             value *= strength / std::max(greatest, 1e-9);
             changed = true;
@@ -83,17 +83,17 @@ bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help,
     return changed;
 }
 
-bool group(Gui& gui, const char* name, bool open, const char* help) {
+bool group(const char* name, bool open, const char* help) {
     const bool shown = ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
-    tip(gui, name, help);
+    tip(name, help);
     return shown;
 }
 
-bool resetButton(Gui& gui, const char* name, bool differs) {
+bool resetButton(const char* name, bool differs) {
     if (!differs) return false;
     const std::string label = std::string("reset ") + name;
     const bool pressed = ImGui::SmallButton(label.c_str());
-    tip(gui, label, "as the scene's file has it");
+    tip(label, "as the scene's file has it");
     return pressed;
 }
 
@@ -193,15 +193,15 @@ bool picksAbove(const Model& m) {
     return m.pick.has_value() && (m.inspects || 2 * m.pick->y > m.session->height());
 }
 
-void drawPickWindow(Gui& gui, Model& m, const Pick& pick) {
+void drawPickWindow(Model& m, const Pick& pick) {
     const ImVec2 corner(1, picksAbove(m) ? 0.0f : 1.0f);
     drawCorner({"picked (F frames it, Esc closes)", m.left, corner, 25, 0, 0.6f}, [&] {
         if (m.pickIsOld) wrapped("from an earlier view", kDim);
         ImGui::Text(pick.hit() ? "pixel %d, %d" : "pixel %d, %d: nothing", pick.x, pick.y);
         if (pick.hit()) drawHit(m, pick.data);
-        checkbox(gui, "keep while moving", m.pinsPick, "the pick and its rays stay when the camera moves");
+        checkbox("keep while moving", m.pinsPick, "the pick and its rays stay when the camera moves");
         ImGui::SameLine();
-        checkbox(gui, "draw rays", m.drawsRays, "white from the eye, orange reflected, blue transmitted");
+        checkbox("draw rays", m.drawsRays, "white from the eye, orange reflected, blue transmitted");
         ImGui::Separator();
         drawRayTree(pick);
     });
@@ -284,13 +284,12 @@ void drawLegend(const Model& m) {
     const bool colors = layer == ViewLayer::Color && m.display.toneMap == ToneMap::False;
     if (!colors && layer != ViewLayer::Bounces && layer != ViewLayer::Cost && layer != ViewLayer::Depth)
         return;
-    const bool grey = layer == ViewLayer::Depth && m.display.toneMap != ToneMap::False;
     const LayerRange range = m.session->range();
     drawCorner({"##legend", m.left, {0.5f, 0}, 14, kUnderMouse}, [&] {
         const ImVec2 at = ImGui::GetCursorScreenPos();
         const float line = ImGui::GetFontSize(), width = ImGui::GetContentRegionAvail().x;
         const auto colorAt = [&](double x) {
-            const glm::vec3 c(grey ? glm::dvec3(1 - 0.85 * x) : heatOf(x));
+            const glm::vec3 c(rangeColor(layer, m.display.toneMap, x));
             return ImGui::ColorConvertFloat4ToU32(ImVec4(c.x, c.y, c.z, 1));
         };
         constexpr int kParts = 4;  // within each, the colors change evenly
@@ -360,12 +359,12 @@ void drawMarks(Model& m) {
     if (m.hints.any()) drawHints(m);
 }
 
-void drawReadings(Gui& gui, Model& m) {
+void drawReadings(Model& m) {
     if (m.inspects)
         drawCorner({"inspector (I closes)", m.left, {1, 1}, 18}, [&] {
             m.pixel ? drawPixel(m, *m.pixel) : wrapped("Move the mouse over the image.", kDim);
         });
-    if (m.pick) drawPickWindow(gui, m, *m.pick);
+    if (m.pick) drawPickWindow(m, *m.pick);
     drawMessages(m);
 }
 
@@ -427,17 +426,17 @@ bool beginPanel(bool docked, float width, float height) {
     return open;
 }
 
-void drawMain(Gui& gui, Model& m) {
+void drawMain(Model& m) {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetFontSize();
     const bool docked = m.docked && m.left > 0;
     const float width = docked ? static_cast<float>(m.left) : std::min(kPanelLines * line, screen.x);
-    m.timelineHeight = drawTimeline(gui, m, width);
+    m.timelineHeight = drawTimeline(m, width);
     if (beginPanel(docked, width, screen.y - m.timelineHeight)) {
         ImGui::PushItemWidth(width - 8 * line - (docked ? ImGui::GetStyle().ScrollbarSize : 0));
         const auto [part, words] = progressOf(m);
         ImGui::ProgressBar(static_cast<float>(std::clamp(part, 0.0, 1.0)), ImVec2(-1, 0), words.c_str());
-        drawGroups(gui, m);
+        drawGroups(m);
         ImGui::PopItemWidth();
     }
     ImGui::End();
@@ -450,16 +449,16 @@ int dockWidth(const Gui& gui, int window) {
     return std::min(static_cast<int>(wanted), window / 2);
 }
 
-void drawPanel(Gui& gui, Model& model) {
+void drawPanel(Model& model) {
     if (!model.panelVisible) model.timelineHeight = 0;
     if (model.helpVisible) {  // without windows over the image
-        if (model.panelVisible && model.left > 0) drawMain(gui, model);
+        if (model.panelVisible && model.left > 0) drawMain(model);
         drawHelp();
     } else {
         drawMarks(model);
-        if (model.panelVisible) drawMain(gui, model);
-        drawDialogs(gui, model);
-        drawReadings(gui, model);
+        if (model.panelVisible) drawMain(model);
+        drawDialogs(model);
+        drawReadings(model);
     }
     drawProgress(model);
 }

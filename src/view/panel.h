@@ -25,46 +25,46 @@ int dockWidth(const Gui& gui, int window);
 
 // Draws all of it, between Gui::begin and Gui::end. Changes the model; Model::wish holds what a button asks
 // for.
-void drawPanel(Gui& gui, Model& model);
+void drawPanel(Model& model);
 
 // ---- parts of it, for panel*.cpp ----
 
 void text(const std::string& line);
 void wrapped(const std::string& line, const ImVec4& color);
 // The tooltip of the control before, and its place under its label.
-void tip(Gui& gui, const std::string& label, const std::string& help);
+void tip(const std::string& label, const std::string& help);
 
 // Controls, each with its label to the right, a tooltip, and a place under its label (Gui::controlAt). True
 // if the value has changed, which never leaves lo..hi.
 template <typename T>
-bool slider(Gui& gui, const char* label, T& value, std::type_identity_t<T> lo, std::type_identity_t<T> hi,
+bool slider(const char* label, T& value, std::type_identity_t<T> lo, std::type_identity_t<T> hi,
             const char* format, const char* help, bool logarithmic = false) {
     constexpr ImGuiDataType kType = std::is_same_v<T, int> ? ImGuiDataType_S32 : ImGuiDataType_Double;
     static_assert(std::is_same_v<T, int> || std::is_same_v<T, double>);
     const ImGuiSliderFlags flags =
         ImGuiSliderFlags_AlwaysClamp | (logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
     const bool changed = ImGui::SliderScalar(label, kType, &value, &lo, &hi, format, flags);
-    tip(gui, label, help);
+    tip(label, help);
     return changed;
 }
-bool checkbox(Gui& gui, const char* label, bool& value, const char* help);
-bool button(Gui& gui, const char* label, const std::string& help);
+bool checkbox(const char* label, bool& value, const char* help);
+bool button(const char* label, const std::string& help);
 // A row of buttons, by label and key (KeyBinding::name), for the commands of these keys.
-void commandButtons(Gui& gui, Model& m, std::initializer_list<std::pair<const char*, std::string_view>> row);
+void commandButtons(Model& m, std::initializer_list<std::pair<const char*, std::string_view>> row);
 
 // A list of an enumeration's names, each with its own tooltip.
 template <NamedEnum E>
-bool choice(Gui& gui, const char* label, E& value, const char* help) {
+bool choice(const char* label, E& value, const char* help) {
     bool changed = false;
     const bool open = ImGui::BeginCombo(label, nameOf(value).data());
-    if (!open) tip(gui, label, help);
+    if (!open) tip(label, help);
     if (!open) return false;
     for (const EnumEntry<E>& entry : kEnumEntries<E>) {
         if (ImGui::Selectable(entry.name.data(), entry.value == value)) {
             changed = value != entry.value;
             value = entry.value;
         }
-        gui.noteControl(std::string(entry.name));
+        Gui::noteControl(std::string(entry.name));
         if (!entry.help.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", entry.help.data());
     }
     ImGui::EndCombo();
@@ -73,22 +73,22 @@ bool choice(Gui& gui, const char* label, E& value, const char* help) {
 
 // A linear color: its swatch, which opens a picker, and its hex code, both as the screen shows it (sRGB). A
 // `bright` color may be above 1: swatch and code are of color / strength, its greatest component.
-bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help, bool bright = false);
+bool colorEdit(const char* label, glm::dvec3& value, const char* help, bool bright = false);
 
 // A heading that opens and closes the controls below it.
-bool group(Gui& gui, const char* name, bool open, const char* help);
+bool group(const char* name, bool open, const char* help);
 // "reset GROUP" if something `differs`; true if it was pressed.
-bool resetButton(Gui& gui, const char* group, bool differs);
+bool resetButton(const char* group, bool differs);
 // Resets settings to those of the file.
 template <typename Settings>
-void resetButton(Gui& gui, const char* group, Settings& mine, const Settings& file) {
-    if (resetButton(gui, group, !(mine == file))) mine = file;
+void resetButton(const char* group, Settings& mine, const Settings& file) {
+    if (resetButton(group, !(mine == file))) mine = file;
 }
 
 // panel_groups.cpp: the panel's groups of controls; the dialogs that are visible.
-void drawGroups(Gui& gui, Model& m);
-void drawDialogs(Gui& gui, Model& m);
+void drawGroups(Model& m);
+void drawDialogs(Model& m);
 // At the bottom of the panel's column, so wide. Returns its height; 0 without animation.
-float drawTimeline(Gui& gui, Model& m, float width);
+float drawTimeline(Model& m, float width);
 
 }  // namespace glint::view

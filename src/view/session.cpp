@@ -416,7 +416,7 @@ Canvas Session::canvas(const Display& display) const {
     const bool whole = ready();
     if (!whole && !coarse_.color.pixels.empty()) {
         const bool smooth = layer == ViewLayer::Color || layer == ViewLayer::Depth;
-        stretch(colorize(coarse_, layer, display, together), target, smooth);
+        target = stretched(colorize(coarse_, layer, display, together), width_, height_, smooth);
     }
     const int rows = whole ? height_ : passHasData_ == needsData(layer) ? nextRow_ : 0;
     if (rows == 0) return target;

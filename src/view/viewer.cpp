@@ -61,7 +61,7 @@ void Input::handle() {
     while (!queue_.empty()) {
         const Event event = queue_.front();
         queue_.pop_front();
-        m_.dirty = std::max(m_.dirty, 2);
+        m_.redraw(2);
         if (!handle(event)) return;
     }
 }
@@ -278,8 +278,7 @@ bool Viewer::work() {
     const uint64_t version = model_.session->version();
     const bool refined = model_.session->refine(kWorkSeconds, cancelled);
     // The screen stays while layers that are not shown are traced.
-    if (refined && (model_.session->version() != version || model_.inspects))
-        model_.dirty = std::max(model_.dirty, 1);
+    if (refined && (model_.session->version() != version || model_.inspects)) model_.redraw(1);
     return refined;
 }
 
@@ -293,7 +292,7 @@ bool Viewer::renderMoving() {
     // Waiting for the screen is no work, but on a software device presenting is copying.
     const double other = model_.drawSeconds + (device_->info().software ? model_.presentSeconds : 0);
     pace_.measured(static_cast<double>(facts.width) * facts.height, facts.renderSeconds, other);
-    model_.dirty = std::max(model_.dirty, 1);
+    model_.redraw(1);
     return true;
 }
 
@@ -306,7 +305,7 @@ void Viewer::drawFrame() {
         std::copy_n(picture.row(y), picture.width, frame_.row(y) + model_.left);
     input_.inspect();
     gui_.begin(frame_.width, frame_.height, frameWatch_.seconds());
-    drawPanel(gui_, model_);
+    drawPanel(model_);
     gui_.end(frame_);
     model_.drawSeconds = drawing.seconds();
     const Stopwatch presenting;
@@ -342,8 +341,8 @@ void Viewer::round() {
         window_.wait(0.1);
         return;
     }
-    if (model_.toasts.expire(model_.clock.seconds())) model_.dirty = std::max(model_.dirty, 2);
-    if (flashChanged(model_)) model_.dirty = std::max(model_.dirty, 1);
+    if (model_.toasts.expire(model_.clock.seconds())) model_.redraw(2);
+    if (flashChanged(model_)) model_.redraw(1);
     const bool worked = work();
     const bool due = model_.moving() || !input_.queue().empty() || frameWatch_.seconds() > kRestFrameSeconds;
     const bool draws = restless_ || (model_.dirty > 0 && due);

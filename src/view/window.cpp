@@ -162,9 +162,6 @@ bool Window::minimised() const {
 void Window::setTitle(const std::string& title) {
     glfwSetWindowTitle(window_, title.c_str());
 }
-void Window::setClipboard(const std::string& text) {
-    glfwSetClipboardString(window_, text.c_str());
-}
 
 void Window::toggleFullscreen() {
     if (glfwGetWindowMonitor(window_) != nullptr) {

@@ -49,7 +49,6 @@ class Window {
     float scale() const;     // of text and controls: 1, 2 on HiDPI
     bool minimised() const;
     void setTitle(const std::string& title);
-    void setClipboard(const std::string& text);
     // The whole screen, or a window again as large as before.
     void toggleFullscreen();
     GLFWwindow* handle() const { return window_; }

@@ -111,7 +111,7 @@ void showScene(Model& m, std::shared_ptr<const ViewScene> scene) {
     m.measured = {};
     m.forgetView(true);
     m.touch();
-    m.dirty = 3;
+    m.redraw();
 }
 
 // Values that the user has not changed follow the file.
@@ -216,14 +216,14 @@ void reload(Model& m) {
         Moment shown = another ? moments->show() : moments->show({}, edits, before);
         return [&m, moments, shown] { useScene(m, moments, shown); };
     });
-    m.dirty = 3;
+    m.redraw();
 }
 
 void poll(Model& m) {
-    if (m.timeline.advance(m.clock.seconds())) m.dirty = std::max(m.dirty, 1);
+    if (m.timeline.advance(m.clock.seconds())) m.redraw(1);
     for (Job* job : m.jobs) {
-        if (job->running()) m.dirty = std::max(m.dirty, 1);
-        if (job->finish()) m.dirty = 3;
+        if (job->running()) m.redraw(1);
+        if (job->finish()) m.redraw();
     }
     pack(m);
     if (!m.loading.running() && m.fileWatch.seconds() >= kFileSeconds) {
@@ -435,8 +435,7 @@ const Canvas& refreshPicture(Model& m) {
     if (now == m.shown) return m.picture;
     m.shown = now;
     if (m.difference) {
-        m.picture = Canvas(m.session->width(), m.session->height());
-        stretch(*m.difference, m.picture, false);
+        m.picture = stretched(*m.difference, m.session->width(), m.session->height(), false);
         return m.picture;
     }
     m.picture = m.session->canvas(m.display);

@@ -132,14 +132,11 @@ uint32_t grey(const Canvas& canvas, int x, int y) {
 
 TEST(Canvas, EqualSizesAreCopied) {
     const Canvas source = greys(2, 2, {1, 2, 3, 255});
-    Canvas target(2, 2);
-    stretch(source, target, true);
-    EXPECT_EQ(target.pixels, source.pixels);
+    EXPECT_EQ(stretched(source, 2, 2, true).pixels, source.pixels);
 }
 
 TEST(Canvas, NearestRepeats) {
-    Canvas target(4, 4);
-    stretch(greys(2, 2, {10, 20, 30, 40}), target, false);
+    const Canvas target = stretched(greys(2, 2, {10, 20, 30, 40}), 4, 4, false);
     for (int y = 0; y < 4; ++y) {
         for (int x = 0; x < 4; ++x)
             EXPECT_EQ(grey(target, x, y), 10u + 10u * (x / 2) + 20u * (y / 2)) << x << "," << y;
@@ -148,8 +145,7 @@ TEST(Canvas, NearestRepeats) {
 
 // Two pixels over four: centres at -1/4, 1/4, 3/4, 5/4 of the way, clamped at the ends.
 TEST(Canvas, SmoothInterpolates) {
-    Canvas target(4, 1);
-    stretch(greys(2, 1, {0, 200}), target, true);
+    const Canvas target = stretched(greys(2, 1, {0, 200}), 4, 1, true);
     EXPECT_EQ(grey(target, 0, 0), 0u);
     EXPECT_EQ(grey(target, 1, 0), 50u);
     EXPECT_EQ(grey(target, 2, 0), 150u);
@@ -158,9 +154,8 @@ TEST(Canvas, SmoothInterpolates) {
 }
 
 TEST(Canvas, SmoothKeepsFlatColoursAndChannels) {
-    Canvas source(3, 3, packColor(1, 254, 77)), target(7, 5);
-    stretch(source, target, true);
-    for (const uint32_t pixel : target.pixels) EXPECT_EQ(pixel, packColor(1, 254, 77));
+    for (const uint32_t pixel : stretched({3, 3, packColor(1, 254, 77)}, 7, 5, true).pixels)
+        EXPECT_EQ(pixel, packColor(1, 254, 77));
 }
 
 TEST(Canvas, ImageGivesTheBytesBack) {
