@@ -15,11 +15,6 @@ using shared::kLeafFlag;
 using shared::kNone;
 using shared::kPacketWidth;
 
-bool contains(const Box& outer, const Box& inner) {
-    return glm::all(glm::lessThanEqual(outer.lo, inner.lo)) &&
-           glm::all(glm::lessThanEqual(inner.hi, outer.hi));
-}
-
 using Leaves = std::multimap<uint32_t, Box>;
 
 Leaves leavesOf(const std::vector<shared::Node>& nodes) {
@@ -50,7 +45,7 @@ struct Visit {
                 EXPECT_TRUE(box.empty());
                 continue;
             }
-            EXPECT_TRUE(around == nullptr || contains(*around, box));
+            EXPECT_TRUE(around == nullptr || inside(box, *around));
             if (lower.child & kLeafFlag) {
                 leaves.insert({lower.child, box});
             } else {

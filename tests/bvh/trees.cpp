@@ -7,12 +7,13 @@
 #include <random>
 
 namespace glint::test {
-namespace {
 
 bool inside(const Box& inner, const Box& outer) {
     return glm::all(glm::lessThanEqual(outer.lo, inner.lo)) &&
            glm::all(glm::lessThanEqual(inner.hi, outer.hi));
 }
+
+namespace {
 
 void expectValidLeaf(const Bvh& bvh, const BvhNode& leaf, const std::vector<Box>& boxes,
                      const BvhOptions& options, std::vector<int>& seen) {

@@ -14,6 +14,7 @@ struct BoxSet {
     std::vector<Box> boxes;
 };
 
+bool inside(const Box& inner, const Box& outer);
 Box boxAround(const glm::vec3& center, float halfEdge);
 // Small boxes with centres and sizes drawn uniformly; the same for the same seed.
 std::vector<Box> randomBoxes(size_t count, unsigned seed);

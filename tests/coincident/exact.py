@@ -142,9 +142,7 @@ def hits_of(thing, o, d):
         m = fractions(thing["transform"])
         rows = inverse_rows(m)
         away = minus(o, [m[3], m[7], m[11]])
-        normal_scale = None
-        inside = dict(thing)
-        del inside["transform"]
+        inside = {key: value for key, value in thing.items() if key != "transform"}
         local_o, local_d = [dot(row, away) for row in rows], [dot(row, d) for row in rows]
         # In the frame's third direction, in which coincident surfaces lie, lengths grow by this factor.
         normal_scale = 1 / root(dot(rows[2], rows[2]))

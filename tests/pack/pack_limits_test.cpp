@@ -1,25 +1,17 @@
 // What a packed scene can hold, and the features that are derived from it.
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "pack/packed_scene.h"
 #include "support/scene_maker.h"
+#include "support/support.h"
 
 namespace glint::pack_limits_test {
 using namespace test;
 
 void expectSceneError(const Scene& scene, const std::string& array, uint64_t count, uint64_t limit) {
-    try {
-        packScene(scene);
-        ADD_FAILURE() << "no error for " << count << " " << array;
-    } catch (const Error& e) {
-        EXPECT_EQ(e.kind(), ErrorKind::Scene);
-        const std::string what = e.what();
-        EXPECT_NE(what.find(array), std::string::npos) << what;
-        EXPECT_NE(what.find(std::to_string(count)), std::string::npos) << what;
-        EXPECT_NE(what.find(std::to_string(limit)), std::string::npos) << what;
-        EXPECT_EQ(what.find('\n'), std::string::npos) << what;
-    }
+    const std::string error = errorOf(ErrorKind::Scene, [&] { packScene(scene); });
+    for (const std::string& part : {array, std::to_string(count), std::to_string(limit)})
+        EXPECT_NE(error.find(part), std::string::npos) << error;
 }
 
 TEST(PackLimits, Planes) {
