@@ -13,6 +13,7 @@
 #include <regex>
 #include <stdexcept>
 
+#include "core/image_io.h"
 #include "core/stopwatch.h"
 
 namespace glint::app::test {
@@ -147,6 +148,28 @@ int Child::wait() {
     if (waitpid(pid_, &status, 0) != pid_) return -1;
     pid_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+void ChildTest::expectFinishedPart(Child& child, int signal, int width, int height) const {
+    child.send(signal);
+    EXPECT_EQ(child.wait(), 130);
+    EXPECT_HAS(child.err(), "glint: interrupted: out.png holds the ");
+    const Image image = readImage("out.png");
+    ASSERT_EQ(std::pair(image.width, image.height), std::pair(width, height));
+    // The sky above and below the objects is bright: a row is black if and only if it was not reached.
+    EXPECT_GT(image.at(0, 0, 2), 0.5f);
+    EXPECT_EQ(image.at(width - 1, height - 1, 2), 0.0f);
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
+}
+
+void ChildTest::expectNothingWritten(Child& child, int signal) const {
+    child.send(signal);
+    EXPECT_EQ(child.wait(), 130);
+    EXPECT_TRUE(child.err().ends_with(
+        "glint: interrupted before any part of the image was finished; nothing written\n"))
+        << child.err();
+    EXPECT_EQ(child.out(), "");
+    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
 }  // namespace glint::app::test

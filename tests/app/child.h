@@ -47,4 +47,12 @@ class Child {
     std::string out_, err_;
 };
 
+class ChildTest : public SmallSceneTest {
+  protected:
+    // Interrupts a child that renders out.png: the file must hold the upper rows alone.
+    void expectFinishedPart(Child& child, int signal, int width, int height) const;
+    // Interrupts a child that has not finished a pixel: it must not write a file.
+    void expectNothingWritten(Child& child, int signal) const;
+};
+
 }  // namespace glint::app::test

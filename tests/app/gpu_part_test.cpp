@@ -2,38 +2,20 @@
 #include "support.h"
 
 namespace glint::app::test::gpu_part_test {
-class GpuPart : public FolderTest {
-  protected:
-    // The bytes of the picture in parts, merged, against those of one run.
-    static void compare(const std::string& scene, const Words& options, int parts) {
-        ASSERT_EQ(runGlint({"render", scene, "-q", "-o", "whole.exr"}, options).code, 0);
-        Words merge = "merge -q -o all.exr";
-        for (int k = 1; k <= parts; ++k) {
-            const std::string name = std::to_string(k) + ".part";
-            ASSERT_EQ(runGlint({"render", scene, "-q", "-o", name, "--part",
-                                std::to_string(k) + "/" + std::to_string(parts)},
-                               options)
-                          .code,
-                      0);
-            merge.push_back(name);
-        }
-        ASSERT_EQ(runGlint(merge).code, 0);
-        EXPECT_EQ(readBytes("all.exr"), readBytes("whole.exr")) << scene;
-    }
-};
+using GpuPart = FolderTest;
 
 // Packets too, whose rays are counted together: parts begin where tiles do.
 TEST_F(GpuPart, EveryLayerHasTheBitsOfOneRun) {
     writeSmallScene("a.json");
     const std::string layers =
         "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost,samples";
-    compare("a.json", {"--aov", layers, "--traversal", hasPackets() ? "packet" : "lane"}, 3);
-    compare("a.json", {"--aov", layers, "--spp", "5", "--sampler", "jittered", "--adaptive", "20,0.05"}, 4);
+    expectPartsAreTheWhole("a.json", {"--aov", layers, "--traversal", hasPackets() ? "packet" : "lane"}, 3);
+    expectPartsAreTheWhole("a.json", "--spp 5 --sampler jittered --adaptive 20,0.05 --aov " + layers, 4);
 }
 
 TEST_F(GpuPart, GlassAndInstances) {
     for (const char* scene : {"scenes/glass.json", "scenes/instances.json", "scenes/lens.json"})
-        compare(glint::test::sourcePath(scene), "--size 80x60", 3);
+        expectPartsAreTheWhole(glint::test::sourcePath(scene), "--size 80x60", 3);
 }
 
 // Frames keep kernels, arrays and trees of the frames before them, and have the bits of their moments alone.

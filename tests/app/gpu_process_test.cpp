@@ -2,25 +2,17 @@
 #include <csignal>
 
 #include "child.h"
-#include "core/image_io.h"
 #include "support.h"
 
 namespace glint::app::test::gpu_process_test {
-using GpuProcess = SmallSceneTest;
+using GpuProcess = ChildTest;
 
 TEST_F(GpuProcess, InterruptSavesTheFinishedPart) {
     for (const int signal : {SIGINT, SIGTERM}) {
         Child child("render a.json --size 2000x2000 --spp 32 -o out.png --progress plain");
         // The first slice has 64 tiles of 64 of the four million pixels, less than 1 %.
         ASSERT_TRUE(child.waitForPercent(1)) << child.err();
-        child.send(signal);
-        EXPECT_EQ(child.wait(), 130);
-        EXPECT_HAS(child.err(), "glint: interrupted: out.png holds the ");
-        const Image image = readImage("out.png");
-        ASSERT_EQ(std::pair(image.width, image.height), std::pair(2000, 2000));
-        EXPECT_GT(image.at(0, 0, 2), 0.5f);
-        EXPECT_EQ(image.at(1999, 1999, 2), 0.0f);
-        EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
+        expectFinishedPart(child, signal, 2000, 2000);
         std::filesystem::remove("out.png");
     }
 }
@@ -29,13 +21,7 @@ TEST_F(GpuProcess, InterruptBeforeAnythingIsFinishedWritesNoFile) {
     for (const int signal : {SIGINT, SIGTERM}) {
         Child child("render a.json --size 3000x3000 --spp 65536 -o out.png --progress plain");
         ASSERT_TRUE(child.waitForPercent(0)) << child.err();
-        child.send(signal);
-        EXPECT_EQ(child.wait(), 130);
-        EXPECT_TRUE(child.err().ends_with(
-            "glint: interrupted before any part of the image was finished; nothing written\n"))
-            << child.err();
-        EXPECT_EQ(child.out(), "");
-        EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+        expectNothingWritten(child, signal);
     }
 }
 
@@ -66,9 +52,7 @@ TEST_F(GpuProcess, InterruptedReportIsAReport) {
     EXPECT_TRUE(child.err().ends_with(
         "glint: interrupted: out/report.json holds the results so far; repeat the command to resume\n"))
         << child.err();
-    const auto bytes = readBytes("out/report.json");
-    const std::string json(bytes.begin(), bytes.end());
-    EXPECT_HAS(json, "\"complete\": false");
+    EXPECT_HAS(glint::test::readText("out/report.json"), "\"complete\": false");
     EXPECT_TRUE(std::filesystem::exists("out/report.html"));
 }
 

@@ -12,17 +12,12 @@
 #include "support.h"
 
 namespace glint::app::test::process_test {
-using Process = SmallSceneTest;
+using Process = ChildTest;
 
 // Minutes of work, in rows of a fraction of a second.
 const Words kLong = "render a.json --backend cpu --size 1000x4000 --spp 64 -o out.png";
 // Minutes of work for each row.
 const Words kLongRows = "render a.json --backend cpu --size 60000x8 --spp 4096 -o out.png";
-
-Words with(Words args, const Words& more) {
-    args += more;
-    return args;
-}
 
 TEST_F(Process, ExitCodesAndStreams) {
     Child fine("render a.json --backend cpu");
@@ -132,16 +127,9 @@ TEST_F(Process, PicturesBeyondTheLimitOfAddressSpaceAreDrawnInBands) {
 #endif
 
 TEST_F(Process, AnInterruptedPictureInBandsHoldsWhatWasFinished) {
-    Child child(with(kLong, "--progress plain --band-rows 16"));
+    Child child(kLong + "--progress plain --band-rows 16");
     ASSERT_TRUE(child.waitForPercent(1)) << child.err();
-    child.send(SIGINT);
-    EXPECT_EQ(child.wait(), 130);
-    EXPECT_HAS(child.err(), "glint: interrupted: out.png holds the ");
-    const Image image = readImage("out.png");
-    ASSERT_EQ(std::pair(image.width, image.height), std::pair(1000, 4000));
-    EXPECT_GT(image.at(0, 0, 2), 0.5f);
-    EXPECT_EQ(image.at(0, 3999, 2), 0.0f);
-    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
+    expectFinishedPart(child, SIGINT, 1000, 4000);
 }
 
 // Writing empty rows is fast: the image has 65,536 x 16,384 pixels, and only one band is rendered.
@@ -158,17 +146,9 @@ TEST_F(Process, AnInterruptedPictureOfAnySizeEndsSoon) {
 
 TEST_F(Process, InterruptSavesTheFinishedPart) {
     for (const int signal : {SIGINT, SIGTERM}) {
-        Child child(with(kLong, "--progress plain"));
+        Child child(kLong + "--progress plain");
         ASSERT_TRUE(child.waitForPercent(0)) << child.err();  // said only once a row is finished
-        child.send(signal);
-        EXPECT_EQ(child.wait(), 130);
-        EXPECT_HAS(child.err(), "glint: interrupted: out.png holds the ");
-        const Image image = readImage("out.png");
-        ASSERT_EQ(std::pair(image.width, image.height), std::pair(1000, 4000));
-        // The sky above and below the objects is bright: a row is black if and only if it was not reached.
-        EXPECT_GT(image.at(0, 0, 2), 0.5f);
-        EXPECT_EQ(image.at(0, 3999, 2), 0.0f);
-        EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
+        expectFinishedPart(child, signal, 1000, 4000);
         std::filesystem::remove("out.png");
     }
 }
@@ -203,12 +183,9 @@ TEST_F(Process, InterruptBeforeAnythingIsFinishedWritesNoFile) {
     for (const int signal : {SIGINT, SIGTERM}) {
         Child child(kLongRows);
         ASSERT_TRUE(child.waitForWork(0.5));
-        child.send(signal);
-        EXPECT_EQ(child.wait(), 130);
-        EXPECT_EQ(child.err(),
-                  "glint: interrupted before any part of the image was finished; nothing written\n");
-        EXPECT_EQ(child.out(), "");
-        EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+        expectNothingWritten(child, signal);
+        EXPECT_TRUE(child.err().starts_with("glint: interrupted before")) << child.err();
+        EXPECT_EQ(std::count(child.err().begin(), child.err().end(), '\n'), 1) << child.err();
     }
 }
 
@@ -238,7 +215,7 @@ TEST_F(Process, RaysFromStandardInput) {
 }
 
 TEST_F(Process, PlainProgressGoesToStandardError) {
-    Child child(with(kLong, "--progress plain"));
+    Child child(kLong + "--progress plain");
     ASSERT_TRUE(child.waitForPercent(0));
     child.send(SIGINT);
     child.wait();
@@ -249,7 +226,7 @@ TEST_F(Process, PlainProgressGoesToStandardError) {
 
 TEST_F(Process, NoProgressUnlessAskedForOrOnATerminal) {
     for (const char* options : {"", "--progress none", "-q --progress plain"}) {
-        Child child(with(kLong, options));
+        Child child(kLong + options);
         ASSERT_TRUE(child.waitForWork(0.1));
         usleep(1500000);  // progress starts after a second
         child.send(SIGINT);

@@ -45,6 +45,22 @@ nlohmann::json jsonOf(const Words& args) {
     return nlohmann::json::parse(ran.out);
 }
 
+void expectPartsAreTheWhole(const std::string& scene, const Words& options, int parts) {
+    const Words render = Words{"render", scene, "-q", "-o"};
+    ASSERT_EQ(runGlint(render + "whole.exr" + options).code, 0);
+    Words merge = "merge -q -o all.exr";
+    for (int k = parts; k >= 1; --k) {
+        const std::string part = std::to_string(k) + "/" + std::to_string(parts);
+        const std::string name = std::to_string(k) + ".part";
+        ASSERT_EQ(runGlint(render + name + "--part" + part + options).code, 0);
+        merge += name;
+    }
+    const Ran merged = runGlint(merge);
+    EXPECT_EQ(merged.code, 0);
+    EXPECT_EQ(merged.out + merged.err, "");
+    EXPECT_EQ(readBytes("all.exr"), readBytes("whole.exr")) << scene << ' ' << parts;
+}
+
 bool hasPackets() {
     return render::runsPackets(gpu::Device().info());
 }

@@ -44,6 +44,9 @@ void expectError(const Words& args, int code, const std::string& line);
 // Runs a command line that must succeed without warnings, and reads the JSON that it prints.
 nlohmann::json jsonOf(const Words& args);
 
+// Renders the scene at once and in so many parts, which must give the bytes of the same EXR file.
+void expectPartsAreTheWhole(const std::string& scene, const Words& options, int parts);
+
 // Whether the device that commands take has packets of rays.
 bool hasPackets();
 
