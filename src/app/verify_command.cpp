@@ -280,33 +280,29 @@ bool isSchema(const std::filesystem::path& path) {
     return path.filename().string().ends_with(".schema.json");
 }
 
-verify::Report verifyLoaded(const VerifyCommand& command, const gpu::Device& device,
-                            const std::filesystem::path& path, const LoadedScene& loaded,
-                            verify::Options& options, std::ostream& err) {
-    render::Options tracing;
-    tracing.traversal = command.device.traversal;
-    tracing.also = alsoFor(loaded, options);
-    tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
-    render::Renderer renderer(device, loaded.packed, tracing);
-    Progress progress = progressOf("verify " + path.filename().string(), command.progress, err);
-    options.progress = [&](double fraction) { progress.update(fraction); };
-    return verify::verify(renderer, loaded.packed, cameraOf(loaded, options), options, &loaded.scene);
-}
-
 // Sets everything but the scene's name and seconds. Throws Error.
 void verifyScene(const VerifyCommand& command, const gpu::Device& device, const std::string& stem,
                  SceneResult& result, std::ostream& err) {
-    SceneOptions sceneOptions = command.common;
-    sceneOptions.scene = result.scene;
-    const LoadedScene loaded = loadAndPack(sceneOptions, err);
+    SceneOptions scene = command.common;
+    scene.scene = result.scene;
+    const LoadedScene loaded = loadAndPack(scene, err);
     verify::Options options;
-    static_cast<Request&>(options) = requestOf(loaded, sceneOptions);
+    static_cast<Request&>(options) = requestOf(loaded, scene);
     options.cancelled = interrupted;
     options.allowedUnexplained = static_cast<uint64_t>(command.allow);
     if (!command.jsonFile.empty()) options.worstCount = kListedPixels;
     checkMemory(options.width, options.height,
                 verify::bytesPerPixel(options, depthOf(loaded.packed, options)), availableMemory(), "");
-    const verify::Report report = verifyLoaded(command, device, result.scene, loaded, options, err);
+    render::Options tracing;
+    tracing.traversal = command.device.traversal;
+    tracing.also = alsoFor(loaded, options);
+    tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
+    render::Renderer renderer(device, loaded.packed, tracing);
+    Progress progress = progressOf("verify " + scene.scene.filename().string(), command.progress, err);
+    options.progress = [&](double fraction) { progress.update(fraction); };
+    const verify::Report report =
+        verify::verify(renderer, loaded.packed, cameraOf(loaded, options), options, &loaded.scene);
+    progress.finish();
     if (report.interrupted)
         throw Error(ErrorKind::Interrupted, "interrupted while verifying " + result.scene);
     result.status = report.passed() ? SceneStatus::Passed : SceneStatus::Failed;
