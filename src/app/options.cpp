@@ -270,8 +270,11 @@ void OptionTable::exclude(const std::string& option, const std::string& other, c
         });
 }
 
-void OptionTable::flag(const std::string& names, const std::string& help, bool& target) {
-    command_.add_flag(names, target, help)->disable_flag_override();
+void OptionTable::flag(const std::string& names, const std::string& help, bool& target, bool value) {
+    command_
+        .add_flag_callback(
+            names, [&target, value] { target = value; }, help)
+        ->disable_flag_override();
 }
 
 void addScene(OptionTable& table, SceneOptions& options) {
@@ -339,14 +342,14 @@ void addExposure(OptionTable& table, std::optional<double>& stops) {
                stops);
 }
 
-void addError(OptionTable& table, ErrorTarget& target) {
+void addError(OptionTable& table, converge::Target& target) {
     table.value("--error", "E",
                 "take samples until the root mean square error is at most E (linear, full scale 1)",
                 target.error, parsePositive);
     table.value("--confidence", "P", "probability that --error holds, above 0.5 and below 1 (default 0.95)",
-                target.limits.confidence, parseConfidence);
+                target.confidence, parseConfidence);
     table.flag("--within-depth", "do not count reflections beyond the scene's depth as error",
-               target.withinDepth);
+               target.depthCounts, false);
     table.require("--error", {"--confidence", "--within-depth"});
 }
 

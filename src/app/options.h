@@ -122,8 +122,8 @@ class OptionTable {
         value(names, alternatives<E>(), help, target, parseNamed<E>);
     }
 
-    // Takes no value.
-    void flag(const std::string& names, const std::string& help, bool& target);
+    // Takes no value: `target` becomes `value`.
+    void flag(const std::string& names, const std::string& help, bool& target, bool value = true);
 
     // One or more files known by their place.
     void files(const std::string& name, const std::string& help, std::vector<std::filesystem::path>& target);
@@ -172,14 +172,6 @@ struct DeviceChoice {
     Fallback fallback = Fallback::None;
 };
 
-// Values of --error and its options.
-struct ErrorTarget {
-    std::optional<double> error;
-    converge::Target limits;  // all but the error and `depthCounts`
-    bool strict = false;
-    bool withinDepth = false;
-};
-
 // Options that several commands share, with the same names, texts and values in each.
 void addScene(OptionTable& table, SceneOptions& options);                       // one SCENE
 void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes,  // one or more
@@ -200,7 +192,7 @@ void addProgress(OptionTable& table, ProgressMode& mode);
 void addStats(OptionTable& table, const std::string& help, bool& json);
 
 // --error, --confidence, --within-depth; the last two require the first.
-void addError(OptionTable& table, ErrorTarget& target);
+void addError(OptionTable& table, converge::Target& target);
 
 // Throws Error(Argument) for an option that is given though --backend cpu would ignore it.
 void requireGpu(Backend backend, std::initializer_list<std::pair<bool, const char*>> options);

@@ -60,7 +60,7 @@ uint64_t bytesPerPixel(const RenderCommand& command) {
 }
 
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded) {
-    Request request = requestOf(loaded, command.scene, command.target.error.has_value());
+    Request request = requestOf(loaded, command.scene, command.target.error > 0);
     request.region = command.crop.value_or(Region{0, 0, request.width, request.height});
     if (request.region.x1 > request.width || request.region.y1 > request.height)
         throw Error(ErrorKind::Argument, format("--crop: reaches beyond the image of %dx%d pixels",
@@ -128,10 +128,10 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.flag("--overwrite", "render existing frames again", c.overwrite);
     addError(table, c.target);
     table.value("--max-seconds", "S", "stop --error after S seconds with the best image so far",
-                c.target.limits.maxSeconds, parsePositive);
+                c.target.maxSeconds, parsePositive);
     table.whole("--max-spp", "N", "stop --error at N samples per pixel (default 65536)", 2, 1 << 20,
-                c.target.limits.maxSamples);
-    table.flag("--strict", "exit with code 5 if --error is not reached", c.target.strict);
+                c.target.maxSamples);
+    table.flag("--strict", "exit with code 5 if --error is not reached", c.strict);
     table.require("--error", {"--max-seconds", "--max-spp", "--strict"});
     table.require("--frames", {"--fps", "--overwrite"});
     for (const auto& [option, other, remedy] : kExclusions) table.exclude(option, other, remedy);
@@ -158,11 +158,12 @@ void check(const RenderCommand& command, const std::ostream& out) {
         if (wrong) throw Error(ErrorKind::Argument, line);
     };
     checkDeviceOptions(command.backend, command.device);
+    const bool untilError = command.target.error > 0;
     const bool errorLayer = std::count(command.aovs.begin(), command.aovs.end(), Aov::Error) > 0;
-    refuseIf(errorLayer && !command.target.error, "--aov: the layer error requires --error");
-    refuseIf(command.target.error && command.scene.sampler == Sampler::Grid,
+    refuseIf(errorLayer && !untilError, "--aov: the layer error requires --error");
+    refuseIf(untilError && command.scene.sampler == Sampler::Grid,
              "--error does not work with the grid sampler: use lowDiscrepancy or jittered");
-    refuseIf(command.target.error && command.scene.spp,
+    refuseIf(untilError && command.scene.spp,
              "--spp: --error chooses the number of samples; limit it with --max-spp");
     refuseIf(command.part && command.exposure,
              "--exposure: parts hold linear floats; give it to glint merge");
@@ -194,7 +195,7 @@ int bandRowsOf(const RenderCommand& command, const fs::path& output, const Regio
     const uint64_t available = availableMemory();
     // While it is written the file's own rows lie beside it: an EXR took 41 bytes for a pixel, of 29 and 58.
     const uint64_t perPixel = 2 * bytesPerPixel(command);
-    if (command.target.error) {  // its rounds need the whole image
+    if (command.target.error > 0) {  // its rounds need the whole image
         checkMemory(region.width(), region.height(), perPixel, available);
         return 0;
     }
@@ -236,7 +237,7 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
     drawing.checkValidation();
     checkComplete(outcome);
     const bool missed = outcome.converged && !outcome.converged->reached();
-    return missed && command.target.strict ? ExitCode::Difference : ExitCode::Done;
+    return missed && command.strict ? ExitCode::Difference : ExitCode::Done;
 }
 
 // ---- --frames: the images of an animation
@@ -300,7 +301,7 @@ class FrameRenderer {
             throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(there_ + drawn_.size()) +
                                                     " of " + std::to_string(there_ + frames_.size()) +
                                                     " frames exist; repeat the command to resume");
-        return missed_ && command_.target.strict ? ExitCode::Difference : ExitCode::Done;
+        return missed_ && command_.strict ? ExitCode::Difference : ExitCode::Done;
     }
 
   private:

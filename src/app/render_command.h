@@ -30,8 +30,9 @@ struct RenderCommand {
     DeviceChoice device;
     std::vector<Aov> aovs = {Aov::Radiance};
     std::optional<Region> crop;
-    std::optional<int> bandRows;  // of an image that is written in bands; empty: if it must be
-    ErrorTarget target;
+    std::optional<int> bandRows;             // of an image that is written in bands; empty: if it must be
+    converge::Target target = {.error = 0};  // 0: without --error
+    bool strict = false;                     // --error must be reached
     std::optional<PartChoice> part;
     std::filesystem::path checkpoint;  // empty: none
     std::optional<FrameRange> frames;
@@ -140,7 +141,7 @@ Outcome drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& comma
                  const Request& request, const std::optional<converge::Job>& job, int rows);
 
 // Figures of --error for the file: glint.error.asked and so on; none without --error.
-PictureNotes errorNotes(const ErrorTarget& target, const Outcome& outcome);
+PictureNotes errorNotes(const converge::Target& target, const Outcome& outcome);
 
 // One line with the likely reason if a complete image shows only background, only black, only white, or only
 // the unlit inside of one object; empty for any other. Traces a few camera rays to find the reason.

@@ -22,10 +22,10 @@ namespace glint::app {
 namespace {
 
 // Numbers that are not finite become null.
-nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& result) {
+nlohmann::json errorJson(const converge::Target& target, const converge::Result& result) {
     const converge::ErrorBudget& budget = result.budget;
-    return {{"asked", *target.error},
-            {"confidence", target.limits.confidence},
+    return {{"asked", target.error},
+            {"confidence", target.confidence},
             {"reached", result.reached()},
             {"stopped", nameOf(result.stop)},
             {"bound", budget.total()},
@@ -40,15 +40,14 @@ nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& resu
             {"rounds", result.rounds}};
 }
 
-std::string errorSummary(const ErrorTarget& target, const converge::Result& result) {
+std::string errorSummary(const converge::Target& target, const converge::Result& result) {
     const converge::ErrorBudget& budget = result.budget;
-    std::string text = format("error (rmse): at most %.3g with confidence ", budget.total()) +
-                       describe(target.limits.confidence) +
-                       format("; sampling %.2g (about %.2g), rounding %.1g, cut %.1g, maxDepth %.1g%s; ",
-                              budget.sampling, result.estimate, budget.rounding, budget.cut, budget.depth,
-                              budget.depthCounts ? "" : " (not counted)") +
-                       counted(result.samplesPerPixel, "sample") + " per pixel, " +
-                       counted(result.rounds, "round") + "\n";
+    std::string text =
+        format("error (rmse): at most %.3g with confidence ", budget.total()) + describe(target.confidence) +
+        format("; sampling %.2g (about %.2g), rounding %.1g, cut %.1g, maxDepth %.1g%s; ", budget.sampling,
+               result.estimate, budget.rounding, budget.cut, budget.depth,
+               budget.depthCounts ? "" : " (not counted)") +
+        counted(result.samplesPerPixel, "sample") + " per pixel, " + counted(result.rounds, "round") + "\n";
     // The bound allows for details of full scale; brighter ones are reported apart.
     if (std::isfinite(result.unseen) && result.unseen > budget.total())
         text += format(
@@ -58,12 +57,12 @@ std::string errorSummary(const ErrorTarget& target, const converge::Result& resu
 }
 
 // Prints a warning with the reason if the target was not reached.
-void warnAboutError(const ErrorTarget& target, const converge::Result& result, const std::string& start,
+void warnAboutError(const converge::Target& target, const converge::Result& result, const std::string& start,
                     std::ostream& err) {
     if (result.reached() || result.stop == converge::Stop::Interrupted) return;
     // Few pixels with any error tell too little to bound it.
     const bool bounded = std::isfinite(result.budget.total());
-    err << start << format("target %.3g not reached: ", *target.error)
+    err << start << format("target %.3g not reached: ", target.error)
         << (bounded ? format("error is at most %.3g", result.budget.total()) : "the error has no bound")
         << " after " << counted(result.samplesPerPixel, "sample") << " per pixel (" << helpOf(result.stop)
         << (bounded ? ")" : "); too few pixels show any error") << '\n';
@@ -376,7 +375,7 @@ Outcome drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& comma
     return outcome;
 }
 
-PictureNotes errorNotes(const ErrorTarget& target, const Outcome& outcome) {
+PictureNotes errorNotes(const converge::Target& target, const Outcome& outcome) {
     PictureNotes notes;
     if (!outcome.converged) return notes;
     const nlohmann::json json = errorJson(target, *outcome.converged);

@@ -369,7 +369,7 @@ bool isInUnits(const RenderCommand& command) {
     if (command.frames)
         throw Error(ErrorKind::Argument,
                     "--frames: mpirun's processes share one image; give each machine frames of its own");
-    if (command.target.error)
+    if (command.target.error > 0)
         throw Error(ErrorKind::Argument, "mpirun: --error chooses the samples of the whole image; use --spp");
     return true;
 }

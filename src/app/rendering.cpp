@@ -187,19 +187,16 @@ void checkValidation(const gpu::Device& device, const DeviceChoice& choice) {
     if (!messages.empty()) throw Error(ErrorKind::Device, text);
 }
 
-std::optional<converge::Job> jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend,
+std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedScene& loaded, Backend backend,
                                    Request& request) {
-    if (!target.error) return std::nullopt;
-    if (!target.withinDepth && converge::missesReflections(loaded.scene, depthOf(loaded.packed, request)))
+    if (target.error == 0) return std::nullopt;
+    if (target.depthCounts && converge::missesReflections(loaded.scene, depthOf(loaded.packed, request)))
         throw Error(ErrorKind::Argument,
                     "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
     if (regionOf(request).pixels() == 1)
         throw Error(ErrorKind::Argument,
                     "--error cannot bound the error of a single pixel: use a larger --crop");
-    converge::Target wanted = target.limits;
-    wanted.error = *target.error;
-    wanted.depthCounts = !target.withinDepth;
-    converge::Job job = converge::jobFor(loaded.packed, request, wanted);
+    converge::Job job = converge::jobFor(loaded.packed, request, target);
     request = job.request;
     job.radianceBound =
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));

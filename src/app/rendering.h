@@ -95,7 +95,7 @@ struct DrawingFacts {
 
 // The job of --error for the scene's image; `request` becomes like those of its batches. Empty without
 // --error. `backend`: for the rounding error.
-std::optional<converge::Job> jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend,
+std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedScene& loaded, Backend backend,
                                    Request& request);
 
 class Drawing {

@@ -15,7 +15,7 @@ namespace {
 struct ViewCommand {
     SceneOptions scene;
     DeviceChoice device;
-    ErrorTarget target;
+    converge::Target target = {.error = 0};  // 0: without --error
     int frames = 0;
     gpu::PresentMode present = gpu::PresentMode::Fifo;
     int pace = 0;  // milliseconds; 0: by the device
@@ -44,25 +44,23 @@ ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
             ErrorKind::Argument,
             "SCENE: the window needs a file, which it watches for changes; save standard input to one");
     const SceneOptions& scene = command.scene;
-    view::Options options = {.scene = scene.scene,
-                             .loading = {.allowOutside = scene.allowOutside,
-                                         .camera = scene.camera,
-                                         .up = scene.up,
-                                         .depth = scene.limits.depth,
-                                         .samplesPerPixel = scene.spp,
-                                         .quality = scene.buildQuality},
-                             .until = command.target.limits,
-                             .time = scene.time,
-                             .width = scene.size.value_or(Size()).width,
-                             .height = scene.size.value_or(Size()).height,
-                             .scale = command.scale,
-                             .device = command.device.selector,
-                             .validation = command.device.validation,
-                             .frames = static_cast<uint64_t>(command.frames),
-                             .presentMode = command.present,
-                             .targetSeconds = command.pace * 1e-3};
-    options.until.error = command.target.error.value_or(0);
-    options.until.depthCounts = !command.target.withinDepth;
+    const view::Options options = {.scene = scene.scene,
+                                   .loading = {.allowOutside = scene.allowOutside,
+                                               .camera = scene.camera,
+                                               .up = scene.up,
+                                               .depth = scene.limits.depth,
+                                               .samplesPerPixel = scene.spp,
+                                               .quality = scene.buildQuality},
+                                   .until = command.target,
+                                   .time = scene.time,
+                                   .width = scene.size.value_or(Size()).width,
+                                   .height = scene.size.value_or(Size()).height,
+                                   .scale = command.scale,
+                                   .device = command.device.selector,
+                                   .validation = command.device.validation,
+                                   .frames = static_cast<uint64_t>(command.frames),
+                                   .presentMode = command.present,
+                                   .targetSeconds = command.pace * 1e-3};
     view::view(options, out, err);
     return interrupted() ? ExitCode::Interrupted : ExitCode::Done;
 }
