@@ -117,17 +117,11 @@ void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
             for (uint32_t i = 0; i < samples; ++i) {
                 const reference::PixelRecord record = tracer.trace(
                     reference::pixelSample(tracer, task.camera, task.request.samples, i, x, y).ray);
-                for (size_t k = 0; k < sums.size(); ++k) {
-                    sums[k].rays += record.tally[k].rays;
-                    sums[k].tests += record.tally[k].tests;
-                }
+                for (size_t k = 0; k < sums.size(); ++k) sums[k] += record.tally[k];
             }
         }
         const std::lock_guard lock(mutex);
-        for (size_t k = 0; k < sums.size(); ++k) {
-            result.counted[k].rays += sums[k].rays;
-            result.counted[k].tests += sums[k].tests;
-        }
+        for (size_t k = 0; k < sums.size(); ++k) result.counted[k] += sums[k];
     });
     if (cancelled()) stop();
     result.countedPixels = static_cast<uint64_t>(columns) * static_cast<uint64_t>(rows);
@@ -200,8 +194,7 @@ class Contestant {
     }
     void timeOne() {
         Picture picture;
-        timings_.push_back(timeImage(
-            renderer_ ? &*renderer_ : nullptr, [&] { return draw(); }, picture));
+        timings_.push_back(timeImage(renderer_ ? &*renderer_ : nullptr, [&] { picture = draw(); }));
         result_.livePaths = timings_.back().stages.pathRays;
         result_.invocations = timings_.back().stages.invocations;
     }
@@ -261,11 +254,11 @@ std::vector<render::Traversal> waysOf(const Task& task, const gpu::Device& devic
 
 }  // namespace
 
-Timing timeImage(const render::Renderer* renderer, const std::function<Picture()>& draw, Picture& picture) {
+Timing timeImage(const render::Renderer* renderer, const std::function<void()>& draw) {
     const render::StageTimes before = renderer ? renderer->times() : render::StageTimes();
     const ProcessorWatch processors;
     const Stopwatch watch;
-    picture = draw();
+    draw();
     Timing timing;
     timing.wall = watch.seconds();
     timing.processors = processors.seconds();

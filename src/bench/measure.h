@@ -28,7 +28,7 @@ struct Timing {
 };
 
 // Calls `draw`, which renders one image with `renderer`, or with the reference if that is null.
-Timing timeImage(const render::Renderer* renderer, const std::function<Picture()>& draw, Picture& picture);
+Timing timeImage(const render::Renderer* renderer, const std::function<void()>& draw);
 
 // Measurements of one scene. Seconds unless said otherwise.
 struct Result {

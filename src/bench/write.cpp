@@ -14,10 +14,7 @@ using Json = nlohmann::json;
 
 double testsOf(const Result& result, std::initializer_list<reference::RayClass> classes) {
     reference::RayTally sum;
-    for (const reference::RayClass k : classes) {
-        sum.rays += result.counted[static_cast<size_t>(k)].rays;
-        sum.tests += result.counted[static_cast<size_t>(k)].tests;
-    }
+    for (const reference::RayClass k : classes) sum += result.counted[static_cast<size_t>(k)];
     return sum.rays > 0 ? static_cast<double>(sum.tests) / static_cast<double>(sum.rays) : 0;
 }
 

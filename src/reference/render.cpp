@@ -23,7 +23,7 @@ PixelData dataOf(const dvec3& origin, const PixelRecord& record) {
     PixelData data;
     data.bounces = record.bounces;
     data.cost = static_cast<uint32_t>(
-        std::min<uint64_t>(record.cost, std::numeric_limits<decltype(data.cost)>::max()));
+        std::min<uint64_t>(record.cost(), std::numeric_limits<decltype(data.cost)>::max()));
     data.pathHash = record.pathHash;
     data.shadowBits = record.shadowBits;
     if (!record.hit) return data;

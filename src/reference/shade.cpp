@@ -85,10 +85,11 @@ class PathTracer {
         if (!scene_.textures.empty()) decide(cellsAt(scene_, textured));
     }
     void addLight(const RoundedColor& light);
-    void count(RayClass kind, uint64_t costBefore) {
+    // Counts a ray; returns the counter of its tests.
+    uint64_t* countRay(RayClass kind) {
         RayTally& tally = record_.tally[static_cast<size_t>(kind)];
         ++tally.rays;
-        tally.tests += record_.cost - costBefore;
+        return &tally.tests;
     }
     Interaction interactionAt(const Ray& ray, const Hit& hit, const Surface& surface, const Media& media);
     Ray rayFrom(const Interaction& at, const dvec3& direction, double tMax);
@@ -144,12 +145,10 @@ class PathTracer {
 };
 
 std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, RayClass kind) {
-    const uint64_t before = record_.cost;
     Ray seen = ray;
     seen.ties = true;
     seen.slips = mover_.slips();
-    std::optional<Hit> hit = tracer_.closest(seen, source, &record_.cost);
-    count(kind, before);
+    std::optional<Hit> hit = tracer_.closest(seen, source, countRay(kind));
     if (hit && hit_ != shared::kNone && hit_ != hit->id)
         if (const std::optional<Hit> other = tracer_.possibleHit(ray, source, hit_)) hit = other;
     hit_ = shared::kNone;
@@ -209,10 +208,9 @@ std::optional<RoundedColor> PathTracer::lightThrough(const Ray& ray, const Inter
                                                      bool directional) {
     const RoundedColor all = roundedColor(dvec3(1), exponentialRoundings(0, 0));
     if (!tracer_.shadows()) return all;
-    const uint64_t before = record_.cost;
+    uint64_t* const tests = countRay(RayClass::Shadow);
     if (!scene_.coloredShadows) {
-        const bool occluded = tracer_.occluded(ray, at.source, &record_.cost);
-        count(RayClass::Shadow, before);
+        const bool occluded = tracer_.occluded(ray, at.source, tests);
         if (occluded && !scene_.instances.empty() && !record_.meetsInstance && mover_.moves()) {
             const std::optional<Hit> hit = tracer_.closest(ray, at.source);
             record_.meetsInstance = hit && hit->instance != shared::kNone;
@@ -220,8 +218,7 @@ std::optional<RoundedColor> PathTracer::lightThrough(const Ray& ray, const Inter
         if (occluded) return std::nullopt;
         return all;
     }
-    std::vector<Hit> hits = tracer_.allHits(ray, at.source, &record_.cost);
-    count(RayClass::Shadow, before);
+    std::vector<Hit> hits = tracer_.allHits(ray, at.source, tests);
     // Opaque surfaces block with their edges too.
     for (const Hit& hit : hits)
         if (scene_.materials[tracer_.surfaceAt(ray, hit).material].medium == 0) return std::nullopt;

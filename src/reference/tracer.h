@@ -137,6 +137,12 @@ struct Bounce {
 // Rays of one class, and the boxes and primitives that they tested.
 struct RayTally {
     uint64_t rays = 0, tests = 0;
+
+    RayTally& operator+=(const RayTally& other) {
+        rays += other.rays;
+        tests += other.tests;
+        return *this;
+    }
 };
 
 struct PixelRecord {
@@ -145,7 +151,6 @@ struct PixelRecord {
     std::optional<Surface> surface;  // at that hit
     double alpha = 0;                // 1 if the camera ray hits anything
     uint32_t bounces = 0;            // rays after the camera ray, of all branches
-    uint64_t cost = 0;               // boxes and primitives tested by all rays of the path
     uint32_t pathHash = 0;           // FNV-1a over the hit ids, see docs/reference/shading.md
     uint32_t shadowBits = 0;         // bit i: light i (i < 32) is occluded at the first hit
     // Absolute, by channel: what fp32 may add to `color` where all rays and hits are given, by the arithmetic
@@ -157,9 +162,16 @@ struct PixelRecord {
     uint32_t decisions = 0;
     // True if a ray of the path, or under jitter a blocked shadow ray, hit an instance.
     bool meetsInstance = false;
-    std::array<RayTally, kRayClasses> tally;  // by RayClass; the tests sum up to `cost`
+    std::array<RayTally, kRayClasses> tally;  // by RayClass
     TreeLosses lost;
     std::vector<Bounce> path;
+
+    // Boxes and primitives tested by all rays of the path.
+    uint64_t cost() const {
+        RayTally all;
+        for (const RayTally& one : tally) all += one;
+        return all.tests;
+    }
 };
 
 // Adds the decisions of a step to those of the path so far.

@@ -5,14 +5,13 @@
 #include <limits>
 #include <numeric>
 
-#include "bench/measure.h"
 #include "converge/bounds.h"
 #include "converge/converge.h"
+#include "converge/replicates.h"
 #include "core/codecs.h"
 #include "core/content_hash.h"
 #include "core/image_diff.h"
 #include "core/quantize.h"
-#include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"
@@ -32,8 +31,21 @@ constexpr int kMostTruthSamples = 4096;
 constexpr double kMostErrorSamples = 1024;  // per pixel, for --error
 constexpr double kOverdue = 1;              // seconds past the budget after which an image is given up
 
-double boundOf(const LostBranches& lost, double pixels) {
-    return std::sqrt(lost.greatest * lost.sum / pixels);  // see docs/design/error-targets.md
+// By pixel, in double precision if the picture has that.
+std::vector<glm::dvec3> colorsOf(const Picture& picture) {
+    if (!picture.exact.empty()) return {picture.exact.begin(), picture.exact.end()};
+    std::vector<glm::dvec3> colors;
+    for (size_t i = 0; i < picture.done.size(); ++i) {
+        const float* p = &picture.color.pixels[4 * i];
+        colors.emplace_back(p[0], p[1], p[2]);
+    }
+    return colors;
+}
+
+std::vector<uint32_t> pathsOf(const Picture& picture) {
+    std::vector<uint32_t> paths;
+    for (const PixelData& data : picture.data) paths.push_back(data.pathHash);
+    return paths;
 }
 
 // The file, for camera and image, and the packed arrays, for the meshes and images that it names. The BVH
@@ -137,8 +149,7 @@ render::Renderer* SceneSweep::rendererOf(const Setting& s) {
 }
 
 // Renders as `glint render` does without AOVs. An --error includes all its rounds.
-Picture SceneSweep::draw(const Setting& s, uint32_t seed) {
-    const Request request = requestFor(s, seed);
+Picture SceneSweep::draw(const Setting& s, const Request& request) {
     if (s.onReference) return reference::render(loaded_.packed, camera_, request);
     render::Renderer& renderer = *rendererOf(s);
     if (!s.error) return renderer.render(camera_, request);
@@ -155,6 +166,14 @@ Picture SceneSweep::draw(const Setting& s, uint32_t seed) {
     return std::move(result.picture);
 }
 
+// Each renderer compiles for the first image of a setting.
+bench::Timing SceneSweep::drawTimed(const Setting& s, uint32_t seed, Picture& picture) {
+    const Request request = requestFor(s, seed);
+    const bench::Timing timing = bench::timeImage(rendererOf(s), [&] { picture = draw(s, request); });
+    compileSeconds_ = std::max(compileSeconds_, timing.stages.compile);
+    return timing;
+}
+
 // Seconds for one sample per pixel, warm.
 double SceneSweep::secondsOf(const Setting& s) {
     const std::string who = s.onReference ? "the reference" : s.on;
@@ -163,15 +182,9 @@ double SceneSweep::secondsOf(const Setting& s) {
     one.on = s.on;
     one.onReference = s.onReference;
     one.spp = 1;
-    Picture warm;
-    if (!s.onReference) {
-        const auto compiling = bench::timeImage(
-            rendererOf(one), [&] { return draw(one, image_.seed); }, warm);
-        compileSeconds_ = std::max(compileSeconds_, compiling.stages.compile);
-    }
-    const Stopwatch watch;
-    draw(one, image_.seed);
-    return seconds_[who] = watch.seconds();
+    Picture picture;
+    if (!s.onReference) drawTimed(one, image_.seed, picture);
+    return seconds_[who] = drawTimed(one, image_.seed, picture).wall;
 }
 
 double SceneSweep::predictedSeconds(const Setting& s, const Measured* known) {
@@ -187,18 +200,14 @@ const SceneSweep::SameSamples* SceneSweep::sameSamples(const Setting& s) {
     const auto key = std::make_tuple(s.sampler, s.spp);
     if (const auto found = sameSamples_.find(key); found != sameSamples_.end()) return &found->second;
     Setting plain;
+    plain.onReference = true;
     plain.sampler = s.sampler;
     plain.spp = s.spp;
     Request request = requestFor(plain, image_.seed);
     request.data = request.exact = true;
-    const Picture picture = reference::render(loaded_.packed, camera_, request);
+    const Picture picture = draw(plain, request);
     if (!picture.complete) return nullptr;
-    SameSamples same;
-    for (size_t i = 0; i < picture.done.size(); ++i) {
-        same.colors.emplace_back(picture.exact[i]);
-        same.paths.push_back(picture.data[i].pathHash);
-    }
-    return &sameSamples_.emplace(key, std::move(same)).first->second;
+    return &sameSamples_.emplace(key, SameSamples{colorsOf(picture), pathsOf(picture)}).first->second;
 }
 
 // The mean of two halves of different seeds; their difference gives its error (converge/bounds.h).
@@ -211,9 +220,8 @@ bool SceneSweep::drawTruth(SceneReport& report) {
         report.stiffness = verify::stiffnessOf(report.kappa);
     }
     kappa_ = report.kappa;
-    const bool exact = options_.truth == Backend::Cpu;
     Setting half;
-    half.onReference = exact;
+    half.onReference = options_.truth == Backend::Cpu;
     int samples = report.truthSamples > 0 ? report.truthSamples : options_.truthSamples;
     if (samples == 0) {
         const double allowed = truthSeconds_ / secondsOf(half);
@@ -224,14 +232,10 @@ bool SceneSweep::drawTruth(SceneReport& report) {
     std::vector<glm::dvec3> halves[2];
     for (uint32_t i = 0; i < 2; ++i) {
         Request request = requestFor(half, image_.seed + kTruthSeed + i);
-        request.exact = exact;
-        const Picture picture = exact ? reference::render(loaded_.packed, camera_, request)
-                                      : rendererOf(half)->render(camera_, request);
+        request.exact = half.onReference;
+        const Picture picture = draw(half, request);
         if (!picture.complete) return false;
-        for (size_t k = 0; k < picture.done.size(); ++k) {
-            const float* p = &picture.color.pixels[k * 4];
-            halves[i].push_back(exact ? glm::dvec3(picture.exact[k]) : glm::dvec3(p[0], p[1], p[2]));
-        }
+        halves[i] = colorsOf(picture);
     }
     convergedImage_ = Image(image_.width, image_.height, 3);
     for (size_t k = 0; k < halves[0].size(); ++k) {
@@ -252,24 +256,24 @@ bool SceneSweep::judgeArithmetic(const Setting& s, Measured& m) {
     if (same == nullptr) return false;
     Request request = requestFor(s, image_.seed);
     request.data = request.ledger = true;
-    const Picture picture = rendererOf(s)->render(camera_, request);
+    const Picture picture = draw(s, request);
     if (!picture.complete) return false;
-    std::vector<uint32_t> paths;
-    for (const PixelData& data : picture.data) paths.push_back(data.pathHash);
-    m.arithmetic = measureArithmetic(picture.color, paths, same->colors, same->paths);
-    const double pixels = static_cast<double>(paths.size());
-    const TreeLosses& lost = picture.losses;
-    if (s.limits.depth || s.limits.minContribution > 0)
-        m.bound = boundOf(lost.depth, pixels) + boundOf(lost.cut, pixels) + boundOf(lost.room, pixels);
+    m.arithmetic = measureArithmetic(picture.color, pathsOf(picture), same->colors, same->paths);
+    if (s.limits.depth || s.limits.minContribution > 0) {
+        converge::Ledger ledger;
+        ledger.add(picture, 1);  // its losses are already those of one sample
+        converge::ErrorBudget budget;
+        ledger.writeTo(budget);
+        m.bound = budget.depth + budget.cut;
+    }
     return true;
 }
 
 // Each run of a setting has a seed of its own, the same for all settings.
-bool SceneSweep::drawTimed(const Setting& s, Measured& m, const SceneReport& report) {
+bool SceneSweep::addRun(const Setting& s, Measured& m, const SceneReport& report) {
     const uint32_t seed = image_.seed + static_cast<uint32_t>(m.seconds.size());
     Picture picture;
-    const bench::Timing timing = bench::timeImage(
-        rendererOf(s), [&] { return draw(s, seed); }, picture);
+    const bench::Timing timing = drawTimed(s, seed, picture);
     if (!picture.complete) return false;
     const ErrorMeasures error = measureError(picture.color, converged_);
     if (m.rmse.empty()) {
@@ -310,7 +314,7 @@ SceneSweep::Outcome SceneSweep::run(const Setting& s, SceneReport& report) {
     if (options_.secondsLeft() != infinite &&
         predictedSeconds(s, isKnown ? &*known : nullptr) > options_.secondsLeft())
         return unfinished();
-    if (isKnown) return drawTimed(s, *known, report) ? Outcome::Done : unfinished();
+    if (isKnown) return addRun(s, *known, report) ? Outcome::Done : unfinished();
     Measured m;
     m.key = keyOf(s);
     m.family = s.family;
@@ -321,11 +325,8 @@ SceneSweep::Outcome SceneSweep::run(const Setting& s, SceneReport& report) {
     m.asked = s.error.value_or(0);
     Picture warm;
     if (!judgeArithmetic(s, m)) return unfinished();
-    const auto compiling = bench::timeImage(
-        rendererOf(s), [&] { return draw(s, image_.seed); }, warm);
-    m.compile = compiling.stages.compile;
-    compileSeconds_ = std::max(compileSeconds_, m.compile);
-    if (!warm.complete || !drawTimed(s, m, report)) return unfinished();
+    m.compile = drawTimed(s, image_.seed, warm).stages.compile;
+    if (!warm.complete || !addRun(s, m, report)) return unfinished();
     report.measured.push_back(std::move(m));
     return Outcome::Done;
 }

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "bench/measure.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "render/renderer.h"
@@ -42,13 +43,14 @@ class SceneSweep {
 
     Request requestFor(const Setting& setting, uint32_t seed) const;
     render::Renderer* rendererOf(const Setting& setting);  // null: the reference
-    Picture draw(const Setting& setting, uint32_t seed);
+    Picture draw(const Setting& setting, const Request& request);
+    bench::Timing drawTimed(const Setting& setting, uint32_t seed, Picture& picture);
     double secondsOf(const Setting& setting);
     double predictedSeconds(const Setting& setting, const Measured* known);
     const SameSamples* sameSamples(const Setting& setting);  // null: cancelled
     bool drawTruth(SceneReport& report);                     // false: cancelled, or no time
     bool judgeArithmetic(const Setting& setting, Measured& measured);
-    bool drawTimed(const Setting& setting, Measured& measured, const SceneReport& report);
+    bool addRun(const Setting& setting, Measured& measured, const SceneReport& report);
 
     const gpu::Device& device_;
     std::filesystem::path path_;

@@ -130,7 +130,7 @@ TEST_F(ReferenceRender, AovsAreWhatTheRaySees) {
             for (int c = 0; c < 3; ++c)
                 EXPECT_EQ(picture.color.at(x, y, c), static_cast<float>(record.color[c]));
             EXPECT_EQ(pixel.pathHash, record.pathHash);
-            EXPECT_EQ(pixel.cost, record.cost);
+            EXPECT_EQ(pixel.cost, record.cost());
             EXPECT_EQ(picture.color.at(x, y, 3), record.hit ? 1 : 0);
             if (!record.hit) {
                 EXPECT_EQ(pixel.object, PixelData::kNoIndex);

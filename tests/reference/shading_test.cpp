@@ -252,9 +252,9 @@ TEST(ReferencePathHash, KnownVectors) {
 TEST(ReferencePathHash, CostAddsUp) {
     SceneMaker maker;
     maker.plane(vec3(0), {0, 1, 0});
-    EXPECT_EQ(traceScene(maker, kDown).cost, 1u);
+    EXPECT_EQ(traceScene(maker, kDown).cost(), 1u);
     maker.light(kLightDirectional, {0, 1, 0});
-    EXPECT_EQ(traceScene(maker, kDown).cost, 2u);
+    EXPECT_EQ(traceScene(maker, kDown).cost(), 2u);
 }
 
 // Spot lights: docs/reference/shading.md, "Spot light".
@@ -325,14 +325,14 @@ TEST(ReferenceSpot, NoShadowRayOutsideTheCone) {
     EXPECT_EQ(recordAt(1).shadowBits, 1u);
     EXPECT_EQ(recordAt(1).color, dvec3(0));
     const PixelRecord lit = recordAt(25), dark = recordAt(31);
-    EXPECT_GT(lit.cost, dark.cost);
+    EXPECT_GT(lit.cost(), dark.cost());
     EXPECT_EQ(dark.color, dvec3(0));
     SceneMaker without;
     without.plane(vec3(0), {0, 1, 0});
     without.sphere({0, 1.9f, 0}, .01f);
     const PackedScene unlit = without.finish();
     const dvec3 point(2 * std::tan(31 * kDegree), 0, 0);
-    EXPECT_EQ(dark.cost, Tracer(unlit).trace(rayTowards(point + dvec3(0, .5, 1), point)).cost);
+    EXPECT_EQ(dark.cost(), Tracer(unlit).trace(rayTowards(point + dvec3(0, .5, 1), point)).cost());
     // Blocked and outside the cone at once.
     SceneMaker aside;
     aside.plane(vec3(0), {0, 1, 0});
