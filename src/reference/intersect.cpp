@@ -53,15 +53,8 @@ void smoothTriangle(const Model& scene, const Hit& hit, const InstanceFrame* fra
 // Squares of coordinates stay finite. From farther away, rays cannot resolve a scene in the range of fp32.
 constexpr double kFarthestOrigin = 1e150;
 
-PreparedRay::PreparedRay(const Ray& ray)
-    : origin(ray.origin),
-      direction(ray.direction),
-      inverse(1.0 / direction),
-      tMin(std::max(ray.tMin, 0.0)),
-      kz(0),
-      ties(ray.ties),
-      slips(ray.slips),
-      noise(ray.noise) {
+PreparedRay::PreparedRay(const Ray& ray) : Ray(ray), inverse(1.0 / direction) {
+    tMin = std::max(ray.tMin, 0.0);
     for (int i = 1; i < 3; ++i)
         if (std::abs(direction[i]) > std::abs(direction[kz])) kz = i;
     // Below 1e-290 the reciprocal of the direction would overflow; no t that a double holds leads anywhere
@@ -111,11 +104,11 @@ Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
         surface.error = frame->errorInWorld(surface.position, surface.error);
         surface.position = frame->pointInWorld(surface.position);
         surface.geometricNormal = frame->normalInWorld(surface.geometricNormal);
-        surface.shadingNormal = surface.geometricNormal;
         surface.bend *= frame->stretch();
         surface.scale = frame->scaleInWorld(surface.scale);
     }
     surface.scale = std::max(greatestMagnitude(surface.position), surface.scale);
+    surface.shadingNormal = surface.geometricNormal;
     if (isTriangle) {
         smoothTriangle(scene_, hit, frame ? &*frame : nullptr, surface);
         triangleAttributes(scene_, hit, surface);

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <span>
+#include <utility>
 
 #include "pack/scene_arrays.h"
 #include "reference/numbers.h"
@@ -18,19 +19,14 @@
 
 namespace glint::reference {
 
-// Values of a ray that every test needs, computed once.
-struct PreparedRay {
-    glm::dvec3 origin, direction;
+// A ray with tMin >= 0, and values of it that every test needs, computed once. RayTest::tMax ends it.
+struct PreparedRay : Ray {
     glm::dvec3 inverse;  // 1 / direction; an infinity of the same sign for a zero
-    double tMin;         // >= 0
-    int kx, ky, kz;      // kz: the axis along which the direction is greatest
+    int kx, ky, kz = 0;  // kz: the axis along which the direction is greatest
     double shearX, shearY;
     bool valid;           // false: the ray misses everything
     bool leaves = false;  // it starts on a surface
-    bool ties;            // Ray::ties
-    double slips;         // Ray::slips
     double slip = 0;      // how far the origin is off along any unit normal, as the rule counts it
-    FormulaNoise noise;
 
     explicit PreparedRay(const Ray& ray);
 };
@@ -99,8 +95,8 @@ struct Place {
 };
 
 // intersect: the closest hit within (ray.tMin, tMax], without the point of its source where the ray starts.
-// surfaceOf: position, moved onto the surface, normals, scale (the greatest magnitude among the coordinates
-// that the position is computed from), and uv if the primitive defines them.
+// surfaceOf: position, moved onto the surface, geometric normal, scale (the greatest magnitude among the
+// coordinates that the position is computed from), and uv if the primitive defines them.
 #define GLINT_PRIMITIVE(number, Kind, KINDS, kinds, one, many)                    \
     bool intersect(const rows::Kind& primitive, const RayTest& test, Root& root); \
     void surfaceOf(const rows::Kind& primitive, const Place& place, Surface& surface);
@@ -158,6 +154,28 @@ inline bool intersect(const rows::Triangle& triangle, const RayTest& test, Root&
 }
 
 // ---- Shared by the sources in primitives/
+
+// Roots of a t^2 + 2 b t + c = 0 for a discriminant that is not negative, smaller first. A double root counts
+// as two, an equation without unknown has none. Neither root is a difference of near-equal numbers: W. Press
+// et al., Numerical Recipes, 3rd ed., eq. 5.6.4.
+struct QuadraticRoots {
+    int count = 0;
+    Extended t[2] = {0, 0};
+
+    QuadraticRoots(Extended a, Extended b, Extended c, Extended discriminant) {
+        if (a == 0) {
+            if (b == 0) return;
+            count = 1;
+            t[0] = -c / (2 * b);
+            return;
+        }
+        const Extended q = b + std::copysign(std::sqrt(discriminant), b);
+        count = 2;
+        t[0] = q == 0 ? 0 : -c / q;
+        t[1] = -q / a;
+        if (t[0] > t[1]) std::swap(t[0], t[1]);
+    }
+};
 
 // The vertices of a polygon, closed: the last one is the first again.
 inline std::span<const rows::PolygonVertex> outlineOf(const Model& scene, const rows::Polygon& polygon) {

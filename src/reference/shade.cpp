@@ -66,8 +66,8 @@ class RayMover {
 // One camera ray followed to its end.
 class PathTracer {
   public:
-    PathTracer(const Tracer& tracer, const Model& scene, const Jitter& jitter, bool keepPath)
-        : tracer_(tracer), scene_(scene), mover_(jitter), hit_(jitter.hit), keepPath_(keepPath) {}
+    PathTracer(const Tracer& tracer, const Jitter& jitter, bool keepPath)
+        : tracer_(tracer), scene_(tracer.model()), mover_(jitter), hit_(jitter.hit), keepPath_(keepPath) {}
 
     PixelRecord run(const Ray& cameraRay);
     Step step(Branch branch);
@@ -419,11 +419,11 @@ Step PathTracer::step(Branch branch) {
 }  // namespace
 
 PixelRecord Tracer::trace(const Ray& cameraRay, const Jitter& jitter, bool keepPath) const {
-    return PathTracer(*this, scene_, jitter, keepPath).run(cameraRay);
+    return PathTracer(*this, jitter, keepPath).run(cameraRay);
 }
 
 Step Tracer::step(const Branch& branch, const Jitter& jitter) const {
-    return PathTracer(*this, scene_, jitter, false).step(branch);
+    return PathTracer(*this, jitter, false).step(branch);
 }
 
 Branch Tracer::firstBranch(const Ray& cameraRay) const {

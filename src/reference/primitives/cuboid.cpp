@@ -75,7 +75,7 @@ void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
     surface.position = place.point - distance * normal;
     surface.error = errorBox(surface.position - c.point, c.point);
     surface.scale = greatestMagnitude(reachFrom(glm::abs(c.point), c));
-    surface.geometricNormal = surface.shadingNormal = upper ? normal : -normal;
+    surface.geometricNormal = upper ? normal : -normal;
     // How far along x, y and z the point is. On the sides v goes up and u to the right as seen from outside.
     dvec3 share;
     for (int i = 0; i < 3; ++i)

@@ -29,9 +29,8 @@ bool acceptFlat(Extended t, const dvec3& normal, const dvec3& point, const RayTe
 // A plane, or a part of one: `anchor` is a point of it.
 template <class Flat>
 void flatSurface(const Flat& flat, const dvec3& anchor, const Place& place, Surface& surface) {
-    surface.geometricNormal = glm::normalize(dvec3(flat.normal));
-    surface.shadingNormal = surface.geometricNormal;
-    const double distance = glm::dot(surface.geometricNormal, place.point - dvec3(anchor));
+    surface.geometricNormal = glm::normalize(flat.normal);
+    const double distance = glm::dot(surface.geometricNormal, place.point - anchor);
     surface.position = place.point - distance * surface.geometricNormal;
     surface.error = errorBox(surface.position - anchor, anchor);
     surface.scale = greatestMagnitude(anchor);
@@ -113,7 +112,7 @@ bool solveTriangle(const rows::Triangle& triangle, const RayTest& test, bool lin
     // thins.
     const Vec<Extended> s = v0 - toVec<Extended>(ray.origin);
     const Extended t = dot(n, s) / nd;
-    const double slip = slipOfFlat(ray, unitOf(n), dvec3(triangle.v0), static_cast<double>(t));
+    const double slip = slipOfFlat(ray, unitOf(n), triangle.v0, static_cast<double>(t));
     if (!accept(t, slip, test, root)) return false;
     // Moeller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, eq. 6, written with n.d
     // for the determinant.
@@ -150,7 +149,6 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
                                   std::abs(hit.v) * glm::abs(v2));
     surface.scale = std::max({greatestMagnitude(v0), greatestMagnitude(v1), greatestMagnitude(v2)});
     surface.geometricNormal = glm::normalize(areaOf(v0, v1, v2));
-    surface.shadingNormal = surface.geometricNormal;
 }
 
 // ---- Planes

@@ -75,21 +75,6 @@ struct Equation {
     T bound() const { return disc.bound(64); }
 };
 
-// Roots of a t^2 + 2 b t + c = 0 for a discriminant that is not negative, smaller first; how many. A double
-// root counts as two, an equation without unknown has none.
-int solveQuadratic(Extended a, Extended b, Extended c, Extended disc, Extended (&roots)[2]) {
-    if (a == 0) {
-        if (b == 0) return 0;
-        roots[0] = -c / (2 * b);
-        return 1;
-    }
-    const Extended q = b + std::copysign(std::sqrt(disc), b);
-    roots[0] = q == 0 ? 0 : -c / q;
-    roots[1] = -q / a;
-    if (roots[0] > roots[1]) std::swap(roots[0], roots[1]);
-    return 2;
-}
-
 // True if double proves that the form is positive on the whole line: its equation has no root, so that a and
 // c have one sign, each of them greater than its error. Most misses are proven so, in a small part of the
 // time that extended precision takes.
@@ -135,7 +120,7 @@ struct SideRule {
         spread = glm::abs(slope.x * rows[0]) + glm::abs(slope.y * rows[1]) + glm::abs(slope.z * rows[2]);
         double terms = termsAt(quadric, squares, y);
         if (std::isnan(terms)) terms = termsAt(quadric, squares, y * (1 + 0x1p-8));
-        error = errorOfRound(ray, spread, dvec3(quadric.point), t, terms / 2);
+        error = errorOfRound(ray, spread, quadric.point, t, terms / 2);
     }
 };
 
@@ -184,10 +169,9 @@ class Search {
             c = static_cast<Extended>(exact.c.value);
         }
         if (disc < 0) return;
-        Extended roots[2];
-        const int count = solveQuadratic(a, b, c, disc, roots);
-        const bool twice = count == 2 && static_cast<double>(roots[0]) == static_cast<double>(roots[1]);
-        for (int i = 0; i < count; ++i) side(roots[i], twice);
+        const auto [count, t] = QuadraticRoots(a, b, c, disc);
+        const bool twice = count == 2 && static_cast<double>(t[0]) == static_cast<double>(t[1]);
+        for (int i = 0; i < count; ++i) side(t[i], twice);
     }
 
     void side(Extended t, bool twice = false) {
@@ -308,7 +292,6 @@ void surfaceOf(const rows::Quadric& quadric, const Place& place, Surface& surfac
         place.part() == shared::kPartSide
             ? pointOnSide(quadric, place.point, place.ray.direction, surface)
             : pointOnCap(quadric, place.part() == shared::kPartUpperCap, place.point, surface);
-    surface.shadingNormal = surface.geometricNormal;
     surface.error =
         errorBox(surface.position - quadric.point, quadric.point) + error * glm::abs(surface.geometricNormal);
     surface.scale = greatestMagnitude(quadric.point) + greatestMagnitude(reachFrom(dvec3(0), quadric));

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "core/vectors.h"
 #include "reference/intersect.h"
@@ -47,12 +46,12 @@ struct SphereRule {
     double error;
 
     SphereRule(const rows::Sphere& sphere, const PreparedRay& ray, double t) {
-        const dvec3 n(sphere.anchorNormal), y = ray.origin - sphere.point + t * ray.direction;
+        const dvec3 n = sphere.anchorNormal, y = ray.origin - sphere.point + t * ray.direction;
         const double r = sphere.radius;
         gradient = y + r * n;
         const double constant = isAnchored(sphere) ? 2 * r * glm::dot(glm::abs(n), glm::abs(y)) : r * r;
         const double sums = (glm::dot(y, y) + constant) / 2;
-        error = errorOfRound(ray, glm::abs(gradient), dvec3(sphere.point), t, sums);
+        error = errorOfRound(ray, glm::abs(gradient), sphere.point, t, sums);
     }
 };
 
@@ -129,25 +128,21 @@ bool intersect(const rows::Sphere& sphere, const RayTest& test, Root& root) {
     e.discriminant += error.square;
     e.c -= error.square / e.a;
     if (e.discriminant < 0) return false;
-    // W. Press et al., Numerical Recipes, 3rd ed., eq. 5.6.4: neither root by a difference of near-equal
-    // numbers.
-    const Extended q = e.b + std::copysign(std::sqrt(e.discriminant), e.b);
-    const Extended middle = shift + error.middle;
-    Extended t0 = middle + (q == 0 ? 0 : e.c / q), t1 = middle + q / e.a;
-    if (t0 > t1) std::swap(t0, t1);
+    const QuadraticRoots roots(e.a, -e.b, e.c, e.discriminant);
+    const Extended middle = shift + error.middle, t0 = middle + roots.t[0], t1 = middle + roots.t[1];
     root.twice = static_cast<double>(t0) == static_cast<double>(t1);
     return acceptSphere(t0, sphere, test, root) || acceptSphere(t1, sphere, test, root);
 }
 
 // The point is near the sphere: one step brings it onto the sphere, as far as double goes.
 void surfaceOf(const rows::Sphere& sphere, const Place& place, Surface& surface) {
-    const dvec3 anchor(sphere.point);
+    const dvec3 anchor = sphere.point;
     const double radius = sphere.radius;
     if (isAnchored(sphere)) {
         // One Newton step along the gradient 2 (y + r n) of |y|^2 + 2 r n.y; the residue is that of o + t d
         // squared, over r.
         dvec3 y = place.point - anchor;
-        const dvec3 n(sphere.anchorNormal);
+        const dvec3 n = sphere.anchorNormal;
         const dvec3 half = y + radius * n;
         y -= (glm::dot(y, y) + 2 * radius * glm::dot(n, y)) / (2 * glm::dot(half, half)) * half;
         surface.position = anchor + y;
@@ -159,7 +154,6 @@ void surfaceOf(const rows::Sphere& sphere, const Place& place, Surface& surface)
         surface.position = anchor + radius * surface.geometricNormal;
     }
     surface.error = errorBox(surface.position - anchor, anchor);
-    surface.shadingNormal = surface.geometricNormal;
     const bool fromAnchor = isAnchored(sphere) && place.methods.spheres == SphereMethod::Robust;
     surface.scale = greatestMagnitude(anchor) + (fromAnchor ? 0 : radius);
 }
