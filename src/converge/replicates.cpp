@@ -12,9 +12,10 @@ namespace glint::converge {
 
 namespace {
 
+// Replicate 0 has the user's own seed.
 ImageSettings settingsOf(const ImageSettings& image, uint32_t number) {
     ImageSettings settings = image;
-    settings.seed = seedOf(image.seed, number);
+    settings.seed += 0x9e3779b9u * number;  // 2^32 over the golden ratio: no two of many numbers come near
     return settings;
 }
 
@@ -79,10 +80,6 @@ std::string roundingAdvice(const Job& job, double rounding) {
 }
 
 }  // namespace
-
-uint32_t seedOf(uint32_t seed, uint32_t number) {
-    return seed + 0x9e3779b9u * number;  // 2^32 over the golden ratio: no two of many numbers come near
-}
 
 PackedSamples samplesOf(const ImageSettings& image, uint32_t number, uint32_t count) {
     return SampleSequence(settingsOf(image, number)).next(count);

@@ -10,9 +10,6 @@
 
 namespace glint::converge {
 
-// Seed of replicate `number`; number 0 has the user's own.
-uint32_t seedOf(uint32_t seed, uint32_t number);
-
 // The first `count` samples of a replicate.
 PackedSamples samplesOf(const ImageSettings& image, uint32_t number, uint32_t count);
 

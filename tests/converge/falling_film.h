@@ -31,7 +31,7 @@ class FallingFilm {
         const double kept = last_ > 0 ? std::pow(last_ / count, power_) : 1,
                      other = std::sqrt(1 - kept * kept);
         last_ = count;
-        // Of a replicate; of their mean it is less by the root of 2.
+        // The error of a replicate; that of their mean is less by the root of 2.
         const double size = std::sqrt(2.0) * std::max(std::pow(2.0 * count, -power_), floor_);
         MeanSquares all;
         double squares = 0;
@@ -73,7 +73,7 @@ inline Trials trialsOf(size_t pixels, double power, double floor, int count) {
         for (uint32_t samples = 1; samples < 4000; samples = looks.next()) {
             const MeanSquares seen = film.at(samples);
             const bool holds = looks.look(meanSquareOf(seen.first, seen.second), samples, target.error);
-            // What is shown holds at every look, and is the target at the last one.
+            // The bound holds at every look, and is the target at the last one.
             wrong = wrong || seen.realized > looks.bound();
             if (!holds) continue;
             EXPECT_LE(looks.bound(), target.error);

@@ -12,7 +12,7 @@ namespace glint::converge {
 
 inline constexpr int kSide = 40;
 
-// What a pixel's samples are: their expectation, and a draw by a number from [0, 1).
+// A pixel's expectation, and a sample of it by a number from [0, 1).
 struct Film {
     std::function<double(int x, int y)> truth;
     std::function<double(int x, int y, double random)> sample;

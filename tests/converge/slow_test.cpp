@@ -1,4 +1,4 @@
-// What stopping by what the samples show does to the picture's mean, over a thousand seeds.
+// The bias of an image's mean if its own samples decide when to stop, over a thousand seeds.
 #include <gtest/gtest.h>
 
 #include <cmath>

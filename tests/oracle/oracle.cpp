@@ -29,11 +29,11 @@ Vec cross(const Vec& a, const Vec& b) {
 double size(const Dyadic& a) {
     return a.abs().approximate();
 }
-// Of the terms of a dot product.
+// Sum of the magnitudes of the terms of a dot product.
 double termsOfDot(const Vec& a, const Vec& b) {
     return size(a.x * b.x) + size(a.y * b.y) + size(a.z * b.z);
 }
-// Of the six terms of d.(a x b).
+// The same of the six terms of d.(a x b).
 double termsOfTriple(const Vec& d, const Vec& a, const Vec& b) {
     return size(d.x * a.y * b.z) + size(d.x * a.z * b.y) + size(d.y * a.z * b.x) + size(d.y * a.x * b.z) +
            size(d.z * a.x * b.y) + size(d.z * a.y * b.x);

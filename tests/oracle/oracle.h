@@ -1,4 +1,4 @@
-// What a ray hits in truth. Hit or miss is the sign of exact sums and products of the inputs; t, weights and
+// The exact hit of a ray. Hit or miss is the sign of exact sums and products of the inputs; t, weights and
 // normals come from 512 binary digits. Give it the fp32 numbers that the shader reads and the difference is
 // arithmetic; give it the doubles of the scene and the rounding of the inputs is in it too.
 //
@@ -51,7 +51,7 @@ struct Roots {
     int discriminantSign = 0;
 };
 // A x^2 + B y^2 + C z^2 + D xy + E yz + F xz + G x + H y + I z + J = 0 on the whole line, without clipping.
-// Where the equation holds for no t or for all, there are no roots.
+// No roots if the equation holds for no t or for all.
 Roots quadric(const double (&coefficients)[10], const Ray& ray);
 
 // True if some t >= 0 lies between both planes of each slab; the box is closed. lo > hi on any axis: empty.

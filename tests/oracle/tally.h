@@ -10,7 +10,7 @@ namespace glint::oracle {
 
 struct Tally {
     size_t rays = 0, hits = 0;  // hits: in truth
-    // Where Truth::margin < band nobody can be wrong: counted apart.
+    // Rays with Truth::margin < band, which may be decided either way.
     size_t inBand = 0, wrongInBand = 0;
     size_t falseHits = 0, falseMisses = 0;
     std::vector<double> tErrors;       // |t - truth| / truth, hits of both outside the band

@@ -1,6 +1,8 @@
 // Jitter finds what hangs on rounding, and only that.
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::jitter_test {
@@ -8,6 +10,12 @@ using namespace glint::test;
 
 using glm::dvec3;
 using glm::vec3;
+
+int countSeeds(const std::function<bool(uint64_t)>& holds) {
+    int count = 0;
+    for (uint64_t seed = 1; seed <= 64; ++seed) count += holds(seed);
+    return count;
+}
 
 class ReferenceJitter : public testing::Test {
   protected:
@@ -23,9 +31,7 @@ class ReferenceJitter : public testing::Test {
     int differing(const Ray& ray, double ulps) const {
         const Tracer tracer(scene_);
         const uint32_t hash = tracer.trace(ray).pathHash;
-        int count = 0;
-        for (uint64_t seed = 1; seed <= 64; ++seed) count += tracer.trace(ray, {seed, ulps}).pathHash != hash;
-        return count;
+        return countSeeds([&](uint64_t seed) { return tracer.trace(ray, {seed, ulps}).pathHash != hash; });
     }
     PackedScene scene_;
 };
@@ -64,10 +70,8 @@ TEST_F(ReferenceJitter, FindsShadowEdges) {
     maker.light(shared::kLightDirectional, {0, 1, 0});
     const SceneTracer tracer(maker);
     const auto shadowed = [&](double x) {
-        int count = 0;
-        for (uint64_t seed = 1; seed <= 64; ++seed)
-            count += tracer.trace(rayTowards({x - 1, 1, .3}, {x, 0, .3}), {seed, 4}).shadowBits != 0;
-        return count;
+        const Ray ray = rayTowards({x - 1, 1, .3}, {x, 0, .3});
+        return countSeeds([&](uint64_t seed) { return tracer.trace(ray, {seed, 4}).shadowBits != 0; });
     };
     EXPECT_EQ(shadowed(-1e-4), 0);
     EXPECT_EQ(shadowed(1e-4), 64);
@@ -76,33 +80,40 @@ TEST_F(ReferenceJitter, FindsShadowEdges) {
     EXPECT_LT(edge, 56);
 }
 
-// The displacements are uniform in +- ulps 2^-24 scale, and no more.
-TEST_F(ReferenceJitter, DisplacementsKeepTheirBounds) {
-    const Tracer tracer(scene_);
-    const dvec3 origin(.3, -.4, 5);
-    const Ray ray = makeRay(origin, {0, 0, -1});
-    const double ulps = 8, step = ulps * 0x1p-24;
-    dvec3 origins(0), directions(0), spawned(0);
-    for (uint64_t seed = 1; seed <= 400; ++seed) {
-        const PixelRecord record = tracer.trace(ray, {seed, ulps}, true);
-        ASSERT_EQ(record.path.size(), 2u);
-        const Ray& first = record.path[0].ray;
-        const Ray& second = record.path[1].ray;
-        origins = glm::max(origins, glm::abs(first.origin - origin));
-        directions = glm::max(directions, glm::abs(first.direction - ray.direction));
-        spawned = glm::max(spawned, glm::abs(second.origin - record.path[0].surface->position));
+// The greatest moves that any of many seeds makes, of camera rays and of the first ray that leaves a surface.
+struct Moves {
+    dvec3 origins{0}, directions{0}, spawned{0};
+
+    Moves(const Tracer& tracer, const Ray& ray, double ulps) {
+        for (uint64_t seed = 1; seed <= 400; ++seed) {
+            const PixelRecord record = tracer.trace(ray, {seed, ulps}, true);
+            EXPECT_EQ(record.path.size(), 2u);
+            const Ray &first = record.path[0].ray, &second = record.path.at(1).ray;
+            origins = glm::max(origins, glm::abs(first.origin - ray.origin));
+            directions = glm::max(directions, glm::abs(first.direction - ray.direction));
+            spawned = glm::max(spawned, glm::abs(second.origin - record.path[0].surface->position));
+        }
     }
+};
+
+// Uniform moves come near to their bound on each axis. slack: the error of `moves` themselves.
+void expectBound(const dvec3& moves, double bound, double slack = 1e-15) {
     for (int i = 0; i < 3; ++i) {
-        EXPECT_LE(origins[i], 5 * step + 1e-15) << "scale 5: the origin's z";
-        EXPECT_GT(origins[i], .9 * 5 * step);
-        EXPECT_LE(directions[i], step + 1e-15);
-        EXPECT_GT(directions[i], .9 * step);
-        EXPECT_LE(spawned[i], 5 * (1 + step) * step + 1e-13) << "scale 5: the previous origin's z";
-        EXPECT_GT(spawned[i], .9 * 5 * step);
+        EXPECT_LE(moves[i], bound + slack);
+        EXPECT_GT(moves[i], .9 * bound);
     }
 }
 
-// Of a plane at z = -3 the point errs by gamma_7 of that, along the normal.
+// The displacements are uniform in +- ulps 2^-24 scale, and no more.
+TEST_F(ReferenceJitter, DisplacementsKeepTheirBounds) {
+    const Moves moves(Tracer(scene_), makeRay({.3, -.4, 5}, {0, 0, -1}), 8);
+    const double step = 8 * 0x1p-24;
+    expectBound(moves.origins, 5 * step);  // scale 5: the origin's z
+    expectBound(moves.directions, step);
+    expectBound(moves.spawned, 5 * step, 5 * step * step + 1e-13);  // scale 5: the previous origin's z
+}
+
+// The point on a plane at z = -3 errs by gamma_7 of 3, along the normal.
 TEST_F(ReferenceJitter, RaysLeaveAsFarAwayAsTheyDoInSinglePrecision) {
     SceneMaker maker;
     maker.triangle({-1, -1, -3}, {1, -1, -3}, {0, 1, -3}, maker.material(vec3(.5f), vec3(0), 1, vec3(.5f)));
@@ -121,23 +132,12 @@ TEST_F(ReferenceJitter, RaysLeaveAsFarAwayAsTheyDoInSinglePrecision) {
 
 // A camera ray whose coordinates were sums of greater numbers moves with those.
 TEST_F(ReferenceJitter, CameraRaysMoveWithWhatTheyWereComputedFrom) {
-    const Tracer tracer(scene_);
     Ray ray = makeRay({.3, -.4, 5}, {0, 0, -1});
     ray.originScale = 50;
     ray.directionScale = 3;
-    const double step = 0x1p-24;
-    dvec3 origins(0), directions(0);
-    for (uint64_t seed = 1; seed <= 400; ++seed) {
-        const Ray moved = tracer.trace(ray, {seed, 1}, true).path[0].ray;
-        origins = glm::max(origins, glm::abs(moved.origin - ray.origin));
-        directions = glm::max(directions, glm::abs(moved.direction - ray.direction));
-    }
-    for (int i = 0; i < 3; ++i) {
-        EXPECT_LE(origins[i], 50 * step + 1e-15);
-        EXPECT_GT(origins[i], .9 * 50 * step);
-        EXPECT_LE(directions[i], 3 * step + 1e-15);
-        EXPECT_GT(directions[i], .9 * 3 * step);
-    }
+    const Moves moves(Tracer(scene_), ray, 1);
+    expectBound(moves.origins, 50 * 0x1p-24);
+    expectBound(moves.directions, 3 * 0x1p-24);
 }
 
 }  // namespace glint::reference::test::jitter_test

@@ -102,7 +102,7 @@ TEST_F(ReferenceRender, ParallelCameraRaysStartOnTheFilm) {
     EXPECT_EQ(corner.direction, dvec3(0, 0, -1));
 }
 
-// What the coordinates are sums of: 10 + 4/3, 30 + 1 and 20 for this origin; for this direction, 1 + 1 in y,
+// The coordinates are sums of: 10 + 4/3, 30 + 1 and 20 for this origin; for this direction, 1 + 1 in y,
 // which cancel, over the length of (-4/3, 0, -1), 5/3.
 TEST_F(ReferenceRender, CameraRaysKnowTheirCancellation) {
     const Tracer tracer(scene_);

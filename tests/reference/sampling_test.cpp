@@ -175,7 +175,7 @@ TEST(Sampling, SeedsAreIndependent) {
     }
 }
 
-// What error targets rest on: pixels know nothing of each other, and the scrambled places are uniform.
+// Error targets require pixels that are independent of each other, and uniform scrambled places.
 TEST(Sampling, PixelsAreIndependent) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
         const auto places = placesOf(Sampler::LowDiscrepancy, seed, 3);

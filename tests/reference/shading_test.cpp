@@ -342,7 +342,7 @@ TEST(ReferenceSpot, NoShadowRayOutsideTheCone) {
     EXPECT_EQ(Tracer(turned).trace(rayTowards({0, .5, 1}, {0, 0, 0})).shadowBits, 0u);
 }
 
-// Where the cone's sharp edge meets the floor, rounding decides; a little aside it does not.
+// Rounding decides on the cone's sharp edge on the floor, but not a little aside of it.
 TEST(ReferenceSpot, JitterFindsTheEdge) {
     const SceneMaker maker = lamp(45, 0);  // radius 2
     const SceneTracer tracer(maker);

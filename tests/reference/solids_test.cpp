@@ -245,8 +245,8 @@ TEST(ReferenceQuadric, NoNormalAtAnApexAndOnADoublePlane) {
     EXPECT_EQ(tracer.surfaceAt(ray, tracer.closest(ray).value()).geometricNormal, dvec3(-1, 0, 0));
 }
 
-// As pbrt's Reintersect tests (src/pbrt/shapes_test.cpp): a ray that leaves outward never meets a convex body
-// again; an inward one hits its other side.
+// A ray that leaves outward never hits a convex body again; an inward ray hits its other side. See pbrt's
+// Reintersect tests (src/pbrt/shapes_test.cpp).
 TEST(ReferenceQuadric, RaysThatLeaveDoNotComeBack) {
     Random random(7);
     for (int i = 0; i < 300; ++i) {
@@ -290,9 +290,9 @@ TEST(ReferenceQuadric, TransformedSphereIsAnEllipsoid) {
     }
 }
 
-// Boxes in the reference: exact truth by whole numbers.
+// Boxes: exact truth by whole numbers.
 
-// Of whole numbers the slabs' bounds are fractions whose cross products are exact in 64 bits.
+// The slabs' bounds are fractions of whole numbers, whose cross products are exact in 64 bits.
 struct Fraction {
     int64_t over, under;  // under > 0
     bool operator<(const Fraction& o) const { return over * o.under < o.over * under; }

@@ -111,17 +111,16 @@ TEST(Texture, CheckersAlternate) {
     EXPECT_EQ(redAt(scene, 0.75, 0.5), 1);  // 1.5 + 0.6 = 2.1
 }
 
+constexpr shared::ObjectFrame kObjectIsLocal{
+    .toObjectX = {1, 0, 0}, .toObjectY = {0, 1, 0}, .toObjectZ = {0, 0, 1}};
+
 // The frame moves local x = 10 to object x = 0.
 TEST(Texture, SolidCheckerLivesInObjectSpace) {
     PackedScene scene = quadScene(shared::kTextureChecker | shared::kTextureSolid);
     scene.textures[0].colorA = glm::vec3(1, 0, 0);
     scene.textures[0].colorB = glm::vec3(5, 0, 0);
-    shared::ObjectFrame frame;
-    frame.toObjectX = {1, 0, 0};
-    frame.toObjectY = {0, 1, 0};
-    frame.toObjectZ = {0, 0, 1};
-    frame.offsetX = -10;
-    scene.objectFrames.push_back(frame);
+    scene.objectFrames.push_back(kObjectIsLocal);
+    scene.objectFrames[0].offsetX = -10;
     const auto at = [&](const dvec3& p) { return colorAt(scene, {7, 7}, p).x; };
     EXPECT_EQ(at({10.5, 0.5, 0.5}), 1);
     EXPECT_EQ(at({11.5, 0.5, 0.5}), 5);
@@ -168,12 +167,8 @@ TEST(Texture, SphereCoordinatesInSixDirections) {
     SceneMaker maker;
     maker.sphere({1, 2, 3}, 0.5f);
     PackedScene scene = maker.finish();
-    shared::ObjectFrame frame;
-    frame.uvKind = shared::kUvNormal;
-    frame.toObjectX = {1, 0, 0};
-    frame.toObjectY = {0, 1, 0};
-    frame.toObjectZ = {0, 0, 1};
-    scene.objectFrames.push_back(frame);
+    scene.objectFrames.push_back(kObjectIsLocal);
+    scene.objectFrames[0].uvKind = shared::kUvNormal;
     const Tracer tracer(scene);
     const auto uvFrom = [&](const dvec3& d) {
         const Ray ray = makeRay(dvec3(1, 2, 3) + 2.0 * d, -d);
@@ -192,7 +187,7 @@ TEST(Texture, SphereCoordinatesInSixDirections) {
         near(uvFrom(glm::normalize(dvec3(0, 1, std::sqrt(3)))), {0.5, 0.5 + 1.0 / 6}));  // 30 degrees north
 }
 
-// What coordinates are sums of; on the axis, where the angle is any, half a turn in units of 2^-24.
+// Magnitudes that the coordinates sum; on the axis, where the angle is any, half a turn in units of 2^-24.
 TEST(Texture, CoordinatesAreAsUncertainAsTheirSums) {
     SceneMaker maker;
     maker.plane({0, 0, 0}, {0, 1, 0});

@@ -1,4 +1,4 @@
-// What `glint report` computes and writes, without a device.
+// The numbers and files of `glint report`, without a device.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -263,11 +263,17 @@ TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
     EXPECT_EQ(truncationDiagram({}), "");
 }
 
-// Many settings, and one that is on the front alone: depths have a diagram of their own.
-TEST(ReportWriting, DiagramsHoldAllThatTheyShow) {
+// All settings in one place of the diagram.
+SceneReport crowdedScene(int settings) {
     SceneReport scene = sampleReport().scenes[0];
-    for (int i = 0; i < 40; ++i)
+    for (int i = 0; i < settings; ++i)
         scene.measured.push_back(measuredAt("setting " + std::to_string(i), "grid", 4, 5, 0.02));
+    return scene;
+}
+
+// One setting is on the front alone: depths have a diagram of their own.
+TEST(ReportWriting, DiagramsHoldAllThatTheyShow) {
+    SceneReport scene = crowdedScene(40);
     scene.measured.push_back(measuredAt("depth", "grid", 1, 0.01, 9));
     const std::string svg = precisionDiagram(scene);
     std::smatch size;
@@ -281,6 +287,20 @@ TEST(ReportWriting, DiagramsHoldAllThatTheyShow) {
         EXPECT_TRUE(x >= 0 && x < width && y >= 0 && y < height) << at->str();
     }
     EXPECT_GT(met, 80u);
+}
+
+TEST(ReportWriting, LettersDoNotOverlap) {
+    const std::string svg = precisionDiagram(crowdedScene(20));
+    const std::regex letter("<title>[^<]*</title><text x=\"([0-9.]+)\" y=\"([0-9.]+)\"");
+    std::vector<std::pair<double, double>> places;
+    for (std::sregex_iterator it(svg.begin(), svg.end(), letter), end; it != end; ++it)
+        places.emplace_back(std::stod((*it)[1]), std::stod((*it)[2]));
+    ASSERT_EQ(places.size(), 21u);
+    for (size_t i = 0; i < places.size(); ++i)
+        for (size_t k = 0; k < i; ++k)
+            EXPECT_TRUE(std::abs(places[i].first - places[k].first) > 10 ||
+                        std::abs(places[i].second - places[k].second) > 11)
+                << i << " and " << k;
 }
 
 // The first screen has the image, the settings to use and the curve, before any table; lists are lists.
@@ -298,24 +318,6 @@ TEST(ReportWriting, ThePageBeginsWithTheSettingsToUse) {
     at("<li>for an error of 0.001: --error 0.001 (no measured setting reaches it)</li>");
     at("<ul>\n<li>grid, 64 spp</li>\n</ul>");
     EXPECT_EQ(page.find("<p>- "), std::string::npos);
-}
-
-// Forty settings at one place: no letter covers another.
-TEST(ReportWriting, LettersDoNotOverlap) {
-    SceneReport scene = sampleReport().scenes[0];
-    for (int i = 0; i < 20; ++i)
-        scene.measured.push_back(measuredAt("setting " + std::to_string(i), "grid", 4, 5, 0.02));
-    const std::string svg = precisionDiagram(scene);
-    const std::regex letter("<title>[^<]*</title><text x=\"([0-9.]+)\" y=\"([0-9.]+)\"");
-    std::vector<std::pair<double, double>> places;
-    for (std::sregex_iterator it(svg.begin(), svg.end(), letter), end; it != end; ++it)
-        places.emplace_back(std::stod((*it)[1]), std::stod((*it)[2]));
-    ASSERT_EQ(places.size(), 21u);
-    for (size_t i = 0; i < places.size(); ++i)
-        for (size_t k = 0; k < i; ++k)
-            EXPECT_TRUE(std::abs(places[i].first - places[k].first) > 10 ||
-                        std::abs(places[i].second - places[k].second) > 11)
-                << i << " and " << k;
 }
 
 // Devices have a table and a diagram of their own: a user of one device cannot choose them.

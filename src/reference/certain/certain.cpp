@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-bool asksForNothing(const WorldRay& ray) {
+bool isInvalid(const WorldRay& ray) {
     return !isFinite(ray.origin) || !isFinite(ray.direction) ||
            greatestMagnitude(ray.direction) < kShortestDirection || !(ray.tMin < ray.tMax) || !(ray.tMax > 0);
 }
@@ -207,8 +207,8 @@ class Search {
     }
 
     void add(Contender contender, uint32_t material) {
-        if (hasHoles(material)) contender.exact = contender.span.met = false;
-        if (contender.span.met) end_ = std::min(end_, contender.span.upper);
+        if (hasHoles(material)) contender.exact = contender.span.isHit = false;
+        if (contender.span.isHit) end_ = std::min(end_, contender.span.upper);
         contenders_.push_back(contender);
     }
 
@@ -226,13 +226,13 @@ class Search {
         std::erase_if(contenders_, [&](const Contender& c) { return c.span.lower > end_; });
         if (packed_.features.splitTriangles && contenders_.size() > 1) dropTwins();
         if (contenders_.empty()) return miss();
-        if (contenders_.size() == 1 && contenders_[0].span.met) return sure(contenders_[0]);
+        if (contenders_.size() == 1 && contenders_[0].span.isHit) return sure(contenders_[0]);
         if (std::ranges::all_of(contenders_, &Contender::exact)) return decideExactly();
         Answer answer;
         answer.lower = answer.upper = kInfinity;
         for (const Contender& c : contenders_) {
             answer.lower = std::min(answer.lower, c.span.lower);
-            if (c.span.met) answer.upper = std::min(answer.upper, c.span.upper);
+            if (c.span.isHit) answer.upper = std::min(answer.upper, c.span.upper);
         }
         return answer;
     }
@@ -254,7 +254,7 @@ class Search {
     const Tracer& tracer_;
     const PackedScene& packed_;
     SpanRay ray_;
-    double end_;  // something is met before that
+    double end_;  // something is hit before that
     std::vector<Contender> contenders_;
 };
 
@@ -287,7 +287,7 @@ Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), p
 }
 
 Answer Tracer::closest(const WorldRay& ray) const {
-    return asksForNothing(ray) ? miss() : Search(*this, ray).run();
+    return isInvalid(ray) ? miss() : Search(*this, ray).run();
 }
 
 }  // namespace glint::reference::certain

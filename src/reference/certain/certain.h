@@ -3,9 +3,9 @@
 // (Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", Discrete &
 // Computational Geometry 18(3), 1997, goes the same way with longer and longer numbers).
 //
-// Triangles and planes are decided in the end, spheres in double; what a ray may meet besides (other
-// surfaces, those with holes) leaves it uncertain. Triangles that packing left out, as rounding to fp32 takes
-// their area, are no part of the scene.
+// Fractions decide every hit of a triangle or plane; spheres are decided in double. Any other surface, or a
+// surface with holes, that a ray may hit leaves the answer uncertain. Triangles that packing drops because
+// rounding to fp32 takes their area are not part of the scene.
 #pragma once
 
 #include <vector>
@@ -20,10 +20,10 @@ namespace glint::reference::certain {
 struct Answer {
     bool sure = false;
     // sure: the hit, its t (in units of the ray's direction), u and v as rounded; primitive kNone: a miss, t
-    // infinite. Of several surfaces met at the same t, the one with the lowest id.
+    // infinite. Among surfaces that are hit at the same t, the one with the lowest id.
     Hit hit;
-    // The exact t lies between them. Not sure: what is met first is not met before `lower`; something is met
-    // no later than `upper`, infinite if that is not known either.
+    // The exact t lies between them. Not sure: the first hit is not before `lower`, and some hit is at most
+    // at `upper`, which is infinite if no hit is certain.
     double lower = 0, upper = 0;
 };
 

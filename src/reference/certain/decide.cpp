@@ -42,11 +42,11 @@ SpanRay::SpanRay(const WorldRay& ray) : ray_(ray) {
     shear_ = {d.x / d.z, d.y / d.z, 1 / d.z};
 }
 
-std::optional<Span> SpanRay::within(Span span, bool met) const {
+std::optional<Span> SpanRay::within(Span span, bool isHit) const {
     const double from = std::max(ray_.tMin, 0.0);
     // Comparisons that are false for NaN keep the span.
     if (span.upper <= from || span.lower > ray_.tMax) return std::nullopt;
-    span.met = met && span.lower > from && span.upper <= ray_.tMax;
+    span.isHit = isHit && span.lower > from && span.upper <= ray_.tMax;
     if (!(span.lower >= from)) span.lower = from;
     if (!(span.upper <= ray_.tMax)) span.upper = ray_.tMax;
     span.t = span.t >= span.lower && span.t <= span.upper ? span.t : span.lower;
@@ -85,14 +85,14 @@ std::optional<Span> SpanRay::triangleSpan(const ExactSurface& triangle) const {
                          cross(across[1], across[0])};
     const double least = std::min({edges.x, edges.y, edges.z}), most = std::max({edges.x, edges.y, edges.z});
     if (least < -doubt && most > doubt) return std::nullopt;
-    const bool met = least > doubt || most < -doubt;
+    const bool isHit = least > doubt || most < -doubt;
 
     const dvec3 ts = along * shear_.z;
     const double nearest = std::min({ts.x, ts.y, ts.z}), farthest = std::max({ts.x, ts.y, ts.z});
     const double cornerOff = std::abs(shear_.z) * (4 * offset + 24 * kUnit * depth);
     Span span{nearest - cornerOff, farthest + cornerOff};
     span.t = nearest;
-    if (met) {
+    if (isHit) {
         const double inverse = 1 / (edges.x + edges.y + edges.z);
         const dvec3 weights = edges * inverse;
         const double t = glm::dot(weights, ts);
@@ -100,7 +100,7 @@ std::optional<Span> SpanRay::triangleSpan(const ExactSurface& triangle) const {
                            16 * kUnit * std::max(std::abs(nearest), std::abs(farthest));
         span = {t - off, t + off, t, weights.y, weights.z};
     }
-    return within(span, met && std::isfinite(span.lower) && std::isfinite(span.upper));
+    return within(span, isHit && std::isfinite(span.lower) && std::isfinite(span.upper));
 }
 
 std::optional<Span> SpanRay::planeSpan(const PlaneShape& plane) const {
@@ -108,15 +108,15 @@ std::optional<Span> SpanRay::planeSpan(const PlaneShape& plane) const {
     const double height = glm::dot(n, away), speed = glm::dot(n, d);
     const double heightOff = 8 * kUnit * glm::dot(glm::abs(n), glm::abs(away)) + kLeastDoubt;
     const double speedOff = 8 * kUnit * glm::dot(glm::abs(n), glm::abs(d)) + kLeastDoubt;
-    const bool met = std::abs(speed) > 2 * speedOff;
+    const bool isHit = std::abs(speed) > 2 * speedOff;
     Span span{0, kInfinity};
-    if (met) {
+    if (isHit) {
         const double t = height / speed;
         const double off =
             (heightOff + std::abs(t) * speedOff) / (std::abs(speed) - speedOff) + 4 * kUnit * std::abs(t);
         span = {t - off, t + off, t, 0, 0};
     }
-    return within(span, met);
+    return within(span, isHit);
 }
 
 // With c the centre, a = d.d and b = (c - o).d the roots are (b -+ sqrt(a D)) / a with D = r^2 - |p|^2, p the
@@ -138,12 +138,12 @@ std::array<std::optional<Span>, 2> SpanRay::spans(const SphereShape& sphere) con
     if (rest < -restOff) return {};
     const double least = std::sqrt(std::max(rest - restOff, 0.0)), most = std::sqrt(rest + restOff);
     const double middleOff = 16 * kUnit * (size + radius);
-    const bool met = rest > restOff && std::isfinite(length) && std::isfinite(most);
+    const bool isHit = rest > restOff && std::isfinite(length) && std::isfinite(most);
     const auto at = [&](double near, double far) {
         Span span{(near - middleOff) / length, (far + middleOff) / length, 0.5 * (near + far) / length, 0, 0};
         span.lower -= 4 * kUnit * std::abs(span.lower);
         span.upper += 4 * kUnit * std::abs(span.upper);
-        return within(span, met);
+        return within(span, isHit);
     };
     return {at(b - most, b - least), at(b + least, b + most)};
 }
@@ -169,15 +169,15 @@ double above(const Number& x, double under) {
     return x == under ? under : std::nextafter(under, kInfinity);
 }
 
-struct Meeting {
+struct Intersection {
     Number t;
     Number edges[3];  // those of a triangle, opposite to its corners; their sum is not 0
 };
 
 // The volumes that the ray's direction spans with two corners each, seen from its origin: on which side of
 // each edge it passes (Segura, Feito, "Algorithms to Test Ray-Triangle Intersection", WSCG 2001).
-std::optional<Meeting> meetTriangle(const Vector& origin, const Vector& direction,
-                                    const ExactSurface& surface) {
+std::optional<Intersection> intersectTriangle(const Vector& origin, const Vector& direction,
+                                              const ExactSurface& surface) {
     std::array<Vector, 3> seen;
     for (size_t i = 0; i < 3; ++i) {
         Vector corner = toVec<Number>(surface.corners[i]);
@@ -185,7 +185,7 @@ std::optional<Meeting> meetTriangle(const Vector& origin, const Vector& directio
             corner = times(surface.place->linear, corner) + toVec<Number>(surface.place->offset);
         seen[i] = corner - origin;
     }
-    Meeting m;
+    Intersection m;
     bool positive = false, negative = false;
     for (size_t i = 0; i < 3; ++i) {
         m.edges[i] = dot(direction, cross(seen[(i + 1) % 3], seen[(i + 2) % 3]));
@@ -198,11 +198,12 @@ std::optional<Meeting> meetTriangle(const Vector& origin, const Vector& directio
     return m;
 }
 
-std::optional<Meeting> meetPlane(const Vector& origin, const Vector& direction, const PlaneShape& plane) {
+std::optional<Intersection> intersectPlane(const Vector& origin, const Vector& direction,
+                                           const PlaneShape& plane) {
     const Vector normal = toVec<Number>(plane.normal);
     const Number speed = dot(normal, direction);
     if (speed == 0) return std::nullopt;
-    Meeting m;
+    Intersection m;
     m.t = dot(normal, toVec<Number>(plane.point) - origin) / speed;
     return m;
 }
@@ -211,12 +212,13 @@ std::optional<Meeting> meetPlane(const Vector& origin, const Vector& direction, 
 
 std::optional<ExactHit> nearestExactly(const WorldRay& ray, std::span<const ExactSurface> surfaces) {
     const Vector origin = toVec<Number>(ray.origin), direction = toVec<Number>(ray.direction);
-    std::optional<Meeting> best;
+    std::optional<Intersection> best;
     size_t chosen = 0;
     for (size_t i = 0; i < surfaces.size(); ++i) {
         const ExactSurface& surface = surfaces[i];
-        std::optional<Meeting> m = surface.plane != nullptr ? meetPlane(origin, direction, *surface.plane)
-                                                            : meetTriangle(origin, direction, surface);
+        std::optional<Intersection> m = surface.plane != nullptr
+                                            ? intersectPlane(origin, direction, *surface.plane)
+                                            : intersectTriangle(origin, direction, surface);
         if (!m || m->t <= 0 || (ray.tMin > 0 && m->t <= ray.tMin)) continue;
         if (std::isfinite(ray.tMax) && m->t > ray.tMax) continue;
         const bool closer = !best || m->t < best->t;

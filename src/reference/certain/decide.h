@@ -18,15 +18,15 @@ struct ExactSurface {
     std::array<glm::dvec3, 3> corners{};  // of a triangle
     const Affine* place = nullptr;        // from their coordinates to the world
     const PlaneShape* plane = nullptr;    // if it is one
-    uint32_t id = 0;                      // of surfaces met at the same t, the one with the lowest is taken
+    uint32_t id = 0;                      // of surfaces hit at the same t, the one with the lowest is taken
 };
 
-// If the surface is met at all, and `met` says that it is for sure, then at lower <= t <= upper. t, u, v: as
-// rounded; u and v of triangles, P = (1-u-v)a + u b + v c.
+// If the ray hits the surface, then at lower <= t <= upper; it certainly does if isHit. t, u, v: as rounded;
+// u and v of triangles, P = (1-u-v)a + u b + v c.
 struct Span {
     double lower = 0, upper = 0;
     double t = 0, u = 0, v = 0;
-    bool met = false;
+    bool isHit = false;
 };
 
 // Finds spans of t that contain every hit; misses elsewhere are proven. The ray is finite and has a
@@ -45,8 +45,8 @@ class SpanRay {
   private:
     std::optional<Span> triangleSpan(const ExactSurface& triangle) const;
     std::optional<Span> planeSpan(const PlaneShape& plane) const;
-    // `lower` and `upper` of something that is met, or may be: cut to the ray's interval.
-    std::optional<Span> within(Span span, bool met) const;
+    // The span of a surface that is hit, or may be, cut to the ray's interval.
+    std::optional<Span> within(Span span, bool isHit) const;
 
     WorldRay ray_;
     int axis_ = 2;  // of the direction's greatest component; it comes last when turned
@@ -59,9 +59,9 @@ struct ExactHit {
     double u = 0, v = 0;
 };
 
-// The first within max(tMin, 0) < t <= tMax, or nothing. A triangle is met in its edges and corners too, and
-// by no ray that runs in its plane, as a plane is by none that is parallel. All numbers must be finite but
-// tMax, and the direction not zero.
+// The first hit within max(tMin, 0) < t <= tMax, or nothing. Edges and corners belong to a triangle. A ray in
+// the plane of a triangle misses it, and a parallel ray misses a plane. All numbers except tMax must be
+// finite, and the direction must not be zero.
 std::optional<ExactHit> nearestExactly(const WorldRay& ray, std::span<const ExactSurface> surfaces);
 
 }  // namespace glint::reference::certain

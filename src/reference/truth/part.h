@@ -112,7 +112,4 @@ inline glm::dvec3 unit(const glm::dvec3& v) {
 // a surface has it.
 void addShading(const Scene& scene, const std::vector<bool>& used, Model& model);
 
-// Media around the eye, once all primitives are there (docs/reference/shading.md).
-void addMediaAtEye(const glm::dvec3& eye, Model& model);
-
 }  // namespace glint::reference::truth

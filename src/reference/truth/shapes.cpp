@@ -10,10 +10,12 @@
 #include "reference/numbers.h"
 #include "reference/traverse.h"
 #include "reference/truth/part.h"
+#include "reference/truth/truth.h"
 #include "scene/polygon_plane.h"
 #include "scene/transform.h"
 
-namespace glint::reference::truth {
+namespace glint::reference {
+namespace truth {
 
 using glm::dvec3;
 
@@ -32,9 +34,8 @@ void Part::addItem(shared::PrimitiveKind kind, size_t index, Bounds box, double 
 
 namespace {
 
-// From nearer to its surface than 1/64 of the radius: the nearest point of that and the normal there, as the
-// layout says.
-
+// An eye nearer to the surface than 1/64 of the radius: the nearest point and the normal there, as the layout
+// says.
 void add(Part& part, const SphereShape& sphere, const Setting& at) {
     rows::Sphere row;
     row.point = sphere.center - at.origin;
@@ -354,12 +355,14 @@ class MediaAround {
 
 }  // namespace
 
-void addMediaAtEye(const dvec3& eye, Model& model) {
+}  // namespace truth
+
+void setEye(Model& model, const glm::dvec3& eye) {
     if (model.optics.empty()) return;
-    const std::vector<uint32_t> media = MediaAround(eye, model).find();
+    const std::vector<uint32_t> media = truth::MediaAround(eye - model.origin, model).find();
     rows::Environment& e = model.environment;
     uint32_t* const places[] = {&e.eyeMedium0, &e.eyeMedium1, &e.eyeMedium2, &e.eyeMedium3};
     for (size_t i = 0; i < shared::kMaxMedia; ++i) *places[i] = i < media.size() ? media[i] : 0;
 }
 
-}  // namespace glint::reference::truth
+}  // namespace glint::reference

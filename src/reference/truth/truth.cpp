@@ -49,7 +49,7 @@ class Maker {
         for (rows::Instance& instance : model_.instances) instance.root = roots[instance.root];
         model_.nodes = std::make_shared<const std::vector<rows::Node>>(std::move(nodes));
         addShading(scene_, used_, model_);
-        addMediaAtEye(scene_.camera.eye - model_.origin, model_);
+        setEye(model_, scene_.camera.eye);
         return std::move(model_);
     }
 
@@ -137,10 +137,6 @@ class Maker {
 Model truthOf(const Scene& scene, const glm::dvec3& origin) {
     Scene copy;
     return truth::Maker(placedScene(scene, copy), origin).make();
-}
-
-void setEye(Model& model, const glm::dvec3& eye) {
-    truth::addMediaAtEye(eye - model.origin, model);
 }
 
 // P. Shirley, S. Marschner, "Fundamentals of Computer Graphics", 3rd ed., 4.3, as docs/reference/shading.md

@@ -12,7 +12,7 @@ namespace glint::reference {
 // are those of the packed scene, the places of primitives in their arrays are not.
 Model truthOf(const Scene& scene, const glm::dvec3& origin);
 
-// Another camera's eye, in the world: the media that it is in.
+// Media around a camera's eye, in the world, once all primitives are there (docs/reference/shading.md).
 void setEye(Model& model, const glm::dvec3& eye);
 
 // The camera of a picture of width x height pixels.
