@@ -6,7 +6,6 @@
 
 #include "app/commands.h"
 #include "app/rendering.h"
-#include "core/available_memory.h"
 #include "core/enum_names.h"
 #include "core/error.h"
 #include "core/interrupt.h"
@@ -120,7 +119,6 @@ ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err)
     installInterruptHandler();
     options.version = GLINT_VERSION;
     options.cancelled = interrupted;
-    options.memory = [] { return availableMemory(); };
     options.devices = devices.beside;
     const double budget = command.budget.value_or(kSecondsForScene * static_cast<int>(command.scenes.size()));
     options.secondsLeft = [&watch, budget] { return budget - watch.seconds(); };

@@ -5,7 +5,6 @@
 #include <memory>
 #include <tuple>
 
-#include "core/available_memory.h"
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/parallel.h"

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/available_memory.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "report/plan.h"
@@ -27,9 +28,8 @@ struct Options {
     std::vector<DeviceBeside> devices;  // to be compared; may be empty
     std::function<double()> secondsLeft = [] { return std::numeric_limits<double>::infinity(); };
     std::function<bool()> cancelled = [] { return false; };
-    // Available bytes.
-    std::function<uint64_t()> memory = [] { return std::numeric_limits<uint64_t>::max(); };
-    std::function<void(double)> progress = [](double) {};  // share of the runs, 0..1
+    std::function<uint64_t()> memory = [] { return availableMemory(); };  // bytes that may be taken
+    std::function<void(double)> progress = [](double) {};                 // share of the runs, 0..1
 };
 
 struct Subject {

@@ -43,18 +43,16 @@ Trial trialOf(std::mt19937& random, size_t pixels, Distribution&& draw) {
     return {std::sqrt(squares / static_cast<double>(pixels)), meanSquareOf(a, b)};
 }
 
-// A share of `tail` may be above the bound, by chance a few more: 4 standard deviations of the binomial.
 template <class Distribution>
 void expectCovered(const char* name, size_t pixels, Distribution&& draw) {
     constexpr int kTrials = 2000;
-    constexpr double kTail = 0.05;
     std::mt19937 random(11);
     int above = 0;
     for (int i = 0; i < kTrials; ++i) {
         const Trial trial = trialOf(random, pixels, draw);
         above += trial.realized > rootMeanSquareBound(trial.estimate, kTail) ? 1 : 0;
     }
-    EXPECT_LE(above, kTrials * kTail + 4 * std::sqrt(kTrials * kTail * (1 - kTail))) << name;
+    EXPECT_LE(above, mostWrong(kTrials)) << name;
 }
 
 TEST(BoundsTest, TheRealizedErrorIsBelowItsBound) {
@@ -73,7 +71,6 @@ TEST(BoundsTest, TheRealizedErrorIsBelowItsBound) {
 // picture's true error lies to it, and in nearly as many where that is worst.
 TEST(BoundsTest, ClaimsAreFalseAsSeldomAsTheySay) {
     constexpr int kTrials = 2000;
-    constexpr double kTail = 0.05;
     std::normal_distribution<double> normal;
     double most = 0;
     for (const double asked : {0.9, 0.95, 1.0, 1.05, 1.1, 1.15}) {  // the true error is 1
@@ -85,7 +82,7 @@ TEST(BoundsTest, ClaimsAreFalseAsSeldomAsTheySay) {
             wrong +=
                 trial.realized > asked && rootMeanSquareBound(trial.estimate, tailOfClaim(kTail)) <= asked;
         }
-        EXPECT_LE(wrong, kTrials * kTail + 4 * std::sqrt(kTrials * kTail * (1 - kTail))) << asked;
+        EXPECT_LE(wrong, mostWrong(kTrials)) << asked;
         most = std::max(most, static_cast<double>(wrong) / kTrials);
     }
     EXPECT_GT(most, kTail / 4) << "gives away too much";

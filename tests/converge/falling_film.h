@@ -86,9 +86,9 @@ inline Trials trialsOf(size_t pixels, double power, double floor, int count) {
     return trials;
 }
 
-// 5 % may be wrong, by chance a few more: 4 standard deviations of the binomial.
+// This share of the trials may be wrong, by chance a few more: 4 standard deviations of the binomial.
+inline constexpr double kTail = 0.05;
 inline double mostWrong(int trials) {
-    constexpr double kTail = 0.05;
     return trials * kTail + 4 * std::sqrt(trials * kTail * (1 - kTail));
 }
 
