@@ -75,13 +75,6 @@ struct RayTest {
     bool fromItself() const { return primitive == source; }
 };
 
-// Stores t in the root; true if it counts.
-inline bool accept(Extended t, double slip, const RayTest& test, Root& root) {
-    root.t = static_cast<double>(t);
-    root.slip = slip;
-    return countsAt(test.ray, root.t, slip, test.tMax);
-}
-
 // A hit point to describe, in the coordinates of the primitive.
 struct Place {
     const Model& scene;

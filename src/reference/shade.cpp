@@ -23,7 +23,7 @@ class RayMover {
   public:
     explicit RayMover(const Jitter& jitter)
         : state_(jitter.seed),
-          step_(jitter.ulps * 0x1p-24),
+          step_(jitter.ulps * kFloatUnit),
           formulas_(jitter.formulas),
           slips_(jitter.slips),
           units_(jitter.clears ? jitter.ulps : (slips_ > 1 ? slips_ : 0)) {}

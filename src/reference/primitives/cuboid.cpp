@@ -55,10 +55,7 @@ bool intersect(const rows::Cuboid& c, const RayTest& test, Root& root) {
             root.twice = root.twice || leavesHere != leaves;
             continue;
         }
-        root.t = static_cast<double>(t);
-        root.slip = slip;
-        root.part = face;
-        root.twice = false;
+        root = {.t = static_cast<double>(t), .slip = slip, .part = face};
         leaves = leavesHere;
         found = true;
     }

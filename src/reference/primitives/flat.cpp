@@ -22,8 +22,11 @@ bool solvePlane(const PreparedRay& ray, const dvec3& normal, const dvec3& point,
     return true;
 }
 
-bool acceptFlat(Extended t, const dvec3& normal, const dvec3& point, const RayTest& test, Root& root) {
-    return accept(t, slipOfFlat(test.ray, normal, point, static_cast<double>(t)), test, root);
+// Stores t in the root; true if it counts.
+bool accept(Extended t, const dvec3& normal, const dvec3& point, const RayTest& test, Root& root) {
+    root.t = static_cast<double>(t);
+    root.slip = slipOfFlat(test.ray, normal, point, root.t);
+    return countsAt(test.ray, root.t, root.slip, test.tMax);
 }
 
 // A plane, or a part of one: `anchor` is a point of it.
@@ -112,8 +115,7 @@ bool solveTriangle(const rows::Triangle& triangle, const RayTest& test, bool lin
     // thins.
     const Vec<Extended> s = v0 - toVec<Extended>(ray.origin);
     const Extended t = dot(n, s) / nd;
-    const double slip = slipOfFlat(ray, unitOf(n), triangle.v0, static_cast<double>(t));
-    if (!accept(t, slip, test, root)) return false;
+    if (!accept(t, unitOf(n), triangle.v0, test, root)) return false;
     // Moeller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, eq. 6, written with n.d
     // for the determinant.
     const Vec<Extended> q = cross(d, s);
@@ -156,7 +158,7 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
 bool intersect(const rows::Plane& plane, const RayTest& test, Root& root) {
     Extended t;
     return !test.fromItself() && solvePlane(test.ray, plane.normal, plane.point, t) &&
-           acceptFlat(t, plane.normal, plane.point, test, root);
+           accept(t, plane.normal, plane.point, test, root);
 }
 
 void surfaceOf(const rows::Plane& plane, const Place& place, Surface& surface) {
@@ -186,7 +188,7 @@ bool intersect(const rows::Disc& disc, const RayTest& test, Root& root) {
     Extended t;
     if (test.fromItself() || !solvePlane(test.ray, disc.normal, disc.center, t)) return false;
     if (provenSign([&]<class T>() { return discSide<T>(disc, test.ray); }) < 0) return false;
-    return acceptFlat(t, disc.normal, disc.center, test, root);
+    return accept(t, disc.normal, disc.center, test, root);
 }
 
 void surfaceOf(const rows::Disc& disc, const Place& place, Surface& surface) {
@@ -240,7 +242,7 @@ bool intersect(const rows::Polygon& polygon, const RayTest& test, Root& root) {
         if (above != wasAbove && sideOf(a, b, ray) == (above ? 1 : -1)) odd = !odd;
     }
     if (!odd) return false;
-    return acceptFlat(std::clamp(t, least, greatest), polygon.normal, polygon.point, test, root);
+    return accept(std::clamp(t, least, greatest), polygon.normal, polygon.point, test, root);
 }
 
 void surfaceOf(const rows::Polygon& polygon, const Place& place, Surface& surface) {

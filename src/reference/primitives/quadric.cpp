@@ -210,10 +210,7 @@ class Search {
     }
 
     void take(Extended t, double slip, uint32_t part, bool twice) {
-        root_.t = static_cast<double>(t);
-        root_.slip = slip;
-        root_.part = part;
-        root_.twice = twice;
+        root_ = {.t = static_cast<double>(t), .slip = slip, .part = part, .twice = twice};
         found_ = true;
     }
 
