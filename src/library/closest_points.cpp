@@ -41,8 +41,6 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
     render::RayTask task;
     task.count = points.count();
     task.ask = render::RayTask::Ask::Point;
-    task.cancelled = context.cancelled;
-    task.progress = context.progress;
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
         for (size_t i = 0; i < inputs.size(); ++i) {
             const glm::dvec3 point = local(numbers[i]);
@@ -57,7 +55,7 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
                                   : reference::closestPointOn(model, found.primitive(i), found.instance(i),
                                                               local(numbers[i])));
     };
-    if (!part.queries->run(task)) throw Cancelled();
+    ask(*part.queries, std::move(task), context);
 }
 
 }  // namespace

@@ -14,107 +14,102 @@ using glm::dvec3;
 using reference::Hit;
 
 using ReadRay = std::function<LocalRay(uint64_t)>;
+// doubtful: the host has counted again.
+using TakeCount = std::function<void(uint64_t i, uint32_t crossings, bool doubtful)>;
 
 std::vector<Hit> crossingsOf(const Snapshot::Part& part, const LocalRay& ray) {
     return reference::crossings(part.tracer(), referenceRay(ray));
 }
 
-render::ReadRays readsOf(const RayReader& rays) {
-    return [&rays](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
-        rays.rounded(numbers, inputs);
+// Counts the crossings of `count` rays. read: the same rays, rounded for the device. Calls `take` from
+// several threads.
+void countCrossings(const Snapshot::Part& part, uint64_t count, const ReadRay& ray, render::ReadRays read,
+                    const Context& context, const TakeCount& take) {
+    const auto onHost = [&](uint64_t i) { return static_cast<uint32_t>(crossingsOf(part, ray(i)).size()); };
+    if (!part.queries) {
+        forBlocks(context, count, [&](uint64_t first, uint64_t end) {
+            for (uint64_t i = first; i < end; ++i) take(i, onHost(i), false);
+        });
+        return;
+    }
+    render::RayTask task;
+    task.count = count;
+    task.ask = render::RayTask::Ask::Count;
+    task.fill = std::move(read);
+    task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
+        for (size_t i = 0; i < found.size(); ++i) {
+            const render::FoundHit one = found[i];
+            take(numbers[i], one.doubtful ? onHost(numbers[i]) : one.crossings, one.doubtful);
+        }
     };
+    ask(*part.queries, std::move(task), context);
 }
 
-struct CountRun {
-    const Snapshot::Part& part;
-    uint64_t count;
-    ReadRay ray;
-    render::ReadRays read;  // the same rays, as the device reads them
-    const Context& context;
-    // Called from several threads. doubtful: the host has counted again.
-    std::function<void(uint64_t i, uint32_t crossings, bool doubtful)> take;
+void countCrossings(const Snapshot::Part& part, const RayReader& rays, const Context& context,
+                    const TakeCount& take) {
+    countCrossings(
+        part, rays.count(), [&](uint64_t i) { return rays.local(i); },
+        [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
+            rays.rounded(numbers, inputs);
+        },
+        context, take);
+}
 
-    void onDevice() const {
-        render::RayTask task;
-        task.count = count;
-        task.ask = render::RayTask::Ask::Count;
-        task.cancelled = context.cancelled;
-        task.progress = context.progress;
-        task.fill = read;
-        task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
-            for (size_t i = 0; i < found.size(); ++i) {
-                const render::FoundHit one = found[i];
-                const uint32_t crossings =
-                    one.doubtful ? static_cast<uint32_t>(crossingsOf(part, ray(numbers[i])).size())
-                                 : one.crossings;
-                take(numbers[i], crossings, one.doubtful);
+// Consecutive rays whose crossings are listed together.
+struct Piece {
+    uint64_t first;                       // number of the first ray
+    std::span<const uint32_t> counts;     // of crossings
+    std::span<const uint8_t> doubtful;    // listed by the host
+    const std::vector<uint64_t>& places;  // of the first hit of each ray, from 0
+};
+
+void listOnDevice(const Snapshot::Part& part, const RayReader& rays, const Piece& piece,
+                  std::vector<Hit>& hits) {
+    std::vector<uint32_t> wanted(piece.counts.begin(), piece.counts.end());
+    for (size_t i = 0; i < wanted.size(); ++i)
+        if (piece.doubtful[i]) wanted[i] = 0;
+    part.queries->list(
+        wanted,
+        [&](size_t start, std::span<render::RayInput> inputs) {
+            for (size_t i = 0; i < inputs.size(); ++i)
+                inputs[i] = render::roundedRay(rays.local(piece.first + start + i));
+        },
+        [&](size_t i, std::span<const render::FoundHit> found) {
+            for (size_t k = 0; k < found.size(); ++k) {
+                const render::FoundHit& f = found[k];
+                hits[piece.places[i] + k] = {static_cast<double>(f.t),
+                                             static_cast<double>(f.u),
+                                             static_cast<double>(f.v),
+                                             f.primitive,
+                                             0,
+                                             f.instance};
             }
-        };
-        if (!part.queries->run(task)) throw Cancelled();
-    }
-    void onHost() const {
-        forBlocks(context, count, [&](uint64_t first, uint64_t end) {
-            for (uint64_t i = first; i < end; ++i)
-                take(i, static_cast<uint32_t>(crossingsOf(part, ray(i)).size()), false);
         });
-    }
-    void run() const { part.queries ? onDevice() : onHost(); }
-};
+}
 
-// Lists the crossings of rays first ... first + counts.size() - 1 by t.
-struct ListRun {
-    const Context& context;
-    const Snapshot::Part& part;
-    const RayReader& rays;
-    uint64_t first;
-    const std::vector<uint32_t>& counts;
-    const std::vector<uint8_t>& doubtful;  // listed by the host
-    const std::vector<uint64_t>& places;   // of the first of each, from 0
-    std::vector<Hit>& hits;
+// By t, then by geometry and primitive, so that the order does not depend on the BVH.
+void putInOrder(const Snapshot::Part& part, std::span<Hit> hits) {
+    const auto names = [&](const Hit& hit) {
+        const reference::Surface surface = part.tracer().namesAt(hit);
+        return std::pair(surface.object, surface.primitive);
+    };
+    std::sort(hits.begin(), hits.end(),
+              [&](const Hit& a, const Hit& b) { return a.t != b.t ? a.t < b.t : names(a) < names(b); });
+}
 
-    void byHost(size_t i) const {
-        const std::vector<Hit> own = crossingsOf(part, rays.local(first + i));
-        std::copy_n(own.begin(), std::min<size_t>(own.size(), counts[i]), hits.begin() + places[i]);
-    }
-    void byDevice() const {
-        std::vector<uint32_t> wanted = counts;
-        for (size_t i = 0; i < wanted.size(); ++i)
-            if (doubtful[i]) wanted[i] = 0;
-        part.queries->list(
-            wanted,
-            [&](size_t start, std::span<render::RayInput> inputs) {
-                for (size_t i = 0; i < inputs.size(); ++i)
-                    inputs[i] = render::roundedRay(rays.local(first + start + i));
-            },
-            [&](size_t i, std::span<const render::FoundHit> found) {
-                for (size_t k = 0; k < found.size(); ++k) {
-                    const render::FoundHit& f = found[k];
-                    hits[places[i] + k] = {static_cast<double>(f.t),
-                                           static_cast<double>(f.u),
-                                           static_cast<double>(f.v),
-                                           f.primitive,
-                                           0,
-                                           f.instance};
-                }
-            });
-    }
-    // By t, then by geometry and primitive, so that the order does not depend on the BVH.
-    void putInOrder(std::span<Hit> own) const {
-        const auto names = [&](const Hit& hit) {
-            const reference::Surface surface = part.tracer().namesAt(hit);
-            return std::pair(surface.object, surface.primitive);
-        };
-        std::sort(own.begin(), own.end(),
-                  [&](const Hit& a, const Hit& b) { return a.t != b.t ? a.t < b.t : names(a) < names(b); });
-    }
-    void run() const {
-        if (part.queries) byDevice();
-        parallelFor(context, counts.size(), [&](size_t i) {
-            if (counts[i] > 0 && (!part.queries || doubtful[i])) byHost(i);
-            putInOrder(std::span(hits).subspan(places[i], counts[i]));
-        });
-    }
-};
+// Lists the crossings of each ray by t.
+void listCrossings(const Snapshot::Part& part, const RayReader& rays, const Piece& piece,
+                   const Context& context, std::vector<Hit>& hits) {
+    if (part.queries) listOnDevice(part, rays, piece, hits);
+    parallelFor(context, piece.counts.size(), [&](size_t i) {
+        const auto own = std::span(hits).subspan(piece.places[i], piece.counts[i]);
+        if (!own.empty() && (!part.queries || piece.doubtful[i])) {
+            const std::vector<Hit> found = crossingsOf(part, rays.local(piece.first + i));
+            std::copy_n(found.begin(), std::min(found.size(), own.size()), own.begin());
+        }
+        putInOrder(part, own);
+    });
+}
 
 uint64_t roomOf(const glint_hits& hits) {
     uint64_t room = UINT64_MAX;
@@ -130,16 +125,10 @@ void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offs
     const Snapshot::Part& part = snapshot.counting();
     std::vector<uint32_t> counts(rays.count());
     std::vector<uint8_t> doubtful(rays.count());
-    CountRun{part,
-             rays.count(),
-             [&](uint64_t i) { return rays.local(i); },
-             readsOf(rays),
-             context,
-             [&](uint64_t i, uint32_t crossings, bool doubt) {
-                 counts[i] = crossings;
-                 doubtful[i] = doubt;
-             }}
-        .run();
+    countCrossings(part, rays, context, [&](uint64_t i, uint32_t crossings, bool doubt) {
+        counts[i] = crossings;
+        doubtful[i] = doubt;
+    });
     uint64_t sum = 0;
     for (uint64_t i = 0; i < counts.size(); ++i) {
         offsets.putLong(i, sum);
@@ -162,15 +151,13 @@ void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offs
             places.push_back(found);
             found += counts[end++];
         }
-        const std::vector<uint32_t> own(counts.begin() + static_cast<ptrdiff_t>(first),
-                                        counts.begin() + static_cast<ptrdiff_t>(end));
-        const std::vector<uint8_t> doubts(doubtful.begin() + static_cast<ptrdiff_t>(first),
-                                          doubtful.begin() + static_cast<ptrdiff_t>(end));
+        const Piece piece{first, std::span(counts).subspan(first, end - first),
+                          std::span(doubtful).subspan(first, end - first), places};
         std::vector<Hit> listed(found);
-        ListRun{context, part, rays, first, own, doubts, places, listed}.run();
-        parallelFor(context, own.size(), [&](size_t i) {
+        listCrossings(part, rays, piece, context, listed);
+        parallelFor(context, piece.counts.size(), [&](size_t i) {
             const LocalRay ray = rays.local(first + i);
-            for (uint32_t k = 0; k < own[i]; ++k)
+            for (uint32_t k = 0; k < piece.counts[i]; ++k)
                 writer.write(written + places[i] + k, ray, listed[places[i] + k]);
         });
         written += found;
@@ -192,14 +179,8 @@ glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays,
         const RayReader reader(rays, *snapshot, GLINT_RAYS_COHERENT);
         require(count != nullptr && count->data != nullptr, "glint_query_count: count is NULL");
         const Output out(*count, Output::Kind::Index, 1, reader.count(), "count");
-        const glint::Context context = contextOf(*scene->device, options);
-        CountRun{snapshot->counting(),
-                 reader.count(),
-                 [&](uint64_t i) { return reader.local(i); },
-                 readsOf(reader),
-                 context,
-                 [&](uint64_t i, uint32_t crossings, bool) { out.putIndex(i, crossings); }}
-            .run();
+        countCrossings(snapshot->counting(), reader, contextOf(*scene->device, options),
+                       [&](uint64_t i, uint32_t crossings, bool) { out.putIndex(i, crossings); });
     });
 }
 
@@ -227,7 +208,6 @@ glint_status glint_query_inside(const glint_scene* scene, const glint_view* poin
         require(where != nullptr && where->data != nullptr, "glint_query_inside: where is NULL");
         const NumberView given(*points, 3, 0, "points");
         const Output out(*where, Output::Kind::Flag, 1, given.count(), "where");
-        const glint::Context context = contextOf(*scene->device, options);
         const Snapshot::Part& part = snapshot->counting();
         const auto ray = [&](uint64_t i) {
             glint::WorldRay up;
@@ -239,18 +219,13 @@ glint_status glint_query_inside(const glint_scene* scene, const glint_view* poin
                               std::span<glint::render::RayInput> inputs) {
             for (size_t i = 0; i < inputs.size(); ++i) inputs[i] = glint::render::roundedRay(ray(numbers[i]));
         };
-        CountRun{part,
-                 given.count(),
-                 ray,
-                 read,
-                 context,
-                 [&](uint64_t i, uint32_t crossings, bool) {
-                     const glm::dvec3 point = ray(i).origin;
-                     const bool on = glm::all(glm::lessThan(glm::abs(point), glm::dvec3(1e30))) &&
-                                     glint::reference::touches(part.tracer(), point);
-                     out.putFlag(i,
-                                 on ? GLINT_ON_SURFACE : (crossings % 2 == 1 ? GLINT_INSIDE : GLINT_OUTSIDE));
-                 }}
-            .run();
+        countCrossings(
+            part, given.count(), ray, read, contextOf(*scene->device, options),
+            [&](uint64_t i, uint32_t crossings, bool) {
+                const glm::dvec3 point = ray(i).origin;
+                const bool on = glm::all(glm::lessThan(glm::abs(point), glm::dvec3(1e30))) &&
+                                glint::reference::touches(part.tracer(), point);
+                out.putFlag(i, on ? GLINT_ON_SURFACE : (crossings % 2 == 1 ? GLINT_INSIDE : GLINT_OUTSIDE));
+            });
     });
 }

@@ -107,20 +107,19 @@ void logLine(const glint_device& device, int32_t level, const std::string& text)
 using namespace glint::library;
 
 glint_status glint_device_count(uint32_t* count) {
-    return guarded([&] {
-        require(count != nullptr, "glint_device_count: count is NULL");
+    return guarded("glint_device_count", [&] {
+        require(count != nullptr, "count is NULL");
         *count = static_cast<uint32_t>(vulkanDevices().size()) + 1;
     });
 }
 
 glint_status glint_device_describe(uint32_t index, glint_device_info* info) {
-    return guarded([&] {
+    return guarded("glint_device_describe", [&] {
         const auto found = vulkanDevices();
         if (index > found.size())
-            refuse("glint_device_describe: there is no device " + std::to_string(index) + ", the last is " +
+            refuse("there is no device " + std::to_string(index) + ", the last is " +
                    std::to_string(found.size()));
-        writeStruct(info, index == found.size() ? describeReference(index) : describe(found[index]),
-                    "glint_device_describe: info");
+        writeStruct(info, index == found.size() ? describeReference(index) : describe(found[index]), "info");
     });
 }
 
@@ -142,9 +141,9 @@ glint_status glint_device_open_with(const char* selector, const glint_settings* 
 }
 
 glint_status glint_device_info_of(const glint_device* device, glint_device_info* info) {
-    return guarded([&] {
-        require(device != nullptr, "glint_device_info_of: device is NULL");
-        writeStruct(info, device->info, "glint_device_info_of: info");
+    return guarded("glint_device_info_of", [&] {
+        require(device != nullptr, "device is NULL");
+        writeStruct(info, device->info, "info");
     });
 }
 

@@ -149,7 +149,7 @@ void HitWriter::writeMiss(uint64_t i) const {
     geometry_.putIndex(i, GLINT_NONE);
     primitive_.putIndex(i, GLINT_NONE);
     material_.putIndex(i, GLINT_NONE);
-    uv_.put(i, 0, 0);
+    uv_.put(i, glm::dvec2(0));
     for (const Output* out : {&point_, &normal_, &origin_}) out->put(i, glm::dvec3(0));
 }
 
@@ -168,7 +168,7 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
     }
     t_.put(i, ray.worldT(hit.t));
     const bool triangle = hit.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle;
-    uv_.put(i, triangle ? hit.u : 0, triangle ? hit.v : 0);
+    uv_.put(i, triangle ? glm::dvec2(hit.u, hit.v) : glm::dvec2(0));
     if (tracer == nullptr) return;
     const PackedScene& packed = part_.packed;
     const reference::Surface surface =
@@ -320,6 +320,12 @@ Context contextOf(const glint_device& device, const glint_options* options) {
         given.progress(given.user, fraction);
     };
     return context;
+}
+
+void ask(render::RayQueries& queries, render::RayTask task, const Context& context) {
+    task.cancelled = context.cancelled;
+    task.progress = context.progress;
+    if (!queries.run(task)) throw Cancelled();
 }
 
 void forBlocks(const Context& context, uint64_t count,

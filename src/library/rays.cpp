@@ -23,15 +23,13 @@ void askDevice(const RayReader& rays, bool any, bool spreads, const Context& con
     task.coherent = rays.coherent();
     task.leaves = rays.leave();
     task.spreads = spreads;
-    task.cancelled = context.cancelled;
-    task.progress = context.progress;
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
         if (rays.rounded(numbers, inputs)) rescaled.store(true, std::memory_order_relaxed);
     };
     task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
         take(numbers, found, rescaled.load(std::memory_order_relaxed));
     };
-    if (!queries.run(task)) throw Cancelled();
+    ask(queries, std::move(task), context);
 }
 
 // leaves: the ray starts on an unknown surface.

@@ -8,9 +8,9 @@
 using namespace glint::library;
 
 glint_status glint_scene_create(glint_device* device, glint_scene** scene) {
-    return guarded([&] {
-        require(device != nullptr, "glint_scene_create: device is NULL");
-        require(scene != nullptr, "glint_scene_create: scene is NULL");
+    return guarded("glint_scene_create", [&] {
+        require(device != nullptr, "device is NULL");
+        require(scene != nullptr, "scene is NULL");
         *scene = nullptr;
         auto made = std::make_unique<glint_scene>();
         made->device = device;
@@ -134,16 +134,16 @@ glint_status glint_scene_warning(const glint_scene* scene, uint32_t index, const
 }
 
 glint_status glint_scene_find_material(const glint_scene* scene, const char* name, uint32_t* material) {
-    return guarded([&] {
-        require(scene != nullptr, "glint_scene_find_material: scene is NULL");
-        require(name != nullptr, "glint_scene_find_material: name is NULL");
-        require(material != nullptr, "glint_scene_find_material: material is NULL");
+    return guarded("glint_scene_find_material", [&] {
+        require(scene != nullptr, "scene is NULL");
+        require(name != nullptr, "name is NULL");
+        require(material != nullptr, "material is NULL");
         const auto& materials = scene->draft.materials;
         for (uint32_t i = 0; i < materials.size(); ++i) {
             if (materials[i].name != name) continue;
             *material = i;
             return;
         }
-        refuse("glint_scene_find_material: there is no material \"" + std::string(name) + "\"");
+        refuse("there is no material \"" + std::string(name) + "\"");
     });
 }

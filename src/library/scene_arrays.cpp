@@ -27,25 +27,24 @@ uint32_t addObject(glint_scene& scene, Object object) {
     return static_cast<uint32_t>(number);
 }
 
-void checkMaterial(const glint_scene& scene, uint32_t material, const char* call) {
+void checkMaterial(const glint_scene& scene, uint32_t material) {
     const size_t count = std::max<size_t>(scene.draft.materials.size(), 1);
     if (material >= count)
-        refuse(std::string(call) + ": there is no material " + std::to_string(material) + ", the scene has " +
+        refuse("there is no material " + std::to_string(material) + ", the scene has " +
                std::to_string(count));
 }
 
-void checkGeometry(const glint_scene* scene, uint32_t geometry, const char* call) {
-    if (scene == nullptr) refuse(std::string(call) + ": scene is NULL");
+void checkGeometry(const glint_scene* scene, uint32_t geometry) {
+    require(scene != nullptr, "scene is NULL");
     if (geometry >= scene->draft.objects.size())
-        refuse(std::string(call) + ": there is no geometry " + std::to_string(geometry) + ", the scene has " +
+        refuse("there is no geometry " + std::to_string(geometry) + ", the scene has " +
                std::to_string(scene->draft.objects.size()));
 }
 
 // Elements are numbered by U32; the last value is GLINT_NONE.
-void checkCount(uint64_t count, const char* what, const char* call) {
+void checkCount(uint64_t count, const char* what) {
     if (count >= GLINT_NONE)
-        refuse(std::string(call) + ": " + std::to_string(count) + " " + what + ", the limit is " +
-               std::to_string(GLINT_NONE - 1));
+        refuse(std::to_string(count) + " " + what + ", the limit is " + std::to_string(GLINT_NONE - 1));
 }
 
 uint64_t bytesOf(const Mesh& mesh) {
@@ -67,13 +66,13 @@ std::shared_ptr<Mesh> chargedMesh(const Context& context, uint64_t bytes) {
 }
 
 std::shared_ptr<const Mesh> meshOf(const Context& context, const glint_triangles& given) {
-    const NumberView vertices(given.vertices, 3, 0, "glint_scene_add_triangles: vertices");
+    const NumberView vertices(given.vertices, 3, 0, "vertices");
     const uint64_t triangles =
         given.indices.data == nullptr ? vertices.count() / 3 : uint64_t{given.indices.count};
-    checkCount(vertices.count(), "vertices", "glint_scene_add_triangles");
-    checkCount(triangles, "triangles", "glint_scene_add_triangles");
+    checkCount(vertices.count(), "vertices");
+    checkCount(triangles, "triangles");
     if (given.indices.data == nullptr && vertices.count() % 3 != 0)
-        refuse("glint_scene_add_triangles: without indices the number of vertices must be a multiple of 3");
+        refuse("without indices the number of vertices must be a multiple of 3");
     auto mesh = chargedMesh(context, vertices.count() * sizeof(dvec3) + triangles * sizeof(glm::uvec3));
     mesh->positions.resize(vertices.count());
     for (uint64_t i = 0; i < vertices.count(); ++i) mesh->positions[i] = vertices.three(i);
@@ -81,19 +80,23 @@ std::shared_ptr<const Mesh> meshOf(const Context& context, const glint_triangles
         for (uint32_t i = 0; i + 2 < vertices.count(); i += 3) mesh->corners.push_back({i, i + 1, i + 2});
         return mesh;
     }
-    const CornerView corners(given.indices, "glint_scene_add_triangles: indices");
+    const CornerView corners(given.indices, "indices");
     mesh->corners.resize(corners.count());
     for (uint64_t i = 0; i < corners.count(); ++i) {
         const glm::uvec3 corner = corners.three(i);
         if (std::max({corner.x, corner.y, corner.z}) >= vertices.count())
-            refuse("glint_scene_add_triangles: triangle " + std::to_string(i) +
-                   " names a vertex beyond the " + std::to_string(vertices.count()) + " that there are");
+            refuse("triangle " + std::to_string(i) + " names a vertex beyond the " +
+                   std::to_string(vertices.count()) + " that there are");
         mesh->corners[i] = corner;
     }
     return mesh;
 }
 
-Affine affineOf(const double (&rows)[12], const char* call) {
+// Rows of three numbers and an offset, of any alignment.
+Affine readTransform(const double* transform) {
+    require(transform != nullptr, "transform is NULL");
+    double rows[12];
+    std::memcpy(rows, transform, sizeof(rows));
     Affine affine;
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) affine.linear[column][row] = rows[4 * row + column];
@@ -101,15 +104,8 @@ Affine affineOf(const double (&rows)[12], const char* call) {
     }
     const double determinant = glm::determinant(affine.linear);
     if (!(std::abs(determinant) > 0 && std::isfinite(determinant)))
-        refuse(std::string(call) + ": transform: the matrix is singular, or not finite");
+        refuse("transform: the matrix is singular, or not finite");
     return affine;
-}
-
-Affine readTransform(const double* transform, const char* call) {
-    if (transform == nullptr) refuse(std::string(call) + ": transform is NULL");
-    double rows[12];
-    std::memcpy(rows, transform, sizeof(rows));
-    return affineOf(rows, call);
 }
 
 bool isFinite(const dvec3& p) {
@@ -118,12 +114,12 @@ bool isFinite(const dvec3& p) {
 
 // Checked here, because spheres cannot be removed from the scene.
 void checkSphere(uint64_t i, const dvec3& center, double radius) {
-    const std::string call = "glint_scene_add_spheres: ", number = std::to_string(i);
-    if (!(radius > 0)) refuse(call + "radius " + number + " is not greater than 0");
+    const std::string number = std::to_string(i);
+    if (!(radius > 0)) refuse("radius " + number + " is not greater than 0");
     if (!(radius >= kMinRadius && radius <= kMaxRadius))
-        refuse(call + "radius " + number + " is not from 1e-14 to 1e18");
+        refuse("radius " + number + " is not from 1e-14 to 1e18");
     if (!glm::all(glm::lessThan(glm::abs(center), dvec3(kMaxCoordinate))))
-        refuse(call + "center " + number + " is not finite, or not within 1e18 of 0");
+        refuse("center " + number + " is not finite, or not within 1e18 of 0");
 }
 
 // Adds objects, materials, textures and lights; everything else of `text` replaces the scene's.
@@ -182,10 +178,10 @@ using namespace glint::library;
 
 glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles* triangles,
                                        uint32_t* geometry) {
-    return guarded([&] {
-        require(scene != nullptr, "glint_scene_add_triangles: scene is NULL");
-        const glint_triangles given = readStruct(triangles, "glint_scene_add_triangles: triangles");
-        checkMaterial(*scene, given.material, "glint_scene_add_triangles");
+    return guarded("glint_scene_add_triangles", [&] {
+        require(scene != nullptr, "scene is NULL");
+        const glint_triangles given = readStruct(triangles, "triangles");
+        checkMaterial(*scene, given.material);
         glint::Object object;
         object.shape = glint::MeshShape{meshOf(scene->device->context, given)};
         object.material = given.material;
@@ -195,13 +191,13 @@ glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles
 }
 
 glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* spheres, uint32_t* first) {
-    return guarded([&] {
-        require(scene != nullptr, "glint_scene_add_spheres: scene is NULL");
-        const glint_spheres given = readStruct(spheres, "glint_scene_add_spheres: spheres");
-        checkMaterial(*scene, given.material, "glint_scene_add_spheres");
-        const NumberView centers(given.centers, 3, 0, "glint_scene_add_spheres: centers");
-        checkCount(scene->draft.objects.size() + centers.count(), "geometries", "glint_scene_add_spheres");
-        const NumberView radii(given.radii, 1, centers.count(), "glint_scene_add_spheres: radii");
+    return guarded("glint_scene_add_spheres", [&] {
+        require(scene != nullptr, "scene is NULL");
+        const glint_spheres given = readStruct(spheres, "spheres");
+        checkMaterial(*scene, given.material);
+        const NumberView centers(given.centers, 3, 0, "centers");
+        checkCount(scene->draft.objects.size() + centers.count(), "geometries");
+        const NumberView radii(given.radii, 1, centers.count(), "radii");
         for (uint64_t i = 0; i < centers.count(); ++i) checkSphere(i, centers.three(i), radii.one(i));
         const auto before = static_cast<uint32_t>(scene->draft.objects.size());
         for (uint64_t i = 0; i < centers.count(); ++i) {
@@ -216,9 +212,9 @@ glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* sp
 
 glint_status glint_scene_add_json(glint_scene* scene, const char* text, const char* folder, uint32_t* first,
                                   uint32_t* count) {
-    return guarded([&] {
-        require(scene != nullptr, "glint_scene_add_json: scene is NULL");
-        require(text != nullptr, "glint_scene_add_json: text is NULL");
+    return guarded("glint_scene_add_json", [&] {
+        require(scene != nullptr, "scene is NULL");
+        require(text != nullptr, "text is NULL");
         glint::Scene parsed =
             glint::parseScene(text, "text", folder == nullptr ? std::filesystem::path() : folder);
         scene->loaded.push_back(scene->device->context.charge(meshBytes(parsed)));
@@ -231,9 +227,9 @@ glint_status glint_scene_add_json(glint_scene* scene, const char* text, const ch
 
 glint_status glint_scene_add_instance(glint_scene* scene, uint32_t geometry, const double transform[12],
                                       uint32_t* instance) {
-    return guarded([&] {
-        checkGeometry(scene, geometry, "glint_scene_add_instance");
-        const glint::Affine moved = readTransform(transform, "glint_scene_add_instance");
+    return guarded("glint_scene_add_instance", [&] {
+        checkGeometry(scene, geometry);
+        const glint::Affine moved = readTransform(transform);
         const glint::Affine base = scene->added[geometry];
         glint::Object object = scene->draft.objects[geometry];
         object.transform = base;
@@ -244,30 +240,29 @@ glint_status glint_scene_add_instance(glint_scene* scene, uint32_t geometry, con
 }
 
 glint_status glint_scene_set_transform(glint_scene* scene, uint32_t geometry, const double transform[12]) {
-    return guarded([&] {
-        checkGeometry(scene, geometry, "glint_scene_set_transform");
-        const glint::Affine moved = readTransform(transform, "glint_scene_set_transform");
+    return guarded("glint_scene_set_transform", [&] {
+        checkGeometry(scene, geometry);
+        const glint::Affine moved = readTransform(transform);
         scene->draft.objects[geometry].transform = then(scene->added[geometry], moved);
     });
 }
 
 glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry, const glint_view* vertices) {
-    return guarded([&] {
-        checkGeometry(scene, geometry, "glint_scene_set_vertices");
-        require(vertices != nullptr, "glint_scene_set_vertices: vertices is NULL");
+    return guarded("glint_scene_set_vertices", [&] {
+        checkGeometry(scene, geometry);
+        require(vertices != nullptr, "vertices is NULL");
         const auto* shape = std::get_if<glint::MeshShape>(&scene->draft.objects[geometry].shape);
-        require(shape != nullptr, "glint_scene_set_vertices: the geometry is no mesh");
+        require(shape != nullptr, "the geometry is no mesh");
         const std::shared_ptr<const glint::Mesh> before = shape->mesh;
-        const NumberView given(*vertices, 3, 0, "glint_scene_set_vertices: vertices");
+        const NumberView given(*vertices, 3, 0, "vertices");
         if (given.count() != before->positions.size())
-            refuse("glint_scene_set_vertices: the mesh has " + std::to_string(before->positions.size()) +
-                   " vertices, but " + std::to_string(given.count()) + " were given");
+            refuse("the mesh has " + std::to_string(before->positions.size()) + " vertices, but " +
+                   std::to_string(given.count()) + " were given");
         const std::shared_ptr<glint::Mesh> mesh = chargedMesh(scene->device->context, bytesOf(*before));
         *mesh = *before;
         for (uint64_t i = 0; i < given.count(); ++i) {
             const glm::dvec3 position = given.three(i);
-            if (!isFinite(position))
-                refuse("glint_scene_set_vertices: vertex " + std::to_string(i) + " is not finite");
+            if (!isFinite(position)) refuse("vertex " + std::to_string(i) + " is not finite");
             mesh->positions[i] = position;
         }
         for (glint::Object& object : scene->draft.objects) {

@@ -40,6 +40,19 @@ glint_status guarded(Body&& body) noexcept {
     }
 }
 
+// Runs the body of a call whose refusals all begin with its name.
+template <class Body>
+glint_status guarded(const char* call, Body&& body) noexcept {
+    return guarded([&] {
+        try {
+            body();
+        } catch (const Failure& failure) {
+            if (failure.status() != GLINT_ERROR_ARGUMENT) throw;
+            refuse(std::string(call) + ": " + failure.what());
+        }
+    });
+}
+
 // A caller's struct in this version's layout; members that an older caller lacks are zero. `what` names it.
 template <class Struct>
 Struct readStruct(const Struct* given, const char* what) {

@@ -101,21 +101,11 @@ class Output {
     // Rounded down or up to the output's type.
     void putBelow(uint64_t i, double value) const { putTowards(i, value, -1); }
     void putAbove(uint64_t i, double value) const { putTowards(i, value, 1); }
-    void put(uint64_t i, const glm::dvec3& value) const {
+    template <glm::length_t N>
+    void put(uint64_t i, const glm::vec<N, double>& value) const {
         if (data_ == nullptr) return;
         std::byte* p = at(i);
-        for (int axis = 0; axis < 3; ++axis) store(p + axis * size_, value[axis]);
-    }
-    void put(uint64_t i, double first, double second) const {
-        if (data_ == nullptr) return;
-        std::byte* p = at(i);
-        store(p, first);
-        store(p + size_, second);
-    }
-    void put(uint64_t i, const glm::dvec4& value) const {
-        if (data_ == nullptr) return;
-        std::byte* p = at(i);
-        for (int c = 0; c < 4; ++c) store(p + c * size_, value[c]);
+        for (glm::length_t k = 0; k < N; ++k) store(p + k * size_, value[k]);
     }
     void putIndex(uint64_t i, uint32_t value) const {
         if (data_ != nullptr) std::memcpy(at(i), &value, sizeof(value));
