@@ -12,6 +12,7 @@ struct PixelDifference {
     int x = 0;
     int y = 0;
     float difference = 0;  // greatest absolute channel difference, see ImageDifference::max
+    bool operator==(const PixelDifference&) const = default;
 };
 
 // Rousselle, Knaus, Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", ACM TOG

@@ -202,6 +202,7 @@ struct Material {
     uint32_t transmissionTexture = kNoTexture;
     // Alpha of the diffuse texture below which the surface is cut out; 0 ignores alpha.
     double alphaCutoff = 0;
+    bool operator==(const Material&) const = default;
 };
 inline constexpr uint32_t Material::*kMaterialTextures[] = {
     &Material::ambientTexture, &Material::diffuseTexture, &Material::specularTexture,
@@ -227,40 +228,49 @@ struct Mesh {
 struct SphereShape {
     glm::dvec3 center{0};
     double radius = 1;  // > 0
+    bool operator==(const SphereShape&) const = default;
 };
 struct PlaneShape {
     glm::dvec3 point{0};
     glm::dvec3 normal{0, 1, 0};  // need not be unit length, not zero
+    bool operator==(const PlaneShape&) const = default;
 };
 struct DiscShape {
     glm::dvec3 center{0};
     glm::dvec3 normal{0, 1, 0};  // need not be unit length, not zero
     double radius = 1;           // > 0
+    bool operator==(const DiscShape&) const = default;
 };
 // The solid between two opposite corners; axis-aligned, of any kind under a transform.
 struct BoxShape {
     glm::dvec3 min{-1}, max{1};  // min < max, each component
+    bool operator==(const BoxShape&) const = default;
 };
 struct TriangleShape {
     glm::dvec3 vertices[3];
+    bool operator==(const TriangleShape&) const = default;
 };
 // Planar, concave or not, its outline may cross itself: inside is what it goes round an odd number of times.
 struct PolygonShape {
     std::vector<glm::dvec3> vertices;  // counter-clockwise seen from outside, see scene/polygon_plane.h
+    bool operator==(const PolygonShape&) const = default;
 };
 // A x^2 + B y^2 + C z^2 + D xy + E yz + F xz + G x + H y + I z + J = 0, the part within the box [lo, hi].
 struct QuadricShape {
     double coefficients[10] = {};
     glm::dvec3 lo{-1}, hi{1};
+    bool operator==(const QuadricShape&) const = default;
 };
 struct EllipsoidShape {
     glm::dvec3 center{0};
     glm::dvec3 radii{1};  // > 0
+    bool operator==(const EllipsoidShape&) const = default;
 };
 struct CylinderShape {
     glm::dvec3 base{0}, top{0, 1, 0};
     double radius = 1;  // > 0
     bool capped = false;
+    bool operator==(const CylinderShape&) const = default;
 };
 // Tapers from `radius` at the base to `topRadius` at the apex, which is 0 for a whole cone.
 struct ConeShape {
@@ -268,6 +278,7 @@ struct ConeShape {
     double radius = 1;     // > 0
     double topRadius = 0;  // >= 0, not equal to radius
     bool capped = false;
+    bool operator==(const ConeShape&) const = default;
 };
 // One sheet about the axis from base to top: `waist` the radius half way, `radius` that of both ends.
 struct HyperboloidShape {
@@ -275,15 +286,18 @@ struct HyperboloidShape {
     double radius = 1;   // > waist
     double waist = 0.5;  // > 0
     bool capped = false;
+    bool operator==(const HyperboloidShape&) const = default;
 };
 // From the vertex to the rim, whose radius is given.
 struct ParaboloidShape {
     glm::dvec3 vertex{0}, top{0, 1, 0};
     double radius = 1;  // > 0
     bool capped = false;
+    bool operator==(const ParaboloidShape&) const = default;
 };
 struct MeshShape {
     std::shared_ptr<const Mesh> mesh;
+    bool operator==(const MeshShape&) const = default;
 };
 using Shape =
     std::variant<SphereShape, PlaneShape, DiscShape, BoxShape, TriangleShape, PolygonShape, QuadricShape,
@@ -307,6 +321,7 @@ struct Object {
     // Transform from the object's own coordinates that the reader has already applied to the shape. Textures
     // are fixed in object coordinates.
     Affine applied = {};
+    bool operator==(const Object&) const = default;
 };
 
 // Radiance from infinitely far away, in latitude and longitude: row 0 is straight up, the middle column is

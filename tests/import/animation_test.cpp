@@ -68,16 +68,16 @@ TEST_F(AnimationFile, MovesNumbersOfAnyPart) {
     EXPECT_EQ(std::get<PointLight>(scene.lights[0]).intensity, Color(3));
     EXPECT_EQ(scene.materials[0].diffuse, Color(0.5));
     EXPECT_EQ(std::get<SphereShape>(scene.objects[1].shape).radius, 1.5);
-    EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh->positions[0], dvec3(1, 2, 3));
+    EXPECT_EQ(meshOf(scene).positions[0], dvec3(1, 2, 3));
 }
 
 TEST_F(AnimationFile, QuaternionsTurn) {
     SceneReader r = reader(R"({"target": "/objects/0/transform/0/quaternion", "times": [0, 1],
         "values": [[0, 0, 0, 1], [0, 1, 0, 0]]})");
     r.moveTo(0.5);  // a quarter turn about y takes x to -z
-    const dvec3 corner = std::get<MeshShape>(r.scene().objects[0].shape).mesh->positions[1];
+    const dvec3 corner = meshOf(r.scene()).positions[1];
     const SceneReader still = reader("", 0.0);
-    const dvec3 before = std::get<MeshShape>(still.scene().objects[0].shape).mesh->positions[1];
+    const dvec3 before = meshOf(still.scene()).positions[1];
     EXPECT_NEAR(corner.z, -before.x, 1e-12);
     EXPECT_NEAR(corner.x, before.z, 1e-12);
 }
@@ -97,8 +97,7 @@ TEST_F(AnimationFile, TheWayThereDoesNotMatter) {
     EXPECT_EQ(r.scene().camera.eye, direct.camera.eye);
     EXPECT_EQ(std::get<SphereShape>(r.scene().objects[1].shape).center,
               std::get<SphereShape>(direct.objects[1].shape).center);
-    EXPECT_EQ(std::get<MeshShape>(r.scene().objects[0].shape).mesh->positions,
-              std::get<MeshShape>(direct.objects[0].shape).mesh->positions);
+    EXPECT_EQ(meshOf(r.scene()).positions, meshOf(direct).positions);
     EXPECT_EQ(r.scene().sources, direct.sources);
 }
 

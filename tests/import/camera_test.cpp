@@ -50,16 +50,6 @@ TEST_F(Cameras, AreChosenByName) {
     EXPECT_EQ(error("{}", "x\n"), "s.json: no camera \"x?\" (none in it has a name)");
 }
 
-TEST_F(Cameras, FaultsAreSaidByName) {
-    EXPECT_EQ(parseErrorOf(R"({"cameras": []})"), "s.json: /cameras: must be an object {...} (got [])");
-    EXPECT_EQ(parseErrorOf(R"({"cameras": {"": {}}})"),
-              "s.json: /cameras: a camera's name must not be empty");
-    EXPECT_EQ(parseErrorOf(R"({"cameras": {"a/b": {"fovX": 3}}})"),
-              "s.json: /cameras/a~1b/fovX: unknown key (did you mean \"fovY\"?)");
-    EXPECT_EQ(parseErrorOf(R"({"cameras": {"a/b": {"eye": [0, 0, 0]}}})"),
-              "s.json: /cameras/a~1b: eye and target must differ (both [0, 0, 0])");
-}
-
 // A chosen camera has tracks of its own, and the others' do not move it.
 TEST_F(Cameras, AreAnimated) {
     writeText(file("s.json"), R"({"camera": {}, "cameras": {"a": {"eye": [0, 0, 4]}, "b": {"eye": [0, 0, 3]}},
@@ -137,14 +127,8 @@ TEST_F(Cameras, TextMeansTheSame) {
     Camera parallel;
     parallel.projection = Projection::Orthographic;
     parallel.height = 1.1;
-    for (const Camera& camera : {Camera{}, full, parallel}) {
-        const Camera read = parse("{\"camera\": " + cameraText(camera) + "}").camera;
-        EXPECT_EQ(cameraText(read), cameraText(camera));
-        EXPECT_EQ(read.eye, camera.eye);
-        EXPECT_EQ(read.focusDistance, camera.focusDistance);
-        EXPECT_EQ(read.farT, camera.farT);
-        EXPECT_EQ(read.window.has_value(), camera.window.has_value());
-    }
+    for (const Camera& camera : {Camera{}, full, parallel})
+        EXPECT_EQ(parse("{\"camera\": " + cameraText(camera) + "}").camera, camera) << cameraText(camera);
 }
 
 // By hand, so that what is kept is seen.

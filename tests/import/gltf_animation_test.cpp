@@ -70,10 +70,10 @@ TEST_F(GltfAnimation, NodesMoveAndMeshesAreReadOnce) {
     EXPECT_EQ(r.scene().animation->framesPerSecond, 24);
     EXPECT_TRUE(r.scene().warnings.empty()) << r.scene().warnings[0];
     EXPECT_FALSE(r.scene().objects[0].transform);
-    const auto mesh = std::get<MeshShape>(r.scene().objects[0].shape).mesh;
+    const Mesh* const mesh = &meshOf(r.scene());
     EXPECT_EQ(r.moveTo(1), Change::Scene);
     EXPECT_EQ(offsetOf(r.scene()), dvec3(2, 0, 1));
-    EXPECT_EQ(std::get<MeshShape>(r.scene().objects[0].shape).mesh, mesh);
+    EXPECT_EQ(&meshOf(r.scene()), mesh);
     EXPECT_EQ(r.moveTo(1), Change::Nothing);
     EXPECT_EQ(r.moveTo(9), Change::Scene);
     EXPECT_EQ(offsetOf(r.scene()), dvec3(4, 0, 2));

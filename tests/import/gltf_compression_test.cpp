@@ -71,7 +71,7 @@ std::string dracoText(const std::string& data, const std::string& ids = R"("POSI
 
 // The corners of the triangles, in the file's order.
 std::vector<glm::dvec3> cornersOf(const Scene& scene) {
-    const Mesh& mesh = *std::get<MeshShape>(scene.objects.at(0).shape).mesh;
+    const Mesh& mesh = meshOf(scene);
     std::vector<glm::dvec3> corners;
     for (const glm::uvec3& c : mesh.corners)
         for (int i = 0; i < 3; i++) corners.push_back(mesh.positions.at(c[i]));

@@ -24,10 +24,6 @@ std::string pbr(const std::string& members) {
     return "\"pbrMetallicRoughness\": {" + members + "}";
 }
 
-void expectNear(const Color& a, const Color& b, double tolerance = 1e-12) {
-    EXPECT_LT(glm::length(a - b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
-}
-
 std::string extension(const std::string& name, const std::string& members) {
     return "\"extensions\": {\"KHR_materials_" + name + "\": {" + members + "}}";
 }
@@ -53,10 +49,6 @@ Scene textured(const std::string& members, const std::string& picture, const std
           "TEXCOORD_0": 1, "TEXCOORD_1": 2}, "material": 0}]}], "materials": [{)" +
         members + R"(}], "textures": [{"source": 0)" + texture + R"(}], "images": [{"uri": )" +
         dataUri(picture) + "}]" + rest));
-}
-
-const Mesh& meshOf(const Scene& scene) {
-    return *std::get<MeshShape>(scene.objects.at(0).shape).mesh;
 }
 
 std::string specularGlossiness(const std::string& members) {

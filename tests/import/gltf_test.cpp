@@ -16,17 +16,9 @@ Scene load(const std::string& bytes, const char* name = "a.gltf") {
     return OneFile(name).scene(bytes);
 }
 
-const Mesh& meshOf(const Scene& scene, size_t object = 0) {
-    return *std::get<MeshShape>(scene.objects.at(object).shape).mesh;
-}
-
 dvec3 apply(const Object& object, const dvec3& p) {
     const Affine t = object.transform.value_or(Affine{});
     return t.linear * p + t.offset;
-}
-
-void expectNear(const dvec3& a, const dvec3& b, double tolerance = 1e-12) {
-    EXPECT_LT(glm::length(a - b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
 }
 
 // Six points in a row of zigzags, drawn with `mode` and `indices`.
@@ -164,8 +156,7 @@ TEST(Gltf, ANodeThatIsFlattenedToAPlaneIsDrawn) {
     const Scene scene = load(triangleGltf("", R"(, "scale": [2, 3, 0], "translation": [0, 0, 5])"));
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_FALSE(scene.objects[0].transform.has_value());
-    EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh->positions,
-              (std::vector<glm::dvec3>{{0, 0, 5}, {2, 0, 5}, {0, 3, 5}}));
+    EXPECT_EQ(meshOf(scene).positions, (std::vector<glm::dvec3>{{0, 0, 5}, {2, 0, 5}, {0, 3, 5}}));
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
 }
 
@@ -188,8 +179,7 @@ TEST(Gltf, InstancesOfANode) {
     EXPECT_EQ(scene.objects[0].transform->offset, glm::dvec3(0, 0, 1));
     const Affine place = *scene.objects[1].transform;
     EXPECT_EQ(place.linear * glm::dvec3(1, 0, 0) + place.offset, glm::dvec3(3, 0, 1));
-    EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh,
-              std::get<MeshShape>(scene.objects[1].shape).mesh);
+    EXPECT_EQ(&meshOf(scene, 0), &meshOf(scene, 1));
     const std::string message = errorOf([&] { load(text(R"("TRANSLATION": 1, "SCALE": 4)")); });
     EXPECT_NE(message.find("must have the same number of elements"), std::string::npos) << message;
 }

@@ -90,36 +90,24 @@ TEST(Nff, SpheresAndPolygons) {
     const Scene scene = load(
         "s 1 2 3 4\np 3\n0 0 0\n1 0 0\n0 1 0\np 4 0 0 0 2 0 0 2 1 0 0 1 0 # one line\n"
         "p 5 0 0 0 2 0 0 2 2 0 1 1 0 0 2 0\n");
-    ASSERT_EQ(scene.objects.size(), 4u);
-    EXPECT_EQ(std::get<SphereShape>(scene.objects[0].shape).center, dvec3(1, 2, 3));
-    EXPECT_EQ(std::get<SphereShape>(scene.objects[0].shape).radius, 4);
-    EXPECT_EQ(std::get<TriangleShape>(scene.objects[1].shape).vertices[1], dvec3(1, 0, 0));
-    EXPECT_EQ(std::get<PolygonShape>(scene.objects[2].shape).vertices.size(), 4u);
-    EXPECT_EQ(std::get<PolygonShape>(scene.objects[3].shape).vertices[3], dvec3(1, 1, 0));
-    EXPECT_EQ(scene.objects[2].name, "line 6");
+    const std::vector<Object> expected = {
+        {"line 1", SphereShape{{1, 2, 3}, 4}},
+        {"line 2", TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}},
+        {"line 6", PolygonShape{{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}}},
+        {"line 7", PolygonShape{{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 1, 0}, {0, 2, 0}}}}};
+    EXPECT_EQ(scene.objects, expected);
 }
 
 TEST(Nff, ConesAndCylinders) {
     const Scene scene = load(
         "c 0 0 0 2\n0 0 3 1\nc 0 0 0 2 0 0 3 2\nc 0 0 0 1 0 0 3 2\nc 0 0 0 -2 0 0 3 -2\n"
         "c\n0 0 0 2 # tapers to a point\n0 0 3 0\n");
-    ASSERT_EQ(scene.objects.size(), 5u);
-    const auto& cone = std::get<ConeShape>(scene.objects[0].shape);
-    EXPECT_EQ(cone.base, dvec3(0));
-    EXPECT_EQ(cone.apex, dvec3(0, 0, 3));
-    EXPECT_EQ(cone.radius, 2);
-    EXPECT_EQ(cone.topRadius, 1);
-    EXPECT_FALSE(cone.capped);  // "the surface exists without endcaps"
-    const auto& cylinder = std::get<CylinderShape>(scene.objects[1].shape);
-    EXPECT_EQ(cylinder.top, dvec3(0, 0, 3));
-    EXPECT_EQ(cylinder.radius, 2);
-    EXPECT_FALSE(cylinder.capped);
-    const auto& turned = std::get<ConeShape>(scene.objects[2].shape);  // the wider end is the base
-    EXPECT_EQ(turned.base, dvec3(0, 0, 3));
-    EXPECT_EQ(turned.radius, 2);
-    EXPECT_EQ(turned.topRadius, 1);
-    EXPECT_EQ(std::get<CylinderShape>(scene.objects[3].shape).radius, 2);
-    EXPECT_EQ(std::get<ConeShape>(scene.objects[4].shape).topRadius, 0);
+    // "The surface exists without endcaps." The wider end of the third is its base.
+    const std::vector<Shape> expected = {
+        ConeShape{{0, 0, 0}, {0, 0, 3}, 2, 1, false}, CylinderShape{{0, 0, 0}, {0, 0, 3}, 2, false},
+        ConeShape{{0, 0, 3}, {0, 0, 0}, 2, 1, false}, CylinderShape{{0, 0, 0}, {0, 0, 3}, 2, false},
+        ConeShape{{0, 0, 0}, {0, 0, 3}, 2, 0, false}};
+    EXPECT_EQ(shapesOf(scene), expected);
     ASSERT_EQ(scene.warnings.size(), 1u);
     EXPECT_NE(scene.warnings[0].find("1 surfaces with a negative radius"), std::string::npos);
 }
@@ -129,12 +117,12 @@ TEST(Nff, PatchesThatFollowEachOtherAreOneMesh) {
     const Scene scene =
         load(patch + "pp 4 1 0 0 0 0 1 2 0 0 0 0 1 2 1 0 0 0 1 1 1 0 0 0 1\n" + "s 9 9 9 1\n" + patch);
     ASSERT_EQ(scene.objects.size(), 3u);
-    const Mesh& mesh = *std::get<MeshShape>(scene.objects[0].shape).mesh;
+    const Mesh& mesh = meshOf(scene);
     ASSERT_EQ(mesh.corners.size(), 3u);
     EXPECT_EQ(mesh.faces, (std::vector<uint32_t>{0, 1, 1}));
     ASSERT_EQ(mesh.normalCorners.size(), 3u);
     EXPECT_EQ(mesh.normals[mesh.normalCorners[0].y], dvec3(1, 0, 1));
-    EXPECT_EQ(std::get<MeshShape>(scene.objects[2].shape).mesh->corners.size(), 1u);
+    EXPECT_EQ(meshOf(scene, 2).corners.size(), 1u);
 }
 
 TEST(Nff, WhatIsWarnedAbout) {
@@ -146,7 +134,7 @@ TEST(Nff, WhatIsWarnedAbout) {
     const std::string bent = "p 4 0 0 0 1 0 0 1 1 0.5 0 1 0\n";
     EXPECT_EQ(load(bent).warnings,
               std::vector<std::string>{"1 polygons are not planar and were split into triangles"});
-    EXPECT_EQ(std::get<MeshShape>(load(bent).objects[0].shape).mesh->corners.size(), 2u);
+    EXPECT_EQ(meshOf(load(bent)).corners.size(), 2u);
     EXPECT_EQ(load("v from 0 -4 1 at 0 0 0 up 0 0 1 angle 45 resolution 400 300 s 0 0 0 1").warnings.size(),
               1u);
 }

@@ -18,10 +18,6 @@ std::string importErrorOf(const std::string& text) {
     return OneFile("m.obj").error(text);
 }
 
-void expectNear(const Color& a, const Color& b) {
-    for (int i = 0; i < 3; i++) EXPECT_NEAR(a[i], b[i], 1e-15);
-}
-
 const std::string kFour = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 TEST(Obj, Cube) {
@@ -191,18 +187,18 @@ TEST(Obj, Materials) {
     EXPECT_EQ(imported.mesh.materials, (std::vector<uint32_t>{1, 1, 0, 2}));
     const Material& red = imported.materials[0];
     EXPECT_EQ(red.name, "red paint");
-    expectNear(red.ambient, Color(0.1, 0.2, 0.3));
-    expectNear(red.diffuse, Color(0.8, 0, 0));
+    expectNear(red.ambient, Color(0.1, 0.2, 0.3), 1e-15);
+    expectNear(red.diffuse, Color(0.8, 0, 0), 1e-15);
     EXPECT_EQ(red.specular, Color(0.5));
     EXPECT_EQ(red.shininess, 60);
     EXPECT_EQ(red.mirror, Color(0));
     const Material& chrome = imported.materials[1];
-    expectNear(chrome.ambient, Color(0.1));  // no Ka
-    expectNear(chrome.specular, Color(0.9, 0.8, 2));
-    expectNear(chrome.mirror, Color(0.9, 0.8, 1));
+    expectNear(chrome.ambient, Color(0.1), 1e-15);  // no Ka
+    expectNear(chrome.specular, Color(0.9, 0.8, 2), 1e-15);
+    expectNear(chrome.mirror, Color(0.9, 0.8, 1), 1e-15);
     const Material& paper = imported.materials[2];
-    expectNear(paper.ambient, Color(0.7));
-    expectNear(paper.diffuse, Color(0.7));
+    expectNear(paper.ambient, Color(0.7), 1e-15);
+    expectNear(paper.diffuse, Color(0.7), 1e-15);
     EXPECT_EQ(paper.specular, Color(0));
 }
 
@@ -222,23 +218,23 @@ TEST(Obj, MaterialsLetLightThrough) {
     EXPECT_TRUE(imported.warnings.empty());
     ASSERT_EQ(imported.materials.size(), 4u);
     const Material& veil = imported.materials[0];
-    expectNear(veil.transmission, Color(0.75));
-    expectNear(veil.diffuse, Color(0.2, 0.1, 0));
-    expectNear(veil.ambient, Color(0.2, 0.1, 0));
-    expectNear(veil.specular, Color(0.125));
+    expectNear(veil.transmission, Color(0.75), 1e-15);
+    expectNear(veil.diffuse, Color(0.2, 0.1, 0), 1e-15);
+    expectNear(veil.ambient, Color(0.2, 0.1, 0), 1e-15);
+    expectNear(veil.specular, Color(0.125), 1e-15);
     EXPECT_EQ(veil.ior, 1);  // Ni bends light in the models 6 and 7 alone
     const Material& tinted = imported.materials[1];
-    expectNear(tinted.transmission, Color(0.5, 0.25, 0));
-    expectNear(tinted.diffuse, Color(0.4));
+    expectNear(tinted.transmission, Color(0.5, 0.25, 0), 1e-15);
+    expectNear(tinted.diffuse, Color(0.4), 1e-15);
     EXPECT_EQ(tinted.ior, 1);
     const Material& glass = imported.materials[2];
-    expectNear(glass.transmission, Color(0.9, 1, 1));
-    expectNear(glass.specular, Color(1));
+    expectNear(glass.transmission, Color(0.9, 1, 1), 1e-15);
+    expectNear(glass.specular, Color(1), 1e-15);
     EXPECT_EQ(glass.mirror, Color(0));  // Fresnel's law instead
     EXPECT_DOUBLE_EQ(glass.ior, 1.45);
     const Material& painted = imported.materials[3];  // exporters write Tf of opaque things too
     EXPECT_EQ(painted.transmission, Color(0));
-    expectNear(painted.diffuse, Color(0.5));
+    expectNear(painted.diffuse, Color(0.5), 1e-15);
 }
 
 TEST(Obj, MaterialsWarnOfWhatIsNotDrawn) {

@@ -23,6 +23,7 @@ TEST_P(ParseError, IsOneExactLine) {
     EXPECT_EQ(parseErrorOf(GetParam().text), GetParam().message);
 }
 
+#define OBJECT(...) R"({"objects": [{"type": )" __VA_ARGS__ "}]}"
 #define SPHERE(...) R"({"objects": [{"type": "sphere", "center": [0, 0, 0], )" __VA_ARGS__ "}]}"
 #define DISC(...) R"({"objects": [{"type": "disc", "center": [0, 0, 0], )" __VA_ARGS__ "}]}"
 #define POLYGON(VERTICES) R"({"objects": [{"type": "polygon", "vertices": [)" VERTICES "]}]}"
@@ -46,11 +47,34 @@ const Case kStructure[] = {
     {"missingFile", R"({"meshes": {"a": {}}})", R"(s.json: /meshes/a: missing key "file")"},
     {"objectsNoArray", R"({"objects": {}})", "s.json: /objects: must be an array [...] (got an object)"},
     {"objectNoObject", R"({"objects": [3]})", "s.json: /objects/0: must be an object {...} (got 3)"},
+    {"groupWithoutObjects", OBJECT(R"("group")"), R"(s.json: /objects/0: missing key "objects")"},
+    {"groupOfNoList", OBJECT(R"("group", "objects": 3)"),
+     "s.json: /objects/0/objects: must be a list of objects (got 3)"},
+    {"camerasNoObject", R"({"cameras": []})", "s.json: /cameras: must be an object {...} (got [])"},
+    {"cameraWithoutName", R"({"cameras": {"": {}}})", "s.json: /cameras: a camera's name must not be empty"},
     {"duplicateKey", R"({"ambient": 1, "ambient": 2})",
      R"(s.json:1:25: the key "ambient" stands here twice)"},
     {"pointerEscapes", R"({"materials": {"a/b~c": {"x": 1}}})",
      "s.json: /materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror, "
      "transmission, ior, attenuation, ...)"},
+};
+
+// Of other programs.
+const Case kWords[] = {
+    {"color", R"({"materials": {"m": {"color": 1}}})",
+     R"(s.json: /materials/m/color: unknown key (the colour of a material is "diffuse"))"},
+    {"opacity", R"({"materials": {"m": {"opacity": 1}}})",
+     R"(s.json: /materials/m/opacity: unknown key (give "transmission", which is 1 - opacity))"},
+    {"imageOfMaterial", R"({"materials": {"m": {"diffuse": "earth.png"}}})",
+     R"(s.json: /materials/m/diffuse: must be a number, [r, g, b] or {"texture": "FILE"} (got "earth.png"))"},
+    {"position", OBJECT(R"("sphere", "position": [0, 0, 0], "radius": 1)"),
+     R"(s.json: /objects/0/position: unknown key (give "center", or "transform"))"},
+    {"cube", OBJECT(R"("cube")"),
+     R"(s.json: /objects/0/type: unknown object type "cube" (did you mean "box"?))"},
+    {"fileOfMesh", OBJECT(R"("mesh", "file": "a.obj")"),
+     R"(s.json: /objects/0/file: unknown key (name the file in "meshes": {"NAME": {"file": ...}}, and give "mesh": "NAME"))"},
+    {"materialOfObject", SPHERE(R"("radius": 1, "material": {"diffuse": 1})"),
+     R"(s.json: /objects/0/material: must be a name: put the material into "materials": {"NAME": {...}})"},
 };
 
 const Case kTypes[] = {
@@ -220,8 +244,6 @@ const Case kValues[] = {
      "s.json: /meshes/bunny/file: the file name is empty"},
 };
 
-#define OBJECT(...) R"({"objects": [{"type": )" __VA_ARGS__ "}]}"
-
 const Case kShapes[] = {
     {"quadricOfTwo", OBJECT(R"("quadric", "coefficients": [1, 2], "bounds": [[0,0,0],[1,1,1]])"),
      "s.json: /objects/0/coefficients: must be ten numbers [A, B, C, D, E, F, G, H, I, J] (got [1, 2])"},
@@ -264,6 +286,10 @@ const Case kShapes[] = {
 #define SPOT(...) R"({"lights": [{"type": "spot", "position": [0, 0, 0], )" __VA_ARGS__ "}]}"
 
 const Case kCamerasAndSpots[] = {
+    {"keyOfNamedCamera", R"({"cameras": {"a/b": {"fovX": 3}}})",
+     R"(s.json: /cameras/a~1b/fovX: unknown key (did you mean "fovY"?))"},
+    {"eyeOfNamedCamera", R"({"cameras": {"a/b": {"eye": [0, 0, 0]}}})",
+     "s.json: /cameras/a~1b: eye and target must differ (both [0, 0, 0])"},
     {"heightNegative", ORTHOGRAPHIC(R"("height": -2)"), "s.json: /camera/height: must be > 0 (got -2)"},
     {"heightTiny", ORTHOGRAPHIC(R"("height": 1e-19)"),
      "s.json: /camera/height: must be from 1e-18 to 1e+18 (got 1e-19)"},
@@ -317,6 +343,17 @@ const Case kTransforms[] = {
     // 1e-13
     {"nearlySingular", TRANSFORM(R"([{"scale": [1, 1, 1e-13]}])"),
      "s.json: /objects/0/transform: is nearly singular (condition number 1.41421e+13, the limit is 1e+12)"},
+    {"boxTooUneven", OBJECT(R"("box", "min": [0, 0, 0], "max": [1, 1, 1],
+                          "transform": [1, 1, 0, 0, 1, 1.00001, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])"),
+     "s.json: /objects/0/transform: stretches too unevenly for single precision, which would be off by "
+     "400002 roundings (the limit is 16384); give the shape as a mesh"},
+    {"groupSingular", OBJECT(R"("group", "objects": [], "transform": [{"scale": [1, 0, 1]}])"),
+     "s.json: /objects/0/transform: is singular, it flattens the object"},
+    // Each alone has a condition number below 1e12; together sqrt(2) 1e14 or so.
+    {"nearlySingularTogether", OBJECT(R"("group", "transform": [{"scale": [1, 1, 1e-7]}], "objects": [
+        {"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"scale": [1, 1, 1e-7]}]}])"),
+     "s.json: /objects/0/objects/0/transform: is nearly singular together with the transforms of the groups "
+     "around it (condition number 1.41421e+14, the limit is 1e+12)"},
     {"notFinite", TRANSFORM(R"([{"scale": 1e200}, {"scale": 1e200}])"),
      "s.json: /objects/0/transform: is not finite"},
 };
@@ -326,6 +363,7 @@ std::string caseName(const testing::TestParamInfo<Case>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Structure, ParseError, testing::ValuesIn(kStructure), caseName);
+INSTANTIATE_TEST_SUITE_P(Words, ParseError, testing::ValuesIn(kWords), caseName);
 INSTANTIATE_TEST_SUITE_P(Types, ParseError, testing::ValuesIn(kTypes), caseName);
 INSTANTIATE_TEST_SUITE_P(Values, ParseError, testing::ValuesIn(kValues), caseName);
 INSTANTIATE_TEST_SUITE_P(Shapes, ParseError, testing::ValuesIn(kShapes), caseName);
@@ -384,27 +422,6 @@ TEST(ParseErrors, SeveralWithTheirPlaces) {
     for (int i = 0; i < 30; i++) many += (i > 0 ? "," : "") + std::string("{}");
     const std::string ten = placed("{\"objects\": [" + many + "]}");
     EXPECT_EQ(std::count(ten.begin(), ten.end(), '\n'), 9);
-}
-
-TEST(ParseErrors, WordsOfOtherPrograms) {
-    const std::pair<const char*, const char*> cases[] = {
-        {R"({"materials": {"m": {"color": 1}}})",
-         "/materials/m/color: unknown key (the colour of a material is \"diffuse\")"},
-        {R"({"materials": {"m": {"opacity": 1}}})",
-         "/materials/m/opacity: unknown key (give \"transmission\", which is 1 - opacity)"},
-        {R"({"materials": {"m": {"diffuse": "earth.png"}}})",
-         "/materials/m/diffuse: must be a number, [r, g, b] or {\"texture\": \"FILE\"} (got \"earth.png\")"},
-        {R"({"objects": [{"type": "sphere", "position": [0, 0, 0], "radius": 1}]})",
-         "/objects/0/position: unknown key (give \"center\", or \"transform\")"},
-        {R"({"objects": [{"type": "cube"}]})",
-         "/objects/0/type: unknown object type \"cube\" (did you mean \"box\"?)"},
-        {R"({"objects": [{"type": "mesh", "file": "a.obj"}]})",
-         "/objects/0/file: unknown key (name the file in \"meshes\": {\"NAME\": {\"file\": ...}}, and give "
-         "\"mesh\": \"NAME\")"},
-        {R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": {"diffuse": 1}}]})",
-         "/objects/0/material: must be a name: put the material into \"materials\": {\"NAME\": {...}}"}};
-    for (const auto& [text, message] : cases)
-        EXPECT_EQ(parseErrorOf(text), std::string("s.json: ") + message);
 }
 
 TEST(ParseErrors, UnitsOfOtherProgramsAreWarnedOf) {

@@ -187,7 +187,7 @@ TEST(Stl, AModelAloneAndAMeshOfASceneFile) {
     EXPECT_EQ(alone.camera.target, dvec3(0.5));
     const Scene scene = loadScene(folder.write(
         "s.json", R"({"meshes": {"t": {"file": "t.STL"}}, "objects": [{"type": "mesh", "mesh": "t"}]})"));
-    EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh->corners.size(), 4u);
+    EXPECT_EQ(meshOf(scene).corners.size(), 4u);
 }
 
 }  // namespace glint::test::stl_test

@@ -21,6 +21,20 @@ std::string parseErrorOf(const std::string& text) {
     return errorOf([&] { parse(text); });
 }
 
+std::vector<Shape> shapesOf(const Scene& scene) {
+    std::vector<Shape> shapes;
+    for (const Object& object : scene.objects) shapes.push_back(object.shape);
+    return shapes;
+}
+
+const Mesh& meshOf(const Scene& scene, size_t object) {
+    return *std::get<MeshShape>(scene.objects.at(object).shape).mesh;
+}
+
+void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
+    EXPECT_LE(glm::length(a - b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
+}
+
 namespace {
 
 void removePath(const std::filesystem::path& path, std::vector<std::string>& warnings) {

@@ -107,7 +107,7 @@ TEST_F(TextureFilesTest, ObjBringsCoordinatesColorsAndMaps) {
                                     "usemtl skin\nf 1/1 2/2 3/3 4/4\nusemtl leaf\nf 1/1 2/2 3/-1\n"
                                     "usemtl lost\nf 1 2 3\n");
     const Scene scene = loadScene(path);
-    const Mesh& mesh = *std::get<MeshShape>(scene.objects[0].shape).mesh;
+    const Mesh& mesh = meshOf(scene);
     ASSERT_EQ(mesh.corners.size(), 4u);
     ASSERT_EQ(mesh.uvCorners.size(), 4u);
     for (size_t i = 0; i < 2; i++) EXPECT_EQ(mesh.uvCorners[i], mesh.corners[i]);
@@ -139,20 +139,20 @@ TEST_F(TextureFilesTest, PlyBringsCoordinatesAndColors) {
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
         "property float z\nproperty float s\nproperty float t\n";
     const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    const auto meshOf = [&](const std::string& type, const std::string& body) {
+    const auto read = [&](const std::string& type, const std::string& body) {
         std::string text = header;
         for (const char* name : {"red", "green", "blue"}) text += "property " + type + " " + name + "\n";
         const Scene scene = loadScene(folder_.write("m.ply", text + faces + body));
-        return *std::get<MeshShape>(scene.objects[0].shape).mesh;
+        return meshOf(scene);
     };
     const Mesh codes =
-        meshOf("uchar", "0 0 0 0.5 1 188 0 255\n1 0 0 0 0 0 0 0\n1 1 0 1 1 255 255 255\n3 0 1 2\n");
+        read("uchar", "0 0 0 0.5 1 188 0 255\n1 0 0 0 0 0 0 0\n1 1 0 1 1 255 255 255\n3 0 1 2\n");
     EXPECT_EQ(codes.uvs[0], glm::dvec2(0.5, 1));
     EXPECT_EQ(codes.uvCorners[0], glm::uvec3(0, 1, 2));
     EXPECT_NEAR(codes.colors[0].x, 0.50289, 1e-5);
     EXPECT_EQ(codes.colors[0].y, 0);
     EXPECT_NEAR(codes.colors[0].z, 1, 1e-15);
-    const Mesh linear = meshOf("float", "0 0 0 0 0 0.5 0 2\n1 0 0 0 0 0 0 0\n1 1 0 1 1 1 1 1\n3 0 1 2\n");
+    const Mesh linear = read("float", "0 0 0 0 0 0.5 0 2\n1 0 0 0 0 0 0 0\n1 1 0 1 1 1 1 1\n3 0 1 2\n");
     EXPECT_EQ(linear.colors[0], Color(0.5, 0, 2));
 }
 
@@ -161,7 +161,7 @@ TEST_F(TextureFilesTest, MirroredMeshesKeepTheirCoordinates) {
     folder_.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n");
     const Scene scene = parseIn(R"({"meshes": {"m": {"file": "m.obj"}},
         "objects": [{"type": "mesh", "mesh": "m", "transform": [{"scale": [-1, 1, 1]}]}]})");
-    const Mesh& mesh = *std::get<MeshShape>(scene.objects[0].shape).mesh;
+    const Mesh& mesh = meshOf(scene);
     EXPECT_EQ(mesh.corners[0], glm::uvec3(0, 2, 1));
     EXPECT_EQ(mesh.uvCorners[0], glm::uvec3(0, 2, 1));
     EXPECT_EQ(scene.objects[0].applied.linear[0][0], -1);
