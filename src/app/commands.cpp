@@ -28,12 +28,6 @@ std::string formatSeconds(double seconds) {
     return seconds < 1 ? format("%.0f ms", seconds * 1e3) : format("%.2f s", seconds);
 }
 
-std::string joined(const std::vector<std::string>& words, const std::string& between) {
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-    return text;
-}
-
 void printJson(const nlohmann::json& json, std::ostream& out) {
     out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
 }

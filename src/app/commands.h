@@ -67,9 +67,6 @@ Progress progressOf(const std::string& label, ProgressMode mode, std::ostream& e
 
 std::string formatSeconds(double seconds);
 
-// "a, b, c"
-std::string joined(const std::vector<std::string>& words, const std::string& between = ", ");
-
 // Prints a document; bytes of file names that are not UTF-8 are replaced.
 void printJson(const nlohmann::json& json, std::ostream& out);
 

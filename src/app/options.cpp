@@ -77,7 +77,7 @@ std::vector<std::string> namesIn(const std::string& text, const std::string& wha
         const std::string name = trimmed(part);
         if (std::find(known.begin(), known.end(), name) == known.end()) {
             std::string hint = suggestion(name, known, "known");
-            if (!hint.starts_with("did") && known.size() <= kShown) hint = "known: " + joinNames(known);
+            if (!hint.starts_with("did") && known.size() <= kShown) hint = "known: " + joined(known);
             throw Error(ErrorKind::Argument, "unknown " + what + " " + quoted(name) + " (" + hint + ")");
         }
         names.push_back(name);

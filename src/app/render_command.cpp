@@ -108,7 +108,7 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.flag("--reproducible", "do not use the device's division and square root, even if its probe passes",
                c.device.reproducible);
     table.value("--aov", "LIST",
-                "write these layers, with commas: " + joinNames(kEnumNames<Aov>) +
+                "write these layers, with commas: " + joined(kEnumNames<Aov>) +
                     "; .exr holds all of them, other formats get a file each",
                 c.aovs, parseAovs);
     table.value("--crop", "x0,y0,x1,y1",

@@ -60,10 +60,8 @@ void declare(OptionTable& table, ReportCommand& c) {
     table.whole("--budget", "SECONDS", "time for the whole report (default 60 per scene)", 1, 10'000'000,
                 c.budget);
     const auto& families = report::familyStarts();
-    table.value("--only", "LIST",
-                "settings to measure, with commas: " +
-                    joinNames(std::vector<std::string_view>(families.begin(), families.end())),
-                c.options.only, parseFamilies);
+    table.value("--only", "LIST", "settings to measure, with commas: " + joined(families), c.options.only,
+                parseFamilies);
     addDevice(table, c.device);
     table.value("--devices", "LIST",
                 "devices to compare with that of --device, with commas; cpu is the reference", c.devices,

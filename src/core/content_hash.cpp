@@ -35,31 +35,19 @@ PictureHash::PictureHash() : state_(std::make_unique<State>()) {
 
 PictureHash::~PictureHash() = default;
 
-namespace {
-
-using Row = std::vector<std::array<float, 3>>;
-
-void copyRow(const Image& rows, int y, Row& row) {
-    row.resize(static_cast<size_t>(rows.width));
-    for (int x = 0; x < rows.width; ++x)
-        row[static_cast<size_t>(x)] = {rows.at(x, y, 0), rows.at(x, y, 1), rows.at(x, y, 2)};
+void PictureHash::addRow(const Image& image, int y, int times) {
+    std::vector<std::array<float, 3>> row(static_cast<size_t>(image.width));
+    for (int x = 0; x < image.width; ++x)
+        row[static_cast<size_t>(x)] = {image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)};
+    for (; times > 0; --times) XXH3_64bits_update(&state_->state, row.data(), row.size() * sizeof(row[0]));
 }
 
-}  // namespace
-
 void PictureHash::add(const Image& rows) {
-    Row row;
-    for (int y = 0; y < rows.height; ++y) {
-        copyRow(rows, y, row);
-        XXH3_64bits_update(&state_->state, row.data(), row.size() * sizeof(row[0]));
-    }
+    for (int y = 0; y < rows.height; ++y) addRow(rows, y, 1);
 }
 
 void PictureHash::fill(int rows, const Image& row) {
-    Row bytes;
-    copyRow(row, 0, bytes);
-    for (; rows > 0; --rows)
-        XXH3_64bits_update(&state_->state, bytes.data(), bytes.size() * sizeof(bytes[0]));
+    addRow(row, 0, rows);
 }
 
 std::string PictureHash::text() const {

@@ -37,6 +37,8 @@ class PictureHash {
     std::string text() const;
 
   private:
+    void addRow(const Image& image, int y, int times);
+
     struct State;
     std::unique_ptr<State> state_;
 };

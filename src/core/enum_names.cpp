@@ -51,17 +51,8 @@ std::string suggestion(std::string_view name, std::span<const std::string_view> 
     if (!nearest.empty()) return "did you mean \"" + std::string(nearest) + "\"?";
     if (names.empty()) return {};
     constexpr size_t kShown = 8;
-    const std::string list = joinNames(names.first(std::min(names.size(), kShown)));
+    const std::string list = joined(names.first(std::min(names.size(), kShown)));
     return std::string(word) + ": " + list + (names.size() > kShown ? ", ..." : "");
-}
-
-std::string joinNames(std::span<const std::string_view> names) {
-    std::string list;
-    for (const std::string_view name : names) {
-        if (!list.empty()) list += ", ";
-        list += name;
-    }
-    return list;
 }
 
 }  // namespace glint

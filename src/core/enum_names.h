@@ -84,6 +84,14 @@ constexpr std::optional<E> named(std::string_view name) {
     return std::nullopt;
 }
 
+// The texts, with `between` between them.
+template <typename Texts>
+std::string joined(const Texts& texts, std::string_view between = ", ") {
+    std::string all;
+    for (const auto& text : texts) all.append(all.empty() ? "" : between).append(text);
+    return all;
+}
+
 // "auto, bar or none"; with `quote` around each name.
 std::string oneOf(std::span<const std::string_view> names, std::string_view quote = "");
 
@@ -100,9 +108,7 @@ std::string quotedChoices() {
 // "auto|bar|none"
 template <NamedEnum E>
 std::string alternatives() {
-    std::string text;
-    for (const std::string_view name : kEnumNames<E>) text.append(text.empty() ? "" : "|").append(name);
-    return text;
+    return joined(kEnumNames<E>, "|");
 }
 
 // "auto (a bar on a terminal), bar, none": the names, each with its help.
@@ -125,8 +131,5 @@ size_t editDistance(std::string_view a, std::string_view b);
 // `did you mean "radius"?` if one of `names` is near `name`, else `WORD: a, b, c` (at most eight, then
 // "..."), else empty if there are no names.
 std::string suggestion(std::string_view name, std::span<const std::string_view> names, std::string_view word);
-
-// "a, b, c"
-std::string joinNames(std::span<const std::string_view> names);
 
 }  // namespace glint

@@ -22,6 +22,7 @@
 #include <string_view>
 
 #include "core/codecs.h"
+#include "core/enum_names.h"
 
 namespace glint {
 namespace {
@@ -255,10 +256,8 @@ std::vector<std::string> chooseChannels(const Imf::Header& header) {
         return has("A") ? std::vector<std::string>{"Y", "", "", "A"} : std::vector<std::string>{"Y"};
     // Sorted by name, which is the order X, Y, Z and U, V.
     if (oneLayer && (names.size() == 1 || names.size() == 3)) return names;
-    std::string all;
-    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
     throw CodecError("the EXR file has neither R, G, B nor Y, and more than one layer (channels " +
-                     all.substr(0, 500) + ")");
+                     joined(names).substr(0, 500) + ")");
 }
 
 Image readPart(Imf::InputPart& part, const Context& context) {

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "core/error.h"
+#include "core/text_file.h"
 #include "gpu/device_state.h"
 
 namespace glint::gpu {
@@ -19,12 +20,6 @@ int rank(const DeviceInfo& device) {
     constexpr const char* kOrder[] = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "CPU"};
     return static_cast<int>(std::find(std::begin(kOrder), std::end(kOrder), device.type) -
                             std::begin(kOrder));
-}
-
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
 }
 
 std::string label(const DeviceInfo& device) {
@@ -55,7 +50,7 @@ DeviceRefs matching(const std::vector<DeviceInfo>& devices, const std::string& s
     DeviceRefs matches;
     for (const DeviceInfo& device : devices)
         if (isNumber(selector) ? std::to_string(device.index) == selector
-                               : lower(device.name).find(lower(selector)) != std::string::npos)
+                               : lowerCase(device.name).find(lowerCase(selector)) != std::string::npos)
             matches.push_back(device);
     return matches;
 }

@@ -345,11 +345,8 @@ void substitute(GltfFile& file, const JsonCursor& accessor, const Source& kind, 
 GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std::string_view> types) {
     const JsonCursor accessor = file.item("accessors", index);
     const JsonCursor type = accessor.require("type");
-    if (std::find(types.begin(), types.end(), type.string()) == types.end()) {
-        std::string wanted;
-        for (const std::string_view t : types) wanted += (wanted.empty() ? "" : " or ") + std::string(t);
-        type.failWanted("must be ", wanted, " for what it is used for");
-    }
+    if (std::find(types.begin(), types.end(), type.string()) == types.end())
+        type.failWanted("must be ", joined(types, " or "), " for what it is used for");
     if (const GltfNumbers* decoded = file.decoded(index)) {
         if (decoded->components != componentsOf(type))
             type.failWanted("must have ", decoded->components, " components, as the compressed data");

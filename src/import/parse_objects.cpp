@@ -158,10 +158,9 @@ template <typename Map>
 class ObjectParser {
   public:
     // `meshes` is the scene's object of that name, if it has one.
-    ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
-                 SceneFiles& files, MeshMemory& memory, const std::optional<JsonCursor>& meshes)
-        : scene_(scene), file_(file), folder_(folder), files_(files), memory_(memory) {
-        for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
+    ObjectParser(const SceneParsing& in, const std::optional<JsonCursor>& meshes) : in_(in) {
+        for (uint32_t i = 0; i < in.scene.materials.size(); i++)
+            materials_.emplace(in.scene.materials[i].name, i);
         if (!meshes) return;
         for (const auto& [name, mesh] : meshes->members())
             meshes_.try_emplace(name, NamedMesh{mesh, nullptr});
@@ -172,8 +171,8 @@ class ObjectParser {
     void warnOfUnusedMeshes() {
         for (const auto& [name, mesh] : meshes_)
             if (!mesh.loaded)
-                scene_.warnings.push_back(file_ + ": " + mesh.source.pointer() +
-                                          ": no object uses this mesh");
+                in_.scene.warnings.push_back(in_.name + ": " + mesh.source.pointer() +
+                                             ": no object uses this mesh");
     }
 
   private:
@@ -211,10 +210,10 @@ class ObjectParser {
             result.shape = parseShape(type, object);
             // Before the transform, so that the message shows the number in the file; meshes are looked at
             // once, at the end.
-            validateShape(result.shape, {file_, result.name}, 0);
+            validateShape(result.shape, {in_.name, result.name}, 0);
         }
         result.transform = composed(object, around.transform);
-        scene_.objects.push_back(std::move(result));
+        in_.scene.objects.push_back(std::move(result));
     }
 
     void parseGroup(const JsonCursor& group, const Surrounding& around) {
@@ -239,7 +238,7 @@ class ObjectParser {
         }
         if (loaded.own->materials.empty()) return loaded.own;
         if (!loaded.plain) {
-            files_.take(loaded.own->corners.size() * 2 * sizeof(glm::uvec3), file_);
+            in_.files.take(loaded.own->corners.size() * 2 * sizeof(glm::uvec3), in_.name);
             auto plain = std::make_shared<Mesh>(*loaded.own);
             plain->materials.clear();
             loaded.plain = std::move(plain);
@@ -256,45 +255,39 @@ class ObjectParser {
         const JsonCursor file = found->second.source.require("file");
         std::filesystem::path path;
         try {
-            path = files_.resolve(folder_, file.string());
+            path = in_.files.resolve(in_.folder, file.string());
         } catch (const Error& error) {
             file.fail(error.what());
         }
-        if (!files_.exists(path)) file.fail("no such file: ", path.string());
+        if (!in_.files.exists(path)) file.fail("no such file: ", path.string());
         if (!isMeshFile(path)) file.fail(path.string(), ": ", kNoMeshFile);
-        std::shared_ptr<LoadedMesh>& shared = byFile_[files_.real(path)];
+        std::shared_ptr<LoadedMesh>& shared = byFile_[in_.files.real(path)];
         if (!shared) shared = std::make_shared<LoadedMesh>(readMesh(path));
         loaded = shared;
         return *loaded;
     }
 
+    // Reads the file unless that was done for an earlier moment of an animation, and adds its materials.
     LoadedMesh readMesh(const std::filesystem::path& path) {
-        const MeshMemory::Read& read = remembered(path);
-        scene_.warnings.insert(scene_.warnings.end(), read.warnings.begin(), read.warnings.end());
         LoadedMesh mesh;
-        mesh.material = static_cast<uint32_t>(scene_.materials.size());
-        const auto firstTexture = static_cast<uint32_t>(scene_.textures.size());
-        scene_.textures.insert(scene_.textures.end(), read.textures.begin(), read.textures.end());
-        for (Material material : read.materials) {
+        mesh.material = static_cast<uint32_t>(in_.scene.materials.size());
+        std::shared_ptr<const ImportedMesh>& read = in_.memory[{path, mesh.material}];
+        if (!read) {
+            auto imported = std::make_shared<ImportedMesh>(importMesh(path, in_.files));
+            validateVertices(imported->mesh, path.string());
+            for (uint32_t& material : imported->mesh.materials) material += mesh.material;
+            read = std::move(imported);
+        }
+        mesh.own = {read, &read->mesh};
+        in_.scene.warnings.insert(in_.scene.warnings.end(), read->warnings.begin(), read->warnings.end());
+        const auto firstTexture = static_cast<uint32_t>(in_.scene.textures.size());
+        in_.scene.textures.insert(in_.scene.textures.end(), read->textures.begin(), read->textures.end());
+        for (Material material : read->materials) {
             for (const auto texture : kMaterialTextures)
                 if (material.*texture != Material::kNoTexture) material.*texture += firstTexture;
-            scene_.materials.push_back(std::move(material));
+            in_.scene.materials.push_back(std::move(material));
         }
-        mesh.own = read.mesh;
         return mesh;
-    }
-
-    // Reads a file, unless that was done for an earlier moment of an animation.
-    const MeshMemory::Read& remembered(const std::filesystem::path& path) {
-        const auto firstMaterial = static_cast<uint32_t>(scene_.materials.size());
-        MeshMemory::Read& read = memory_.files[{path, firstMaterial}];
-        if (read.mesh) return read;
-        ImportedMesh imported = importMesh(path, files_);
-        validateVertices(imported.mesh, path.string());
-        for (uint32_t& material : imported.mesh.materials) material += firstMaterial;
-        read = {std::move(imported.materials), std::move(imported.textures), std::move(imported.warnings),
-                std::make_shared<const Mesh>(std::move(imported.mesh))};
-        return read;
     }
 
     uint32_t findMaterial(const JsonCursor& nameCursor) const {
@@ -307,17 +300,13 @@ class ObjectParser {
 
     uint32_t defaultMaterial() {
         if (default_ == Mesh::kNoIndex) {
-            default_ = static_cast<uint32_t>(scene_.materials.size());
-            scene_.materials.emplace_back().name = "default";
+            default_ = static_cast<uint32_t>(in_.scene.materials.size());
+            in_.scene.materials.emplace_back().name = "default";
         }
         return default_;
     }
 
-    Scene& scene_;
-    const std::string& file_;
-    const std::filesystem::path& folder_;
-    SceneFiles& files_;
-    MeshMemory& memory_;
+    const SceneParsing& in_;
     std::map<std::string_view, NamedMesh> meshes_;
     std::map<std::string, uint32_t, std::less<>> materials_;
     std::map<std::filesystem::path, std::shared_ptr<LoadedMesh>> byFile_;  // several names may share one
@@ -326,22 +315,21 @@ class ObjectParser {
 
 }  // namespace
 
-void parseObjects(const JsonCursor& root, const std::string& name, const std::filesystem::path& folder,
-                  SceneFiles& files, MeshMemory& memory, Scene& scene, SceneErrors& errors) {
+void parseObjects(const JsonCursor& root, const SceneParsing& in) {
     const auto meshes = root.find("meshes");
     if (meshes) {
         for (const auto& member : meshes->members())
-            errors.attempt([&] {
+            in.errors.attempt([&] {
                 expectKeys(member.second, "mesh");
                 member.second.require("file").string();
             });
     }
-    ObjectParser parser(scene, name, folder, files, memory, meshes);
+    ObjectParser parser(in, meshes);
     if (const auto objects = root.find("objects"))
         for (size_t i = 0; i < objects->size(); i++) {
-            const ProgressPart part(files, i, objects->size());
-            files.context().checkCancelled();
-            errors.attempt([&] { parser.parse(objects->item(i)); });
+            const ProgressPart part(in.files, i, objects->size());
+            in.files.context().checkCancelled();
+            in.errors.attempt([&] { parser.parse(objects->item(i)); });
         }
     parser.warnOfUnusedMeshes();
 }

@@ -99,9 +99,7 @@ void readWrap(const JsonCursor& source, ImageTexture& image) {
 // Colours that may be textures, and the environment map.
 class TextureParser {
   public:
-    // Textures are added to `scene`; image files are relative to `folder`.
-    TextureParser(Scene& scene, const std::filesystem::path& folder, SceneFiles& files)
-        : scene_(scene), folder_(folder), files_(files) {}
+    explicit TextureParser(const SceneParsing& in) : in_(in) {}
 
     // Reads the optional key as a colour, or as a texture and the colour it is multiplied with.
     void readColor(const JsonCursor& object, std::string_view key, Color& color, uint32_t& texture) {
@@ -120,8 +118,8 @@ class TextureParser {
                 "must hold \"texture\": \"FILE\" or \"checker\": [a, b], or be a number or [r, g, b]");
         Texture parsed = checker ? parseChecker(*found) : parseImage(*found);
         color = found->color("color", Color(1));
-        texture = static_cast<uint32_t>(scene_.textures.size());
-        scene_.textures.push_back(std::move(parsed));
+        texture = static_cast<uint32_t>(in_.scene.textures.size());
+        in_.scene.textures.push_back(std::move(parsed));
     }
 
     // "background": a colour or an environment map.
@@ -129,7 +127,7 @@ class TextureParser {
         const auto background = root.find("background");
         if (!background) return;
         if (!background->value().object()) {
-            scene_.background = background->color();
+            in_.scene.background = background->color();
             return;
         }
         expectKeys(*background, "environmentMap");
@@ -139,7 +137,7 @@ class TextureParser {
         map.image = load(file);
         map.rotation = background->number("rotation", 0);
         map.intensity = background->color("intensity", map.intensity);
-        scene_.environment = std::move(map);
+        in_.scene.environment = std::move(map);
     }
 
   private:
@@ -176,15 +174,13 @@ class TextureParser {
     std::shared_ptr<const Image> load(const JsonCursor& file) {
         const std::string& name = file.string();
         try {
-            return files_.image(files_.resolve(folder_, name));
+            return in_.files.image(in_.files.resolve(in_.folder, name));
         } catch (const Error& e) {
             file.fail(e.what());
         }
     }
 
-    Scene& scene_;
-    const std::filesystem::path& folder_;
-    SceneFiles& files_;
+    const SceneParsing& in_;
 };
 
 // ---- Sections
@@ -367,9 +363,7 @@ void SceneErrors::attempt(const std::function<void()>& read) {
 }
 
 void SceneErrors::finish() const {
-    std::string all;
-    for (const std::string& line : lines_) all += (all.empty() ? "" : "\n  ") + line;
-    if (!all.empty()) throw Error(ErrorKind::Scene, all);
+    if (!lines_.empty()) throw Error(ErrorKind::Scene, joined(lines_, "\n  "));
 }
 
 // "NAME: /POINTER: what" with the line and column of the value that the pointer leads to, or of the nearest
@@ -406,7 +400,8 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
 
     Scene scene;
     SceneErrors errors(document, name);
-    TextureParser textures(scene, folder, files);
+    const SceneParsing in{name, folder, files, memory, errors, scene};
+    TextureParser textures(in);
     errors.attempt([&] { expectKeys(root, "scene"); });
     errors.attempt([&] {
         if (const auto schema = root.find("$schema")) schema->string();
@@ -434,7 +429,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
                 [&] { scene.materials.back() = parseMaterial(member.second, member.first, textures); });
         }
     });
-    errors.attempt([&] { parseObjects(root, name, folder, files, memory, scene, errors); });
+    errors.attempt([&] { parseObjects(root, in); });
     errors.attempt([&] {
         const Animation animation = parseAnimation(root);
         if (!animation.tracks.empty()) scene.animation = spanOf(animation.tracks, animation.framesPerSecond);

@@ -14,23 +14,16 @@
 #include <vector>
 
 #include "import/json_document.h"
+#include "import/load.h"
 #include "import/scene_files.h"
 #include "scene/keyframes.h"
 #include "scene/scene.h"
 
 namespace glint {
 
-// Mesh files that were read, for scenes that are parsed again with other numbers.
-struct MeshMemory {
-    struct Read {
-        std::vector<Material> materials;
-        std::vector<Texture> textures;  // that the materials index, from 0
-        std::vector<std::string> warnings;
-        std::shared_ptr<const Mesh> mesh;
-    };
-    // By file, and by the place of its first material in the scene, from which on `mesh` indexes materials.
-    std::map<std::pair<std::filesystem::path, uint32_t>, Read> files;
-};
+// Mesh files that were read, for scenes that are parsed again with other numbers: by file, and by the place
+// of its first material in the scene, from which on the mesh indexes materials.
+using MeshMemory = std::map<std::pair<std::filesystem::path, uint32_t>, std::shared_ptr<const ImportedMesh>>;
 
 // Same as the function of import/load.h, but does not read meshes again that `memory` holds.
 Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
@@ -56,10 +49,19 @@ class SceneErrors {
     std::vector<std::string> lines_;
 };
 
-// "meshes" and "objects". Mesh files are relative to `folder` and are read when an object first uses them.
-// Materials are found by their names in `scene`.
-void parseObjects(const JsonCursor& root, const std::string& name, const std::filesystem::path& folder,
-                  SceneFiles& files, MeshMemory& memory, Scene& scene, SceneErrors& errors);
+// Shared by the parsers of a scene file's parts.
+struct SceneParsing {
+    const std::string& name;              // of the file, for messages
+    const std::filesystem::path& folder;  // where relative paths start
+    SceneFiles& files;
+    MeshMemory& memory;
+    SceneErrors& errors;
+    Scene& scene;  // the result
+};
+
+// "meshes" and "objects". Mesh files are read when an object first uses them. Materials are found by their
+// names in the scene.
+void parseObjects(const JsonCursor& root, const SceneParsing& in);
 
 // ---- The keys of each object of a scene file. The parser refuses all others; tests compare
 // scenes/scene.schema.json with this list.

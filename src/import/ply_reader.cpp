@@ -68,7 +68,7 @@ PlyFormat readFormat(TextScanner& line) {
     if (version != "1.0") line.fail("format version \"", version, "\" is not 1.0");
     const auto known = std::ranges::find(kFormats, format);
     if (known == std::end(kFormats))
-        line.fail("unknown format \"", format, "\" (known: ", joinNames(kFormats), ")");
+        line.fail("unknown format \"", format, "\" (known: ", joined(kFormats), ")");
     return static_cast<PlyFormat>(known - kFormats);
 }
 

@@ -29,8 +29,7 @@ void FileWarnings::ignore(std::string_view name) {
 }
 
 void FileWarnings::addIgnored() {
-    const std::vector<std::string_view> names(ignored_.begin(), ignored_.end());
-    if (!names.empty()) add("ignored: " + joinNames(names));
+    if (!ignored_.empty()) add("ignored: " + joined(ignored_));
 }
 
 TextScanner::TextScanner(const Context& context, std::string_view text, std::string file, size_t line,

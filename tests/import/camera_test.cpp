@@ -37,14 +37,8 @@ TEST_F(Cameras, AreChosenByName) {
     EXPECT_EQ(chosen(kTwo, "a/b").camera.eye, dvec3(0, 5, 1));
     EXPECT_EQ(chosen(kTwo, "front").image.width, ImageSettings().width);
     const auto error = [&](const std::string& text, const std::string& name) {
-        try {
-            chosen(text, name);
-        } catch (const Error& e) {
-            EXPECT_EQ(e.kind(), ErrorKind::Argument);
-            const std::string what = e.what();
-            return what.substr(what.find("s.json"));
-        }
-        return std::string("no error");
+        const std::string what = glint::test::errorOf(ErrorKind::Argument, [&] { chosen(text, name); });
+        return what.substr(what.find("s.json"));
     };
     EXPECT_EQ(error(kTwo, "frnt"), "s.json: no camera \"frnt\" (there are \"front\", \"a/b\")");
     EXPECT_EQ(error("{}", "x\n"), "s.json: no camera \"x?\" (none in it has a name)");

@@ -2,17 +2,9 @@
 
 #include <cstdint>
 
+#include "core/enum_names.h"
+
 namespace glint::test {
-
-namespace {
-
-std::string joined(const std::vector<std::string>& items) {
-    std::string list;
-    for (const std::string& item : items) list += (list.empty() ? "" : ",\n ") + item;
-    return "[" + list + "]";
-}
-
-}  // namespace
 
 std::string base64(const std::string& bytes) {
     const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -55,8 +47,8 @@ size_t GltfMaker::floats(const std::vector<float>& values, const std::string& ty
 
 std::string GltfMaker::document(const std::string& rest, const std::string& buffer) const {
     return "{\"asset\": {\"version\": \"2.0\"},\n \"buffers\": [{\"byteLength\": " +
-           std::to_string(bytes_.size()) + buffer + "}],\n \"bufferViews\": " + joined(views_) +
-           ",\n \"accessors\": " + joined(accessors_) + ",\n " + rest + "}";
+           std::to_string(bytes_.size()) + buffer + "}],\n \"bufferViews\": [" + joined(views_, ",\n ") +
+           "],\n \"accessors\": [" + joined(accessors_, ",\n ") + "],\n " + rest + "}";
 }
 
 std::string GltfMaker::text(const std::string& rest) const {

@@ -83,8 +83,7 @@ TEST(GltfMaterial, SpecularGlossinessAsMetallicRoughness) {
     EXPECT_EQ(both.materials.at(0).diffuse, m.diffuse);
     EXPECT_EQ(
         both.warnings,
-        std::vector<std::string>{
-            "KHR_materials_pbrSpecularGlossiness is drawn as metallic-roughness is, which took its place"});
+        Lines{"KHR_materials_pbrSpecularGlossiness is drawn as metallic-roughness is, which took its place"});
 }
 
 // A texture's colours are sRGB, its alpha is a number: 188 is half of the light (IEC 61966-2-1), 51 a fifth.
@@ -249,8 +248,7 @@ TEST(GltfMaterial, Masks) {
         textured(pbr(R"("baseColorTexture": {"index": 0})") + R"(, "alphaMode": "BLEND")", picture);
     EXPECT_EQ(blended.materials.at(0).alphaCutoff, 0.5);
     EXPECT_EQ(blended.warnings,
-              std::vector<std::string>{
-                  "alphaMode BLEND with a texture: surfaces are there where alpha is 0.5 or more"});
+              Lines{"alphaMode BLEND with a texture: surfaces are there where alpha is 0.5 or more"});
 }
 
 // The means of the numbers in the file, which are not colours: green roughness, blue metallic.
@@ -261,20 +259,18 @@ TEST(GltfMaterial, MetallicRoughnessTexturesAreAveraged) {
     const Material& m = scene.materials.at(0);
     EXPECT_NEAR(m.shininess, 2 / std::pow(0.3, 4) - 2, 1e-3);
     expectNear(m.diffuse, Color(0.8), 1e-6);
-    EXPECT_EQ(scene.warnings,
-              std::vector<std::string>{"metallicRoughnessTexture is replaced by its mean values"});
+    EXPECT_EQ(scene.warnings, Lines{"metallicRoughnessTexture is replaced by its mean values"});
 }
 
 TEST(GltfMaterial, WhatIsIgnoredIsNamed) {
     const Scene scene = textured(R"("normalTexture": {"index": 0}, "occlusionTexture": {"index": 0})",
                                  png(1, 1, 3, {0, 0, 0}));
     EXPECT_EQ(scene.warnings,
-              (std::vector<std::string>{
-                  "normal maps (normalTexture) are ignored",
-                  "baked shadows (occlusionTexture) are ignored: rays find shadows themselves"}));
+              (Lines{"normal maps (normalTexture) are ignored",
+                     "baked shadows (occlusionTexture) are ignored: rays find shadows themselves"}));
     EXPECT_TRUE(scene.textures.empty());
     EXPECT_EQ(textured(pbr(R"("baseColorTexture": {"index": 0})"), "KTX").warnings,
-              std::vector<std::string>{"/images/0: neither PNG, JPEG nor WebP; drawn without this picture"});
+              Lines{"/images/0: neither PNG, JPEG nor WebP; drawn without this picture"});
 }
 
 // The shape is worth more than its picture.
@@ -308,7 +304,7 @@ TEST(GltfMaterial, TurnedTextures) {
         "rotation": 0.5, "scale": [2, 3]}})";
     const Scene scene =
         textured(pbr("\"baseColorTexture\": {\"index\": 0, " + turn + "}"), png(1, 1, 3, {9, 9, 9}));
-    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    EXPECT_EQ(scene.warnings, Lines{});
     EXPECT_EQ(scene.textures.at(0).scale, glm::dvec2(1));
     EXPECT_EQ(scene.textures[0].offset, glm::dvec2(0));
     const glm::dvec2 from(0.25, 0.75), uv = meshOf(scene).uvs.at(2);
@@ -318,8 +314,7 @@ TEST(GltfMaterial, TurnedTextures) {
                                    R"(, "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0})",
                                png(1, 1, 3, {9, 9, 9}));
     EXPECT_EQ(two.warnings,
-              std::vector<std::string>{
-                  "a material's textures are turned differently; all are turned as the first one"});
+              Lines{"a material's textures are turned differently; all are turned as the first one"});
 }
 
 TEST(GltfMaterial, PicturesInBufferViewsAndFiles) {

@@ -89,7 +89,7 @@ TEST(Gltf, Attributes) {
     EXPECT_EQ(mesh.normalCorners, std::vector<uvec3>{uvec3(0, 1, 2)});
     EXPECT_EQ(mesh.colors, (std::vector<Color>{{1, 0, 0.2}, {0, 1, 0}, {0, 0, 1}}));
     EXPECT_EQ(mesh.colorCorners, std::vector<uvec3>{uvec3(0, 1, 2)});
-    EXPECT_EQ(scene.warnings, std::vector<std::string>{"the alpha of vertex colours (COLOR_0) is ignored"});
+    EXPECT_EQ(scene.warnings, Lines{"the alpha of vertex colours (COLOR_0) is ignored"});
 }
 
 TEST(Gltf, SparseAccessors) {
@@ -138,7 +138,7 @@ TEST(Gltf, OnlyTheDefaultSceneIsShown) {
         load(triangleGltf(R"("scene": 1, "scenes": [{"nodes": [0]}, {"nodes": [1]}])", node));
     ASSERT_EQ(second.objects.size(), 1u);
     EXPECT_EQ(second.objects[0].name, "/nodes/1");
-    EXPECT_EQ(second.warnings, std::vector<std::string>{"of 2 scenes only number 1 is shown"});
+    EXPECT_EQ(second.warnings, Lines{"of 2 scenes only number 1 is shown"});
     EXPECT_EQ(load(triangleGltf("", node)).objects.size(), 2u);  // no scenes: all roots
 }
 
@@ -146,8 +146,7 @@ TEST(Gltf, ANodeThatIsFlattenedToALineIsNotDrawn) {
     for (const char* scale : {"[0, 0, 0]", "[1, 0, 0]"}) {
         const Scene scene = load(triangleGltf("", std::string(R"(}, {"mesh": 0, "scale": )") + scale));
         EXPECT_EQ(scene.objects.size(), 1u);
-        EXPECT_EQ(scene.warnings,
-                  std::vector<std::string>{"/nodes/1: flattened by its transform; not drawn"});
+        EXPECT_EQ(scene.warnings, Lines{"/nodes/1: flattened by its transform; not drawn"});
     }
 }
 
@@ -157,7 +156,7 @@ TEST(Gltf, ANodeThatIsFlattenedToAPlaneIsDrawn) {
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_FALSE(scene.objects[0].transform.has_value());
     EXPECT_EQ(meshOf(scene).positions, (std::vector<glm::dvec3>{{0, 0, 5}, {2, 0, 5}, {0, 3, 5}}));
-    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    EXPECT_EQ(scene.warnings, Lines{});
 }
 
 TEST(Gltf, InstancesOfANode) {
@@ -188,7 +187,7 @@ TEST(Gltf, VariantsShowTheirDefault) {
     EXPECT_EQ(load(triangleGltf(R"("extensionsRequired": ["KHR_materials_variants"],
         "extensionsUsed": ["KHR_materials_variants"])"))
                   .warnings,
-              std::vector<std::string>{});
+              Lines{});
 }
 
 TEST(Gltf, PerspectiveCamera) {
@@ -208,7 +207,7 @@ TEST(Gltf, PerspectiveCamera) {
     EXPECT_NEAR(camera.farT, glm::length(corner), 1e-9);
     EXPECT_EQ(scene.image.height, 600);
     EXPECT_EQ(scene.image.width, 1200);
-    EXPECT_EQ(scene.warnings, std::vector<std::string>{"has 2 cameras; the first is used, \"camera 0\""});
+    EXPECT_EQ(scene.warnings, Lines{"has 2 cameras; the first is used, \"camera 0\""});
 }
 
 TEST(Gltf, OrthographicCamera) {
@@ -252,8 +251,7 @@ TEST(Gltf, Lights) {
     EXPECT_NEAR(spot.penumbra, 0.25 * 180 / pi, 1e-12);
     EXPECT_EQ(spot.falloff, Falloff::InverseSquare);
     EXPECT_EQ(scene.ambient, Color(0));
-    EXPECT_EQ(scene.warnings,
-              std::vector<std::string>{"the range of lights is ignored: they fall off by the square"});
+    EXPECT_EQ(scene.warnings, Lines{"the range of lights is ignored: they fall off by the square"});
 }
 
 TEST(Gltf, WhatIsIgnoredIsNamedOnce) {
@@ -268,11 +266,10 @@ TEST(Gltf, WhatIsIgnoredIsNamedOnce) {
         morph + ", " + morph + ", " + points + ", " + points + "]}]"));
     EXPECT_EQ(meshOf(scene).corners.size(), 2u);
     EXPECT_EQ(meshOf(scene).positions.size(), 3u);  // both primitives share them
-    EXPECT_EQ(scene.warnings,
-              (std::vector<std::string>{"the extension KHR_materials_sheen is ignored",
-                                        "/animations/0: missing key \"samplers\"; nothing is animated",
-                                        "skins are ignored: meshes stand as they were modelled",
-                                        "morph targets are ignored", "points and lines are not drawn"}));
+    EXPECT_EQ(scene.warnings, (Lines{"the extension KHR_materials_sheen is ignored",
+                                     "/animations/0: missing key \"samplers\"; nothing is animated",
+                                     "skins are ignored: meshes stand as they were modelled",
+                                     "morph targets are ignored", "points and lines are not drawn"}));
 }
 
 TEST(Gltf, AMeshFileIsFlattenedIntoTheWorld) {

@@ -14,7 +14,7 @@ TEST(Json, KeepsOrderTypesAndComments) {
         "null, \"s\": \"\\u00e4\"}}",
         "a.json");
     const JsonObject& object = *root.object();
-    ASSERT_EQ(object.keys, (std::vector<std::string>{"z", "a"}));
+    ASSERT_EQ(object.keys, (Lines{"z", "a"}));
     const JsonArray& numbers = *object.values[0].array();
     ASSERT_EQ(numbers.size(), 3u);
     EXPECT_EQ(*numbers[0].number(), 1.0);

@@ -428,10 +428,9 @@ TEST(ParseErrors, UnitsOfOtherProgramsAreWarnedOf) {
     const Scene scene = parse(R"({"camera": {"fovY": 0.7}, "background": [30, 144, 255],
         "materials": {"m": {"diffuse": [255, 0, 0]}, "n": {"diffuse": 1}}})");
     EXPECT_EQ(scene.warnings,
-              (std::vector<std::string>{
-                  "s.json: /materials/m/diffuse: colours are linear from 0 to 1, not codes to 255",
-                  "s.json: /background: colours are linear from 0 to 1, not codes to 255",
-                  "s.json: /camera/fovY: is in degrees (got 0.7)"}));
+              (Lines{"s.json: /materials/m/diffuse: colours are linear from 0 to 1, not codes to 255",
+                     "s.json: /background: colours are linear from 0 to 1, not codes to 255",
+                     "s.json: /camera/fovY: is in degrees (got 0.7)"}));
 }
 
 }  // namespace glint::test::parse_error_test

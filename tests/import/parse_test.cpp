@@ -235,7 +235,7 @@ TEST(Parse, MeshMaterialsJoinTheScenesUnlessTheObjectNamesOne) {
 
 TEST(Parse, UnusedMeshesAreNotLoadedButSaid) {
     const Scene scene = parse(R"({"meshes": {"a/b": {"file": "there-is-no-such-file.obj"}}})");
-    EXPECT_EQ(scene.warnings, std::vector<std::string>{"s.json: /meshes/a~1b: no object uses this mesh"});
+    EXPECT_EQ(scene.warnings, Lines{"s.json: /meshes/a~1b: no object uses this mesh"});
 }
 
 }  // namespace glint::test::parse_test

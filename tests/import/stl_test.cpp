@@ -133,8 +133,7 @@ TEST(Stl, NormalsAgainstTheWindingAreWarnedAbout) {
     facets[3].normal = dvec3(0);
     EXPECT_EQ(
         f.mesh(binary(facets)).warnings,
-        std::vector<std::string>{
-            "the stored normals of 1 facets point against the winding of their vertices, which counts"});
+        Lines{"the stored normals of 1 facets point against the winding of their vertices, which counts"});
     EXPECT_DOUBLE_EQ(signedVolume(f.mesh(binary(facets)).mesh), 1.0 / 6);
 }
 
@@ -144,13 +143,12 @@ TEST(Stl, WhatElseIsWarnedAbout) {
     facets[0].attribute = 0x8123;
     facets[2].attribute = 1;
     EXPECT_EQ(f.mesh(binary(facets) + "tail").warnings,
-              (std::vector<std::string>{
-                  "the attribute bytes of 2 facets, in which some programs keep colours, are ignored",
-                  "4 bytes after the last triangle are ignored"}));
+              (Lines{"the attribute bytes of 2 facets, in which some programs keep colours, are ignored",
+                     "4 bytes after the last triangle are ignored"}));
     facets = kTetrahedron;
     facets.push_back({{0, 0, 1}, {1, 1, 1}, {1, 1, 1}, {2, 2, 2}});
     EXPECT_EQ(f.mesh(binary(facets)).warnings,
-              std::vector<std::string>{"1 face with fewer than three different vertices left out"});
+              Lines{"1 face with fewer than three different vertices left out"});
 }
 
 TEST(Stl, Errors) {

@@ -17,6 +17,8 @@ namespace glint::test {
 std::string placedErrorOf(const std::function<void()>& action);
 std::string errorOf(const std::function<void()>& action);
 
+using Lines = std::vector<std::string>;
+
 // Parses with the file name "s.json" and an empty folder.
 Scene parse(const std::string& text);
 std::string parseErrorOf(const std::string& text);

@@ -51,6 +51,9 @@ class TemporaryFolder {
 class FolderTest : public testing::Test {
   protected:
     std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+    std::filesystem::path write(const std::string& name, const std::string& bytes) const {
+        return owned_.write(name, bytes);
+    }
     std::set<std::string> names() const;  // every name in the folder, hidden ones included
 
   private:
