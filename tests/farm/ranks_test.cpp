@@ -70,8 +70,8 @@ class Ranks : public glint::test::WorkingFolderTest {
 
     using Work = std::function<void(int unit)>;
 
-    std::thread other(Net& net, int rank, Work work, std::string scene = "a") {
-        return std::thread([this, &net, rank, work = std::move(work), scene = std::move(scene)] {
+    std::jthread other(Net& net, int rank, Work work, std::string scene = "a") {
+        return std::jthread([this, &net, rank, work = std::move(work), scene = std::move(scene)] {
             OtherRank mine(net.line(rank));
             try {
                 if (wantsScene_) read_ += mine.files()->read("scene", {}).size();
@@ -129,10 +129,9 @@ void draw(int) {
 
 TEST_F(Ranks, EachUnitComesOnce) {
     Net net(4);
-    std::vector<std::thread> threads;
+    std::vector<std::jthread> threads;
     for (int rank = 1; rank < 4; ++rank) threads.push_back(other(net, rank, draw));
     std::vector<int> came = first(net);
-    for (auto& thread : threads) thread.join();
     std::sort(came.begin(), came.end());
     EXPECT_EQ(came, all());
 }
@@ -141,48 +140,42 @@ TEST_F(Ranks, TheSceneReachesAllRanksOfTheTree) {
     glint::test::writeText("scene", std::string(3'000'000, 'x'));
     wantsScene_ = true;
     Net net(7);
-    std::vector<std::thread> threads;
+    std::vector<std::jthread> threads;
     for (int rank = 1; rank < 7; ++rank) threads.push_back(other(net, rank, draw));
     first(net);
-    for (auto& thread : threads) thread.join();
+    threads.clear();  // waits for them
     EXPECT_EQ(read_, 6 * 3'000'000u);
 }
 
 // With a window of one unit, each unit is handed out only after the one before it.
 TEST_F(Ranks, TheWindowKeepsUnitsInOrder) {
     Net net(3);
-    std::thread a = other(net, 1, draw), b = other(net, 2, draw);
+    const std::jthread a = other(net, 1, draw), b = other(net, 2, draw);
     EXPECT_EQ(first(net, 1), all());
-    a.join();
-    b.join();
 }
 
 // As in MPI, which counts bytes by an int.
 TEST_F(Ranks, AMessageThatCannotBeSentIsAnError) {
     Net net(2);
     net.limit(900);  // less than a unit
-    std::thread draws = other(net, 1, draw);
+    const std::jthread draws = other(net, 1, draw);
     const std::string said = errorOfOthers(net, ErrorKind::Failed);
-    draws.join();
     EXPECT_TRUE(said.starts_with("rank 1 (") && said.ends_with("): too long a message")) << said;
 }
 
 TEST_F(Ranks, AnErrorOfARankKeepsItsKind) {
     Net net(3);
-    std::thread fails = other(net, 1, [](int) { throw Error(ErrorKind::Device, "no device"); });
-    std::thread draws = other(net, 2, draw);
+    const std::jthread fails = other(net, 1, [](int) { throw Error(ErrorKind::Device, "no device"); });
+    const std::jthread draws = other(net, 2, draw);
     const std::string said = errorOfOthers(net, ErrorKind::Device);
-    fails.join();
-    draws.join();
     EXPECT_TRUE(said.starts_with("rank 1 (") && said.ends_with("): no device")) << said;
 }
 
 TEST_F(Ranks, AnotherImageIsRefused) {
     Net net(2);
-    std::thread thread = other(net, 1, draw, "b");
+    const std::jthread thread = other(net, 1, draw, "b");
     EXPECT_EQ(errorOfOthers(net, ErrorKind::Failed),
               "rank 1 would render another image: scene is b there and a here");
-    thread.join();
 }
 
 }  // namespace glint::farm::test::ranks_test

@@ -48,13 +48,12 @@ class LibraryChanges : public LibraryTest {
                 const D3 from = {8 * uniform(random) - 2, 8 * uniform(random) - 2, 6};
                 const D3 to = {9 * uniform(random) - 2, 5 * uniform(random), uniform(random) - 0.5};
                 made.first.push_back(from);
-                made.second.push_back({to[0] - from[0], to[1] - from[1], to[2] - from[2]});
+                made.second.push_back(to - from);
             }
             return made;
         }();
         std::vector<D3> origins = rays.first;
-        for (D3& origin : origins)
-            for (size_t k = 0; k < 3; ++k) origin[k] += by[k];
+        for (D3& origin : origins) origin += by;
         const glint_rays asked = raysFrom(origins, rays.second);
         return {closest(asked), counts(asked), any(asked)};
     }
@@ -235,8 +234,7 @@ TEST_F(LibraryChanges, AMeshThatMovesFarIsNeverBuiltAnew) {
         by = step < 40 ? D3{1.5 * step, -0.7 * step, 0.3 * step}
                        : (step < 50 ? D3{1e6, 1e3 * step, 0} : D3{double(60 - step), 0, 0});
         std::vector<D3> vertices = first;
-        for (D3& vertex : vertices)
-            for (size_t k = 0; k < 3; ++k) vertex[k] += by[k];
+        for (D3& vertex : vertices) vertex += by;
         setVertices(0, vertices);
         commit();
         if (step % 6 == 0 || step == 40 || step == 50)

@@ -25,8 +25,7 @@ struct Closed {
 
     std::vector<D3> movedBy(double offset) const {
         std::vector<D3> moved = vertices;
-        for (D3& v : moved)
-            for (double& x : v) x += offset;
+        for (D3& v : moved) v += offset;
         return moved;
     }
 };
@@ -35,7 +34,7 @@ struct Closed {
 inline Closed bumpy(uint32_t steps = 16) {
     const glint::test::BumpyMesh mesh = glint::test::makeBumpyMesh(7, steps);
     Closed closed{{}, {}, 0.2, 7};
-    for (const glm::vec3& v : mesh.vertices) closed.vertices.push_back({v.x, v.y, v.z});
+    for (const glm::vec3& v : mesh.vertices) closed.vertices.emplace_back(v);
     for (const glm::uvec3& c : mesh.triangles) closed.corners.push_back({c.x, c.y, c.z});
     return closed;
 }
@@ -44,9 +43,10 @@ inline Closed bumpy(uint32_t steps = 16) {
 // exact.
 inline Closed gridCube(uint32_t n) {
     Closed cube{{}, {}, 0.9, 2};
-    std::map<D3, uint32_t> known;
+    std::map<std::array<double, 3>, uint32_t> known;
     const auto vertex = [&](const D3& v) {
-        const auto [at, fresh] = known.emplace(v, static_cast<uint32_t>(cube.vertices.size()));
+        const auto [at, fresh] =
+            known.emplace(std::array{v.x, v.y, v.z}, static_cast<uint32_t>(cube.vertices.size()));
         if (fresh) cube.vertices.push_back(v);
         return at->second;
     };
@@ -82,8 +82,7 @@ struct Random {
     D3 direction() {
         std::normal_distribution<double> normal;
         const D3 v = {normal(engine), normal(engine), normal(engine)};
-        const double length = std::hypot(v[0], v[1], v[2]);
-        return {v[0] / length, v[1] / length, v[2] / length};
+        return v / glm::length(v);
     }
     // From where to where.
     std::pair<D3, D3> aimed(const Closed& mesh, Aim aim, bool inside);
@@ -94,26 +93,25 @@ inline D3 targetOf(const Closed& mesh, Aim aim, Random& random) {
     const U3& triangle = mesh.corners[random.index(mesh.corners.size())];
     const D3 &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]];
     if (aim == Aim::Corners) return a;
-    const double s = random.uniform();
-    return {a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])};
+    return a + random.uniform() * (b - a);
 }
 
 inline std::pair<D3, D3> Random::aimed(const Closed& mesh, Aim aim, bool inside) {
     const D3 out = direction();
     const double far = inside ? mesh.inner * uniform() : mesh.outer * (1 + uniform());
-    D3 from = {far * out[0], far * out[1], far * out[2]};
+    D3 from = far * out;
     D3 to = targetOf(mesh, aim == Aim::Planes ? Aim::Corners : aim, *this);
     if (aim != Aim::Planes) return {from, to};
-    const size_t axis = index(3);
+    const auto axis = static_cast<int>(index(3));
     if (!inside) {
         from = to;
         from[axis] = -3 * mesh.outer;
         return {from, to};
     }
     // Level with it along one axis, and within the ball.
-    const size_t other = (axis + 1) % 3;
+    const int other = (axis + 1) % 3;
+    from *= 0.5;
     from[other] = std::abs(to[other]) < 0.5 * mesh.inner ? to[other] : 0;
-    for (size_t k = 0; k < 3; ++k) from[k] *= k == other ? 1 : 0.5;
     to = from;
     to[axis] += 1;
     return {from, to};

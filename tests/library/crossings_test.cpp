@@ -27,10 +27,8 @@ class LibraryCrossings : public LibraryTest {
         for (size_t i = 0; i < count; ++i) {
             inside[i] = i % 2;
             const auto [from, to] = random.aimed(mesh, aim, inside[i] != 0);
-            for (size_t k = 0; k < 3; ++k) {
-                origins[i][k] = from[k] + offset;
-                directions[i][k] = to[k] - from[k];
-            }
+            origins[i] = from + offset;
+            directions[i] = to - from;
         }
         const std::vector<uint32_t> crossings = counts(raysFrom(origins, directions));
         size_t wrong = 0, some = 0;
@@ -43,7 +41,7 @@ class LibraryCrossings : public LibraryTest {
     }
 
     uint32_t addClosed(const Closed& mesh, double offset) {
-        return addMesh<double>(mesh.movedBy(offset), mesh.corners);
+        return addMesh<D3>(mesh.movedBy(offset), mesh.corners);
     }
 
     std::vector<uint8_t> insides(const std::vector<D3>& points) {
@@ -90,14 +88,13 @@ TEST_F(LibraryCrossings, Instances) {
 
 // The truth by rationals: crossings of a ray in general position, each decided exactly.
 bool trulyInside(const Closed& mesh, const D3& point, Random& random) {
-    const auto vec = [](const D3& v) { return glm::dvec3(v[0], v[1], v[2]); };
     for (;;) {
-        const oracle::Ray ray{vec(point), vec(random.direction())};
+        const oracle::Ray ray{point, random.direction()};
         size_t crossings = 0;
         bool general = true;
         for (const U3& c : mesh.corners) {
-            const oracle::Truth truth = oracle::triangle(vec(mesh.vertices[c[0]]), vec(mesh.vertices[c[1]]),
-                                                         vec(mesh.vertices[c[2]]), ray);
+            const oracle::Truth truth =
+                oracle::triangle(mesh.vertices[c[0]], mesh.vertices[c[1]], mesh.vertices[c[2]], ray);
             crossings += truth.hit;
             general = general && truth.margin != 0;
         }
@@ -113,15 +110,14 @@ TEST_F(LibraryCrossings, InsidesByTheOracle) {
     std::vector<D3> points;
     for (int i = 0; i < 60; ++i) {
         const D3 out = random.direction();
-        const double far = 7 * random.uniform();
-        points.push_back({far * out[0], far * out[1], far * out[2]});
+        points.push_back(7 * random.uniform() * out);
     }
     // Next to the surface, above corners and edges, down to what fp32 can tell.
     for (const Aim aim : {Aim::Corners, Aim::Edges}) {
         for (int i = 0; i < 60; ++i) {
             const D3 at = targetOf(mesh, aim, random);
             const double scale = 1 + (i % 2 ? 1 : -1) * std::pow(10, -2 - 0.1 * i);
-            points.push_back({at[0] * scale, at[1] * scale, at[2] * scale});
+            points.push_back(at * scale);
         }
     }
     const std::vector<uint8_t> where = insides(points);
@@ -144,10 +140,8 @@ TEST_F(LibraryCrossings, PointsOfTheSurfaceAreOnIt) {
     commit();
     Random random(12);
     std::vector<D3> on;
-    for (int i = 0; i < 300; ++i) {
-        on.push_back(targetOf(mesh, i % 2 ? Aim::Corners : Aim::Edges, random));
-        for (double& x : on.back()) x += 1e6;
-    }
+    for (int i = 0; i < 300; ++i)
+        on.push_back(targetOf(mesh, i % 2 ? Aim::Corners : Aim::Edges, random) + 1e6);
     for (const uint8_t where : insides(on)) EXPECT_EQ(where, GLINT_ON_SURFACE);
     const double nan = std::nan("");
     EXPECT_EQ(insides({{1e6, 1e6, 1e6}, {0, 0, 0}, {nan, 1e6, 1e6}, {1e300, 0, 0}}),
@@ -180,9 +174,9 @@ TEST_F(LibraryCrossings, ListsGoInAndOut) {
     Random random(21);
     std::vector<D3> origins, directions;
     for (int i = 0; i < 3000; ++i) {
-        const D3 out = random.direction(), to = random.direction();
-        origins.push_back({8 * out[0], 8 * out[1], 8 * out[2]});
-        directions.push_back({to[0] - 8 * out[0], to[1] - 8 * out[1], to[2] - 8 * out[2]});
+        const D3 from = 8.0 * random.direction(), to = random.direction();
+        origins.push_back(from);
+        directions.push_back(to - from);
     }
     const glint_rays rays = raysFrom(origins, directions);
     const std::vector<uint32_t> crossings = counts(rays);
@@ -195,7 +189,7 @@ TEST_F(LibraryCrossings, ListsGoInAndOut) {
             if (k > all.offsets[i]) {
                 EXPECT_LE(all.t[k - 1], all.t[k]);
             }
-            const double side = glm::dot(vectorOf(all.normal[k]), vectorOf(directions[i]));
+            const double side = glm::dot(all.normal[k], directions[i]);
             turns += (side > 0) != ((k - all.offsets[i]) % 2 == 1);
         }
     }
@@ -215,13 +209,13 @@ TEST_F(LibraryCrossings, ListsEndAtCorners) {
     Random random(31);
     std::vector<D3> vertices(3 * 60);
     for (D3& vertex : vertices) vertex = random.direction();
-    addMesh<double>(vertices);
+    addMesh<D3>(vertices);
     commit();
     std::vector<D3> origins, directions;
     for (size_t i = 0; i < (kOnDevice ? 20'000 : 500); ++i) {
-        const D3 from = random.direction(), &to = vertices[i % vertices.size()];
-        origins.push_back({3 * from[0], 3 * from[1], 3 * from[2]});
-        directions.push_back({to[0] - 3 * from[0], to[1] - 3 * from[1], to[2] - 3 * from[2]});
+        const D3 from = 3.0 * random.direction();
+        origins.push_back(from);
+        directions.push_back(vertices[i % vertices.size()] - from);
     }
     glint_rays rays = raysFrom(origins, directions);
     const std::vector<double> ends(origins.size(), 1);
@@ -255,7 +249,7 @@ TEST_F(LibraryCrossings, ManySheets) {
             corners.push_back({4 * k, 4 * k + 1, 4 * k + 2});
             corners.push_back({4 * k, 4 * k + 2, 4 * k + 3});
         }
-        addMesh<double>(vertices, corners);
+        addMesh<D3>(vertices, corners);
         commit();
         std::vector<D3> origins, directions;
         std::vector<double> ends;

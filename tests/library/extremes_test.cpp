@@ -43,16 +43,15 @@ TEST_F(LibraryExtremes, NeedlesHaveNormals) {
     for (const D3& far : {D3{3e13, 6e14, 2e15}, D3{1e8, 0, 0}}) {
         for (const double along : {-0.25, 0.25}) {
             useScene(nullptr);
-            const glm::dvec3 tip(far[0], far[1], far[2]);
             const glm::dvec3 wide = far[1] == 0 ? glm::dvec3(along, 0.125, 0) : glm::dvec3(-1e-10, 2e-10, 0);
-            addMesh<double>({far, {0, 0, 0}, {wide.x, wide.y, wide.z}});
+            addMesh<D3>({far, {0, 0, 0}, wide});
             commit();
-            const glm::dvec3 normal = glm::normalize(glm::cross(-tip, wide));
-            const glm::dvec3 from = (wide + 1e-17 * tip) / 3.0 + normal;
-            const std::vector<D3> origins = {arrayOf(from)}, directions = {arrayOf(-normal)};
+            const glm::dvec3 normal = glm::normalize(glm::cross(-far, wide));
+            const glm::dvec3 from = (wide + 1e-17 * far) / 3.0 + normal;
+            const std::vector<D3> origins = {from}, directions = {-normal};
             const Found all = closest(raysFrom(origins, directions), true);
-            ASSERT_EQ(all.hit[0], 1) << tip.x << " " << along;
-            EXPECT_LT(glm::length(vectorOf(all.normal[0]) - normal), 1e-6) << tip.x << " " << along;
+            ASSERT_EQ(all.hit[0], 1) << far.x << " " << along;
+            EXPECT_LT(glm::length(all.normal[0] - normal), 1e-6) << far.x << " " << along;
             EXPECT_TRUE(isNumber(all.point[0]));
         }
     }
@@ -78,7 +77,7 @@ TEST_F(LibraryExtremes, RaysFromBeyondAllScenesMiss) {
 
 // Too short for any t: certified or not, on whichever device.
 TEST_F(LibraryExtremes, DirectionsThatAreTooShortAreNone) {
-    addMesh<double>({{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}});
+    addMesh<D3>({{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}});
     commit();
     const std::vector<D3> origins(3, D3{0, 0, 5}),
         directions = {{0, 0, -1e-289}, {0, 0, -1e-300}, {0, 0, -5e-324}};

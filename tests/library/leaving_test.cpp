@@ -13,9 +13,8 @@ class LibraryLeaving : public LibraryTest {
         Random random(5);
         std::vector<D3> from, along;
         for (int i = 0; i < 500; ++i) {
-            const dvec3 start = center + distance * vectorOf(random.direction());
-            from.push_back(arrayOf(start));
-            along.push_back(arrayOf(center + spread * vectorOf(random.direction()) - start));
+            from.push_back(center + distance * random.direction());
+            along.push_back(center + spread * random.direction() - from.back());
         }
         return hitsOf(from, along);
     }
@@ -30,9 +29,9 @@ class LibraryLeaving : public LibraryTest {
         std::vector<D3> from, along;
         for (size_t i = 0; i < origins.size(); ++i) {
             for (int k = 0; k < 20; ++k) {
-                const dvec3 way = vectorOf(random.direction());
+                const dvec3 way = random.direction();
                 from.push_back(origins[i]);
-                along.push_back(arrayOf(way * (glm::dot(way, vectorOf(normals[i])) * side < 0 ? -1.0 : 1.0)));
+                along.push_back(way * (glm::dot(way, normals[i]) * side < 0 ? -1.0 : 1.0));
             }
         }
         glint_rays rays = raysFrom(from, along);
@@ -55,7 +54,7 @@ class LibraryLeaving : public LibraryTest {
             for (const auto& face :
                  {std::array{x, x + y, x + z}, {y, y + z, x + y}, {z, x + z, y + z}, {x + y, y + z, x + z}})
                 for (const int corner : {0, isFlipped ? 2 : 1, isFlipped ? 1 : 2})
-                    vertices.push_back(arrayOf(center + radius * glm::normalize(face[corner])));
+                    vertices.push_back(center + radius * glm::normalize(face[corner]));
         }
         addMesh(vertices);
     }
@@ -71,7 +70,7 @@ TEST_F(LibraryLeaving, ConvexBallsHideNothingFromTheirSurface) {
             EXPECT_EQ(occluded(left.origin, left.normal), 0) << isSphere << " " << center << " " << radius;
             std::vector<D3> inside;
             for (size_t i = 0; i < left.origin.size(); ++i)
-                inside.push_back(arrayOf(2.0 * vectorOf(left.point[i]) - vectorOf(left.origin[i])));
+                inside.push_back(2.0 * left.point[i] - left.origin[i]);
             EXPECT_EQ(occluded(inside, left.normal, -1), 1) << isSphere << " " << center << " " << radius;
         }
     }
@@ -83,24 +82,23 @@ TEST_F(LibraryLeaving, TwinsInOnePlaneAreNotHit) {
     const dvec3 n = glm::cross(x, y);
     for (const double place : {0.0, 0.01, 5.0}) {
         const auto at = [&](double u, double v, double height = 0) {
-            return arrayOf(place + u * x + v * y + height * n);
+            return place + u * x + v * y + height * n;
         };
         useScene(nullptr);
-        addMesh<double>({at(-1000, -900), at(1100, -950), at(20, 1500)});
-        addMesh<double>({at(0, 1), at(1, -1), at(-1, -1)});
+        addMesh<D3>({at(-1000, -900), at(1100, -950), at(20, 1500)});
+        addMesh<D3>({at(0, 1), at(1, -1), at(-1, -1)});
         commit();
         std::vector<D3> from, along;
         Random random(7);
         for (int i = 0; i < 500; ++i) {
-            const dvec3 start = vectorOf(at(random.uniform(), random.uniform(), 5));
-            from.push_back(arrayOf(start));
-            along.push_back(arrayOf(vectorOf(at(0.3 * random.uniform(), 0.3 * random.uniform())) - start));
+            from.push_back(at(random.uniform(), random.uniform(), 5));
+            along.push_back(at(0.3 * random.uniform(), 0.3 * random.uniform()) - from.back());
         }
         const Found left = hitsOf(from, along);
-        const std::vector<D3> up(left.origin.size(), arrayOf(n));
+        const std::vector<D3> up(left.origin.size(), n);
         EXPECT_EQ(occluded(left.origin, up), 0) << place;
         // A lid far above rounding and far wider than high is met.
-        addMesh<double>({at(-1e4, -1e4, 0.01), at(1e4, -1e4, 0.01), at(0, 2e4, 0.01)});
+        addMesh<D3>({at(-1e4, -1e4, 0.01), at(1e4, -1e4, 0.01), at(0, 2e4, 0.01)});
         commit();
         EXPECT_GT(occluded(left.origin, up), 0.99) << place;
     }

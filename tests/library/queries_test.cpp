@@ -32,19 +32,14 @@ Cast raysInto(const glint_scene* scene, size_t count, uint32_t seed) {
     for (int axis = 0; axis < 3; ++axis) reach = std::max(reach, info.upper[axis] - info.lower[axis]);
     Cast cast;
     for (size_t i = 0; i < count; ++i) {
-        D3 to, from, out;
+        D3 to, out;
         for (int axis = 0; axis < 3; ++axis) {
             to[axis] = info.lower[axis] + uniform(random) * (info.upper[axis] - info.lower[axis]);
             out[axis] = normal(random);
         }
-        const double length = std::hypot(out[0], out[1], out[2]);
-        D3 direction;
-        for (int axis = 0; axis < 3; ++axis) {
-            from[axis] = to[axis] + 2 * reach * out[axis] / length;
-            direction[axis] = to[axis] - from[axis];
-        }
+        const D3 from = to + 2 * reach * out / glm::length(out);
         cast.origins.push_back(from);
-        cast.directions.push_back(direction);
+        cast.directions.push_back(to - from);
     }
     return cast;
 }
@@ -104,7 +99,6 @@ TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
         Cast cast = raysInto(scene(), 3000, 5);
         closest(cast);
         const glint_rays rays = cast.rays();
-        using F3 = std::array<float, 3>;
         std::vector<float> t(cast.t.size());
         std::vector<F3> normal(t.size()), point(t.size());
         std::vector<D3> exactPoint(t.size());
@@ -120,7 +114,7 @@ TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
         for (size_t i = 0; i < t.size(); ++i) {
             found += cast.geometry[i] != GLINT_NONE;
             EXPECT_EQ(t[i], static_cast<float>(cast.t[i]));
-            for (size_t axis = 0; axis < 3; ++axis) {
+            for (int axis = 0; axis < 3; ++axis) {
                 const double n = cast.normal[i][axis];
                 EXPECT_NEAR(static_cast<double>(normal[i][axis]), n, 0x1p-24 * std::abs(n) + 1e-12);
                 EXPECT_EQ(point[i][axis], static_cast<float>(exactPoint[i][axis]));
@@ -192,11 +186,10 @@ Cast raysOf(const glint_scene* scene, bool picture) {
     }
     // What fp32 holds, so that arrays of either type are of the same rays.
     for (std::vector<D3>* all : {&cast.origins, &cast.directions})
-        for (D3& three : *all)
-            for (double& x : three) x = static_cast<double>(static_cast<float>(x));
+        for (D3& three : *all) three = D3(glm::vec3(three));
     const size_t middle = cast.origins.size() / 2;
-    for (double& x : cast.directions[middle]) x *= 0x1p40;
-    for (double& x : cast.directions[middle + 1]) x *= 0x1p-40;
+    cast.directions[middle] *= 0x1p40;
+    cast.directions[middle + 1] *= 0x1p-40;
     return cast;
 }
 
@@ -237,15 +230,8 @@ TEST_F(LibraryQueries, BothTypesAreReadAlike) {
     load("knot.json");
     Cast wide = raysOf(scene(), false);
     closest(wide);
-    std::vector<F3> origins, directions;
-    for (size_t i = 0; i < wide.origins.size(); ++i) {
-        for (auto [from, to] :
-             {std::pair(&wide.origins, &origins), std::pair(&wide.directions, &directions)}) {
-            const D3& three = (*from)[i];
-            to->push_back(
-                {static_cast<float>(three[0]), static_cast<float>(three[1]), static_cast<float>(three[2])});
-        }
-    }
+    const std::vector<glm::vec3> origins(wide.origins.begin(), wide.origins.end());
+    const std::vector<glm::vec3> directions(wide.directions.begin(), wide.directions.end());
     EXPECT_EQ(LibraryTest::closest(raysFrom(origins, directions)).t, wide.t);
 }
 

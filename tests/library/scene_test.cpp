@@ -21,7 +21,7 @@ class LibraryScene : public LibraryTest {
         EXPECT_EQ(number, geometry) << at[0];
         EXPECT_NEAR(found, t, 1e-4) << at[0];
     }
-    uint32_t addTriangleAt(double x) { return addMesh<double>({{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}); }
+    uint32_t addTriangleAt(double x) { return addMesh<D3>({{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}); }
 };
 
 TEST_F(LibraryScene, GeometriesAreNumberedAsTheyCome) {
@@ -106,8 +106,7 @@ TEST_F(LibraryScene, TrianglesThatAreRefused) {
     GLINT_INIT(glint_triangles, triangles);
     triangles.vertices = viewOf(vertices);
     triangles.indices = viewOf(corners);
-    EXPECT_EQ(glint_scene_add_triangles(scene(), &triangles, nullptr), GLINT_ERROR_ARGUMENT);
-    EXPECT_NE(std::string(glint_last_error()).find("triangle 0 names a vertex"), std::string::npos);
+    refused(glint_scene_add_triangles(scene(), &triangles, nullptr), "triangle 0 names a vertex");
     triangles.indices = {};
     triangles.vertices.count = 2;
     EXPECT_EQ(glint_scene_add_triangles(scene(), &triangles, nullptr), GLINT_ERROR_ARGUMENT);
@@ -123,7 +122,7 @@ TEST_F(LibraryScene, SpheresThatAreRefused) {
     GLINT_INIT(glint_spheres, spheres);
     D3 center = {0, 0, 0};
     double radius = 1;
-    spheres.centers = {center.data(), 1, 0, GLINT_F64, 0};
+    spheres.centers = {&center, 1, 0, GLINT_F64, 0};
     spheres.radii = {&radius, 1, 0, GLINT_F64, 0};
     const auto refuse = [&](const std::string& part) {
         refused(glint_scene_add_spheres(scene(), &spheres, nullptr), part);
@@ -145,7 +144,7 @@ TEST_F(LibraryScene, SpheresThatAreRefused) {
     const double nothing[12] = {};
     EXPECT_EQ(glint_scene_load(nullptr, "x", nullptr), GLINT_ERROR_ARGUMENT);
     EXPECT_STREQ(glint_last_error(), "glint_scene_load: device is NULL");
-    addMesh<float>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    addMesh<F3>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
     EXPECT_EQ(glint_scene_set_transform(scene(), 0, nothing), GLINT_ERROR_ARGUMENT);
     EXPECT_STREQ(glint_last_error(),
                  "glint_scene_set_transform: transform: the matrix is singular, or not finite");
@@ -153,15 +152,15 @@ TEST_F(LibraryScene, SpheresThatAreRefused) {
 
 TEST_F(LibraryScene, DegenerateTrianglesKeepTheirNumbers) {
     const float nan = std::nanf("");
-    addMesh<float>({{nan, 0, 0},
-                    {1, 0, 0},
-                    {0, 1, 0},
-                    {5, 0, 0},
-                    {6, 0, 0},
-                    {7, 0, 0},
-                    {0, 0, 0},
-                    {1, 0, 0},
-                    {0, 1, 0}});
+    addMesh<F3>({{nan, 0, 0},
+                 {1, 0, 0},
+                 {0, 1, 0},
+                 {5, 0, 0},
+                 {6, 0, 0},
+                 {7, 0, 0},
+                 {0, 0, 0},
+                 {1, 0, 0},
+                 {0, 1, 0}});
     commit();
     const std::vector<D3> origins = {{0.2, 0.2, 1}}, directions = {{0, 0, -1}};
     EXPECT_EQ(closest(raysFrom(origins, directions)).primitive[0], 2u);

@@ -33,10 +33,7 @@ void log(void* user, int32_t level, const char* text) {
 // is not OK.
 class LibrarySettings : public testing::Test {
   protected:
-    void TearDown() override {
-        glint_scene_release(scene_);
-        glint_device_release(device_);
-    }
+    void TearDown() override { close(); }
     void close() {
         glint_scene_release(scene_);
         glint_device_release(device_);
@@ -46,6 +43,13 @@ class LibrarySettings : public testing::Test {
     glint_settings settings() {
         GLINT_INIT(glint_settings, made);
         made.user = &told_;
+        return made;
+    }
+    // Settings whose requests for memory are counted in told_.
+    glint_settings counted(uint32_t threads = 0) {
+        glint_settings made = settings();
+        made.memory = memory;
+        made.threads = threads;
         return made;
     }
     glint_status open(const glint_settings& settings) {
@@ -108,10 +112,8 @@ class LibrarySettings : public testing::Test {
 };
 
 TEST_F(LibrarySettings, MemoryIsToldAndGivenBack) {
-    glint_settings given = settings();
-    given.memory = memory;
-    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
-    ASSERT_EQ(useIt(), GLINT_OK) << glint_last_error();
+    ASSERT_OK(open(counted()));
+    ASSERT_OK(useIt());
     // Vertices and corners alone are more; all of it is far less than 100 MB, the room for rays included.
     EXPECT_GT(told_.most, 2 * (41 * 41 * 24 + 3200 * 12));
     EXPECT_LT(told_.most, 100'000'000);
@@ -123,19 +125,17 @@ TEST_F(LibrarySettings, MemoryIsToldAndGivenBack) {
 // Each request in turn is refused: nothing crashes, nothing is lost, and afterwards everything works.
 TEST_F(LibrarySettings, EachRefusalIsAStatusAndLosesNothing) {
     // A device's arithmetic is looked at once in a process, which takes memory too.
-    ASSERT_EQ(open(settings()), GLINT_OK) << glint_last_error();
-    ASSERT_EQ(useIt(), GLINT_OK) << glint_last_error();
+    ASSERT_OK(open(settings()));
+    ASSERT_OK(useIt());
     close();
     int requests = 0, refused = 0;
     for (int turn = 0; turn <= requests; ++turn) {
         told_.asked = 0;
         told_.refuseAt = turn;  // turn 0 counts them
-        glint_settings given = settings();
-        given.memory = memory;
-        const glint_status opened = open(given);
+        const glint_status opened = open(counted());
         const glint_status used = opened == GLINT_OK ? useIt() : opened;
         if (turn == 0) {
-            ASSERT_EQ(used, GLINT_OK) << glint_last_error();
+            ASSERT_OK(used);
             requests = told_.asked;
             ASSERT_GT(requests, 8);
         } else if (used != GLINT_OK) {
@@ -153,27 +153,25 @@ TEST_F(LibrarySettings, EachRefusalIsAStatusAndLosesNothing) {
 }
 
 TEST_F(LibrarySettings, WhatQueriesSeeOutlivesARefusedChange) {
-    glint_settings given = settings();
-    given.memory = memory;
-    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
-    ASSERT_EQ(fill(), GLINT_OK);
+    ASSERT_OK(open(counted()));
+    ASSERT_OK(fill());
     ASSERT_OK(glint_scene_commit(scene_));
     double before = 0, after = 0;
-    ASSERT_EQ(ask(before), GLINT_OK);
+    ASSERT_OK(ask(before));
     told_.refuseAt = told_.asked + 2;  // set_vertices gets its copy, the commit its version not
     EXPECT_EQ(change(2), GLINT_ERROR_MEMORY);
-    ASSERT_EQ(ask(after), GLINT_OK);
+    ASSERT_OK(ask(after));
     EXPECT_EQ(after, before);
     EXPECT_OK(glint_scene_commit(scene_));
-    ASSERT_EQ(ask(after), GLINT_OK);
+    ASSERT_OK(ask(after));
     EXPECT_NE(after, before);
 }
 
 TEST_F(LibrarySettings, MoreThanMaxBytesIsRefused) {
     glint_settings given = settings();
     given.max_bytes = 100'000;
-    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
-    ASSERT_EQ(fill(), GLINT_OK) << glint_last_error();
+    ASSERT_OK(open(given));
+    ASSERT_OK(fill());
     EXPECT_EQ(glint_scene_commit(scene_), GLINT_ERROR_MEMORY);
     EXPECT_STREQ(glint_last_error(),
                  "921600 bytes more are too many: 78744 are held, and the settings' max_bytes is 100000");
@@ -182,10 +180,10 @@ TEST_F(LibrarySettings, MoreThanMaxBytesIsRefused) {
 TEST_F(LibrarySettings, TheLogTellsWhatHappens) {
     glint_settings given = settings();
     given.log = log;
-    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
-    ASSERT_EQ(fill(), GLINT_OK);
+    ASSERT_OK(open(given));
+    ASSERT_OK(fill());
     ASSERT_OK(glint_scene_commit(scene_));
-    ASSERT_EQ(change(1.1f), GLINT_OK);
+    ASSERT_OK(change(1.1f));
     ASSERT_EQ(told_.lines.size(), 5u);
     EXPECT_EQ(told_.lines[0].second.substr(0, 8), "device: ");
     EXPECT_EQ(told_.lines[1].first, GLINT_LOG_WARNING);
@@ -199,8 +197,8 @@ TEST_F(LibrarySettings, TheLogTellsWhatHappens) {
 TEST_F(LibrarySettings, OneThreadIsEnoughIfSoSet) {
     glint_settings given = settings();
     given.threads = 1;
-    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
-    ASSERT_EQ(fill(), GLINT_OK);
+    ASSERT_OK(open(given));
+    ASSERT_OK(fill());
     struct Callers {
         std::thread::id own = std::this_thread::get_id();
         std::atomic<int> others{0}, all{0};
@@ -220,14 +218,11 @@ TEST_F(LibrarySettings, OneThreadIsEnoughIfSoSet) {
 
 // At every point where it is asked.
 TEST_F(LibrarySettings, CommitsAreCancelledAnywhere) {
-    glint_settings given = settings();
-    given.threads = 1;
-    given.memory = memory;
-    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
-    ASSERT_EQ(fill(), GLINT_OK);
+    ASSERT_OK(open(counted(1)));
+    ASSERT_OK(fill());
     ASSERT_OK(glint_scene_commit(scene_));
     double before = 0, after = 0;
-    ASSERT_EQ(ask(before), GLINT_OK);
+    ASSERT_OK(ask(before));
     struct Count {
         int asked = 0, last = 0;
     } count;
@@ -247,12 +242,12 @@ TEST_F(LibrarySettings, CommitsAreCancelledAnywhere) {
         status = glint_scene_commit_with(scene_, &options);
         if (status != GLINT_ERROR_CANCELLED) break;
         ++cancelled;
-        ASSERT_EQ(ask(after), GLINT_OK);
+        ASSERT_OK(ask(after));
         EXPECT_EQ(after, before);
     }
     EXPECT_EQ(status, GLINT_OK) << glint_last_error();
     EXPECT_GT(cancelled, 2);
-    ASSERT_EQ(ask(after), GLINT_OK);
+    ASSERT_OK(ask(after));
     EXPECT_NE(after, before);
     close();
     EXPECT_EQ(told_.held, 0);
@@ -277,10 +272,7 @@ struct Loading {
 
 // Meshes of each kind of file, textures, instances and JSON alone: nothing is left behind, wherever it ends.
 TEST_F(LibrarySettings, LoadsAreCancelledAnywhere) {
-    glint_settings given = settings();
-    given.threads = 1;
-    given.memory = memory;
-    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
+    ASSERT_OK(open(counted(1)));
     const int64_t before = told_.held;
     for (const char* name : {"textures.json", "instances.json", "vertex_colors.json", "imports/table.gltf",
                              "imports/gem.stl", "meshes/knot.obj", "meshes/rgb_cube.ply"}) {
@@ -306,7 +298,7 @@ TEST_F(LibrarySettings, LoadsAreCancelledAnywhere) {
 }
 
 TEST_F(LibrarySettings, LoadsAndCommitsTellHowFarTheyAre) {
-    ASSERT_EQ(open(settings()), GLINT_OK) << glint_last_error();
+    ASSERT_OK(open(settings()));
     Loading loading;
     const glint_options options = loading.options();
     const auto expectRising = [&] {
@@ -319,13 +311,13 @@ TEST_F(LibrarySettings, LoadsAndCommitsTellHowFarTheyAre) {
         glint_scene_load_with(device_, sceneFile("instances.json").string().c_str(), &options, &scene_));
     expectRising();
     loading.told.clear();
-    ASSERT_EQ(fill(), GLINT_OK);
+    ASSERT_OK(fill());
     ASSERT_OK(glint_scene_commit_with(scene_, &options));
     expectRising();
 }
 
 TEST_F(LibrarySettings, LoadsThatFailSayWhatLoadsSay) {
-    ASSERT_EQ(open(settings()), GLINT_OK) << glint_last_error();
+    ASSERT_OK(open(settings()));
     Loading loading;
     const glint_options options = loading.options();
     EXPECT_EQ(glint_scene_load_with(device_, "/no/such.json", &options, &scene_), GLINT_ERROR_SCENE);

@@ -27,18 +27,13 @@ inline const char* selector() {
 }
 
 using F3 = std::array<float, 3>;
-using D3 = std::array<double, 3>;
+using D3 = glm::dvec3;
 using U3 = std::array<uint32_t, 3>;
 
-inline glm::dvec3 vectorOf(const D3& v) {
-    return {v[0], v[1], v[2]};
-}
-inline D3 arrayOf(const glm::dvec3& v) {
-    return {v.x, v.y, v.z};
-}
-
+// The type of a number, or of an element's numbers.
 template <class T>
 constexpr glint_type typeOf() {
+    if constexpr (requires { typename T::value_type; }) return typeOf<typename T::value_type>();
     if constexpr (std::is_same_v<T, float>) return GLINT_F32;
     if constexpr (std::is_same_v<T, double>) return GLINT_F64;
     if constexpr (std::is_same_v<T, uint32_t>) return GLINT_U32;
@@ -49,16 +44,8 @@ template <class T>
 glint_view viewOf(const std::vector<T>& values) {
     return {values.data(), values.size(), 0, typeOf<T>(), 0};
 }
-template <class T, size_t N>
-glint_view viewOf(const std::vector<std::array<T, N>>& values) {
-    return {values.data(), values.size(), 0, typeOf<T>(), 0};
-}
 template <class T>
 glint_out outOf(std::vector<T>& values) {
-    return {values.data(), values.size(), 0, typeOf<T>(), 0};
-}
-template <class T, size_t N>
-glint_out outOf(std::vector<std::array<T, N>>& values) {
     return {values.data(), values.size(), 0, typeOf<T>(), 0};
 }
 
@@ -110,8 +97,8 @@ struct Listed {
 };
 
 // Returns the number of the mesh. The triangles are consecutive vertices, or by indices.
-template <class T>
-uint32_t addMesh(glint_scene* scene, const std::vector<std::array<T, 3>>& vertices,
+template <class Vertex>
+uint32_t addMesh(glint_scene* scene, const std::vector<Vertex>& vertices,
                  const std::vector<U3>& corners = {}) {
     GLINT_INIT(glint_triangles, triangles);
     triangles.vertices = viewOf(vertices);
@@ -185,8 +172,8 @@ class LibraryTest : public testing::Test {
     }
     void commit() { ASSERT_OK(glint_scene_commit(scene())); }
 
-    template <class T>
-    uint32_t addMesh(const std::vector<std::array<T, 3>>& vertices, const std::vector<U3>& corners = {}) {
+    template <class Vertex>
+    uint32_t addMesh(const std::vector<Vertex>& vertices, const std::vector<U3>& corners = {}) {
         return test::addMesh(scene(), vertices, corners);
     }
     glint_scene_info info() {
