@@ -36,14 +36,18 @@ SeenPath seenAs(const reference::PixelRecord& record, const Trail& trail) {
     return seen;
 }
 
+// The reference traces `ray`, and the device claims `record`, by `trail`.
+Certificate certificateOf(const PackedScene& scene, const reference::Ray& ray,
+                          const reference::PixelRecord& record, const Trail& trail) {
+    return certify(reference::Tracer(scene), scene, ray, seenAs(record, trail), kMostStepsOfPixel);
+}
+
 class CertificateTest : public testing::Test {
   protected:
     // The reference looks at `target`, the device claims what the ray at `claimed` sees.
     Certificate certificate(const dvec3& target, const dvec3& claimed) const {
-        const reference::Tracer tracer(case_.packed);
-        const reference::PixelRecord device = tracer.trace(rayAt(case_, claimed), {}, true);
-        const Trail trail = trailOf(device);
-        return certify(tracer, case_.packed, rayAt(case_, target), seenAs(device, trail), kMostStepsOfPixel);
+        const auto device = reference::Tracer(case_.packed).trace(rayAt(case_, claimed), {}, true);
+        return certificateOf(case_.packed, rayAt(case_, target), device, trailOf(device));
     }
     const Case case_ = squareCase();
 };
@@ -80,7 +84,7 @@ TEST_F(CertificateTest, HitsAreJudgedByTheDevicesOwnRay) {
         Trail trail = trailOf(wall);
         const reference::Ray ray = rayAt(case_, {1 - beside * unit, 0.3, 0});
         trail[0].direction = ray.direction;
-        return certify(tracer, case_.packed, ray, seenAs(wall, trail), kMostStepsOfPixel);
+        return certificateOf(case_.packed, ray, wall, trail);
     };
     const Certificate near = claimed(2);
     EXPECT_EQ(near.verdict, Verdict::Holds);
@@ -119,9 +123,7 @@ TEST_F(CertificateTest, SurfacesAtTheBoundAreAnOpenDecision) {
         const Case both = caseOf(0), other = caseOf(-1);
         const reference::Ray ray = rayAt(both, {-0.1, -0.3, 0});
         const reference::PixelRecord second = reference::Tracer(other.packed).trace(ray, {}, true);
-        const Trail trail = trailOf(second);
-        return certify(reference::Tracer(both.packed), both.packed, ray, seenAs(second, trail),
-                       kMostStepsOfPixel);
+        return certificateOf(both.packed, ray, second, trailOf(second));
     };
     EXPECT_EQ(takesSecond(0).verdict, Verdict::Fails);
     // The eye is 5 away, so that each height errs by at most 60 units.
@@ -299,16 +301,14 @@ TEST_F(VerifyTest, SensitiveScenesAreJudgedByTheirPrediction) {
     scene.camera.eye = {0.3, 0.2, 8};
     scene.maxDepth = 8;
     const Case c = render::test::makeCase(scene, 96, 72);
-    auto options = sized<Options>(c);
-    render::Renderer right(device(), c.packed);
-    const Report good = verify(right, c.packed, c.camera, options);
+    const Report good = verified(c);
     EXPECT_TRUE(good.passed()) << good.explained() << ' ' << good.allowedExplained();
     EXPECT_GT(good.explained(), 0u);
     PackedScene moved = c.packed;
     for (shared::Sphere& sphere : moved.spheres)
         if (sphere.id == 62) sphere.point.x += 0.45e-3f;  // of the nearest layer
     render::Renderer wrong(device(), moved);
-    const Report bad = verify(wrong, c.packed, c.camera, options);
+    const Report bad = verified(wrong, c);
     EXPECT_FALSE(bad.passed());
     EXPECT_EQ(bad.allowedExplained(), good.allowedExplained());  // a defect cannot raise its own limit
 }
@@ -340,10 +340,9 @@ TEST_F(VerifyTest, LightsThatRoundingHidesArePredicted) {
 
 TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
     const Case c = render::test::fileCase("triangles", 40, 30);
-    render::Renderer renderer(device(), c.packed);
-    auto options = sized<Options>(c);
+    Options options;
     options.cancelled = [] { return true; };
-    const Report report = verify(renderer, c.packed, c.camera, options);
+    const Report report = verified(c, {}, options);
     EXPECT_TRUE(report.interrupted);
     EXPECT_FALSE(report.passed());
 }

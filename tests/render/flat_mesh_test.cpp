@@ -49,10 +49,9 @@ Case floorCase(Made made, double height) {
 class FlatMeshTest : public RenderTest {
   protected:
     static verify::Report verifiedBy(const Case& c, const KernelCode& code = embeddedKernels()) {
-        Renderer renderer(device(), c.packed, optionsWith(code));
         verify::Options options;
         options.plainToo = false;
-        return verified(renderer, c, options);
+        return verified(c, optionsWith(code), options);
     }
 };
 
@@ -108,8 +107,7 @@ TEST_F(FlatMeshTest, NeighboursThatAreMetAreUnexplained) {
     const Case c = floorCase(Made::OneMesh, 0);
     const verify::Report sound = verifiedBy(c);
     EXPECT_TRUE(sound.passed()) << sound.unexplained << " unexplained";
-    const KernelCode code = mutantKernels("near_faces");
-    const verify::Report broken = verifiedBy(c, code);
+    const verify::Report broken = verifiedBy(c, mutantKernels("near_faces"));
     EXPECT_GT(broken.unexplained, 5u);
     EXPECT_FALSE(broken.passed());
 }

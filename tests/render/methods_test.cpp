@@ -14,15 +14,24 @@ constexpr SphereMethod kSphereMethods[] = {SphereMethod::Robust, SphereMethod::A
 
 class MethodsTest : public RenderTest {};
 
+PackedScene someTriangles(Random& random, int count) {
+    Scene scene = emptyScene();
+    for (int i = 0; i < count; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
+    return packScene(scene);
+}
+
+std::vector<RayInput> raysFromAround(Random& random, int count) {
+    std::vector<RayInput> rays;
+    for (int i = 0; i < count; ++i) rays.push_back(rayTowards(9.0 * random.direction(), random.box(2)));
+    return rays;
+}
+
 // Far from edges all agree, with each other and with the reference: 64 roundings over the cosine.
 TEST_F(MethodsTest, SameHitsOnPlainTriangles) {
     Random random(4);
-    Scene scene = emptyScene();
-    for (int i = 0; i < 20; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
-    const PackedScene packed = packScene(scene);
+    const PackedScene packed = someTriangles(random, 20);
     RayTracer renderer(device(), packed);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 3000; ++i) rays.push_back(rayTowards(9.0 * random.direction(), random.box(2)));
+    const std::vector<RayInput> rays = raysFromAround(random, 3000);
     for (const TriangleMethod method : kTriangleMethods) {
         const Methods methods{.triangles = method};
         const auto hits = renderer.trace(rays, false, methods);
@@ -197,12 +206,9 @@ TEST_F(MethodsTest, CoincidentTrianglesDoNotShadeEachOther) {
 // Pads widen boxes, which hold the same primitives.
 TEST_F(MethodsTest, PadsDoNotChangeWhatIsHitAwayFromEdges) {
     Random random(5);
-    Scene scene = emptyScene();
-    for (int i = 0; i < 40; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
-    const PackedScene packed = packScene(scene);
+    const PackedScene packed = someTriangles(random, 40);
     RayTracer renderer(device(), packed);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 2000; ++i) rays.push_back(rayTowards(9.0 * random.direction(), random.box(2)));
+    const std::vector<RayInput> rays = raysFromAround(random, 2000);
     const auto expected = renderer.trace(rays, false);
     for (const SlabPad pad : {SlabPad::Gamma3, SlabPad::None}) {
         const auto hits = renderer.trace(rays, false, {.slabs = pad});

@@ -62,11 +62,9 @@ class MutantTest : public RenderTest, public testing::WithParamInterface<Defect>
   protected:
     verify::Report run(const KernelCode& code) {
         const bool packets = std::string(GetParam().mutant).starts_with("packet_");
-        Renderer renderer(device(), case_.packed,
-                          optionsWith(code, packets ? Traversal::Packet : Traversal::Lane));
         verify::Options options;
         options.plainToo = false;  // the defect is not in its kernels
-        return verified(renderer, case_, options);
+        return verified(case_, optionsWith(code, packets ? Traversal::Packet : Traversal::Lane), options);
     }
     const Case case_ = sceneCase(GetParam().scene, 48, 36);
 };
@@ -118,9 +116,7 @@ class VerdictTest : public RenderTest {
 // A wrong near hit must not widen its own excuse: none of those that a picture shows is explained.
 TEST_F(VerdictTest, NoneOfTheWrongNearHitsIsExplained) {
     const Case c = fileCase("spheres", 320, 240);
-    const KernelCode code = mutantKernels("rare_near_hit");
-    Renderer broken(device(), c.packed, optionsWith(code));
-    const verify::Report report = verified(broken, c);
+    const verify::Report report = verified(c, optionsWith(mutantKernels("rare_near_hit")));
     EXPECT_GT(report.unexplained, 100u);
     EXPECT_EQ(report.explained(), 0u);
 }
@@ -132,8 +128,7 @@ TEST_F(VerdictTest, WhatRenderDrawsIsVerified) {
     const KernelCode broken = mutantKernels("diffuse_whole");
     Options options = optionsWith(broken);
     options.wholePaths = WholePaths::On;
-    Renderer renderer(device(), c.packed, options);
-    const verify::Report report = verified(renderer, c);
+    const verify::Report report = verified(c, options);
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_GT(report.plainDiffers, 100u);
     EXPECT_FALSE(report.passed());
@@ -153,10 +148,10 @@ TEST_F(VerdictTest, TheSumOfSamplesIsVerified) {
         const Case c = makeCase(scene, 64, 48);
         const KernelCode code = mutantKernels(mutant);
         for (const bool broken : {false, true}) {
-            Renderer renderer(device(), c.packed, optionsWith(broken ? code : embeddedKernels()));
             verify::Options options;
             options.samples = samples.samples;
-            const verify::Report report = verified(renderer, c, options);
+            const verify::Report report =
+                verified(c, optionsWith(broken ? code : embeddedKernels()), options);
             EXPECT_EQ(report.unexplained, 0u) << mutant;
             EXPECT_EQ(report.plainDiffers, 0u) << mutant;
             EXPECT_EQ(report.filmDiffers > 0, broken) << mutant << ' ' << report.filmDiffers;
@@ -170,8 +165,7 @@ TEST_F(VerdictTest, TheAccountOfLostBranchesIsVerified) {
     const Case c = fileCase("glass", 48, 36);
     const KernelCode code = mutantKernels("lost_reason");
     for (const bool broken : {false, true}) {
-        Renderer renderer(device(), c.packed, optionsWith(broken ? code : embeddedKernels()));
-        const verify::Report report = verified(renderer, c);
+        const verify::Report report = verified(c, optionsWith(broken ? code : embeddedKernels()));
         EXPECT_EQ(report.unexplained, 0u);
         EXPECT_EQ(report.lossesDiffer, broken);
         EXPECT_EQ(report.passed(), !broken);
@@ -237,10 +231,9 @@ TEST_F(VerdictTest, ADarkerPictureGetsTheSameVerdict) {
 // than the reference predicts.
 TEST_F(VerdictTest, ATextbooksSphereFailsWhereItLosesDigits) {
     const Case c = fileCase("stiff/bead_on_planet", 32, 24);
-    Renderer renderer(device(), c.packed);
     verify::Options options;
     options.methods.spheres = SphereMethod::Algebraic;
-    const verify::Report report = verified(renderer, c, options);
+    const verify::Report report = verified(c, {}, options);
     EXPECT_FALSE(report.passed());
     EXPECT_GT(report.edges + report.roundings, report.allowedExplained());
 }

@@ -2,9 +2,9 @@
 // chosen.
 #include <cmath>
 
-#include "core/error.h"
 #include "render/path_limits.h"
 #include "support.h"
+#include "support/support.h"
 
 namespace glint::render::test::packet_test {
 using glm::dvec3;
@@ -29,25 +29,23 @@ PackedScene sceneOf(size_t triangles) {
     return scene;
 }
 
+// Packets are the default, and loops converge, on the same devices.
 TEST(TraversalRule, PacketsOnLlvmpipeWithEightLanesThatShuffle) {
     const PackedScene scene = sceneOf(1000);
-    EXPECT_TRUE(chooseTraversal(Traversal::Auto, deviceOf(true, 8, true), scene).packets);
-    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(true, 16, true), scene).packets);
-    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(true, 4, true), scene).packets);
-    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(true, 8, false), scene).packets);
-    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(false, 32, true), scene).packets);
-    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(false, 8, true), scene).packets);
-    EXPECT_FALSE(chooseTraversal(Traversal::Lane, deviceOf(true, 8, true), scene).packets);
-    EXPECT_TRUE(chooseTraversal(Traversal::Packet, deviceOf(false, 8, true), scene).packets);
-    const Methods plainSlabs = {.slabs = SlabPad::None};
-    EXPECT_FALSE(chooseTraversal(Traversal::Packet, deviceOf(true, 8, true), scene, plainSlabs).packets);
-}
-
-TEST(TraversalRule, LoopsConvergeOnLlvmpipeWithEightLanesThatShuffle) {
-    EXPECT_TRUE(loopsConverge(deviceOf(true, 8, true)));
-    EXPECT_FALSE(loopsConverge(deviceOf(false, 8, true)));
-    EXPECT_FALSE(loopsConverge(deviceOf(true, 16, true)));
-    EXPECT_FALSE(loopsConverge(deviceOf(true, 8, false)));
+    const gpu::DeviceInfo best = deviceOf(true, 8, true), fast = deviceOf(false, 8, true);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, best, scene).packets);
+    EXPECT_TRUE(loopsConverge(best));
+    for (const gpu::DeviceInfo& device : {deviceOf(true, 16, true), deviceOf(true, 4, true),
+                                          deviceOf(true, 8, false), deviceOf(false, 32, true), fast}) {
+        SCOPED_TRACE(testing::Message()
+                     << "llvmpipe " << device.llvmpipe << ", lanes " << device.limits.subgroupSize
+                     << ", shuffle " << device.limits.subgroupShuffle);
+        EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, scene).packets);
+        EXPECT_FALSE(loopsConverge(device));
+    }
+    EXPECT_FALSE(chooseTraversal(Traversal::Lane, best, scene).packets);
+    EXPECT_TRUE(chooseTraversal(Traversal::Packet, fast, scene).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Packet, best, scene, {.slabs = SlabPad::None}).packets);
 }
 
 TEST(TraversalRule, FewPrimitivesAreTracedByLanesUnlessAskedOtherwise) {
@@ -61,13 +59,10 @@ TEST(TraversalRule, FewPrimitivesAreTracedByLanesUnlessAskedOtherwise) {
 }
 
 TEST(TraversalRule, PacketsAreRefusedWhereTheDeviceCannot) {
-    try {
+    const std::string error = glint::test::errorOf(ErrorKind::Device, [] {
         chooseTraversal(Traversal::Packet, deviceOf(false, 32, true), sceneOf(1000));
-        FAIL();
-    } catch (const Error& e) {
-        EXPECT_EQ(e.kind(), ErrorKind::Device);
-        EXPECT_NE(std::string(e.what()).find("\"a device\" has 32 lanes"), std::string::npos) << e.what();
-    }
+    });
+    EXPECT_NE(error.find("\"a device\" has 32 lanes"), std::string::npos) << error;
 }
 
 // packet/packet.glsl: a packet makes no more than 40 trips beyond its budget, one for each of 24 groups,
@@ -97,8 +92,8 @@ TEST(TraversalRule, ScenesThatPacketsDoNotKnowAreTracedByLanes) {
 // ---- scenes and rays that try a traversal ----
 
 struct RayCase {
-    Case c;
-    std::vector<RayInput> rays;
+    PackedScene scene;
+    std::vector<RayInput> rays = {};
 };
 
 // A crowd of triangles and spheres over a plane, and rays of all octants and axes, from everywhere.
@@ -111,7 +106,7 @@ RayCase crowdedCase(uint32_t triangles, size_t rays, uint32_t seed) {
         if (i % 4 == 0) addSphere(scene, random.box(2), random.uniform(0.02, 0.3));
     }
     addPlane(scene, {0, -2, 0}, {0.1, 1, 0.2});
-    RayCase result{makeCase(scene, 8, 8), {}};
+    RayCase result{packScene(scene)};
     Random directions(seed);
     while (result.rays.size() < rays) result.rays.push_back(rayTowards(directions.box(3), directions.box(2)));
     return result;
@@ -124,7 +119,7 @@ RayCase axisCase() {
     addGrid(scene, 24);
     addGrid(scene, 24, {0, 0, -0.25});
     addSphere(scene, {0.5, 0.5, 0.25}, 0.25);
-    RayCase result{makeCase(scene, 8, 8), {}};
+    RayCase result{packScene(scene)};
     std::vector<RayInput>& rays = result.rays;
     for (int x = -1; x <= 1; ++x) {
         for (int y = -1; y <= 1; ++y) {
@@ -155,25 +150,23 @@ RayCase nestedCase() {
         else
             addSphere(scene, {s, 0, 0}, 0.3 * s);
     }
-    RayCase result{makeCase(scene, 8, 8), {}};
+    RayCase result{packScene(scene)};
     for (int i = 0; i < 64; ++i)
         result.rays.push_back(
             rayOf(vec3(0), {1, 0.01f * static_cast<float>(i % 8), 0.01f * static_cast<float>(i / 8)}));
     return result;
 }
 
-// Clusters of small spheres on the diagonal, smaller and smaller towards the origin, where the rays start and
-// go through all boxes: what is nearest holds all clusters but seven, so that some wait on every level.
-RayCase outwardCase(int clusters) {
+// Clusters of small spheres on the diagonal, smaller and smaller towards the origin: what is nearest to it
+// holds all clusters but seven, so that some wait on every level.
+PackedScene outwardScene(int clusters) {
     Scene scene = emptyScene();
     Random random(23);
     for (int k = 0; k < clusters; ++k) {
         const double s = std::pow(0.8, k);
         for (int i = 0; i < 8; ++i) addSphere(scene, dvec3(s) + random.box(0.04 * s), 1e-4 * s);
     }
-    RayCase result{makeCase(scene, 8, 8), {}};
-    while (result.rays.size() < 256) result.rays.push_back(rayOf(vec3(0), vec3(1) + vec3(random.box(0.01))));
-    return result;
+    return packScene(scene);
 }
 
 // Concentric spheres by the same numbers, more than a leaf holds, and rays of all directions that start in
@@ -181,7 +174,7 @@ RayCase outwardCase(int clusters) {
 RayCase concentricCase() {
     Scene scene = emptyScene();
     for (int i = 0; i < 40; ++i) addSphere(scene, {0.5, 0.25, -0.5}, 0.75);
-    RayCase result{makeCase(scene, 8, 8), {}};
+    RayCase result{packScene(scene)};
     Random random(37);
     while (result.rays.size() < 512) {
         const dvec3 from = dvec3(0.5, 0.25, -0.5) + random.box(0.2);
@@ -194,7 +187,7 @@ RayCase concentricCase() {
 RayCase tiedCase() {
     Scene scene = emptyScene();
     for (int i = 0; i < 5; ++i) addGrid(scene, 16);
-    RayCase result{makeCase(scene, 8, 8), {}};
+    RayCase result{packScene(scene)};
     for (int i = 0; i < 1024; ++i) {
         const vec3 at((static_cast<float>(i % 32) + 0.5f) / 32.0f,
                       (static_cast<float>(i / 32) + 0.37f) / 32.0f, 1);
@@ -224,24 +217,13 @@ class WalkTest : public RenderTest {
     }
     // Rays that the stackless traversal finishes from the budget on, and packets.
     static void expectSame(const RayCase& rays, uint32_t budget = 1) {
-        expectSame(rays.c.packed, rays.rays,
+        expectSame(rays.scene, rays.rays,
                    {{.tripBudget = budget, .traversal = Traversal::Lane}, {.traversal = Traversal::Packet}});
-    }
-    static void expectLowestId(const RayCase& tied) {
-        const std::vector<RayHit> hits = hitsOf(tied.c.packed, tied.rays, {.traversal = Traversal::Lane});
-        for (size_t i = 0; i < hits.size(); ++i) {
-            ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);
-            EXPECT_EQ(hits[i].data.object, 0u) << text(tied.rays[i]);
-        }
-        expectSame(tied);
     }
 };
 
-TEST_F(WalkTest, FindsTheSameForAnyRays) {
+TEST_F(WalkTest, FindsTheSameForAnyAndForSpecialRays) {
     expectSame(crowdedCase(3000, 5000, 11));
-}
-
-TEST_F(WalkTest, FindsTheSameForSpecialRays) {
     expectSame(axisCase());
 }
 
@@ -260,12 +242,15 @@ TEST_F(WalkTest, RaysThatRunOutOfTripsLoseNothing) {
     for (const uint32_t budget : {1u, 2u, 3u, 9u, 20u}) expectSame(crowd, budget);
 }
 
-TEST_F(WalkTest, TiesFromInsideGoToTheLowestId) {
-    expectLowestId(concentricCase());
-}
-
-TEST_F(WalkTest, TiesGoToTheLowestId) {
-    expectLowestId(tiedCase());
+TEST_F(WalkTest, TiesGoToTheLowestIdAlsoFromInside) {
+    for (const RayCase& tied : {tiedCase(), concentricCase()}) {
+        const std::vector<RayHit> hits = hitsOf(tied.scene, tied.rays, {.traversal = Traversal::Lane});
+        for (size_t i = 0; i < hits.size(); ++i) {
+            ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);
+            EXPECT_EQ(hits[i].data.object, 0u) << text(tied.rays[i]);
+        }
+        expectSame(tied);
+    }
 }
 
 // Leaves that are the root, and none.
@@ -275,8 +260,8 @@ TEST_F(WalkTest, SmallestTrees) {
 
 // Also with budgets that end within them.
 TEST_F(WalkTest, FindsTheSameInInstances) {
-    RayCase inside{fileCase("instances", 8, 8), {}};
-    const PackedScene& packed = inside.c.packed;
+    RayCase inside{fileCase("instances", 8, 8).packed};
+    const PackedScene& packed = inside.scene;
     ASSERT_GT(packed.instances.size(), 1u);
     Random random(23);
     const dvec3 lo(packed.boundsLo), size = dvec3(packed.boundsHi) - lo;
@@ -322,14 +307,14 @@ TEST_F(PacketTest, FindsTheSameForAnyNumberOfRays) {
     RayCase crowd = crowdedCase(200, 257, 13);
     for (const size_t count : {257u, 65u, 64u, 33u, 32u, 31u, 9u, 8u, 7u, 1u}) {
         crowd.rays.resize(count);
-        expectSameByPackets(crowd.c.packed, crowd.rays);
+        expectSameByPackets(crowd.scene, crowd.rays);
     }
 }
 
 // Packets that run out of trips are finished by lanes.
 TEST_F(PacketTest, PacketsThatGiveUpLoseNothing) {
     const RayCase crowd = crowdedCase(1000, 1000, 17);
-    for (const uint32_t budget : {1u, 9u, 60u}) expectSameByPackets(crowd.c.packed, crowd.rays, budget);
+    for (const uint32_t budget : {1u, 9u, 60u}) expectSameByPackets(crowd.scene, crowd.rays, budget);
 }
 
 // In one plane, whose triangles have t that differ by rounding: the lowest id that the packet knew is still
@@ -347,25 +332,25 @@ TEST_F(PacketTest, PacketsThatGiveUpKeepTheOrderOfCoincidentSurfaces) {
         addTriangle(scene, a, b, c);
     }
     // Without split triangles, of which either place may be the one that is named.
-    const Case c = makeCase(scene, 8, 8, BuildQuality::Fast);
+    const PackedScene packed = packScene(scene, {BuildQuality::Fast});
     std::vector<RayInput> rays;
     for (int i = 0; i < 2048; ++i) rays.push_back(rayTowards(up + random.box(1), inPlane(), true));
-    for (const uint32_t budget : {1u, 60u, 300u}) expectSameByPackets(c.packed, rays, budget);
+    for (const uint32_t budget : {1u, 60u, 300u}) expectSameByPackets(packed, rays, budget);
 }
 
 // More waits than the stack's 32 entries can hold; 60 primitives take too few trips to give up for those.
 TEST_F(PacketTest, PacketsThatRunOutOfStackLoseNothing) {
     const RayCase nested = nestedCase();
-    RayTracer packet(device(), nested.c.packed, with(Traversal::Packet));
+    RayTracer packet(device(), nested.scene, with(Traversal::Packet));
     const std::vector<RayHit> hits = packet.trace(nested.rays, false);
     EXPECT_GT(packet.resumes(), 0u) << "no packet ran out of stack: the test shows nothing";
     for (const RayHit& hit : hits) EXPECT_EQ(hit.data.object, kNestedCount - 1);
-    expectSameByPackets(nested.c.packed, nested.rays);
+    expectSameByPackets(nested.scene, nested.rays);
 }
 
 // A subgroup takes several packets of any-hit rays in turn, and passes over those without any.
 TEST_F(PacketTest, PacketsWithoutRaysArePassedOver) {
-    const Case c = crowdedCase(200, 0, 19).c;
+    const PackedScene packed = crowdedCase(200, 0, 19).scene;
     Random random(19);
     for (const unsigned kept : {1u, 5u, 10u, 77u, 128u, 255u}) {
         std::vector<RayInput> rays;
@@ -375,7 +360,7 @@ TEST_F(PacketTest, PacketsWithoutRaysArePassedOver) {
             const unsigned packet = i / 32 % 8;
             if ((kept >> packet & 1u) == 0 || (packet == 2 && i % 32 != 17)) rays.back().tMax = 0;
         }
-        expectSameByPackets(c.packed, rays);
+        expectSameByPackets(packed, rays);
     }
 }
 
@@ -390,13 +375,13 @@ TEST_F(PacketTest, ManyTripsOfAllKindsLoseNothing) {
     }
     for (uint32_t i = 0; i < shared::kMaxPlanes; ++i) addPlane(scene, {0, -40.0 - 0.01 * i, 0}, {0, 1, 0});
     // Without split triangles, of which either place may be the one that is named.
-    const Case c = makeCase(scene, 8, 8, BuildQuality::Fast);
+    const PackedScene packed = packScene(scene, {BuildQuality::Fast});
     std::vector<RayInput> rays;
     for (int i = 0; i < 2048; ++i) {
         rays.push_back(rayTowards(random.box(2), random.box(2), true));
         rays.back().tMax = i % 3 == 0 ? 0.02f : 30.0f;
     }
-    expectSameByPackets(c.packed, rays);
+    expectSameByPackets(packed, rays);
 }
 
 // From far out most rays hit nothing, and the farthest child is visited first, which holds all clusters but
@@ -407,17 +392,17 @@ TEST_F(PacketTest, AnyHitPacketsThatRunOutOfStackLoseNothing) {
     for (int i = 0; i < 1024; ++i)
         rays.push_back(rayTowards(dvec3(2) + random.box(0.02), random.box(1e-15), true));
     for (RayInput& ray : rays) ray.tMax = 10;
-    const auto resumesOf = [&](const Case& c) {
+    const auto resumesOf = [&](const PackedScene& scene) {
         // More than all loops make here: not trips run out.
-        RayTracer packet(device(), c.packed, {.tripBudget = 7000, .traversal = Traversal::Packet});
+        RayTracer packet(device(), scene, {.tripBudget = 7000, .traversal = Traversal::Packet});
         packet.trace(rays, true);
         return packet.resumes();
     };
-    const Case few = outwardCase(20).c, many = outwardCase(130).c;
+    const PackedScene few = outwardScene(20), many = outwardScene(130);
     EXPECT_EQ(resumesOf(few), 0u);
     EXPECT_GT(resumesOf(many), 0u) << "no packet ran out of stack: the test shows nothing";
-    expectSameByPackets(few.packed, rays);
-    expectSameByPackets(many.packed, rays);
+    expectSameByPackets(few, rays);
+    expectSameByPackets(many, rays);
 }
 
 TEST_F(PacketTest, ImagesWithCostsTraceSingleRays) {

@@ -89,24 +89,17 @@ shared::Texture& image(PackedScene& scene) {
 
 class PackingTest : public RenderTest, public testing::WithParamInterface<Defect> {
   protected:
-    static verify::Report run(const Case& c, const PackedScene& packed, const shared::Camera& camera) {
-        Renderer renderer(device(), packed);
-        auto options = sized<verify::Options>(c);
-        return verify::verify(renderer, packed, camera, options, &c.scene);
-    }
     static Case caseOf(const char* scene) {
         return scene == kCheckedSquare ? makeCase(checkedSquare(), 60, 45) : sceneCase(scene, 60, 45);
     }
 };
 
 TEST_P(PackingTest, IsFound) {
-    const Case c = caseOf(GetParam().scene);
-    const verify::Report sound = run(c, c.packed, c.camera);
+    Case c = caseOf(GetParam().scene);
+    const verify::Report sound = verifiedAsRead(c);
     EXPECT_TRUE(sound.passed()) << sound.representation->unexplained << " unexplained";
-    PackedScene broken = c.packed;
-    shared::Camera camera = c.camera;
-    GetParam().apply(broken, camera);
-    const verify::Report report = run(c, broken, camera);
+    GetParam().apply(c.packed, c.camera);
+    const verify::Report report = verifiedAsRead(c);
     ASSERT_TRUE(report.representation.has_value());
     EXPECT_GT(report.representation->unexplained, 0u);
     EXPECT_FALSE(report.passed());
@@ -189,7 +182,7 @@ class RepresentationTest : public RenderTest, public testing::WithParamInterface
 
 TEST_P(RepresentationTest, RoundingExplainsWhatItShows) {
     const Case c = fileCase(GetParam(), 60, 45);
-    const verify::Report report = verified(c, true);
+    const verify::Report report = verifiedAsRead(c);
     ASSERT_TRUE(report.representation.has_value());
     const verify::Representation& r = *report.representation;
     EXPECT_EQ(r.unexplained, 0u);
@@ -210,7 +203,7 @@ TEST_F(RenderTest, RoundingExplainsAKnotFarAway) {
   "objects": [{"type": "mesh", "mesh": "knot", "material": "clay", "transform": [{"translate": [4000, -4000, 4000]}]}]
 })",
                             160, 120);
-    const verify::Report report = verified(c, true);
+    const verify::Report report = verifiedAsRead(c);
     EXPECT_TRUE(report.passed());
     EXPECT_GT(report.representation->explained, 0u);
 }
@@ -250,7 +243,7 @@ TEST_F(RenderTest, RoundingExplainsFacetsOfGlass) {
     aim(scene.camera, {0.27, -0.63, 1.87}, {0, 0, 0});
     scene.camera.fovY = 30;
     const Case c = makeCase(scene, 64, 48);
-    const verify::Report report = verified(c, true);
+    const verify::Report report = verifiedAsRead(c);
     EXPECT_TRUE(report.passed());
     EXPECT_GT(report.representation->explained, report.allowedExplained()) << "more than moved rays predict";
 }

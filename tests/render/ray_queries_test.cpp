@@ -16,6 +16,11 @@ constexpr uint32_t kCells = 64;
 
 using Answer = std::tuple<uint32_t, float, float, float>;  // primitive, t, u, v; or crossings
 
+Answer answerOf(const FoundHits& found, size_t i) {
+    const bool hit = found.primitive(i) != shared::kNone;
+    return hit ? Answer{found.primitive(i), found.t(i), found.u(i), found.v(i)} : Answer{0, 0, 0, 0};
+}
+
 // A sheet in waves over [0, kCells] x [0, kCells].
 Scene sheet(double phase) {
     Scene scene = emptyScene();
@@ -56,12 +61,10 @@ class RayQueriesTest : public RenderTest {
         task.count = rays.size();
         task.fill = readerOf(rays);
         task.take = [&](const RayNumbers& numbers, const FoundHits& found) {
-            const bool nearest = ask == RayTask::Ask::Nearest;
             for (size_t i = 0; i < found.size(); ++i) {
-                const bool hit = found.primitive(i) != shared::kNone;
                 Answer& answer = answers.at(numbers[i]);
-                if (nearest && hit) answer = {found.primitive(i), found.t(i), found.u(i), found.v(i)};
-                if (!nearest || !hit) answer = {hit ? 1 : 0, 0, 0, 0};
+                if (ask == RayTask::Ask::Nearest) answer = answerOf(found, i);
+                if (ask == RayTask::Ask::Any) answer = {found.primitive(i) != shared::kNone ? 1 : 0, 0, 0, 0};
                 if (ask == RayTask::Ask::Count) answer = {found[i].crossings, 0, 0, 0};
             }
         };
@@ -82,12 +85,8 @@ TEST_F(RayQueriesTest, AnswersThatGoToManyPlacesComeInOrder) {
     task.count = rays.size();
     task.fill = readerOf(rays);
     task.take = [&](const RayNumbers& numbers, const FoundHits& found) {
-        for (size_t i = 0; i < found.size(); ++i) {
-            const bool hit = found.primitive(i) != shared::kNone;
-            const Answer answer =
-                hit ? Answer{found.primitive(i), found.t(i), found.u(i), found.v(i)} : Answer{0, 0, 0, 0};
-            wrong += answer == expected.at(numbers[i]) ? 0 : 1;
-        }
+        for (size_t i = 0; i < found.size(); ++i)
+            wrong += answerOf(found, i) == expected.at(numbers[i]) ? 0 : 1;
         inOrder += numbers.order == nullptr ? found.size() : 0;
         given += found.size();
     };
@@ -153,9 +152,8 @@ void RayQueriesTest::countSheets(uint32_t sheets) {
         for (uint32_t k = 0; k < sheets; ++k) crossed += sizes[k] > std::max(x, y) && k + 1 <= end;
         expected.emplace_back(crossed, 0.0f, 0.0f, 0.0f);
     }
-    for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
+    for (const Traversal traversal : traversals()) {
         SCOPED_TRACE(traversal == Traversal::Lane ? "lane" : "packet");
-        if (traversal == Traversal::Packet && !runsPackets(device().info())) continue;
         RayQueries queries(device(), packed, traversal);
         EXPECT_TRUE(ask(queries, RayTask::Ask::Count, rays) == expected);
     }

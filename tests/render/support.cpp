@@ -103,16 +103,26 @@ RenderTest::Drawn RenderTest::drawn(const Case& c, const Request& request, Whole
     return {std::move(picture), renderer.times(), renderer.rays()};
 }
 
-verify::Report RenderTest::verified(const Case& c, bool besideRead) {
-    Renderer renderer(device(), c.packed);
-    return verified(renderer, c, {}, besideRead);
+verify::Report RenderTest::verified(const Case& c, const Options& rendering, const verify::Options& options) {
+    Renderer renderer(device(), c.packed, rendering);
+    return verified(renderer, c, options);
 }
 
 verify::Report RenderTest::verified(Renderer& renderer, const Case& c, verify::Options options,
-                                    bool besideRead) {
+                                    const Scene* read) {
     options.width = c.width;
     options.height = c.height;
-    return verify::verify(renderer, c.packed, c.camera, options, besideRead ? &c.scene : nullptr);
+    return verify::verify(renderer, c.packed, c.camera, options, read);
+}
+
+verify::Report RenderTest::verifiedAsRead(const Case& c) {
+    Renderer renderer(device(), c.packed);
+    return verified(renderer, c, {}, &c.scene);
+}
+
+std::vector<Traversal> RenderTest::traversals() {
+    if (!runsPackets(device().info())) return {Traversal::Lane};
+    return {Traversal::Lane, Traversal::Packet};
 }
 
 Case makeCase(Scene scene, int width, int height, BuildQuality quality) {
@@ -133,9 +143,9 @@ Case textCase(const std::string& text, int width, int height) {
     return makeCase(parseScene(text, "test", sceneFolder()), width, height);
 }
 
-std::vector<std::string> sceneNames() {
+std::vector<std::string> sceneNames(const std::string& folder) {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(sceneFolder())) {
+    for (const auto& entry : std::filesystem::directory_iterator(sceneFolder() / folder)) {
         const std::string file = entry.path().filename().string();
         if (entry.path().extension() == ".json" && !file.ends_with(".schema.json"))
             names.push_back(entry.path().stem().string());

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <filesystem>
@@ -79,10 +80,15 @@ class RenderTest : public testing::Test {
         bool stepByStep() const { return times.kernels.primary > 0; }
     };
     static Drawn drawn(const Case& c, const Request& request, WholePaths whole, Options options = {});
-    // The report of verify about the whole image; besideRead: about the scene as it was read, too.
-    static verify::Report verified(const Case& c, bool besideRead = false);
+    // The report of verify about the whole image.
+    static verify::Report verified(const Case& c, const Options& rendering = {},
+                                   const verify::Options& options = {});
     static verify::Report verified(Renderer& renderer, const Case& c, verify::Options options = {},
-                                   bool besideRead = false);
+                                   const Scene* read = nullptr);
+    // Compares with the scene as it was read, too.
+    static verify::Report verifiedAsRead(const Case& c);
+    // Those that the device runs.
+    static std::vector<Traversal> traversals();
 
   private:
     static std::unique_ptr<gpu::Device> device_;
@@ -99,8 +105,8 @@ Case textCase(const std::string& text, int width, int height);
 inline Case sceneCase(const std::string& scene, int width, int height) {
     return scene.starts_with('{') ? textCase(scene, width, height) : fileCase(scene, width, height);
 }
-// The names of all scenes/*.json, for tests of each.
-std::vector<std::string> sceneNames();
+// The names of all JSON files in scenes/ or a folder in it, for tests of each.
+std::vector<std::string> sceneNames(const std::string& folder = "");
 inline std::string sceneName(const testing::TestParamInfo<std::string>& scene) {
     return scene.param;
 }
@@ -115,6 +121,16 @@ PackedScene packedBy(const SceneMaker& maker);
 // Everything but the data is the default.
 Picture draw(Renderer& renderer, const Case& c);
 Picture draw(const gpu::Device& device, const Case& c, const Options& options = {});
+
+// How many pixels are so.
+template <typename Is>
+size_t countPixels(const Picture& picture, const Is& is) {
+    return static_cast<size_t>(std::count_if(picture.data.begin(), picture.data.end(), is));
+}
+// How many pixels show an object.
+inline size_t pixelsWithObject(const Picture& picture) {
+    return countPixels(picture, [](const PixelData& d) { return d.object != PixelData::kNoIndex; });
+}
 
 // Renders with the given kernels, which must outlive the renderer.
 Options optionsWith(const KernelCode& code, Traversal traversal = Traversal::Lane);

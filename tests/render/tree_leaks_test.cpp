@@ -79,10 +79,6 @@ Box tighten(PackedScene& scene, uint32_t index) {
     both.include(b);
     return both;
 }
-PackedScene withTightBoxes(PackedScene scene) {
-    tighten(scene, 0);
-    return scene;
-}
 
 class TreeLeaksTest : public RenderTest {
   protected:
@@ -131,8 +127,7 @@ TEST_F(TreeLeaksTest, NoRayLeavesAHull) {
         EXPECT_EQ(misses(truth), 0u) << hull.half.z;
         for (const BuildQuality quality : kQualities) {
             const PackedScene packed = packScene(sceneOf(hull), {quality});
-            for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
-                if (traversal == Traversal::Packet && !runsPackets(device().info())) continue;
+            for (const Traversal traversal : traversals()) {
                 const std::vector<RayHit> hits = hitsOf(packed, rays, {.traversal = traversal});
                 size_t wrong = 0;
                 for (size_t i = 0; i < rays.size(); ++i)
@@ -150,11 +145,10 @@ TEST_F(TreeLeaksTest, NoRayLeavesAHull) {
 TEST_F(TreeLeaksTest, TightBoxesLeak) {
     const Hull& hull = std::end(kHulls)[-1];
     const std::vector<RayInput> rays = raysIn(hull, 100000);
-    const PackedScene packed = withTightBoxes(packScene(sceneOf(hull)));
-    for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
-        if (traversal == Traversal::Packet && !runsPackets(device().info())) continue;
+    PackedScene packed = packScene(sceneOf(hull));
+    tighten(packed, 0);
+    for (const Traversal traversal : traversals())
         EXPECT_GT(misses(hitsOf(packed, rays, {.traversal = traversal})), 10u);
-    }
 }
 
 // Scenes whose triangles were split for the BVH: the same hits as without, and no leak at the cuts or edges.

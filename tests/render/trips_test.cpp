@@ -196,11 +196,10 @@ TEST_F(TripTest, ShadowBehindManyBoxesIsFound) {
     EXPECT_GT(renderer.times().resumes, 0u);
     // The roof shades the whole floor in view: up to 1.7 from the centre, seen from the light 1.7 * 0.8 < 3.
     const auto lit = [](const Picture& p) {
-        return std::count_if(p.data.begin(), p.data.end(),
-                             [](const PixelData& d) { return d.shadowBits != 1; });
+        return countPixels(p, [](const PixelData& d) { return d.shadowBits != 1; });
     };
-    EXPECT_EQ(lit(picture), 0);
-    EXPECT_EQ(lit(draw(device(), c)), 0);
+    EXPECT_EQ(lit(picture), 0u);
+    EXPECT_EQ(lit(draw(device(), c)), 0u);
 
     const Picture cut = draw(device(), c, naive(naiveKernels_));
     EXPECT_EQ(lit(cut) > 24 * 24 / 4, endsLoops());
