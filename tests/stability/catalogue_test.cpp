@@ -66,11 +66,8 @@ TEST_F(CatalogueTest, SymmetriesOfTheTriangleTest) {
         for (auto [set, a, b, c] :
              {std::tuple(&triangles, v[0], v[1], v[2]), std::tuple(&cycled, v[1], v[2], v[0]),
               std::tuple(&mirroredTriangles, mirror(v[0]), mirror(v[1]), mirror(v[2])),
-              std::tuple(&turnedTriangles, turn(v[0]), turn(v[1]), turn(v[2]))}) {
-            (*set)[i].v0 = a;
-            (*set)[i].v1 = b;
-            (*set)[i].v2 = c;
-        }
+              std::tuple(&turnedTriangles, turn(v[0]), turn(v[1]), turn(v[2]))})
+            (*set)[i] = triangleOf(a, b, c);
     }
     const std::vector<Answer> expected = probe(subject(), rays, triangles);
     const std::vector<Answer> byMirror = probe(subject(), mirrored, mirroredTriangles);

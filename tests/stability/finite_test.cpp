@@ -12,49 +12,39 @@ using render::test::textCase;
 
 class FiniteTest : public render::test::RenderTest {};
 
-std::string sceneOf(const std::string& rest) {
-    return R"({"camera": {"eye": [0, 0.5, 3], "target": [0, 0.5, 0]}, "ambient": 0.1, )" + rest + "}";
-}
-const char* const kBall =
-    R"("objects": [{"type": "sphere", "center": [0, 0.5, 0], "radius": 0.5, "material": "m"},
-    {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "m"}])";
-
-// T92, T94, T83 and the ends of the ranges of src/scene/limits.h.
+// T92, T94, T83 and the ends of the ranges of src/scene/limits.h: a ball that rests on the ground.
 TEST_F(FiniteTest, TheEndsOfTheRanges) {
-    const std::string ball = kBall;
-    const std::string texts[] = {
+    const struct {
+        const char *material, *lights, *camera = R"("eye": [0, 0.5, 3], "target": [0, 0.5, 0])";
+    } rows[] = {
         // As bright as may be, alone and beside the faintest.
-        R"("materials": {"m": {"specular": 1, "shininess": 50}}, "lights": [{"type": "point", "position": [2, 3, 4], "intensity": 1e18},
-            {"type": "directional", "direction": [0, -1, 0], "intensity": 1e-18}], )" +
-            ball,
+        {R"("specular": 1, "shininess": 50)", R"({"type": "point", "position": [2, 3, 4], "intensity": 1e18},
+            {"type": "directional", "direction": [0, -1, 0], "intensity": 1e-18})"},
         // Light 1e8, ambient 1e-3 (T94).
-        R"("materials": {"m": {"ambient": 1e-3, "specular": 1e3, "shininess": 2}}, "lights": [{"type": "point", "position": [2, 3, 4],
-            "intensity": 1e8}], )" +
-            ball,
+        {R"("ambient": 1e-3, "specular": 1e3, "shininess": 2)",
+         R"({"type": "point", "position": [2, 3, 4], "intensity": 1e8})"},
         // Exponents 0 and 1e18 (T92).
-        R"("materials": {"m": {"specular": 1, "shininess": 0}}, "lights": [{"type": "point", "position": [2, 3, 4]}], )" +
-            ball,
-        R"("materials": {"m": {"specular": 1, "shininess": 1e18}}, "lights": [{"type": "point", "position": [0, 0.5, 3]}], )" +
-            ball,
+        {R"("specular": 1, "shininess": 0)", R"({"type": "point", "position": [2, 3, 4]})"},
+        {R"("specular": 1, "shininess": 1e18)", R"({"type": "point", "position": [0, 0.5, 3]})"},
         // A light in the eye, on a surface, in the middle of the ball; behind the ball the half vector is 0.
-        R"("materials": {"m": {"specular": 1, "shininess": 9}}, "lights": [{"type": "point", "position": [0, 0.5, 3]},
+        {R"("specular": 1, "shininess": 9)", R"({"type": "point", "position": [0, 0.5, 3]},
             {"type": "point", "position": [0, 0.5, 0.5], "falloff": "inverseSquare"}, {"type": "point", "position": [0, 0.5, 0]},
-            {"type": "point", "position": [0, 0, 2], "falloff": "inverseSquare"}, {"type": "directional", "direction": [0, 0, 1]}], )" +
-            ball,
-        // A ball that rests on the ground: its contact point (T83).
-        R"("camera": {"eye": [0, 0.0001, 0.01], "target": [0, 0, 0]}, "materials": {"m": {"mirror": 0.5}}, "lights": [{"type": "point",
-            "position": [1, 3, 2]}], )" +
-            ball,
+            {"type": "point", "position": [0, 0, 2], "falloff": "inverseSquare"}, {"type": "directional", "direction": [0, 0, 1]})"},
+        // The ball's contact point (T83).
+        {R"("mirror": 0.5)", R"({"type": "point", "position": [1, 3, 2]})",
+         R"("eye": [0, 0.0001, 0.01], "target": [0, 0, 0])"},
     };
-    for (const std::string& text : texts) {
-        const bool ownCamera = text.find("\"camera\"") != std::string::npos;
-        const Case c = textCase(ownCamera ? "{\"ambient\": 0.1, " + text + "}" : sceneOf(text), 64, 48);
+    for (const auto& row : rows) {
+        const std::string text = std::string(R"({"ambient": 0.1, "camera": {)") + row.camera +
+                                 R"(}, "materials": {"m": {)" + row.material + R"(}}, "lights": [)" +
+                                 row.lights + R"(],
+            "objects": [{"type": "sphere", "center": [0, 0.5, 0], "radius": 0.5, "material": "m"},
+                        {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "m"}]})";
+        const Case c = textCase(text, 64, 48);
         const Picture picture = draw(device(), c);
         EXPECT_EQ(picture.notFinite, 0u) << text;
         EXPECT_EQ(picture.firstNotFinite, glm::ivec2(-1));
-        EXPECT_GT(std::count_if(picture.data.begin(), picture.data.end(),
-                                [](const PixelData& d) { return d.object != PixelData::kNoIndex; }),
-                  64 * 48 / 4);
+        EXPECT_GT(render::test::pixelsWithObject(picture), 64u * 48u / 4);
     }
 }
 

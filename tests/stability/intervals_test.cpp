@@ -55,39 +55,29 @@ class IntervalTest : public render::test::RenderTest {
 
 TEST_F(IntervalTest, OfTriangles) {
     std::vector<shared::Triangle> triangles(kCount);
-    for (shared::Triangle& triangle : triangles) {
-        triangle.v0 = vec3(random_.box(1));
-        triangle.v1 = vec3(random_.box(1));
-        triangle.v2 = vec3(random_.box(1));
-    }
+    for (shared::Triangle& triangle : triangles)
+        triangle = {.v0 = vec3(random_.box(1)), .v1 = vec3(random_.box(1)), .v2 = vec3(random_.box(1))};
     expectEnds(triangles);
 }
 
 TEST_F(IntervalTest, OfSpheres) {
     std::vector<shared::Sphere> spheres(kCount);
-    for (shared::Sphere& sphere : spheres) {
-        sphere.point = vec3(random_.box(0.3));
-        sphere.radius = static_cast<float>(random_.uniform(0.3, 1));
-    }
+    for (shared::Sphere& sphere : spheres)
+        sphere = {.point = vec3(random_.box(0.3)), .radius = static_cast<float>(random_.uniform(0.3, 1))};
     expectEnds(spheres);
 }
 
 TEST_F(IntervalTest, OfPlanes) {
     std::vector<shared::Plane> planes(kCount);
-    for (shared::Plane& plane : planes) {
-        plane.point = vec3(random_.box(1));
-        plane.normal = vec3(random_.direction());
-    }
+    for (shared::Plane& plane : planes)
+        plane = {.point = vec3(random_.box(1)), .normal = vec3(random_.direction())};
     expectEnds(planes);
 }
 
 TEST_F(IntervalTest, OfDiscs) {
     std::vector<shared::Disc> discs(kCount);
-    for (shared::Disc& disc : discs) {
-        disc.center = vec3(random_.box(0.3));
-        disc.normal = vec3(random_.direction());
-        disc.radius = 1;
-    }
+    for (shared::Disc& disc : discs)
+        disc = {.center = vec3(random_.box(0.3)), .normal = vec3(random_.direction()), .radius = 1};
     expectEnds(discs);
 }
 

@@ -81,9 +81,7 @@ Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size
             v[1] = base + family.size * dvec3(1, 0, 0);
             v[2] = base + family.size * dvec3(0.5, family.height, 0);
         }
-        triangles[i].v0 = vec3(v[0]);
-        triangles[i].v1 = vec3(v[1]);
-        triangles[i].v2 = vec3(v[2]);
+        triangles[i] = triangleOf(vec3(v[0]), vec3(v[1]), vec3(v[2]));
         double u = random.uniform(-.3, 1.1), w = random.uniform(-.3, 1.1);
         if (i % 4 == 1) w = 0;
         if (i % 4 == 2) w = 1 - u;
@@ -146,9 +144,7 @@ SliverCount judgeSlivers(const Subject& subject, const SliverFamily& family, siz
         vec3 v[3] = {vec3(base), vec3(base + family.size * along),
                      vec3(base + family.size * (from * along + family.width * across))};
         std::rotate(v, v + i % 3, v + 3);
-        triangles[i].v0 = v[0];
-        triangles[i].v1 = v[1];
-        triangles[i].v2 = v[2];
+        triangles[i] = triangleOf(v[0], v[1], v[2]);
         double a = random.uniform(0, 1), b = random.uniform(0, 1);
         if (a + b > 1) a = 1 - a, b = 1 - b;
         const dvec3 on = dvec3(v[0]) + a * dvec3(v[1] - v[0]) + b * dvec3(v[2] - v[0]);
@@ -197,8 +193,7 @@ Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t c
         const dvec3 d = glm::normalize(pairs[i].exact.direction);
         pairs[i].exact.direction = d;
         pairs[i].rounded.direction = vec3(glm::normalize(dvec3(pairs[i].rounded.direction)));
-        spheres[i].point = vec3(center);
-        spheres[i].radius = static_cast<float>(family.radius);
+        spheres[i] = {.point = vec3(center), .radius = static_cast<float>(family.radius)};
     }
     const double rounding = 16 * kUnit * family.distance;
     const double band =
@@ -214,10 +209,7 @@ Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t
     constexpr double kRadius = 1e6;
     Random random(seed);
     std::vector<Pair> pairs(count);
-    shared::Sphere planet;
-    planet.radius = static_cast<float>(kRadius);
-    planet.anchorNormal = {0, 1, 0};
-    const std::vector<shared::Sphere> spheres(count, planet);
+    const std::vector<shared::Sphere> spheres(count, {.radius = float{kRadius}, .anchorNormal = {0, 1, 0}});
     for (size_t i = 0; i < count; ++i) {
         const dvec3 from(random.uniform(-50, 50), height * random.uniform(.5, 1.5), random.uniform(-50, 50));
         dvec3 d = random.direction();
@@ -235,13 +227,13 @@ Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t
 
 namespace {
 
-// A point with a normal, an axis in the plane, and a ray aimed `rim` sizes from it; every third one grazes.
+// A point with a normal, and an axis in the plane.
 struct FlatCase {
     dvec3 point, normal, along;
-    Pair pair;
 };
 
-FlatCase flatCase(const FlatFamily& family, Random& random, size_t i) {
+// `ray` aims `rim` sizes from the point; every third one grazes.
+FlatCase flatCase(const FlatFamily& family, Random& random, size_t i, Pair& ray) {
     FlatCase c;
     c.point = dvec3(family.offset, -family.offset, family.offset) + random.box(family.size);
     c.normal = random.direction();
@@ -249,9 +241,9 @@ FlatCase flatCase(const FlatFamily& family, Random& random, size_t i) {
     const double rim = i % 2 ? 1 + random.uniform(-1, 1) * 1e-5 : 1.4 * random.uniform(0, 1);
     const dvec3 at = c.point + rim * family.size * c.along;
     const dvec3 away = i % 3 ? random.direction() : glm::normalize(c.along + 1e-3 * random.direction());
-    c.pair = aim(at + 10 * family.size * away, at);
-    if (i % 7 == 0) c.pair.rounded.direction = -c.pair.rounded.direction;
-    if (i % 7 == 0) c.pair.exact.direction = -c.pair.exact.direction;
+    ray = aim(at + 10 * family.size * away, at);
+    if (i % 7 == 0) ray.rounded.direction = -ray.rounded.direction;
+    if (i % 7 == 0) ray.exact.direction = -ray.exact.direction;
     return c;
 }
 
@@ -263,10 +255,8 @@ Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t coun
     std::vector<Pair> pairs(count);
     std::vector<shared::Plane> planes(count);
     for (size_t i = 0; i < count; ++i) {
-        cases[i] = flatCase(family, random, i);
-        pairs[i] = cases[i].pair;
-        planes[i].point = vec3(cases[i].point);
-        planes[i].normal = vec3(cases[i].normal);
+        cases[i] = flatCase(family, random, i, pairs[i]);
+        planes[i] = {.point = vec3(cases[i].point), .normal = vec3(cases[i].normal)};
     }
     const auto truths = [&](size_t i) -> Truths {
         return {oracle::plane(planes[i].point, planes[i].normal, pairs[i].asRounded()),
@@ -282,11 +272,10 @@ Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count
     std::vector<Pair> pairs(count);
     std::vector<shared::Disc> discs(count);
     for (size_t i = 0; i < count; ++i) {
-        cases[i] = flatCase(family, random, i);
-        pairs[i] = cases[i].pair;
-        discs[i].center = vec3(cases[i].point);
-        discs[i].normal = vec3(cases[i].normal);
-        discs[i].radius = static_cast<float>(family.size);
+        cases[i] = flatCase(family, random, i, pairs[i]);
+        discs[i] = {.center = vec3(cases[i].point),
+                    .normal = vec3(cases[i].normal),
+                    .radius = static_cast<float>(family.size)};
     }
     const auto truths = [&](size_t i) -> Truths {
         const dvec3 d = glm::normalize(pairs[i].exact.direction);
@@ -308,8 +297,7 @@ Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t co
     std::vector<shared::Polygon> polygons(count);
     std::vector<shared::PolygonVertex> vertices;
     for (size_t i = 0; i < count; ++i) {
-        cases[i] = flatCase(family, random, i);
-        pairs[i] = cases[i].pair;
+        cases[i] = flatCase(family, random, i, pairs[i]);
         const dvec3 x = cases[i].along, y = glm::cross(cases[i].normal, x);
         const uint32_t corners = 4 * (1 + random.below(8));
         polygons[i].firstVertex = static_cast<uint32_t>(vertices.size());

@@ -33,6 +33,10 @@ struct FloatRay {
     uint32_t source = shared::kNone;
 };
 
+inline shared::Triangle triangleOf(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    return {.v0 = a, .v1 = b, .v2 = c};
+}
+
 struct Answer {
     bool hit = false;
     double t = 0, u = 0, v = 0;

@@ -23,11 +23,7 @@ shared::Triangle sliverOf(Random& random, double size, double width, double offs
     const double third = random.uniform(0.1, 0.9);
     vec3 v[3] = {vec3(base), vec3(base + size * along), vec3(base + size * (third * along + width * across))};
     std::rotate(v, v + turn % 3, v + 3);
-    shared::Triangle triangle;
-    triangle.v0 = v[0];
-    triangle.v1 = v[1];
-    triangle.v2 = v[2];
-    return triangle;
+    return triangleOf(v[0], v[1], v[2]);
 }
 
 struct Planar {

@@ -9,7 +9,6 @@
 
 #include "../render/support.h"
 #include "import/load.h"
-#include "support/support.h"
 #include "verify/verify.h"
 
 namespace glint::stability::stiff_test {
@@ -20,14 +19,6 @@ using render::test::fileCase;
 using render::test::makeCase;
 using render::test::RenderTest;
 
-std::vector<std::string> stiffScenes() {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(glint::test::sourcePath("scenes/stiff")))
-        if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
-    std::sort(names.begin(), names.end());
-    return names;
-}
-
 class StiffTest : public RenderTest, public testing::WithParamInterface<std::string> {};
 
 // Chaotic paths and coincident surfaces may differ in as many pixels as they like (docs/design/numerics.md
@@ -35,8 +26,7 @@ class StiffTest : public RenderTest, public testing::WithParamInterface<std::str
 TEST_P(StiffTest, NothingIsUnexplained) {
     const Case c = fileCase("stiff/" + GetParam(), 160, 120);
     render::Renderer renderer(device(), c.packed);
-    auto options = sized<verify::Options>(c);
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    const verify::Report report = verified(renderer, c);
     std::cout << "[ measured ] " << GetParam() << ": kappa " << report.sensitivity.kappa << " ("
               << verify::stiffnessOf(report.sensitivity.kappa) << "), expected "
               << report.sensitivity.kappa * verify::kFloatUnit << ", p99 " << report.p99 << "; edges "
@@ -50,15 +40,13 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     }
     const Picture picture = draw(renderer, c);
     EXPECT_EQ(picture.notFinite, 0u);
-    const auto misses = std::count_if(picture.data.begin(), picture.data.end(),
-                                      [](const PixelData& d) { return d.object == PixelData::kNoIndex; });
-    EXPECT_LT(misses, c.width * c.height * 9 / 10);
+    EXPECT_GT(render::test::pixelsWithObject(picture), 160u * 120u / 10);
 }
 
 class PrismTest : public RenderTest {};
 
-INSTANTIATE_TEST_SUITE_P(All, StiffTest, testing::ValuesIn(stiffScenes()),
-                         [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(All, StiffTest, testing::ValuesIn(render::test::sceneNames("stiff")),
+                         render::test::sceneName);
 
 // scenes/stiff/critical_prism.json against Snell and Fresnel in double: left of the threshold all is
 // reflected, right of it the orange wall shines through by 1 - R, of a cosine that is the square root of what

@@ -48,6 +48,10 @@ void tighten(const Bvh& bvh, uint32_t from, std::vector<shared::Node>& nodes, ui
     if (isInnerChild(node.child1)) tighten(bvh, bvh.nodes[from].first + 1, nodes, node.child1);
 }
 
+vec3 normalOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    return vec3(glm::normalize(glm::cross(b - a, c - a)));
+}
+
 // Orders the primitives by the leaves of a tree over them.
 void makeTree(PackedScene& scene, uint32_t maxLeafSize) {
     const PackedScene given = scene;
@@ -104,30 +108,20 @@ SceneMaker::SceneMaker() {
 
 uint32_t SceneMaker::material(const vec3& diffuse, const vec3& specular, float shininess, const vec3& mirror,
                               const vec3& ambient) {
-    shared::Material m;
-    m.ambient = ambient;
-    m.diffuse = diffuse;
-    m.specular = specular;
-    m.shininess = shininess;
-    m.mirror = mirror;
-    scene_.materials.push_back(m);
+    scene_.materials.push_back({.ambient = ambient,
+                                .shininess = shininess,
+                                .diffuse = diffuse,
+                                .specular = specular,
+                                .mirror = mirror});
     return static_cast<uint32_t>(scene_.materials.size()) - 1;
 }
 
 uint32_t SceneMaker::triangle(const vec3& v0, const vec3& v1, const vec3& v2, uint32_t material) {
-    shared::Triangle t;
-    t.v0 = v0;
-    t.v1 = v1;
-    t.v2 = v2;
-    t.id = nextId_;
-    shared::TriangleSurface s;
-    s.normal =
-        vec3(glm::normalize(glm::cross(glm::dvec3(v1) - glm::dvec3(v0), glm::dvec3(v2) - glm::dvec3(v0))));
-    s.object = nextId_;
-    s.material = material;
-    s.vertexNormals = shared::kNone;
-    scene_.triangles.push_back(t);
-    scene_.triangleSurfaces.push_back(s);
+    scene_.triangles.push_back({.v0 = v0, .id = nextId_, .v1 = v1, .v2 = v2});
+    scene_.triangleSurfaces.push_back({.normal = normalOf(v0, v1, v2),
+                                       .object = nextId_,
+                                       .material = material,
+                                       .vertexNormals = shared::kNone});
     return nextId_++;
 }
 
@@ -144,50 +138,43 @@ uint32_t SceneMaker::sphere(const vec3& center, float radius, uint32_t material)
 }
 
 uint32_t SceneMaker::anchoredSphere(const vec3& point, const vec3& normal, float radius, uint32_t material) {
-    shared::Sphere s;
-    s.point = point;
-    s.anchorNormal = normal;
-    s.radius = radius;
-    s.id = s.object = nextId_;
-    s.material = material;
-    scene_.spheres.push_back(s);
+    scene_.spheres.push_back({.point = point,
+                              .radius = radius,
+                              .anchorNormal = normal,
+                              .id = nextId_,
+                              .object = nextId_,
+                              .material = material});
     return nextId_++;
 }
 
 uint32_t SceneMaker::plane(const vec3& point, const vec3& normal, uint32_t material) {
-    shared::Plane p;
-    p.point = point;
-    p.normal = normal;
-    p.id = p.object = nextId_;
-    p.material = material;
-    scene_.planes.push_back(p);
+    scene_.planes.push_back(
+        {.point = point, .id = nextId_, .normal = normal, .object = nextId_, .material = material});
     return nextId_++;
 }
 
 uint32_t SceneMaker::disc(const vec3& center, const vec3& normal, float radius, uint32_t material) {
-    shared::Disc d;
-    d.center = center;
-    d.normal = normal;
-    d.radius = radius;
-    d.id = d.object = nextId_;
-    d.material = material;
-    scene_.discs.push_back(d);
+    scene_.discs.push_back({.center = center,
+                            .id = nextId_,
+                            .normal = normal,
+                            .radius = radius,
+                            .object = nextId_,
+                            .material = material});
     return nextId_++;
 }
 
 uint32_t SceneMaker::polygon(const std::vector<vec3>& vertices, uint32_t material) {
-    const glm::dvec3 a(vertices[0]), b(vertices[1]), c(vertices[2]);
-    shared::Polygon p;
-    p.point = vertices[0];
-    p.normal = vec3(glm::normalize(glm::cross(b - a, c - a)));
-    p.id = p.object = nextId_;
-    p.material = material;
-    p.firstVertex = static_cast<uint32_t>(scene_.polygonVertices.size());
-    p.trips = (static_cast<uint32_t>(vertices.size()) + shared::kPolygonEdgesPerTrip - 1) /
-              shared::kPolygonEdgesPerTrip;
-    for (size_t i = 0; i <= size_t{p.trips} * shared::kPolygonEdgesPerTrip; ++i)
+    const uint32_t trips = (static_cast<uint32_t>(vertices.size()) + shared::kPolygonEdgesPerTrip - 1) /
+                           shared::kPolygonEdgesPerTrip;
+    scene_.polygons.push_back({.point = vertices[0],
+                               .id = nextId_,
+                               .normal = normalOf(vertices[0], vertices[1], vertices[2]),
+                               .object = nextId_,
+                               .material = material,
+                               .firstVertex = static_cast<uint32_t>(scene_.polygonVertices.size()),
+                               .trips = trips});
+    for (size_t i = 0; i <= size_t{trips} * shared::kPolygonEdgesPerTrip; ++i)
         scene_.polygonVertices.push_back({vertices[i < vertices.size() ? i : 0], 0});
-    scene_.polygons.push_back(p);
     return nextId_++;
 }
 
@@ -209,11 +196,7 @@ void SceneMaker::cube(const vec3& center, float halfEdge) {
 }
 
 void SceneMaker::light(uint32_t kind, const vec3& position, const vec3& intensity) {
-    shared::Light l;
-    l.kind = kind;
-    l.position = position;
-    l.intensity = intensity;
-    scene_.lights.push_back(l);
+    scene_.lights.push_back({.position = position, .kind = kind, .intensity = intensity});
 }
 
 void SceneMaker::spot(const vec3& position, const vec3& axis, double angle, double penumbra, uint32_t kind,
