@@ -108,23 +108,25 @@ Picture pixelOf(float value) {
     return picture;
 }
 
+// How many pixels differ from the samples' mean in a picture of this value.
+size_t differing(const Film& film, double value, uint32_t samples) {
+    Picture whole = pixelOf(static_cast<float>(value));
+    whole.samplesPerPixel = samples;
+    return film.differing(whole).size();
+}
+
 // Four samples, each of a hit that one light shines on: eight additions, so 20 units of 2^-24.
 TEST(FilmTest, AMeanErrsByItsAdditionsAlone) {
     const PackedSamples samples = PackedSamples::fixed(std::vector<glm::dvec2>(4, {0.5, 0.5}));
     ASSERT_EQ(samples.round, 4u);
     Film film(samples, {0, 0, 1, 1}, 1);
     for (uint32_t i = 0; i < 4; ++i) film.add(i, pixelOf(0.25f * static_cast<float>(i + 1)));
-    const auto differing = [&](double error, uint32_t taken = 4) {
-        Picture whole = pixelOf(static_cast<float>(0.625 * (1 + error)));
-        whole.samplesPerPixel = taken;
-        return film.differing(whole).size();
-    };
-    EXPECT_EQ(differing(0), 0u);
+    EXPECT_EQ(differing(film, 0.625, 4), 0u);
     for (const double sign : {-1.0, 1.0}) {
-        EXPECT_EQ(differing(sign * 0x1p-20), 0u);
-        EXPECT_EQ(differing(sign * 0x1p-19), 1u);
+        EXPECT_EQ(differing(film, 0.625 * (1 + sign * 0x1p-20), 4), 0u);
+        EXPECT_EQ(differing(film, 0.625 * (1 + sign * 0x1p-19), 4), 1u);
     }
-    EXPECT_EQ(differing(0, 3), 1u);
+    EXPECT_EQ(differing(film, 0.625, 3), 1u);
 }
 
 // A thousandth of the least normal number, or what a device makes of that: light through thick dark glass.
@@ -132,13 +134,8 @@ TEST(FilmTest, SubnormalMeansErrByMore) {
     const PackedSamples samples = PackedSamples::fixed(std::vector<glm::dvec2>(5, {0.5, 0.5}));
     Film film(samples, {0, 0, 1, 1}, 1);
     for (uint32_t i = 0; i < 5; ++i) film.add(i, pixelOf(0x1p-147f));
-    const auto differing = [&](float seen) {
-        Picture whole = pixelOf(seen);
-        whole.samplesPerPixel = 5;
-        return film.differing(whole).size();
-    };
-    for (const float seen : {0x1p-147f, 0x1.4p-147f, 0.0f}) EXPECT_EQ(differing(seen), 0u) << seen;
-    EXPECT_EQ(differing(0x1p-119f), 1u);
+    for (const double seen : {0x1p-147, 0x1.4p-147, 0.0}) EXPECT_EQ(differing(film, seen, 5), 0u) << seen;
+    EXPECT_EQ(differing(film, 0x1p-119, 5), 1u);
 }
 
 }  // namespace

@@ -8,17 +8,17 @@
 
 namespace glint::verify::certificate_test {
 using glm::dvec3;
-using render::test::Case;
+using namespace render::test;
 
 // A bright square before a dark wall: its right edge is at x = 1.
 Case squareCase() {
-    Scene scene = render::test::emptyScene();
+    Scene scene = emptyScene();
     scene.ambient = Color(1);
-    const uint32_t dark = render::test::addMaterial(scene, Color(0.1));
-    render::test::addTriangle(scene, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0});
-    render::test::addTriangle(scene, {-1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
-    render::test::addPlane(scene, {0, 0, -3}, {0, 0, 1}, dark);
-    return render::test::makeCase(scene, 8, 8);
+    const uint32_t dark = addMaterial(scene, Color(0.1));
+    addTriangle(scene, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0});
+    addTriangle(scene, {-1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
+    addPlane(scene, {0, 0, -3}, {0, 0, 1}, dark);
+    return makeCase(scene, 8, 8);
 }
 
 reference::Ray rayAt(const Case& c, const dvec3& target) {
@@ -113,12 +113,12 @@ TEST_F(CertificateTest, RightPathWithAWrongColourFails) {
 TEST_F(CertificateTest, SurfacesAtTheBoundAreAnOpenDecision) {
     const auto takesSecond = [](double z) {
         const auto caseOf = [z](double firstZ) {
-            Scene scene = render::test::emptyScene();
+            Scene scene = emptyScene();
             scene.ambient = Color(1);
-            const uint32_t dark = render::test::addMaterial(scene, Color(0.1));
-            render::test::addTriangle(scene, {-1, -1, firstZ}, {1, -1, firstZ}, {0, 1, firstZ});
-            render::test::addTriangle(scene, {-1, -1, z}, {0.9, -1, z}, {0, 0.9, z}, dark);
-            return render::test::makeCase(scene, 8, 8);
+            const uint32_t dark = addMaterial(scene, Color(0.1));
+            addTriangle(scene, {-1, -1, firstZ}, {1, -1, firstZ}, {0, 1, firstZ});
+            addTriangle(scene, {-1, -1, z}, {0.9, -1, z}, {0, 0.9, z}, dark);
+            return makeCase(scene, 8, 8);
         };
         const Case both = caseOf(0), other = caseOf(-1);
         const reference::Ray ray = rayAt(both, {-0.1, -0.3, 0});
@@ -138,13 +138,13 @@ TEST_F(CertificateTest, SurfacesAtTheBoundAreAnOpenDecision) {
 
 // A mirror that shows a square: rays that were not followed, or too many, or another one, fail.
 TEST(Certificate, EachFurtherRayIsJudged) {
-    Scene scene = render::test::emptyScene();
+    Scene scene = emptyScene();
     scene.ambient = Color(1);
     scene.maxDepth = 3;
-    const uint32_t mirror = render::test::addMaterial(scene, Color(0.1), Color(0.8));
-    render::test::addPlane(scene, {0, 0, -3}, {0, 0, 1}, mirror);
-    render::test::addPlane(scene, {0, 0, 9}, {0, 0, -1}, mirror);
-    const Case c = render::test::makeCase(scene, 8, 8);
+    const uint32_t mirror = addMaterial(scene, Color(0.1), Color(0.8));
+    addPlane(scene, {0, 0, -3}, {0, 0, 1}, mirror);
+    addPlane(scene, {0, 0, 9}, {0, 0, -1}, mirror);
+    const Case c = makeCase(scene, 8, 8);
     const reference::Tracer tracer(c.packed, {.limits = {.depth = 3}});
     const reference::Ray ray = rayAt(c, {0.5, 0.3, 0});
     const reference::PixelRecord record = tracer.trace(ray, {}, true);
@@ -234,11 +234,11 @@ TEST(Report, PassesUpToWhatTheReferencePredicts) {
     EXPECT_FALSE(report.passed());
 }
 
-class VerifyTest : public render::test::RenderTest {};
+class VerifyTest : public RenderTest {};
 
 // The image has more pixels than are compared at a time.
 TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
-    const Case c = render::test::fileCase("triangles", 256, 144);
+    const Case c = fileCase("triangles", 256, 144);
     render::Renderer renderer(device(), c.packed);
     auto options = sized<Options>(c);
     options.samples = PackedSamples::fixed(sampleOffsets(4));
@@ -266,7 +266,7 @@ TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
 }
 
 TEST_F(VerifyTest, BytesPerPixelAreThoseHeld) {
-    const Case c = render::test::fileCase("triangles", 64, 48);
+    const Case c = fileCase("triangles", 64, 48);
     render::Renderer renderer(device(), c.packed);
     auto options = sized<Options>(c);
     options.limits.depth = 0;  // one ray for each path
@@ -291,16 +291,16 @@ TEST_F(VerifyTest, BytesPerPixelAreThoseHeld) {
 // Balls with many small mirrors in each other: the device differs in many pixels, as the reference predicts,
 // and a device that puts one ball elsewhere by a thousandth of its radius still fails.
 TEST_F(VerifyTest, SensitiveScenesAreJudgedByTheirPrediction) {
-    Scene scene = render::test::emptyScene();
-    const uint32_t mirror = render::test::addMaterial(scene, Color(0.1), Color(0.8));
+    Scene scene = emptyScene();
+    const uint32_t mirror = addMaterial(scene, Color(0.1), Color(0.8));
     for (int x = -2; x <= 2; ++x)
         for (int y = -2; y <= 2; ++y)
-            for (int z = -1; z <= 1; ++z) render::test::addSphere(scene, {x, y, z}, 0.45, mirror);
+            for (int z = -1; z <= 1; ++z) addSphere(scene, {x, y, z}, 0.45, mirror);
     scene.background = Color(0.5);
     scene.lights = {PointLight{{3, 4, 9}, Color(1)}};
     scene.camera.eye = {0.3, 0.2, 8};
     scene.maxDepth = 8;
-    const Case c = render::test::makeCase(scene, 96, 72);
+    const Case c = makeCase(scene, 96, 72);
     const Report good = verified(c);
     EXPECT_TRUE(good.passed()) << good.explained() << ' ' << good.allowedExplained();
     EXPECT_GT(good.explained(), 0u);
@@ -317,13 +317,13 @@ TEST_F(VerifyTest, SensitiveScenesAreJudgedByTheirPrediction) {
 // points are off by a hundred: seen by six mirrors that moves the squares of the floor more than all
 // rounding.
 TEST_F(VerifyTest, RaysThatBeginClearOfMirrorsArePredicted) {
-    const Case c = render::test::textCase(R"({
+    const Case c = textCase(R"({
         "camera": {"eye": [10, 30, 20], "target": [40, -20, -30], "fovY": 60}, "maxDepth": 6, "ambient": 1,
         "materials": {"wall": {"mirror": 0.9}, "floor": {"diffuse": {"checker": [0.2, 0.8], "scale": 6}, "mirror": 0.8}},
         "objects": [{"type": "quadric", "coefficients": [0.0001, 0.0002, 0.00015, 0.00003, -0.00002, 0.00001, 0, 0, 0, -1],
                      "bounds": [[-120, -120, -120], [120, 120, 120]], "material": "wall"},
                     {"type": "plane", "point": [0, -20, 0], "normal": [0, 1, 0], "material": "floor"}]})",
-                                          192, 144);
+                            192, 144);
     const Report report = verified(c);
     EXPECT_TRUE(report.passed()) << report.explained() << ' ' << report.allowedExplained();
     EXPECT_GT(report.explained(), 100u);
@@ -332,14 +332,14 @@ TEST_F(VerifyTest, RaysThatBeginClearOfMirrorsArePredicted) {
 // The middle column lies where a light begins to graze: rounding decides for each of its pixels whether the
 // surface hides that light, which changes the layer and hardly the colour.
 TEST_F(VerifyTest, LightsThatRoundingHidesArePredicted) {
-    const Case c = render::test::fileCase("../tests/mutation/scenes/terminators", 53, 41);
+    const Case c = fileCase("../tests/mutation/scenes/terminators", 53, 41);
     const Report report = verified(c);
     EXPECT_TRUE(report.passed()) << report.explained() << ' ' << report.allowedExplained();
     EXPECT_GT(report.explained(), 20u);
 }
 
 TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
-    const Case c = render::test::fileCase("triangles", 40, 30);
+    const Case c = fileCase("triangles", 40, 30);
     Options options;
     options.cancelled = [] { return true; };
     const Report report = verified(c, {}, options);

@@ -27,7 +27,7 @@ function(glint_mutants target list)
       OUTPUT ${copied}
       COMMAND ${CMAKE_COMMAND} -DSOURCE=${shaders} -DTARGET=${folder} -DMUTANT=${mutant} -DLIST=${list} "-DEXTRA=${extra}"
               -P ${mutate}
-      DEPENDS ${originals} ${ARG_PROBES} ${list} ${mutate}
+      DEPENDS ${originals} ${ARG_PROBES} ${list} ${CMAKE_SOURCE_DIR}/tests/render/mutant_list.cmake ${mutate}
       COMMENT "Breaking the shaders: ${mutant}"
       VERBATIM)
     set(kernels ${${mutant}_KERNELS})

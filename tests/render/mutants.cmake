@@ -1,16 +1,5 @@
-# Shaders with a defect each, which verify must find. A mutant is a copy of shaders/ with one replacement; the pattern must occur exactly
-# once. Read by CMakeLists.txt and by mutate.cmake.
-
-set(MUTANTS "")
-
-# The kernels named last are compiled from the copy; the renderer takes all others as they are.
-macro(mutant name file pattern replacement)
-  list(APPEND MUTANTS ${name})
-  set(${name}_FILE "${file}")
-  set(${name}_PATTERN "${pattern}")
-  set(${name}_REPLACEMENT "${replacement}")
-  set(${name}_KERNELS ${ARGN})
-endmacro()
+# Shaders with a defect each, which verify must find. Read by CMakeLists.txt and by mutate.cmake.
+include(${CMAKE_CURRENT_LIST_DIR}/mutant_list.cmake)
 
 mutant(edge_sign primitives/triangle.glsl "c2.x * b2.y - c2.y * b2.x" "c2.x * b2.y + c2.y * b2.x" intersect)
 mutant(wrong_weight primitives/triangle.glsl "u = seen.eb * inverse;" "u = seen.ec * inverse;" intersect)

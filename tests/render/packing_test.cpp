@@ -12,22 +12,22 @@
 namespace glint::render::test::packing_test {
 using glm::vec3;
 
-using Break = std::function<void(PackedScene&, shared::Camera&)>;
+using Break = std::function<void(Case&)>;
 
 // Changes every element of a list.
 template <class T, class Change>
 Break each(std::vector<T> PackedScene::*list, Change change) {
-    return [list, change](PackedScene& scene, shared::Camera&) {
-        for (T& one : scene.*list) change(one);
+    return [list, change](Case& c) {
+        for (T& one : c.packed.*list) change(one);
     };
 }
 
 // Gives every element the next material.
 template <class T>
 Break nextMaterial(std::vector<T> PackedScene::*list) {
-    return [list](PackedScene& scene, shared::Camera&) {
-        const auto count = static_cast<uint32_t>(scene.materials.size());
-        for (T& one : scene.*list) one.material = (one.material + 1) % count;
+    return [list](Case& c) {
+        const auto count = static_cast<uint32_t>(c.packed.materials.size());
+        for (T& one : c.packed.*list) one.material = (one.material + 1) % count;
     };
 }
 
@@ -98,7 +98,7 @@ TEST_P(PackingTest, IsFound) {
     Case c = caseOf(GetParam().scene);
     const verify::Report sound = verifiedAsRead(c);
     EXPECT_TRUE(sound.passed()) << sound.representation->unexplained << " unexplained";
-    GetParam().apply(c.packed, c.camera);
+    GetParam().apply(c);
     const verify::Report report = verifiedAsRead(c);
     ASSERT_TRUE(report.representation.has_value());
     EXPECT_GT(report.representation->unexplained, 0u);
@@ -126,17 +126,17 @@ const Defect kSurfaceDefects[] = {
     {"triangle_material", "vertex_colors", nextMaterial(&PackedScene::triangleSurfaces)},
     {"sphere_material", "spheres", nextMaterial(&PackedScene::spheres)},
     {"uv_swapped", kCheckedSquare,
-     [](PackedScene& s, shared::Camera&) {
-         for (shared::TriangleSurface& surface : s.triangleSurfaces) {
+     [](Case& c) {
+         for (shared::TriangleSurface& surface : c.packed.triangleSurfaces) {
              if ((surface.attributes & shared::kAttributeUvs) == 0) continue;
              const uint32_t row = surface.attributes & shared::kAttributeFirstMask;
-             std::swap(s.vertexAttributes[row], s.vertexAttributes[row + 1]);
+             std::swap(c.packed.vertexAttributes[row], c.packed.vertexAttributes[row + 1]);
          }
      }},
     {"wrap", "textures",
      each(&PackedScene::textures,
           [](shared::Texture& texture) { texture.flags ^= shared::kTextureWrapClamp; })},
-    {"texture_moved", "textures", [](PackedScene& s, shared::Camera&) { image(s).place.x += 1 / 256.0f; }},
+    {"texture_moved", "textures", [](Case& c) { image(c.packed).place.x += 1 / 256.0f; }},
     {"uv_of_objects", "textured_quadrics",
      each(&PackedScene::objectFrames,
           [](shared::ObjectFrame& f) {
@@ -146,29 +146,28 @@ const Defect kSurfaceDefects[] = {
     {"smooth_normals", "instances",
      each(&PackedScene::vertexNormals, [](shared::VertexNormals& n) { std::swap(n.n0, n.n1); })}};
 const Defect kOtherDefects[] = {
-    {"lights_swapped", kLampsScene,
-     [](PackedScene& s, shared::Camera&) { std::swap(s.lights[0], s.lights[1]); }},
+    {"lights_swapped", kLampsScene, [](Case& c) { std::swap(c.packed.lights[0], c.packed.lights[1]); }},
     {"penumbra_inside", kLampsScene,
-     [](PackedScene& s, shared::Camera&) { s.lights[2].inner = 0.5f * s.lights[2].inner; }},
+     [](Case& c) { c.packed.lights[2].inner = 0.5f * c.packed.lights[2].inner; }},
     {"box_turned_back", kLampsScene,
      each(&PackedScene::cuboids, [](shared::Cuboid& c) { std::swap(c.toLocal0.z, c.toLocal2.x); })},
     {"cap_lost", "quadrics",
      each(&PackedScene::quadrics, [](shared::Quadric& q) { q.caps &= ~shared::kCapUpper; })},
     {"quadric_constant", "quadrics",
-     [](PackedScene& s, shared::Camera&) {
-         for (shared::Quadric& q : s.quadrics) q.linear *= 1.001f;
-         for (shared::Quadric& q : s.quadrics) q.constant *= 1.001f;
-     }},
+     each(&PackedScene::quadrics,
+          [](shared::Quadric& q) {
+              q.linear *= 1.001f;
+              q.constant *= 1.001f;
+          })},
     {"box_too_small", "knot",
      each(&PackedScene::nodes, [](shared::Node& n) { n.hi0 = n.lo0 + 0.97f * (n.hi0 - n.lo0); })},
     {"refractive_index", "glass", each(&PackedScene::optics, [](shared::Optics& o) { o.ior *= 1.0001f; })},
-    {"eye_in_air", "inside_glass", [](PackedScene& s, shared::Camera&) { s.environment.eyeMedium0 = 0; }},
+    {"eye_in_air", "inside_glass", [](Case& c) { c.packed.environment.eyeMedium0 = 0; }},
     {"light_place", "far_away",
      each(&PackedScene::lights, [](shared::Light& l) { l.position += vec3(0.5f); })},
-    {"film_step", "lens", [](PackedScene&, shared::Camera& camera) { camera.stepY *= 1.00001f; }},
-    {"film_middle", "lens", [](PackedScene&, shared::Camera& camera) { camera.center += camera.stepX; }},
-    {"little_ambient", "spheres",
-     [](PackedScene& s, shared::Camera&) { s.environment.ambient *= 1.00001f; }}};
+    {"film_step", "lens", [](Case& c) { c.camera.stepY *= 1.00001f; }},
+    {"film_middle", "lens", [](Case& c) { c.camera.center += c.camera.stepX; }},
+    {"little_ambient", "spheres", [](Case& c) { c.packed.environment.ambient *= 1.00001f; }}};
 
 std::string nameOf(const testing::TestParamInfo<Defect>& defect) {
     return defect.param.name;

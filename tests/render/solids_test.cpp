@@ -71,10 +71,6 @@ TEST_F(SphereTest, InsideAndOutside) {
 
 // Boxes on the device and in the reference: hits known by hand, edges and corners, walls of boxes.
 
-void addBox(Scene& scene, const dvec3& low, const dvec3& high) {
-    scene.objects.push_back({"/objects/" + std::to_string(scene.objects.size()), BoxShape{low, high}, 0});
-}
-
 class BoxTest : public RenderTest {
   protected:
     // Of the device and, as a check on the test, of the reference, which must agree about what is hit.
@@ -92,7 +88,7 @@ class BoxTest : public RenderTest {
 
 TEST_F(BoxTest, FacesFromOutsideAndInside) {
     Scene scene = emptyScene();
-    addBox(scene, {-1, -2, -3}, {1, 2, 3});
+    addObject(scene, BoxShape{{-1, -2, -3}, {1, 2, 3}});
     for (int axis = 0; axis < 3; ++axis) {
         for (const float side : {-1.0f, 1.0f}) {
             vec3 out(0);
@@ -112,7 +108,7 @@ TEST_F(BoxTest, FacesFromOutsideAndInside) {
 // Boxes are closed: a ray along a face meets the box, one a float beside it does not.
 TEST_F(BoxTest, RaysAlongFacesAndEdges) {
     Scene scene = emptyScene();
-    addBox(scene, {-1, -1, -1}, {1, 1, 1});
+    addObject(scene, BoxShape{{-1, -1, -1}, {1, 1, 1}});
     const float beside = std::nextafter(1.0f, 2.0f);
     std::vector<RayInput> hit, missed;
     for (const float zero : {0.0f, -0.0f}) {
@@ -144,7 +140,7 @@ TEST_F(BoxTest, NoRayGetsThroughAWall) {
     Scene scene = emptyScene();
     for (size_t i = 0; i + 1 < xs.size(); ++i)
         for (size_t j = 0; j + 1 < ys.size(); ++j)
-            addBox(scene, {xs[i], ys[j], 0}, {xs[i + 1], ys[j + 1], 0.125});
+            addObject(scene, BoxShape{{xs[i], ys[j], 0}, {xs[i + 1], ys[j + 1], 0.125}});
     std::vector<RayInput> rays;
     for (size_t i = 1; i + 1 < xs.size(); ++i) {
         for (size_t j = 1; j + 1 < ys.size(); ++j) {
@@ -176,7 +172,7 @@ class QuadricTest : public RenderTest {
     static Scene sceneOf(const Shape& shape) {
         Scene scene = emptyScene();
         scene.camera.eye = {0, 0, 1e3};
-        scene.objects.push_back({"quadric", shape, 0});
+        addObject(scene, shape);
         return scene;
     }
     static std::vector<RayHit> hitsOf(const Shape& shape, const std::vector<RayInput>& rays) {
@@ -281,7 +277,7 @@ TEST_F(QuadricTest, ALineThatTouchesANeckIsInside) {
 // Radius 1e6 and an eye 1 above: t within 1e-6 of 1, as for spheres.
 TEST_F(QuadricTest, HugeCylinderUnderTheEye) {
     Scene scene = emptyScene();
-    scene.objects.push_back({"pipe", CylinderShape{{-1e6, -1e6, 0}, {1e6, -1e6, 0}, 1e6}, 0});
+    addObject(scene, CylinderShape{{-1e6, -1e6, 0}, {1e6, -1e6, 0}, 1e6});
     aim(scene.camera, {0, 1, 0}, {0, 0, 0}, {1, 0, 0});
     const PackedScene packed = packScene(scene);
     for (const double h : {100.0, 1.0, 0.25}) {

@@ -28,18 +28,7 @@
 
 namespace glint::render::test {
 
-using glint::test::addDisc;
-using glint::test::addGrid;
-using glint::test::addMaterial;
-using glint::test::addMesh;
-using glint::test::addPlane;
-using glint::test::addPolygon;
-using glint::test::addSphere;
-using glint::test::addTriangle;
-using glint::test::aim;
-using glint::test::emptyScene;
-using glint::test::Random;
-using glint::test::SceneMaker;
+using namespace glint::test;
 
 // A scene, and an image of it.
 struct Case {

@@ -10,10 +10,9 @@
 namespace glint::stability::catalogue_test {
 using glm::dvec3;
 using glm::vec3;
-using render::test::draw;
-using render::test::Random;
+using namespace render::test;
 
-class CatalogueTest : public render::test::RenderTest {
+class CatalogueTest : public RenderTest {
   protected:
     Subject subject() const { return {&device(), {}}; }
 };
@@ -22,14 +21,14 @@ class CatalogueTest : public render::test::RenderTest {
 // pi / 5 about z, then halved along y. The book's point (0, 1, -1) / sqrt 2 lies outside it, on the ray from
 // the middle whose surface point has the same normal.
 TEST_F(CatalogueTest, NormalOfATransformedSphere) {
-    const render::test::Case c = render::test::textCase(
+    const Case c = textCase(
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
                          "transform": [{"rotate": [0, 0, 1, 36]}, {"scale": [1, 0.5, 1]}]}]})",
         1, 1);
     const dvec3 expected(0, 0.97014, -0.24254);
-    const render::RayInput ray = render::test::rayOf({0, 3, -3}, {0, -1, 1});
-    render::test::RayTracer kernels(device(), c.packed);
-    const render::test::RayHit hit = kernels.trace({ray}, false)[0];
+    const render::RayInput ray = rayOf({0, 3, -3}, {0, -1, 1});
+    RayTracer kernels(device(), c.packed);
+    const RayHit hit = kernels.trace({ray}, false)[0];
     ASSERT_TRUE(hit.hit);
     const reference::Tracer tracer(c.packed);
     const reference::Ray exact{dvec3(ray.origin), dvec3(ray.direction)};
@@ -123,7 +122,7 @@ TEST_F(CatalogueTest, Boxes) {
 // (tests/scene/validate_test.cpp).
 TEST_F(CatalogueTest, SmallestAndWidestPictures) {
     for (const glm::ivec2& size : {glm::ivec2(1, 1), glm::ivec2(16384, 2), glm::ivec2(1, 3000)}) {
-        const render::test::Case c = render::test::fileCase("spheres", size.x, size.y);
+        const Case c = fileCase("spheres", size.x, size.y);
         const Picture picture = draw(device(), c);
         EXPECT_EQ(picture.data.size(), static_cast<size_t>(size.x) * size.y);
         EXPECT_EQ(picture.notFinite, 0u);

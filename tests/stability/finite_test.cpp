@@ -6,11 +6,9 @@
 #include "../render/support.h"
 
 namespace glint::stability::finite_test {
-using render::test::Case;
-using render::test::draw;
-using render::test::textCase;
+using namespace render::test;
 
-class FiniteTest : public render::test::RenderTest {};
+class FiniteTest : public RenderTest {};
 
 // T92, T94, T83 and the ends of the ranges of src/scene/limits.h: a ball that rests on the ground.
 TEST_F(FiniteTest, TheEndsOfTheRanges) {
@@ -44,14 +42,14 @@ TEST_F(FiniteTest, TheEndsOfTheRanges) {
         const Picture picture = draw(device(), c);
         EXPECT_EQ(picture.notFinite, 0u) << text;
         EXPECT_EQ(picture.firstNotFinite, glm::ivec2(-1));
-        EXPECT_GT(render::test::pixelsWithObject(picture), 64u * 48u / 4);
+        EXPECT_GT(pixelsWithObject(picture), 64u * 48u / 4);
     }
 }
 
 // Vertex normals of no length, or that cancel: the geometric one takes their place.
 TEST_F(FiniteTest, VertexNormalsOfNoLength) {
     for (const glm::dvec3& second : {glm::dvec3(0), glm::dvec3(0, 0, -1)}) {
-        Scene scene = render::test::emptyScene();
+        Scene scene = emptyScene();
         auto mesh = std::make_shared<glint::Mesh>();
         mesh->positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
         mesh->normals = {second == glm::dvec3(0) ? second : glm::dvec3(0, 0, 1), second, glm::dvec3(0)};
@@ -60,7 +58,7 @@ TEST_F(FiniteTest, VertexNormalsOfNoLength) {
         scene.objects.push_back({"mesh", MeshShape{mesh}, 0});
         scene.camera.eye = {0, 0, 3};
         scene.lights.push_back(PointLight{{1, 1, 3}, Color(1)});
-        const Picture picture = draw(device(), render::test::makeCase(scene, 33, 33));
+        const Picture picture = draw(device(), makeCase(scene, 33, 33));
         EXPECT_EQ(picture.notFinite, 0u);
         for (const PixelData& data : picture.data) {
             if (data.object == 0) {

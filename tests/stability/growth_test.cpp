@@ -11,6 +11,7 @@
 namespace glint::stability::growth_test {
 using glm::dvec2;
 using glm::dvec3;
+using namespace render::test;
 
 constexpr double kUnit = 0x1p-24;
 constexpr int kSide = 16;  // pixels
@@ -24,7 +25,7 @@ struct Trap {
     double growth;
 };
 
-class GrowthTest : public render::test::RenderTest, public testing::WithParamInterface<Trap> {};
+class GrowthTest : public RenderTest, public testing::WithParamInterface<Trap> {};
 
 struct Step {
     double azimuth;  // of the normal
@@ -99,12 +100,12 @@ double bestTurn(const std::vector<Step>& steps) {
 }
 
 Scene sceneOf(const Trap& trap, double turned) {
-    Scene scene = render::test::emptyScene();
+    Scene scene = emptyScene();
     scene.maxDepth = trap.bounces;
-    const uint32_t mirror = render::test::addMaterial(scene, Color(1), Color(1));
-    render::test::addSphere(scene, {0, 0, 0}, 1, mirror);
-    render::test::addSphere(scene, {trap.side, 0, 0}, 1, mirror);
-    render::test::addSphere(scene, {trap.side / 2, trap.side * std::sqrt(3.0) / 2, 0}, 1, mirror);
+    const uint32_t mirror = addMaterial(scene, Color(1), Color(1));
+    addSphere(scene, {0, 0, 0}, 1, mirror);
+    addSphere(scene, {trap.side, 0, 0}, 1, mirror);
+    addSphere(scene, {trap.side / 2, trap.side * std::sqrt(3.0) / 2, 0}, 1, mirror);
     for (int i = 0; i < 3; ++i) {
         const double azimuth = turned + kBetween[i];
         const dvec3 to(std::cos(kElevation) * std::cos(azimuth), std::cos(kElevation) * std::sin(azimuth),
@@ -127,7 +128,7 @@ TEST_P(GrowthTest, ErrorGrowsAsTheCurvatureSays) {
     const std::vector<Step> steps = walk(trap);
     ASSERT_EQ(steps.size(), trap.bounces + 1u);
     const double turned = bestTurn(steps);
-    const render::test::Case c = render::test::makeCase(sceneOf(trap, turned), kSide, kSide);
+    const Case c = makeCase(sceneOf(trap, turned), kSide, kSide);
     render::Renderer renderer(device(), c.packed);
     std::vector<float> before(3 * kSide * kSide, 0);
     std::vector<dvec3> truthBefore(kSide * kSide, dvec3(0));

@@ -103,9 +103,7 @@ TEST_F(IntervalTest, OfQuadrics) {
     for (size_t i = 0; i < kCount; ++i) {
         shared::Quadric& quadric = quadrics[i];
         quadric.point = vec3(random_.box(0.2));
-        quadric.toLocal0 = {1, 0, 0};
-        quadric.toLocal1 = {0, 1, 0};
-        quadric.toLocal2 = {0, 0, 1};
+        quadric.toLocal0.x = quadric.toLocal1.y = quadric.toLocal2.z = 1;
         quadric.squares = {1, 1, random_.uniform(-1, 1)};
         quadric.constant = static_cast<float>(random_.uniform(-0.5, 0.1));
         quadric.lo = vec3(-1);

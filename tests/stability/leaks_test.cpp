@@ -14,8 +14,9 @@
 namespace glint::stability::leaks_test {
 
 using glm::dvec3;
+using namespace render::test;
 
-class LeakTest : public render::test::RenderTest {
+class LeakTest : public RenderTest {
   protected:
     Subject subject() const { return {&device(), {}}; }
 };
@@ -98,7 +99,7 @@ std::optional<dvec3> terminatorOf(const reference::Tracer& tracer, const dvec3& 
 // However close a point inside lies to the terminator, the body hides the light: there the shadow ray hits
 // the body again after a chord as short as rounding.
 TEST_F(LeakTest, RoundBodiesAreDarkInside) {
-    render::test::Case c = render::test::textCase(kRoundBodies, 32, 32);
+    Case c = textCase(kRoundBodies, 32, 32);
     const reference::Tracer tracer(c.packed);
     render::Renderer renderer(device(), c.packed, {});
     Camera& camera = c.scene.camera;
@@ -117,7 +118,7 @@ TEST_F(LeakTest, RoundBodiesAreDarkInside) {
             camera.target = inside + *direction;
             camera.up = towards;
             c.camera = packCamera(camera, c.width, c.height, c.packed.origin);
-            const Image image = render::test::draw(renderer, c).color;
+            const Image image = draw(renderer, c).color;
             for (int i = 0; i < c.width * c.height; ++i)
                 ASSERT_EQ(image.at(i % c.width, i / c.width, 0), 0.0f)
                     << "body around (" << inside.x << ", " << inside.y << ", " << inside.z << "), turn "
@@ -130,9 +131,9 @@ TEST_F(LeakTest, RoundBodiesAreDarkInside) {
 // An arch of slivers, one ten-thousandth of a turn from the next, under a lamp that shines along them: of the
 // pixel at (26, 143) the shadow ray was found to meet the sliver beside the one that it leaves.
 TEST_F(LeakTest, SliversDoNotShadeTheirNeighbours) {
-    const render::test::Case c = render::test::fileCase("arcade", 800, 450);
+    const Case c = fileCase("arcade", 800, 450);
     ASSERT_TRUE(c.packed.features.slivers);
-    Request request = render::test::wholeWithData(c);
+    Request request = wholeWithData(c);
     request.region = {24, 140, 32, 148};
     const Picture truth = reference::render(c.packed, c.camera, request);
     for (const render::Traversal traversal : {render::Traversal::Lane, render::Traversal::Packet}) {

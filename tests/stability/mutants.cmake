@@ -1,16 +1,5 @@
-# Shaders with the defects that docs/design/numerics.md 2 measures in other ray tracers. The checks of checks.h must turn red on each. See
-# tests/render/mutants.cmake for the form.
-
-set(MUTANTS "")
-
-# The kernels named last are compiled from the copy; *_probe from the copies of the probes.
-macro(mutant name file pattern replacement)
-  list(APPEND MUTANTS ${name})
-  set(${name}_FILE "${file}")
-  set(${name}_PATTERN "${pattern}")
-  set(${name}_REPLACEMENT "${replacement}")
-  set(${name}_KERNELS ${ARGN})
-endmacro()
+# Shaders with the defects that docs/design/numerics.md 2 measures in other ray tracers. The checks of checks.h must turn red on each.
+include(${CMAKE_CURRENT_LIST_DIR}/../render/mutant_list.cmake)
 
 # Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, every operation precise.
 mutant(moller_trumbore primitives/triangle.glsl
@@ -42,13 +31,7 @@ set(edges "precise float ea = c2.x * b2.y - c2.y * b2.x;
     precise float eb = a2.x * c2.y - a2.y * c2.x;
     precise float ec = b2.x * a2.y - b2.y * a2.x;")
 set(fused "")
-foreach(edge "a c2.x b2.y c2.y b2.x" "b a2.x c2.y a2.y c2.x" "c b2.x a2.y b2.y a2.x")
-  string(REPLACE " " ";" edge "${edge}")
-  list(GET edge 0 e)
-  list(GET edge 1 x)
-  list(GET edge 2 y)
-  list(GET edge 3 z)
-  list(GET edge 4 w)
+macro(fuse_edge e x y z w)
   string(APPEND fused "
     precise float xs${e} = 4097.0 * ${x};
     precise float xh${e} = xs${e} - (xs${e} - ${x});
@@ -60,7 +43,10 @@ foreach(edge "a c2.x b2.y c2.y b2.x" "b a2.x c2.y a2.y c2.x" "c b2.x a2.y b2.y a
     precise float rest${e} = ((xh${e} * yh${e} - product${e}) + xh${e} * yl${e} + xl${e} * yh${e}) + xl${e} * yl${e};
     precise float other${e} = ${z} * ${w};
     precise float e${e} = (product${e} - other${e}) + rest${e};")
-endforeach()
+endmacro()
+fuse_edge(a c2.x b2.y c2.y b2.x)
+fuse_edge(b a2.x c2.y a2.y c2.x)
+fuse_edge(c b2.x a2.y b2.y a2.x)
 mutant(contracted primitives/triangle.glsl "${edges}" "${fused}" intersect primitive_probe)
 # Not of an edge function: what a precise variable is computed from is precise too, so that `det` vouches for them.
 mutant(imprecise traversal/ray.glsl "precise vec3 t0 =" "vec3 t0 =" intersect)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iostream>
 
 #include "../render/support.h"
@@ -67,16 +68,26 @@ dmat3 anyTurn(Random& random) {
     return {x, glm::cross(z, x), z};
 }
 
+constexpr size_t kCount = 20000;
+
 class QuadricSideTest : public render::test::RenderTest {
   protected:
     Subject subject() const { return {&device(), {}}; }
     // Of rays along each side that leave it exactly, how many meet it again; of those that go in by a
     // hundredth, how many do not, or elsewhere than 2 B / A away.
-    void expectToLeave(const char* what, const std::vector<shared::Quadric>& quadrics,
-                       const std::vector<dvec3>& points, Random& random) const {
-        const size_t count = quadrics.size();
-        std::vector<FloatRay> rays(count);
-        for (size_t i = 0; i < count; ++i) {
+    // make(quadric, i) completes a turned quadric and returns a point of its side, measured from its own.
+    void expectToLeave(const char* what, Random& random,
+                       const std::function<dvec3(shared::Quadric&, size_t)>& make) const {
+        std::vector<shared::Quadric> quadrics;
+        std::vector<dvec3> points;
+        for (size_t i = 0; i < kCount; ++i) {
+            const dmat3 toLocal = anyTurn(random);
+            shared::Quadric& q = quadrics.emplace_back(quadricOf(toLocal));
+            const dvec3 local = make(q, i);
+            points.push_back(dvec3(q.point) + glm::transpose(toLocal) * local);
+        }
+        std::vector<FloatRay> rays(kCount);
+        for (size_t i = 0; i < kCount; ++i) {
             const Exact exact(quadrics[i]);
             const dvec3 on = exact.moved(points[i]), normal = glm::normalize(exact.worldSlope(on));
             // Convex there, and along the side.
@@ -90,7 +101,7 @@ class QuadricSideTest : public render::test::RenderTest {
         }
         const std::vector<Answer> answers = probe(subject(), rays, quadrics);
         size_t leave = 0, again = 0, goIn = 0, lost = 0;
-        for (size_t i = 0; i < count; ++i) {
+        for (size_t i = 0; i < kCount; ++i) {
             const Exact exact(quadrics[i]);
             const Vector d = exact.turned(Vector(rays[i].direction));
             const long double b = glm::dot(exact.slope(exact.local(Vector(rays[i].origin))), d),
@@ -105,8 +116,8 @@ class QuadricSideTest : public render::test::RenderTest {
         }
         std::cout << "[ measured ] " << what << ": of " << leave << " rays that leave " << again
                   << " meet it again; of " << goIn << " that go in " << lost << " are lost\n";
-        EXPECT_GT(leave, count / 4);
-        EXPECT_GT(goIn, count / 4);
+        EXPECT_GT(leave, kCount / 4);
+        EXPECT_GT(goIn, kCount / 4);
         EXPECT_EQ(again, 0u) << what;
         EXPECT_EQ(lost, 0u) << what;
     }
@@ -118,41 +129,28 @@ class QuadricSideTest : public render::test::RenderTest {
     }
 };
 
-constexpr size_t kCount = 20000;
-
 // Where a vertex lies at the origin of coordinates all that B errs by comes from the linear term.
 TEST_F(QuadricSideTest, RaysLeaveAParaboloidNearItsVertex) {
     Random random(741);
-    std::vector<shared::Quadric> quadrics;
-    std::vector<dvec3> points;
-    for (size_t i = 0; i < kCount; ++i) {
-        const dmat3 toLocal = anyTurn(random);
-        shared::Quadric& q = quadrics.emplace_back(quadricOf(toLocal));
+    expectToLeave("paraboloid", random, [&](shared::Quadric& q, size_t i) {
         q.squares = {1, 1, 0};
         q.linear = {0, 0, i % 3 == 0 ? 0.5f : -0.5f};
         const double x = random.uniform(-0.1, 0.1), y = random.uniform(-0.1, 0.1);
-        points.push_back(glm::transpose(toLocal) * dvec3(x, y, -(x * x + y * y) / (2 * q.linear.z)));
-    }
-    expectToLeave("paraboloid", quadrics, points, random);
+        return dvec3(x, y, -(x * x + y * y) / (2 * q.linear.z));
+    });
 }
 
 // x y = 1/2, or -1/2: nothing stands on the diagonal.
 TEST_F(QuadricSideTest, RaysLeaveAHyperbolaBetweenTheAxes) {
     Random random(742);
-    std::vector<shared::Quadric> quadrics;
-    std::vector<dvec3> points;
-    for (size_t i = 0; i < kCount; ++i) {
-        const dmat3 toLocal = anyTurn(random);
-        shared::Quadric& q = quadrics.emplace_back(quadricOf(toLocal));
+    expectToLeave("hyperbola", random, [&](shared::Quadric& q, size_t i) {
         const float sign = i % 3 == 0 ? -1 : 1;
         q.products = {0, 0, -0.5f * sign};
         q.constant = 0.5f;
         if (i % 4 < 2) q.point = vec3(random.box(4));
         const double x = (random.below(2) == 0 ? 1 : -1) * random.uniform(0.3, 2);
-        points.push_back(dvec3(q.point) +
-                         glm::transpose(toLocal) * dvec3(x, sign * 0.5 / x, random.uniform(-1, 1)));
-    }
-    expectToLeave("hyperbola", quadrics, points, random);
+        return dvec3(x, sign * 0.5 / x, random.uniform(-1, 1));
+    });
 }
 
 // Near the side C is small, and if the numbers are so short that it is exact, t = C / q has all its digits:

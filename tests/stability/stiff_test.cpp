@@ -12,12 +12,7 @@
 #include "verify/verify.h"
 
 namespace glint::stability::stiff_test {
-using render::test::aim;
-using render::test::Case;
-using render::test::draw;
-using render::test::fileCase;
-using render::test::makeCase;
-using render::test::RenderTest;
+using namespace render::test;
 
 class StiffTest : public RenderTest, public testing::WithParamInterface<std::string> {};
 
@@ -40,13 +35,12 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     }
     const Picture picture = draw(renderer, c);
     EXPECT_EQ(picture.notFinite, 0u);
-    EXPECT_GT(render::test::pixelsWithObject(picture), 160u * 120u / 10);
+    EXPECT_GT(pixelsWithObject(picture), 160u * 120u / 10);
 }
 
 class PrismTest : public RenderTest {};
 
-INSTANTIATE_TEST_SUITE_P(All, StiffTest, testing::ValuesIn(render::test::sceneNames("stiff")),
-                         render::test::sceneName);
+INSTANTIATE_TEST_SUITE_P(All, StiffTest, testing::ValuesIn(sceneNames("stiff")), sceneName);
 
 // scenes/stiff/critical_prism.json against Snell and Fresnel in double: left of the threshold all is
 // reflected, right of it the orange wall shines through by 1 - R, of a cosine that is the square root of what

@@ -20,11 +20,7 @@ uint32_t addMaterial(Scene& scene, const Color& diffuse, const Color& mirror) {
 
 void addTriangle(Scene& scene, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
                  uint32_t material) {
-    TriangleShape shape;
-    shape.vertices[0] = a;
-    shape.vertices[1] = b;
-    shape.vertices[2] = c;
-    scene.objects.push_back({"triangle", shape, material});
+    scene.objects.push_back({"triangle", TriangleShape{{a, b, c}}, material});
 }
 
 void addSphere(Scene& scene, const glm::dvec3& center, double radius, uint32_t material) {
@@ -72,13 +68,9 @@ std::shared_ptr<Mesh> gridMesh(uint32_t cells, const glm::dvec3& offset) {
     return mesh;
 }
 
-void aim(Camera& camera, const glm::dvec3& eye, const glm::dvec3& target) {
+void aim(Camera& camera, const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up) {
     camera.eye = eye;
     camera.target = target;
-}
-
-void aim(Camera& camera, const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up) {
-    aim(camera, eye, target);
     camera.up = up;
 }
 

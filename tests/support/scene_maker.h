@@ -23,8 +23,7 @@ void addMesh(Scene& scene, std::vector<glm::dvec3> positions, std::vector<glm::u
              uint32_t material = 0);
 // n x n squares of two triangles each in the plane z = 0 from (0, 0) to (1, 1), moved by `offset`.
 void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset = glm::dvec3(0), double size = 1);
-void aim(Camera& camera, const glm::dvec3& eye, const glm::dvec3& target);
-void aim(Camera& camera, const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up);
+void aim(Camera& camera, const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up = {0, 1, 0});
 // Matte grey as material 0, no light.
 Scene emptyScene();
 // cells x cells squares of two triangles each over [0, cells] x [0, cells] in the plane z = 0, shifted by
