@@ -222,8 +222,11 @@ class WalkTest : public RenderTest {
     }
 };
 
-TEST_F(WalkTest, FindsTheSameForAnyAndForSpecialRays) {
+TEST_F(WalkTest, FindsTheSameForAnyRays) {
     expectSame(crowdedCase(3000, 5000, 11));
+}
+
+TEST_F(WalkTest, FindsTheSameForSpecialRays) {
     expectSame(axisCase());
 }
 
@@ -243,7 +246,9 @@ TEST_F(WalkTest, RaysThatRunOutOfTripsLoseNothing) {
 }
 
 TEST_F(WalkTest, TiesGoToTheLowestIdAlsoFromInside) {
-    for (const RayCase& tied : {tiedCase(), concentricCase()}) {
+    for (const auto& [name, tied] :
+         {std::pair("from above", tiedCase()), std::pair("from inside", concentricCase())}) {
+        SCOPED_TRACE(name);
         const std::vector<RayHit> hits = hitsOf(tied.scene, tied.rays, {.traversal = Traversal::Lane});
         for (size_t i = 0; i < hits.size(); ++i) {
             ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);
