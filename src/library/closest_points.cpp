@@ -55,7 +55,7 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
                                   : reference::closestPointOn(model, found.primitive(i), found.instance(i),
                                                               local(numbers[i])));
     };
-    ask(*part.queries, std::move(task), context);
+    runOnDevice(*part.queries, std::move(task), context);
 }
 
 }  // namespace

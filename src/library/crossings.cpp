@@ -42,7 +42,7 @@ void countCrossings(const Snapshot::Part& part, uint64_t count, const ReadRay& r
             take(numbers[i], one.doubtful ? onHost(numbers[i]) : one.crossings, one.doubtful);
         }
     };
-    ask(*part.queries, std::move(task), context);
+    runOnDevice(*part.queries, std::move(task), context);
 }
 
 void countCrossings(const Snapshot::Part& part, const RayReader& rays, const Context& context,

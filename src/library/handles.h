@@ -14,8 +14,25 @@
 #include "scene/scene.h"
 
 namespace glint::library {
+
 class Snapshot;
 class Retired;
+
+// Owns a device.
+class DeviceOwner {
+  public:
+    explicit DeviceOwner(glint_device* device) : device_(device) { glint_device_retain(device); }
+    ~DeviceOwner() { glint_device_release(device_); }
+    DeviceOwner(const DeviceOwner&) = delete;
+    DeviceOwner& operator=(const DeviceOwner&) = delete;
+    glint_device& operator*() const { return *device_; }
+    glint_device* operator->() const { return device_; }
+    glint_device* get() const { return device_; }
+
+  private:
+    glint_device* device_;
+};
+
 }  // namespace glint::library
 
 struct glint_device {
@@ -29,11 +46,11 @@ struct glint_device {
 };
 
 struct glint_scene {
-    glint_scene();
+    explicit glint_scene(glint_device* usedDevice);
     ~glint_scene();
 
     std::atomic<uint32_t> owners{1};
-    glint_device* device = nullptr;  // an owner of it
+    const glint::library::DeviceOwner device;  // released after all below
 
     // The scene that changes edit.
     glint::Scene draft;
@@ -62,18 +79,5 @@ uint64_t meshBytes(const Scene& scene);
 
 // Calls the log of the device's settings, if there is one.
 void logLine(const glint_device& device, int32_t level, const std::string& text);
-
-// Owns a device.
-class DeviceOwner {
-  public:
-    explicit DeviceOwner(glint_device* device) : device_(device) { glint_device_retain(device); }
-    ~DeviceOwner() { glint_device_release(device_); }
-    DeviceOwner(const DeviceOwner&) = delete;
-    DeviceOwner& operator=(const DeviceOwner&) = delete;
-    glint_device& operator*() const { return *device_; }
-
-  private:
-    glint_device* device_;
-};
 
 }  // namespace glint::library

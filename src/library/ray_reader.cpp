@@ -322,7 +322,7 @@ Context contextOf(const glint_device& device, const glint_options* options) {
     return context;
 }
 
-void ask(render::RayQueries& queries, render::RayTask task, const Context& context) {
+void runOnDevice(render::RayQueries& queries, render::RayTask task, const Context& context) {
     task.cancelled = context.cancelled;
     task.progress = context.progress;
     if (!queries.run(task)) throw Cancelled();

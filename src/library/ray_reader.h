@@ -88,7 +88,7 @@ inline reference::Ray referenceRay(const LocalRay& ray, bool leaves = false) {
 Context contextOf(const glint_device& device, const glint_options* options);
 
 // Runs the task with the callbacks of the context. Throws Cancelled.
-void ask(render::RayQueries& queries, render::RayTask task, const Context& context);
+void runOnDevice(render::RayQueries& queries, render::RayTask task, const Context& context);
 
 // Calls `body` for blocks of 0 ... count - 1 on all processors. Throws Cancelled.
 void forBlocks(const Context& context, uint64_t count,

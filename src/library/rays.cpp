@@ -29,7 +29,7 @@ void askDevice(const RayReader& rays, bool any, bool spreads, const Context& con
     task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
         take(numbers, found, rescaled.load(std::memory_order_relaxed));
     };
-    ask(queries, std::move(task), context);
+    runOnDevice(queries, std::move(task), context);
 }
 
 // leaves: the ray starts on an unknown surface.

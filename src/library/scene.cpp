@@ -12,10 +12,7 @@ glint_status glint_scene_create(glint_device* device, glint_scene** scene) {
         require(device != nullptr, "device is NULL");
         require(scene != nullptr, "scene is NULL");
         *scene = nullptr;
-        auto made = std::make_unique<glint_scene>();
-        made->device = device;
-        glint_device_retain(device);
-        *scene = made.release();
+        *scene = new glint_scene(device);
     });
 }
 
@@ -43,26 +40,16 @@ glint_status glint_scene_load(glint_device* device, const char* path, glint_scen
 glint_status glint_scene_load_with(glint_device* device, const char* path, const glint_options* options,
                                    glint_scene** scene) {
     if (scene != nullptr) *scene = nullptr;
-    const glint_status asked = guarded([&] {
+    return guarded([&] {
         require(device != nullptr, "glint_scene_load: device is NULL");
         require(path != nullptr, "glint_scene_load: path is NULL");
         require(scene != nullptr, "glint_scene_load: scene is NULL");
-    });
-    if (asked != GLINT_OK) return asked;
-    glint_scene* made = nullptr;
-    const glint_status created = glint_scene_create(device, &made);
-    if (created != GLINT_OK) return created;
-    const glint_status loaded = guarded([&] {
+        auto made = std::make_unique<glint_scene>(device);
         const glint::Context context = contextOf(*device, options);
         load(path, context, *made);
         context.report(1);
+        *scene = made.release();
     });
-    if (loaded != GLINT_OK) {
-        glint_scene_release(made);
-        return loaded;
-    }
-    *scene = made;
-    return GLINT_OK;
 }
 
 void glint_scene_retain(glint_scene* scene) {
@@ -70,10 +57,7 @@ void glint_scene_retain(glint_scene* scene) {
 }
 
 void glint_scene_release(glint_scene* scene) {
-    if (scene == nullptr || scene->owners.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
-    glint_device* device = scene->device;
-    delete scene;
-    glint_device_release(device);
+    if (scene != nullptr && scene->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) delete scene;
 }
 
 glint_status glint_scene_commit(glint_scene* scene) {

@@ -115,7 +115,7 @@ bool Snapshot::update(const Context& context, Scene placed, std::vector<ObjectPl
 const Snapshot::Part& Snapshot::counting() const {
     if (!part_.packed.features.splitTriangles) return part_;
     const std::lock_guard lock(countingMutex_);
-    if (!counting_) counting_ = std::make_unique<Part>(*device_, (*device_).context, scene_, false);
+    if (!counting_) counting_ = std::make_unique<Part>(*device_, device_->context, scene_, false);
     return *counting_;
 }
 
@@ -131,7 +131,7 @@ uint64_t Snapshot::triangles() const {
 }
 
 Picture Snapshot::render(const shared::Camera& camera, const Request& request) const {
-    if (!(*device_).vulkan) return reference::render(part_.packed, camera, request, (*device_).context);
+    if (!device_->vulkan) return reference::render(part_.packed, camera, request, device_->context);
     const std::lock_guard lock(pictureMutex_);
     if (!renderer_) {
         render::Options options;
@@ -140,7 +140,7 @@ Picture Snapshot::render(const shared::Camera& camera, const Request& request) c
             options.also.parallelCamera = options.also.parallelCamera || parallel;
             options.also.thinLens = options.also.thinLens || (!parallel && named.camera.lensRadius > 0);
         }
-        renderer_ = std::make_unique<render::Renderer>(*(*device_).vulkan, part_.packed, options);
+        renderer_ = std::make_unique<render::Renderer>(*device_->vulkan, part_.packed, options);
     }
     return renderer_->render(camera, request);
 }
@@ -183,13 +183,9 @@ namespace {
 std::unique_ptr<Snapshot> nextVersion(const Context& context, glint_scene& scene, const Snapshot& current,
                                       const Scene& placed, const std::vector<ObjectPlacement>& placements) {
     std::unique_ptr<Snapshot> next = scene.retired->take(current.tree());
-    if (!next) next = std::make_unique<Snapshot>(current, scene.device);
+    if (!next) next = std::make_unique<Snapshot>(current, scene.device.get());
     return next->update(context, placed, placements, current.refits() + 1) ? std::move(next) : nullptr;
 }
-
-}  // namespace
-
-namespace {
 
 void report(const glint_device& device, const Snapshot& committed) {
     if (device.settings.log == nullptr) return;
@@ -215,7 +211,8 @@ void commit(glint_scene& scene, const Context& context) {
         next = nextVersion(context, scene, *scene.committed, made, placements);
     if (!next) {
         scene.retired->close();
-        next = std::make_unique<Snapshot>(scene.device, context, std::move(made), placements, ++scene.trees);
+        next = std::make_unique<Snapshot>(scene.device.get(), context, std::move(made), placements,
+                                          ++scene.trees);
     }
     scene.grown = false;
     auto snapshot = Retired::owned(scene.retired, std::move(next));
@@ -229,7 +226,8 @@ void commit(glint_scene& scene, const Context& context) {
 
 }  // namespace glint::library
 
-glint_scene::glint_scene() : retired(std::make_shared<glint::library::Retired>()) {}
+glint_scene::glint_scene(glint_device* usedDevice)
+    : device(usedDevice), retired(std::make_shared<glint::library::Retired>()) {}
 glint_scene::~glint_scene() {
     retired->close();
 }

@@ -34,7 +34,14 @@ UnitResult result() {
 const UnitHeader kHeader = {
     {{{"size", "8x4"}, {"", "empty name"}}}, {0, 0, 8, 4}, {Aov::Depth, Aov::Radiance}, 2};
 
-class UnitFiles : public glint::test::WorkingFolderTest {};
+class UnitFiles : public glint::test::WorkingFolderTest {
+  protected:
+    // The error for a part of these bytes.
+    static std::string errorOfPart(const std::vector<uint8_t>& bytes) {
+        writeBytes("a.part", bytes);
+        return errorOf(ErrorKind::Failed, [] { readPart("a.part"); });
+    }
+};
 
 TEST_F(UnitFiles, KeepEveryBit) {
     writeBytes("a.part", encodePart(kHeader, result()));
@@ -63,21 +70,16 @@ TEST_F(UnitFiles, NoDamageGoesUnnoticed) {
     for (size_t i = 0; i < whole.size(); ++i) {
         std::vector<uint8_t> bytes = whole;
         bytes[i] ^= static_cast<uint8_t>(1u << i % 8);
-        writeBytes("a.part", bytes);
-        const std::string error = errorOf(ErrorKind::Failed, [] { readPart("a.part"); });
+        const std::string error = errorOfPart(bytes);
         EXPECT_TRUE(error.starts_with("a.part: damaged: ")) << i << ' ' << error;
         bytes.assign(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(i));
-        writeBytes("a.part", bytes);
-        EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readPart("a.part"); }), "a.part: damaged: it ends early")
-            << i;
+        EXPECT_EQ(errorOfPart(bytes), "a.part: damaged: it ends early") << i;
     }
     std::vector<uint8_t> longer = whole;
     longer.push_back(0);
-    writeBytes("a.part", longer);
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readPart("a.part"); }),
-              "a.part: damaged: something follows its end");
-    glint::test::writeText("a.part", "P6 640 480 255 and so on, a picture");
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readPart("a.part"); }),
+    EXPECT_EQ(errorOfPart(longer), "a.part: damaged: something follows its end");
+    const std::string picture = "P6 640 480 255 and so on, a picture";
+    EXPECT_EQ(errorOfPart({picture.begin(), picture.end()}),
               "a.part: damaged: it is no file that glint render --part or --checkpoint wrote");
 }
 
@@ -86,8 +88,7 @@ TEST_F(UnitFiles, NobodyHasSoManyParts) {
     for (const int parts : {0, -1, kMostParts + 1, std::numeric_limits<int>::max()}) {
         UnitHeader header = kHeader;
         header.parts = parts;
-        writeBytes("a.part", encodePart(header, result()));
-        EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readPart("a.part"); }),
+        EXPECT_EQ(errorOfPart(encodePart(header, result())),
                   "a.part: damaged: it says that the image has " + std::to_string(parts) + " parts");
     }
 }
@@ -97,8 +98,7 @@ TEST_F(UnitFiles, ImagesFitTheirRegions) {
     const auto errorWith = [](const std::function<void(Block&)>& change) {
         UnitResult wrong = result();
         change(wrong.blocks[0]);
-        writeBytes("a.part", encodePart(kHeader, wrong));
-        return errorOf(ErrorKind::Failed, [] { readPart("a.part"); });
+        return errorOfPart(encodePart(kHeader, wrong));
     };
     const std::string size = "a.part: damaged: an image has another size than its region";
     EXPECT_EQ(errorWith([](Block& b) { b.color.pixels.pop_back(); }), size);

@@ -1,7 +1,6 @@
 // Certified nearest hits, against rational arithmetic: rays aimed at corners, edges and along planes, and
 // what cannot be decided.
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -22,20 +21,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const size_t kCertifiedRays = kOnDevice ? 2'000 : 200;  // rays of each aim at each mesh
 
 // Rays, what is asked of them, and what was answered.
-struct Asked : Found {
-    std::vector<D3> origins, directions;
+struct Asked : Found, RayList {
     std::vector<double> tMin, tMax;  // or none
 
     void ask(const glint_scene* scene) {
-        glint_rays rays = raysFrom(origins, directions);
-        if (!tMin.empty()) rays.t_min = viewOf(tMin);
-        if (!tMax.empty()) rays.t_max = viewOf(tMax);
-        const glint_hits hits = outputs(origins.size(), true);
-        ASSERT_OK(glint_query_closest(scene, &rays, &hits, nullptr));
-    }
-    void add(const D3& from, const D3& along) {
-        origins.push_back(from);
-        directions.push_back(along);
+        glint_rays given = rays();
+        if (!tMin.empty()) given.t_min = viewOf(tMin);
+        if (!tMax.empty()) given.t_max = viewOf(tMax);
+        const glint_hits hits = outputs(size(), true);
+        ASSERT_OK(glint_query_closest(scene, &given, &hits, nullptr));
     }
 };
 
@@ -84,7 +78,7 @@ class Judge {
     }
     // How many are wrong; the first ones are told.
     size_t wrongs(const Asked& asked) const {
-        std::vector<std::string> told(asked.origins.size());
+        std::vector<std::string> told(asked.size());
         parallelFor(Context{}, told.size(), [&](size_t i) { told[i] = wrong(asked, i); });
         size_t count = 0;
         for (size_t i = 0; i < told.size(); ++i) {
@@ -156,7 +150,7 @@ TEST_F(LibraryCertain, AimedRaysAreDecidedAsRationalsDo) {
                     aimedAt(mesh, offset, aim, aimedRays(kCertifiedRays), 17 + static_cast<uint64_t>(aim));
                 rays.ask(scene());
                 wrong += judge.wrongs(rays);
-                asked += rays.origins.size();
+                asked += rays.size();
             }
         }
     }
@@ -239,7 +233,7 @@ TEST_F(LibraryCertain, OrdinaryRaysAgreeWithOrdinaryAnswers) {
     }
     rays.ask(scene());
     EXPECT_EQ(std::accumulate(rays.sure.begin(), rays.sure.end(), size_t{0}), rays.sure.size());
-    const std::vector<double> t = closest(raysFrom(rays.origins, rays.directions)).t;
+    const std::vector<double> t = closest(rays.rays()).t;
     size_t far = 0, hit = 0;
     for (size_t i = 0; i < t.size(); ++i) {
         hit += rays.hit[i];
@@ -287,14 +281,14 @@ TEST_F(LibraryCertain, LargeSpheresAreNotMissed) {
     for (int i = -500; i <= 500; ++i) rays.add({0, i * 1e-3, 0}, {0, 0, 1});
     rays.ask(scene());
     size_t sure = 0;
-    for (size_t i = 0; i < rays.origins.size(); ++i) {
+    for (size_t i = 0; i < rays.size(); ++i) {
         const double lowest = height - radius, y = rays.origins[i][1];
         sure += rays.sure[i];
         if (rays.sure[i]) {
             EXPECT_EQ(rays.hit[i] == 1, y > lowest) << "y " << y;
         }
     }
-    EXPECT_GE(sure, rays.origins.size() - 2);
+    EXPECT_GE(sure, rays.size() - 2);
 }
 
 // Rays at the limbs of balls, from outside and from inside, as far beside them as rounding decides about.
@@ -333,7 +327,7 @@ TEST_F(LibraryCertain, LimbsOfSpheresAreExact) {
         Asked rays = raysAtLimbs(centers, radii, 2 * aimedRays(kCertifiedRays));
         rays.ask(scene());
         size_t sure = 0, wrong = 0, hit = 0;
-        for (size_t i = 0; i < rays.origins.size(); ++i) {
+        for (size_t i = 0; i < rays.size(); ++i) {
             double nearest = kInfinity;
             size_t first = 0;
             for (size_t k = 0; k < centers.size(); ++k) {
@@ -358,8 +352,8 @@ TEST_F(LibraryCertain, LimbsOfSpheresAreExact) {
         }
         EXPECT_EQ(wrong, 0u);
         // Not decided is what passes a limb by less than double rounds.
-        EXPECT_GT(sure, rays.origins.size() * 9 / 10);
-        EXPECT_GT(hit, rays.origins.size() / 4);
+        EXPECT_GT(sure, rays.size() * 9 / 10);
+        EXPECT_GT(hit, rays.size() / 4);
     }
 }
 

@@ -1,7 +1,6 @@
 // Counts, lists and insides, where rounding decides: rays aimed at the corners and edges of closed meshes,
 // and along their planes.
 #include <cmath>
-#include <cstdlib>
 #include <iostream>
 #include <random>
 #include <set>
@@ -22,15 +21,14 @@ class LibraryCrossings : public LibraryTest {
     size_t wrongCounts(const Closed& mesh, double offset, Aim aim, uint64_t seed) {
         Random random(seed);
         const size_t count = aimedRays(kCountedRays);
-        std::vector<D3> origins(count), directions(count);
+        RayList rays;
         std::vector<uint8_t> inside(count);
         for (size_t i = 0; i < count; ++i) {
             inside[i] = i % 2;
             const auto [from, to] = random.aimed(mesh, aim, inside[i] != 0);
-            origins[i] = from + offset;
-            directions[i] = to - from;
+            rays.add(from + offset, to - from);
         }
-        const std::vector<uint32_t> crossings = counts(raysFrom(origins, directions));
+        const std::vector<uint32_t> crossings = counts(rays.rays());
         size_t wrong = 0, some = 0;
         for (size_t i = 0; i < count; ++i) {
             wrong += crossings[i] % 2 != inside[i];
@@ -172,13 +170,12 @@ TEST_F(LibraryCrossings, ListsGoInAndOut) {
     addClosed(mesh, 0);
     commit();
     Random random(21);
-    std::vector<D3> origins, directions;
+    RayList through;
     for (int i = 0; i < 3000; ++i) {
         const D3 from = 8.0 * random.direction(), to = random.direction();
-        origins.push_back(from);
-        directions.push_back(to - from);
+        through.add(from, to - from);
     }
-    const glint_rays rays = raysFrom(origins, directions);
+    const glint_rays rays = through.rays();
     const std::vector<uint32_t> crossings = counts(rays);
     Listed all = list(rays);
     ASSERT_GT(all.t.size(), 5000u);
@@ -189,7 +186,7 @@ TEST_F(LibraryCrossings, ListsGoInAndOut) {
             if (k > all.offsets[i]) {
                 EXPECT_LE(all.t[k - 1], all.t[k]);
             }
-            const double side = glm::dot(all.normal[k], directions[i]);
+            const double side = glm::dot(all.normal[k], through.directions[i]);
             turns += (side > 0) != ((k - all.offsets[i]) % 2 == 1);
         }
     }
@@ -211,19 +208,18 @@ TEST_F(LibraryCrossings, ListsEndAtCorners) {
     for (D3& vertex : vertices) vertex = random.direction();
     addMesh<D3>(vertices);
     commit();
-    std::vector<D3> origins, directions;
+    RayList towards;
     for (size_t i = 0; i < (kOnDevice ? 20'000 : 500); ++i) {
         const D3 from = 3.0 * random.direction();
-        origins.push_back(from);
-        directions.push_back(vertices[i % vertices.size()] - from);
+        towards.add(from, vertices[i % vertices.size()] - from);
     }
-    glint_rays rays = raysFrom(origins, directions);
-    const std::vector<double> ends(origins.size(), 1);
+    glint_rays rays = towards.rays();
+    const std::vector<double> ends(towards.size(), 1);
     rays.t_max = viewOf(ends);
     const Listed all = list(rays);
-    ASSERT_GT(all.t.size(), origins.size());
+    ASSERT_GT(all.t.size(), towards.size());
     size_t wrong = 0;
-    for (size_t i = 0; i < origins.size(); ++i) {
+    for (size_t i = 0; i < towards.size(); ++i) {
         std::set<uint32_t> met;
         for (uint64_t k = all.offsets[i]; k < all.offsets[i + 1]; ++k)
             wrong += !(all.t[k] > 0 && all.t[k] <= 1) || all.geometry[k] != 0 ||
@@ -251,20 +247,19 @@ TEST_F(LibraryCrossings, ManySheets) {
         }
         addMesh<D3>(vertices, corners);
         commit();
-        std::vector<D3> origins, directions;
+        RayList along;
         std::vector<double> ends;
         std::vector<uint32_t> expected;
         for (size_t i = 0; i < 400; ++i) {
             const double x = 1e-3 + random.uniform(), y = i % 3 == 0 ? x : 1e-3 + random.uniform();
             const double end = (i % 2 == 0 ? 1.0 : random.uniform()) * sheets + 0.75;
-            origins.push_back({x, y, -1});
-            directions.push_back({0, 0, 1});
+            along.add({x, y, -1}, {0, 0, 1});
             ends.push_back(end);
             expected.push_back(0);
             for (uint32_t k = 0; k < sheets; ++k)
                 expected.back() += sizes[k] > std::max(x, y) && k + 1 <= end;
         }
-        glint_rays rays = raysFrom(origins, directions);
+        glint_rays rays = along.rays();
         rays.t_max = viewOf(ends);
         EXPECT_EQ(counts(rays), expected) << sheets;
     }
@@ -275,19 +270,18 @@ TEST_F(LibraryCrossings, SplitTrianglesCountOnce) {
     load("arcade.json");
     Random random(31);
     const glint_scene_info box = info();
-    std::vector<D3> origins, directions;
+    RayList rays;
     for (int i = 0; i < 1000; ++i) {
         D3 from, to;
         for (int k = 0; k < 3; ++k) {
             from[k] = box.lower[k] + random.uniform() * (box.upper[k] - box.lower[k]);
             to[k] = box.lower[k] + random.uniform() * (box.upper[k] - box.lower[k]) - from[k];
         }
-        origins.push_back(from);
-        directions.push_back(to);
+        rays.add(from, to);
     }
-    const Listed all = list(raysFrom(origins, directions));
+    const Listed all = list(rays.rays());
     size_t twice = 0;
-    for (size_t i = 0; i < origins.size(); ++i) {
+    for (size_t i = 0; i < rays.size(); ++i) {
         std::set<std::pair<uint32_t, uint32_t>> seen;
         for (uint64_t k = all.offsets[i]; k < all.offsets[i + 1]; ++k)
             twice += !seen.emplace(all.geometry[k], all.primitive[k]).second;

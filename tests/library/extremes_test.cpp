@@ -20,13 +20,12 @@ TEST_F(LibraryExtremes, SpheresAreMetByDirectionsOfAnyLength) {
     addJson(scene(), R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
     commit();
     const std::vector<double> lengths = {1, 1e-100, 1e100, 1e-200, 1e155, 1e200, 1e253, 1e-280, 1e307};
-    std::vector<D3> origins, directions;
+    RayList rays;
     for (const double length : lengths) {
-        origins.push_back({0.25, 0, 5});
-        origins.push_back({1.25, 0, 5});
-        directions.insert(directions.end(), 2, {0, 0, -length});
+        rays.add({0.25, 0, 5}, {0, 0, -length});
+        rays.add({1.25, 0, 5}, {0, 0, -length});
     }
-    const Found all = closest(raysFrom(origins, directions), true);
+    const Found all = closest(rays.rays(), true);
     for (size_t i = 0; i < lengths.size(); ++i) {
         const double t = (5 - std::sqrt(1 - 0.0625)) / lengths[i];
         EXPECT_EQ(all.hit[2 * i], 1) << lengths[i];
@@ -61,16 +60,14 @@ TEST_F(LibraryExtremes, NeedlesHaveNormals) {
 TEST_F(LibraryExtremes, RaysFromBeyondAllScenesMiss) {
     addSpheres(scene(), {{0, 0, -4}}, {1});
     commit();
-    std::vector<D3> origins, directions;
-    for (const double far : {1e151, 1e160, 1e200, 1e293}) {
-        origins.push_back({far, 2 * far, 3 * far});
-        directions.push_back({-far, -2 * far, -3 * far});
-    }
+    RayList rays;
+    for (const double far : {1e151, 1e160, 1e200, 1e293})
+        rays.add({far, 2 * far, 3 * far}, {-far, -2 * far, -3 * far});
     for (const bool certified : {false, true}) {
-        const Found all = closest(raysFrom(origins, directions), certified);
-        for (size_t i = 0; i < origins.size(); ++i) {
-            EXPECT_EQ(all.hit[i], 0) << origins[i][0];
-            EXPECT_TRUE(isNumber(all.point[i]) && isNumber(all.normal[i])) << origins[i][0];
+        const Found all = closest(rays.rays(), certified);
+        for (size_t i = 0; i < rays.size(); ++i) {
+            EXPECT_EQ(all.hit[i], 0) << rays.origins[i].x;
+            EXPECT_TRUE(isNumber(all.point[i]) && isNumber(all.normal[i])) << rays.origins[i].x;
         }
     }
 }

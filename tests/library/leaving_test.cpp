@@ -11,30 +11,29 @@ class LibraryLeaving : public LibraryTest {
     // Hits of rays from `distance` around `center`, aimed at places within `spread` of it.
     Found hitsAround(const dvec3& center, double distance, double spread) {
         Random random(5);
-        std::vector<D3> from, along;
+        RayList rays;
         for (int i = 0; i < 500; ++i) {
-            from.push_back(center + distance * random.direction());
-            along.push_back(center + spread * random.direction() - from.back());
+            const dvec3 from = center + distance * random.direction();
+            rays.add(from, center + spread * random.direction() - from);
         }
-        return hitsOf(from, along);
+        return hitsOf(rays);
     }
-    Found hitsOf(const std::vector<D3>& from, const std::vector<D3>& along) {
-        const Found left = closest(raysFrom(from, along));
-        EXPECT_EQ(left.hit, std::vector<uint8_t>(from.size(), 1));
+    Found hitsOf(const RayList& rays) {
+        const Found left = closest(rays.rays());
+        EXPECT_EQ(left.hit, std::vector<uint8_t>(rays.size(), 1));
         return left;
     }
     // Share of the rays that hit anything: 20 from each origin, over the hemisphere about side * normal.
     double occluded(const std::vector<D3>& origins, const std::vector<D3>& normals, double side = 1) {
         Random random(6);
-        std::vector<D3> from, along;
+        RayList leaving;
         for (size_t i = 0; i < origins.size(); ++i) {
             for (int k = 0; k < 20; ++k) {
                 const dvec3 way = random.direction();
-                from.push_back(origins[i]);
-                along.push_back(way * (glm::dot(way, normals[i]) * side < 0 ? -1.0 : 1.0));
+                leaving.add(origins[i], way * (glm::dot(way, normals[i]) * side < 0 ? -1.0 : 1.0));
             }
         }
-        glint_rays rays = raysFrom(from, along);
+        glint_rays rays = leaving.rays();
         rays.flags = GLINT_RAYS_LEAVE;
         const std::vector<uint8_t> hit = any(rays);
         return static_cast<double>(std::count(hit.begin(), hit.end(), 1)) / static_cast<double>(hit.size());
@@ -88,13 +87,13 @@ TEST_F(LibraryLeaving, TwinsInOnePlaneAreNotHit) {
         addMesh<D3>({at(-1000, -900), at(1100, -950), at(20, 1500)});
         addMesh<D3>({at(0, 1), at(1, -1), at(-1, -1)});
         commit();
-        std::vector<D3> from, along;
+        RayList rays;
         Random random(7);
         for (int i = 0; i < 500; ++i) {
-            from.push_back(at(random.uniform(), random.uniform(), 5));
-            along.push_back(at(0.3 * random.uniform(), 0.3 * random.uniform()) - from.back());
+            const dvec3 from = at(random.uniform(), random.uniform(), 5);
+            rays.add(from, at(0.3 * random.uniform(), 0.3 * random.uniform()) - from);
         }
-        const Found left = hitsOf(from, along);
+        const Found left = hitsOf(rays);
         const std::vector<D3> up(left.origin.size(), n);
         EXPECT_EQ(occluded(left.origin, up), 0) << place;
         // A lid far above rounding and far wider than high is met.

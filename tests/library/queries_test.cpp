@@ -14,11 +14,8 @@ namespace {
 // More than a piece of the device's holds; the reference is asked for less, which it answers in blocks.
 const size_t kMany = kOnDevice ? 150'001 : 5'001;
 
-struct Cast : Found {
-    std::vector<D3> origins, directions;
-
-    glint_rays rays() const { return raysFrom(origins, directions); }
-    glint_hits hits() { return outputs(origins.size()); }
+struct Cast : Found, RayList {
+    glint_hits hits() { return outputs(size()); }
 };
 
 // From a sphere around the scene's box to points in it.
@@ -38,8 +35,7 @@ Cast raysInto(const glint_scene* scene, size_t count, uint32_t seed) {
             out[axis] = normal(random);
         }
         const D3 from = to + 2 * reach * out / glm::length(out);
-        cast.origins.push_back(from);
-        cast.directions.push_back(to - from);
+        cast.add(from, to - from);
     }
     return cast;
 }
@@ -160,8 +156,7 @@ TEST_F(LibraryQueries, PiecesAndNeighboursChangeNothing) {
     EXPECT_EQ(differ, 0u);
     for (const size_t i : {size_t{0}, size_t{1023}, kMany * 7 / 8, kMany - 1}) {
         Cast one;
-        one.origins = {many.origins[i]};
-        one.directions = {many.directions[i]};
+        one.add(many.origins[i], many.directions[i]);
         closest(one);
         EXPECT_EQ(one.t[0], many.t[i]) << i;
         EXPECT_EQ(one.primitive[0], many.primitive[i]) << i;
@@ -178,16 +173,15 @@ Cast raysOf(const glint_scene* scene, bool picture) {
         for (int y = 0; y < kHeight; ++y) {
             for (int x = 0; x < kWidth; ++x) {
                 const double u = (x - kWidth / 2) / 300.0, v = (y - kHeight / 2) / 300.0;
-                cast.origins.push_back(eye);
-                cast.directions.push_back({ahead[0] + u * ahead[1] - v * ahead[2], ahead[1] - u * ahead[0],
-                                           ahead[2] + v * ahead[0]});
+                cast.add(eye, {ahead[0] + u * ahead[1] - v * ahead[2], ahead[1] - u * ahead[0],
+                               ahead[2] + v * ahead[0]});
             }
         }
     }
     // What fp32 holds, so that arrays of either type are of the same rays.
     for (std::vector<D3>* all : {&cast.origins, &cast.directions})
         for (D3& three : *all) three = D3(glm::vec3(three));
-    const size_t middle = cast.origins.size() / 2;
+    const size_t middle = cast.size() / 2;
     cast.directions[middle] *= 0x1p40;
     cast.directions[middle + 1] *= 0x1p-40;
     return cast;
@@ -204,8 +198,8 @@ TEST_F(LibraryQueries, OrderChangesNothing) {
             Answers all = answers(together);
             apart.hits();
             Answers parts;
-            for (size_t first = 0; first < apart.origins.size(); first += 1000) {
-                const size_t end = std::min(first + 1000, apart.origins.size());
+            for (size_t first = 0; first < apart.size(); first += 1000) {
+                const size_t end = std::min(first + 1000, apart.size());
                 Cast few;
                 few.origins.assign(apart.origins.begin() + first, apart.origins.begin() + end);
                 few.directions.assign(apart.directions.begin() + first, apart.directions.begin() + end);

@@ -58,6 +58,17 @@ glint_rays raysFrom(const Origins& origins, const Directions& directions) {
     return rays;
 }
 
+struct RayList {
+    std::vector<D3> origins, directions;
+
+    void add(const D3& from, const D3& along) {
+        origins.push_back(from);
+        directions.push_back(along);
+    }
+    size_t size() const { return origins.size(); }
+    glint_rays rays() const { return raysFrom(origins, directions); }
+};
+
 // The hits of rays, in arrays of their own.
 struct Found {
     std::vector<uint8_t> hit, sure;
