@@ -110,7 +110,6 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err) {
 
 void checkScene(const std::filesystem::path& scene) {
     namespace fs = std::filesystem;
-    constexpr std::string_view kKinds[] = {".json", ".gltf", ".glb", ".nff", ".obj", ".ply", ".stl"};
     std::error_code failed;
     std::string nearest;
     const std::string stem = scene.stem().string();
@@ -118,8 +117,7 @@ void checkScene(const std::filesystem::path& scene) {
     if (!fs::exists(scene, failed) && stem.size() < 64) {
         for (const auto& entry : fs::directory_iterator(fs::path(".") / scene.parent_path(), failed)) {
             const fs::path& path = entry.path();
-            if (std::find(std::begin(kKinds), std::end(kKinds), lowerExtension(path)) == std::end(kKinds))
-                continue;
+            if (!isSceneFile(path)) continue;
             const size_t distance = editDistance(stem, path.stem().string());
             if (distance >= best) continue;
             best = distance;

@@ -83,6 +83,11 @@ bool isMeshFile(const std::filesystem::path& path) {
     return std::ranges::find(kExtensions, lowerExtension(path)) != std::end(kExtensions);
 }
 
+bool isSceneFile(const std::filesystem::path& path) {
+    const std::string extension = lowerExtension(path);
+    return extension == ".json" || extension == ".nff" || isMeshFile(path);
+}
+
 namespace {
 
 Scene loadModel(const std::filesystem::path& path, SceneFiles& files) {

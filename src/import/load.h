@@ -59,6 +59,9 @@ struct ImportedMesh {
     std::vector<std::string> warnings;
 };
 
+// True if loadScene reads files with this extension.
+bool isSceneFile(const std::filesystem::path& path);
+
 // True if importMesh reads files with this extension; its message for all others.
 bool isMeshFile(const std::filesystem::path& path);
 inline constexpr const char* kNoMeshFile = "a mesh file must end in .obj, .ply, .stl, .gltf or .glb";

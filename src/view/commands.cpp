@@ -84,8 +84,9 @@ void focusAt(Model& m, int x, int y) {
 
 namespace {
 
-// Throws Error(Failed) if another program has changed the scene's file since it was read.
-void checkUnchanged(const Model& m, const std::string& text) {
+// Text of the scene's file. Throws Error(Failed) if another program has changed it since the scene was read.
+std::string unchangedText(const Model& m) {
+    std::string text = readWholeFile(m.scene->path);
     const uint64_t hash = contentHash(text);
     const std::vector<SourceFile>& read = m.file->sources;
     if (std::none_of(read.begin(), read.end(), [&](const SourceFile& s) { return s.hash == hash; }))
@@ -93,6 +94,7 @@ void checkUnchanged(const Model& m, const std::string& text) {
                     m.scene->path.string() +
                         " has changed since it was read; nothing written. It is loaded again: "
                         "look, and try once more");
+    return text;
 }
 
 }  // namespace
@@ -102,9 +104,7 @@ void writeCameras(Model& m) {
     try {
         for (const NamedCamera& bookmark : m.bookmarks)
             if (bookmark.name.empty()) throw Error(ErrorKind::Argument, "give each bookmark a name");
-        const std::string text = readWholeFile(path);
-        checkUnchanged(m, text);
-        writeTextFile(path, withCameras(text, path.string(), m.bookmarks));
+        writeTextFile(path, withCameras(unchangedText(m), path.string(), m.bookmarks));
         const std::string line = "wrote " + counted(m.bookmarks.size(), "camera") + " to " + path.string();
         m.bookmarks.clear();
         m.report(line);
@@ -121,9 +121,7 @@ void writeScene(Model& m) {
         if (std::filesystem::exists(target) && !m.replacesFile)
             throw Error(ErrorKind::Argument,
                         target.string() + " exists: choose another name, or \"replace the file\"");
-        const std::string text = readWholeFile(m.scene->path);
-        checkUnchanged(m, text);
-        writeTextFile(target, editedSceneText(text, m.settings, m.fileSettings));
+        writeTextFile(target, editedSceneText(unchangedText(m), m.settings, m.fileSettings));
         m.saveSceneVisible = m.replacesFile = false;
         m.report("wrote lights and materials to " + target.string());
     } catch (const std::exception& e) {
@@ -312,12 +310,12 @@ std::span<const KeyBinding> keyBindings() {
     return kBindings;
 }
 
-bool isFlyKey(int key) {
-    return std::string_view("WASDQE").find(static_cast<char>(key)) != std::string_view::npos && key < 128;
+bool isFlyKey(int key, int mods) {
+    return key < 128 && std::string_view("WASDQE").find(static_cast<char>(key)) != std::string_view::npos &&
+           (mods & (kControl | kAlt)) == 0;
 }
 
-const KeyBinding* bindingOf(int key, int mods, bool flying) {
-    if (flying && isFlyKey(key) && (mods & (kControl | kAlt)) == 0) return nullptr;
+const KeyBinding* bindingOf(int key, int mods) {
     const auto found = std::find_if(std::begin(kBindings), std::end(kBindings), [&](const KeyBinding& b) {
         return b.run != nullptr && b.key == key && b.mods == (mods & (kShift | kControl | kAlt));
     });

@@ -24,10 +24,10 @@ std::span<const KeyBinding> keyBindings();
 inline constexpr int kShift = GLFW_MOD_SHIFT, kControl = GLFW_MOD_CONTROL, kAlt = GLFW_MOD_ALT;
 
 // While flying, the keys that move have no other meaning.
-bool isFlyKey(int key);
+bool isFlyKey(int key, int mods);
 
 // Null for a key without a command.
-const KeyBinding* bindingOf(int key, int mods, bool flying);
+const KeyBinding* bindingOf(int key, int mods);
 
 void perform(Model& m, Command command);
 

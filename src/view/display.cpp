@@ -242,7 +242,6 @@ void measure(Comparison& comparison, const Image* a) {
 
 void compose(const Comparison& comparison, const Image* a, const Display& display, bool flash,
              Canvas& shown) {
-    if (!comparison.any() || comparison.mode == CompareMode::Off) return;
     if (comparison.mode == CompareMode::Difference) {
         if (a == nullptr || !comparison.figures) return;
         const Image difference = differenceImage(*a, *comparison.linear, static_cast<float>(comparison.gain));

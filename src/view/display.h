@@ -140,15 +140,13 @@ struct Comparison {
     uint64_t number = 0;  // of the other image: grows with each new image
 
     bool any() const { return linear.has_value() || !canvas.pixels.empty(); }
-    int width() const { return linear ? linear->width : canvas.width; }
-    int height() const { return linear ? linear->height : canvas.height; }
 };
 
 // Compares `a` (linear colors; null: not there yet) with the other image, and fills figures or fault.
 void measure(Comparison& comparison, const Image* a);
 
-// Puts the other image into `shown`, the window's own. `flash`: of flicker, whether it is the other one's
-// turn; `a`: as for measure.
+// Puts the other image, which must be there, into `shown`, the window's own. `flash`: of flicker, whether it
+// is the other one's turn; `a`: as for measure.
 void compose(const Comparison& comparison, const Image* a, const Display& display, bool flash, Canvas& shown);
 
 }  // namespace glint::view

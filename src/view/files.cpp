@@ -11,6 +11,7 @@
 #include "core/file_io.h"
 #include "core/format.h"
 #include "core/text_file.h"
+#include "import/load.h"
 
 namespace glint::view {
 
@@ -27,10 +28,6 @@ fs::path folderIn(const char* variable) {
 bool isThere(const std::string& file) {
     std::error_code error;
     return fs::path(file).is_absolute() && fs::is_regular_file(file, error);
-}
-
-bool endsIn(const fs::path& file, std::initializer_list<const char*> extensions) {
-    return std::find(extensions.begin(), extensions.end(), lowerExtension(file)) != extensions.end();
 }
 
 }  // namespace
@@ -66,7 +63,8 @@ bool FileWatch::changed() {
 }
 
 bool isPictureFile(const fs::path& file) {
-    return endsIn(file, {".png", ".exr", ".pfm", ".hdr", ".jpg", ".jpeg", ".webp"});
+    constexpr std::string_view kExtensions[] = {".png", ".exr", ".pfm", ".hdr", ".jpg", ".jpeg", ".webp"};
+    return std::ranges::find(kExtensions, lowerExtension(file)) != std::end(kExtensions);
 }
 
 std::vector<std::string> listFiles(const fs::path& folder) {
@@ -78,8 +76,7 @@ std::vector<std::string> listFiles(const fs::path& folder) {
         if (name.starts_with('.')) continue;
         if (i->is_directory(unknown))
             folders.push_back(name + '/');
-        else if (isPictureFile(name) ||
-                 endsIn(name, {".json", ".gltf", ".glb", ".nff", ".obj", ".ply", ".stl"}))
+        else if (isPictureFile(name) || isSceneFile(name))
             files.push_back(name);
     }
     std::sort(folders.begin() + 1, folders.end());

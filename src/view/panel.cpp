@@ -17,9 +17,7 @@ void text(const std::string& line) {
 
 void wrapped(const std::string& line, const ImVec4& color) {
     ImGui::PushStyleColor(ImGuiCol_Text, color);
-    ImGui::PushTextWrapPos(0);
-    text(line);
-    ImGui::PopTextWrapPos();
+    ImGui::TextWrapped("%s", line.c_str());
     ImGui::PopStyleColor();
 }
 

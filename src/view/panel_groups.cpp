@@ -297,12 +297,10 @@ void drawSaveAs(Model& m) {
     const bool entered = ImGui::InputTextWithHint("##file", "name.png, .exr, .pfm or .hdr", &m.saveName,
                                                   ImGuiInputTextFlags_EnterReturnsTrue);
     tip("file", "the ending selects the format");
-    int which = m.savesSeen ? 0 : 1;
-    ImGui::RadioButton("what is seen", &which, 0);
+    if (ImGui::RadioButton("what is seen", m.savesSeen)) m.savesSeen = true;
     tip("what is seen", "the layer with its samples and exposure");
-    ImGui::RadioButton("the scene's own sampling", &which, 1);
+    if (ImGui::RadioButton("the scene's own sampling", !m.savesSeen)) m.savesSeen = false;
     tip("the scene's own sampling", "the image of `glint render` for this view");
-    m.savesSeen = which == 0;
     if (button("save", "") || entered) m.wish = saveNamed;
 }
 

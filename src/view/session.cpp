@@ -341,8 +341,7 @@ Request Session::nextPiece(double seconds) const {
 
 // The reference traces some thousand pixels for it, beside the window.
 void Session::askForRounding() {
-    if (rounding_) return;
-    if (findsRounding_.valid()) {
+    if (!rounding_ && findsRounding_.valid()) {
         if (findsRounding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
         const double found = findsRounding_.get();
         if (roundingView_ == view_) rounding_ = found;

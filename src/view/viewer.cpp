@@ -154,11 +154,11 @@ void Input::key(const Event& event) {
     if (gui_.wantsKeys()) return;
     if (event.code == GLFW_KEY_ESCAPE && gui_.closePopups()) return;
     fastFlight_ = (event.mods & kShift) != 0;
-    if (m_.flying && isFlyKey(event.code) && (event.mods & (kControl | kAlt)) == 0) {
+    if (m_.flying && isFlyKey(event.code, event.mods)) {
         held_.insert(event.code);
         return;
     }
-    const KeyBinding* binding = bindingOf(event.code, event.mods, m_.flying);
+    const KeyBinding* binding = bindingOf(event.code, event.mods);
     if (binding == nullptr) return;
     if (!event.repeat) m_.history.endStep();
     perform(m_, binding->run);

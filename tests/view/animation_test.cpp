@@ -6,16 +6,12 @@
 #include "support.h"
 
 namespace glint::view::test::animation_test {
-using Json = nlohmann::json;
-
 class Animation : public FolderTest {
   protected:
-    // Without an animation.
-    Json still_ = Json::parse(sceneText());
     void animate(const Json& tracks, const std::string& file = "scene.json") {
-        Json scene = still_;
+        Json scene = scene_;
         scene["animation"]["tracks"] = tracks;
-        writeText(file, scene.dump());
+        write(file, scene);
     }
     const Json hop_ = {
         {"target", "/objects/0/center"}, {"times", {0, 2}}, {"values", {{-1.6, 1, 0}, {-1.6, 2, 0}}}};
@@ -40,12 +36,10 @@ TEST_F(Animation, IsSteppedAndScrubbed) {
         "Return\nsettle\nexpect time 0.5\n"
         "hand mousemove @frame_on click 1\nsettle\nexpect time 0.5416666666666666\nhand "
         "mousemove "
-        "@frame_back click 1\nsettle\nexpect time 0.5\nkey Esc\nwait 4\nidle 0.5\n",
-        {"--spp", "1"});
-    render("scene.json", "rendered.png", {"--spp", "1", "--time", "0.041666666666666664"});
-    EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("rendered.png"));
-    render("scene.json", "first.png", {"--spp", "1"});
-    EXPECT_NE(readBytes("first.png"), readBytes("rendered.png"));
+        "@frame_back click 1\nsettle\nexpect time 0.5\nkey Esc\nwait 4\nidle 0.5\n");
+    expectRendered("scene-view-001.png", "scene.json", {"--time", "0.041666666666666664"});
+    render("scene.json", "first.png");
+    EXPECT_NE(readBytes("first.png"), readBytes("scene-view-001.png"));
     const double scrubbed = std::stod(printed(ran, "time").at(0));
     EXPECT_GT(scrubbed, 0.2);
     EXPECT_LT(scrubbed, 1.9);
@@ -68,15 +62,14 @@ TEST_F(Animation, IsPlayed) {
         "key End\nhand "
         "key space\nawait playing off\nsettle\nexpect time 2\nhand key Left\nwait 2\nprint camera\nhand key "
         "Home\nsettle\n"
-        "expect time 0\nprint camera\nhand key r\nsettle\nprint camera\n",
-        {"--spp", "1"});
+        "expect time 0\nprint camera\nhand key r\nsettle\nprint camera\n");
     const std::vector<std::string> times = printed(ran, "time"), built = printed(ran, "built");
     const std::vector<std::string> cameras = printed(ran, "camera");
     EXPECT_GT(std::stod(times.at(0)), 0);
     EXPECT_EQ(built.at(0), built.at(1));
     const Json eye = Json::parse("{" + cameras.at(0) + "}")["camera"]["eye"];
     EXPECT_NEAR(eye[0], std::stod(times.at(1)), 1e-12) << "a unit a second";
-    expectRendered("shown.png", "scene.json", {"--spp", "1", "--time", times.at(1)});
+    expectRendered("shown.png", "scene.json", {"--time", times.at(1)});
     EXPECT_EQ(cameras.at(1), cameras.at(2)) << "the user's";
     EXPECT_EQ(Json::parse("{" + cameras.at(3) + "}")["camera"]["eye"], Json({0, 1.5, 7})) << "the file's";
 }
@@ -87,7 +80,7 @@ TEST_F(Animation, KeepsItsMoment) {
     animate(Json::array({hop_}), "other.json");
     Json shrink = {{"target", "/objects/0/radius"}, {"times", {0, 2}}, {"values", {1, -1}}};
     animate(Json::array({hop_, shrink}));
-    writeText("still.json", still_.dump());
+    write("still.json", scene_);
     view(
         "set samples 1\nset diffuse two 0.75 0.25 0.5\nsettle\nexpect time 0.5\nscreenshot own.png\nhand key "
         "End\nsettle\n"
@@ -95,14 +88,14 @@ TEST_F(Animation, KeepsItsMoment) {
         "scene.json\nreload\nsettle\nexpect time 0.5\nscreenshot other.png\ndrop still.json\nsettle\nexpect "
         "time none\n"
         "hand key space\nexpect toast this scene has no animation\nscreenshot still.png\n",
-        {"--spp", "1", "--time", "0.5"});
-    expectRendered("still.png", "still.json", {"--spp", "1"});
-    still_["materials"]["two"]["diffuse"] = {0.75, 0.25, 0.5};
+        {"--time", "0.5"});
+    expectRendered("still.png", "still.json");
+    scene_["materials"]["two"]["diffuse"] = {0.75, 0.25, 0.5};
     animate(Json::array({hop_, shrink}), "edited.json");
     animate(Json::array({hop_}), "edited-other.json");
-    expectRendered("own.png", "edited.json", {"--spp", "1", "--time", "0.5"});
-    expectRendered("still-own.png", "edited.json", {"--spp", "1", "--time", "0.5"});
-    expectRendered("other.png", "edited-other.json", {"--spp", "1", "--time", "0.5"});
+    expectRendered("own.png", "edited.json", {"--time", "0.5"});
+    expectRendered("still-own.png", "edited.json", {"--time", "0.5"});
+    expectRendered("other.png", "edited-other.json", {"--time", "0.5"});
 }
 
 }  // namespace glint::view::test::animation_test

@@ -13,14 +13,12 @@ class Cameras : public FolderTest {
         FolderTest::SetUp();
         size_ = "500x900";  // the whole panel is seen
     }
+    void writeWithCameras() {
+        scene_["cameras"]["top"] = {{"type", "orthographic"}, {"eye", {0, 9, 1}}, {"height", 5}};
+        scene_["cameras"]["side"] = {{"eye", {7, 1, 0}}, {"lensRadius", 0.2}, {"focusDistance", 6}};
+        write("scene.json", scene_);
+    }
 };
-
-std::string withCameras() {
-    nlohmann::json scene = nlohmann::json::parse(sceneText());
-    scene["cameras"]["top"] = {{"type", "orthographic"}, {"eye", {0, 9, 1}}, {"height", 5}};
-    scene["cameras"]["side"] = {{"eye", {7, 1, 0}}, {"lensRadius", 0.2}, {"focusDistance", 6}};
-    return scene.dump();
-}
 
 // Found in the window, kept, named, written into the file by hand, and drawn by `glint render`; of what the
 // file's owner wrote every byte stays.
@@ -34,8 +32,7 @@ TEST_F(Cameras, BookmarksAreWrittenIntoTheFile) {
         "m\nscreenshot two.png\npress camera\nwait 3\nhand mousemove @name click --repeat 2 1\nwait 3\nhand "
         "key "
         "ctrl+a\nhand type from_above\nhand key Return\nwait 2\nprint cameras\nhand mousemove @write_to_file "
-        "click 1\nsettle\nprint cameras\n",
-        {"--spp", "1"});
+        "click 1\nsettle\nprint cameras\n");
     const std::string names = "cameras bookmark 1, from_above\n";
     EXPECT_EQ(ran.out.substr(ran.out.find(names)), names + "wrote 2 cameras to scene.json\n" + names)
         << ran.out;
@@ -62,7 +59,7 @@ TEST_F(Cameras, AChangedFileIsNotWritten) {
 }
 
 TEST_F(Cameras, OfTheFileAreChosen) {
-    writeText("scene.json", withCameras());
+    writeWithCameras();
     view(
         "set samples 1\nhand key n\nsettle\nscreenshot next.png\npress camera\nwait 3\npress top\nsettle\n"
         "screenshot pressed.png\nkey ctrl+Z\nsettle\nscreenshot undone.png\nkey R\nsettle\nscreenshot "
@@ -77,16 +74,15 @@ TEST_F(Cameras, OfTheFileAreChosen) {
 
 // With the option the window begins there, and R comes back to it; another scene need not have such a camera.
 TEST_F(Cameras, TheOptionChoosesTheFirst) {
-    writeText("scene.json", withCameras());
+    writeWithCameras();
     writeText("other.json", sceneText());
     const Ran ran = view(
         "set samples 1\nsettle\nscreenshot one.png\nkey Left\nkey R\nsettle\nscreenshot two.png\n"
         "drop other.json\nsettle\nexpect fault none\nprint cameras\n",
-        {"--spp", "1", "--camera", "top"});
+        {"--camera", "top"});
     EXPECT_NE(ran.out.find("cameras none"), std::string::npos);
-    render("scene.json", "rendered.png", {"--camera", "top"});
-    EXPECT_EQ(readBytes("one.png"), readBytes("rendered.png"));
-    EXPECT_EQ(readBytes("two.png"), readBytes("rendered.png"));
+    expectRendered("one.png", "scene.json", {"--camera", "top"});
+    expectRendered("two.png", "scene.json", {"--camera", "top"});
     const Ran unknown = view("", {"--camera", "tip"}, 2);
     EXPECT_EQ(unknown.err, "glint: scene.json: no camera \"tip\" (there are \"side\", \"top\")\n");
 }

@@ -260,44 +260,39 @@ bool Driver::startFile(const ScriptCommand& command) {
 
 void Driver::set(const ScriptCommand& command) {
     const std::string& what = command.arguments[0];
+    const std::string& first = command.arguments.at(1);
+    const auto colorFrom = [&](size_t at) {
+        return Color(numberOf(command, at), numberOf(command, at + 1), numberOf(command, at + 2));
+    };
     PictureSettings& s = m_.settings;
     if (what == "depth") {
-        s.maxDepth = std::max(wholeOf(command, 1), 0);
+        s.maxDepth = wholeOf(command, 1);
     } else if (what == "shadows") {
-        s.shadows = (command.arguments.at(1) == "on");
+        s.shadows = first == "on";
     } else if (what == "reflections") {
-        s.reflections = (command.arguments.at(1) == "on");
+        s.reflections = first == "on";
     } else if (what == "samples") {
-        s.sampleLimit = std::max(wholeOf(command, 1), 1);
+        s.sampleLimit = wholeOf(command, 1);
     } else if (what == "error") {
-        s.until.error = std::max(numberOf(command, 1), 0.0);
+        s.until.error = numberOf(command, 1);
     } else if (what == "exposure") {
-        m_.display.exposure = std::clamp(numberOf(command, 1), -kMostExposure, kMostExposure);
-    } else if (what == "tonemap" && named<ToneMap>(command.arguments[1])) {
-        m_.display.toneMap = *named<ToneMap>(command.arguments[1]);
+        m_.display.exposure = numberOf(command, 1);
+    } else if (what == "tonemap") {
+        m_.display.toneMap = named<ToneMap>(first).value();
     } else if (what == "lens") {
-        CameraControl& control = m_.control;
-        control.setLens(numberOf(command, 1), control.camera().focusDistance);
+        m_.control.setLens(numberOf(command, 1), m_.control.camera().focusDistance);
         m_.touch();
-    } else if (what == "glass" && named<TransmissiveShadows>(command.arguments[1])) {
-        s.edits.transmissiveShadows = *named<TransmissiveShadows>(command.arguments[1]);
-    } else if (what == "diffuse" && command.arguments.size() == 5) {
+    } else if (what == "glass") {
+        s.edits.transmissiveShadows = named<TransmissiveShadows>(first).value();
+    } else if (what == "diffuse") {
         std::vector<Material>& all = s.edits.materials;
-        const auto found = std::find_if(all.begin(), all.end(),
-                                        [&](const Material& m) { return m.name == command.arguments[1]; });
+        const auto found = std::find_if(all.begin(), all.end(), [&](auto& m) { return m.name == first; });
         if (found == all.end()) fail(command, "there is no such material");
-        Color diffuse;
-        for (int c = 0; c < 3; ++c)
-            diffuse[c] = std::clamp(numberOf(command, static_cast<size_t>(c) + 2), 0.0, 1.0);
-        setDiffuse(*found, diffuse);
-    } else if (what == "background" && command.arguments.size() == 4) {
-        for (int c = 0; c < 3; ++c)
-            s.background[c] = static_cast<float>(numberOf(command, static_cast<size_t>(c) + 1));
-    } else if (what == "light" && command.arguments.size() == 3) {
-        const int light = wholeOf(command, 1);
-        if (light < 0 || static_cast<size_t>(light) >= s.lights.size())
-            fail(command, "there is no such light");
-        s.lights[static_cast<size_t>(light)].dim = static_cast<float>(numberOf(command, 2));
+        setDiffuse(*found, colorFrom(2));
+    } else if (what == "background") {
+        s.background = glm::vec3(colorFrom(1));
+    } else if (what == "light") {
+        s.lights.at(std::stoul(first)).dim = static_cast<float>(numberOf(command, 2));
     } else {
         fail(command, "cannot be set");
     }

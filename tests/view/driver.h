@@ -78,7 +78,6 @@ class Driver {
     void startIdling(double seconds);
     void waitFrames(int frames);
     std::string stateOf(const ScriptCommand& command) const;
-    std::string stateOfImage(const ScriptCommand& command) const;
     glm::dvec2 placeOf(const ScriptCommand& command, const std::string& word) const;
     [[noreturn]] static void fail(const ScriptCommand& command, const std::string& what);
 

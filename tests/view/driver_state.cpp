@@ -1,6 +1,7 @@
 #include "driver.h"
 
-#include <algorithm>
+#include <functional>
+#include <map>
 
 #include "core/error.h"
 #include "core/format.h"
@@ -34,8 +35,20 @@ std::string pickTree(const Pick& pick) {
     return lines;
 }
 
+std::string pickedObject(const Pick& pick) {
+    return pick.hit() ? std::to_string(pick.data.object) : "";
+}
+
+std::string placeText(const glm::dvec2& place, int left) {
+    return format("%.0f %.0f", place.x - left, place.y);
+}
+
+auto wantedName(const Hints& hints) {
+    return [&](const EnumEntry<Hint>& entry) { return hints.wanted(entry.value) ? entry.name : ""; };
+}
+
 std::string pixelText(const Model& m) {
-    if (!m.pixel) return "none";
+    if (!m.pixel) return "";
     const Picture& picture = m.session->picture();
     const glm::ivec2 at = *m.pixel;
     const auto color = [&](int c) { return static_cast<double>(picture.color.at(at.x, at.y, c)); };
@@ -45,10 +58,15 @@ std::string pixelText(const Model& m) {
     return line + objectName(m.scene->scene, data.object) + " " + format("%.6g", data.depth);
 }
 
-std::string cameraNames(const Model& m) {
-    std::string names;
-    for (const NamedCamera* camera : m.cameras()) names += (names.empty() ? "" : ", ") + camera->name;
-    return names.empty() ? "none" : names;
+// The texts that `textOf` gives for the items, but for empty ones.
+template <typename Items, typename TextOf>
+std::string joined(const Items& items, const char* separator, const TextOf& textOf) {
+    std::string all;
+    for (const auto& item : items) {
+        const std::string text(textOf(item));
+        if (!text.empty()) all += (all.empty() ? "" : separator) + text;
+    }
+    return all;
 }
 
 }  // namespace
@@ -56,66 +74,48 @@ std::string cameraNames(const Model& m) {
 std::string Driver::stateOf(const ScriptCommand& command) const {
     const std::string& what = command.arguments[0];
     const Camera& camera = m_.control.camera();
-    if (what == "aim") return format("%g", 1e3 * m_.targetSeconds);
-    if (what == "camera") return "\"camera\": " + cameraText(camera);
-    if (what == "cameras") return cameraNames(m_);
-    if (what == "control" && command.arguments.size() > 1) {
-        const glm::dvec2 place = placeOf(command, "@" + command.arguments[1]);
-        return format("%.0f %.0f", place.x - m_.left, place.y);
-    }
-    if (what == "covered") return format("%.3f", covered(viewer_));
-    if (what == "difference") return onOffText(m_.difference.has_value());
-    if (what == "error")
-        return m_.settings.until.error > 0 ? inWords(m_.session->goal(), m_.settings.until.error) : "none";
-    if (what == "exposure") return format("%g", m_.display.exposure);
-    if (what == "fault") return m_.sceneError.empty() ? "none" : m_.sceneError;
-    if (what == "figures")
-        return m_.comparison.figures ? format("%.6g", m_.comparison.figures->rmse) : "none";
-    if (what == "fov") return format("%.6g", camera.fovY);
-    if (what == "hints") {
-        std::string names;
-        for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
-            if (m_.hints.wanted(entry.value)) names += (names.empty() ? "" : " ") + std::string(entry.name);
-        return names.empty() ? "none" : names;
-    }
-    if (what == "layer") return std::string(nameOf(m_.settings.layer));
-    return stateOfImage(command);
-}
-
-std::string Driver::stateOfImage(const ScriptCommand& command) const {
-    const std::string& what = command.arguments[0];
-    if (what == "object") {
-        const std::optional<Pick>& pick = m_.pick;
-        return !pick ? "no pick" : pick->hit() ? std::to_string(pick->data.object) : "none";
-    }
-    if (what == "pick") return m_.pick ? pickTree(*m_.pick) : "none";
-    if (what == "picture") return format("%d %d", m_.session->width(), m_.session->height());
-    if (what == "pixel") return pixelText(m_);
-    if (what == "samples") return std::to_string(m_.session->samples());
-    if (what == "size") {
-        const PixelSize size = viewer_.window().size();
-        return format("%d %d", size.width, size.height);
-    }
-    if (what == "submissions") return std::to_string(m_.session->times().submissions);
-    if (what == "time") return m_.time ? describe(*m_.time) : "none";
-    if (what == "tip") return viewer_.gui().tip().empty() ? "none" : viewer_.gui().tip();
-    if (what == "playing") return onOffText(m_.timeline.playing());
-    if (what == "built") return std::to_string(m_.moments->treesBuilt());
-    if (what == "tree") return format("%.9g", m_.scene->packed.statistics.sahCost);
-    if (what == "tonemap") return std::string(nameOf(m_.display.toneMap));
-    if (what == "depth") return std::to_string(m_.settings.maxDepth);
-    if (what == "verdict") return m_.verdict.empty() ? "none" : m_.verdictPassed ? "passed" : "failed";
-    if (what == "waiting") {
-        const std::string waiting = m_.waitingComparison();
-        return waiting.empty() ? "none" : waiting;
-    }
-    if (what == "warnings") return std::to_string(m_.warnings.size());
-    if (what == "toast") {
-        std::string all;
-        for (const Toast& toast : m_.toasts.shown()) all += (all.empty() ? "" : " | ") + toast.text;
-        return all.empty() ? "none" : all;
-    }
-    fail(command, "nothing has this name");
+    const std::optional<Pick>& pick = m_.pick;
+    const Session& session = *m_.session;
+    const PixelSize size = viewer_.window().size();
+    const double error = m_.settings.until.error;
+    const std::map<std::string, std::function<std::string()>> states = {
+        {"aim", [&] { return format("%g", 1e3 * m_.targetSeconds); }},
+        {"built", [&] { return std::to_string(m_.moments->treesBuilt()); }},
+        {"camera", [&] { return "\"camera\": " + cameraText(camera); }},
+        {"cameras", [&] { return joined(m_.cameras(), ", ", [](auto* each) { return each->name; }); }},
+        {"control", [&] { return placeText(placeOf(command, "@" + command.arguments.at(1)), m_.left); }},
+        {"covered", [&] { return format("%.3f", covered(viewer_)); }},
+        {"depth", [&] { return std::to_string(m_.settings.maxDepth); }},
+        {"difference", [&] { return onOffText(m_.difference.has_value()); }},
+        {"error", [&] { return error > 0 ? inWords(session.goal(), error) : ""; }},
+        {"exposure", [&] { return format("%g", m_.display.exposure); }},
+        {"fault", [&] { return m_.sceneError; }},
+        {"figures", [&] { return m_.comparison.figures ? format("%.6g", m_.comparison.figures->rmse) : ""; }},
+        {"fov", [&] { return format("%.6g", camera.fovY); }},
+        {"hints", [&] { return joined(kEnumEntries<Hint>, " ", wantedName(m_.hints)); }},
+        {"layer", [&] { return std::string(nameOf(m_.settings.layer)); }},
+        {"object", [&] { return pick ? pickedObject(*pick) : "no pick"; }},
+        {"pick", [&] { return pick ? pickTree(*pick) : ""; }},
+        {"picture", [&] { return format("%d %d", session.width(), session.height()); }},
+        {"pixel", [&] { return pixelText(m_); }},
+        {"playing", [&] { return onOffText(m_.timeline.playing()); }},
+        {"samples", [&] { return std::to_string(session.samples()); }},
+        {"size", [&] { return format("%d %d", size.width, size.height); }},
+        {"submissions", [&] { return std::to_string(session.times().submissions); }},
+        {"time", [&] { return m_.time ? describe(*m_.time) : ""; }},
+        {"tip", [&] { return viewer_.gui().tip(); }},
+        {"toast", [&] { return joined(m_.toasts.shown(), " | ", [](auto& toast) { return toast.text; }); }},
+        {"tonemap", [&] { return std::string(nameOf(m_.display.toneMap)); }},
+        {"tree", [&] { return format("%.9g", m_.scene->packed.statistics.sahCost); }},
+        {"verdict", [&] { return m_.verdict.empty() ? ""
+                                 : m_.verdictPassed ? "passed"
+                                                    : "failed"; }},
+        {"waiting", [&] { return m_.waitingComparison(); }},
+        {"warnings", [&] { return std::to_string(m_.warnings.size()); }}};
+    const auto state = states.find(what);
+    if (state == states.end()) fail(command, "nothing has this name");
+    const std::string text = state->second();
+    return text.empty() ? "none" : text;
 }
 
 bool Driver::startExpectation(const ScriptCommand& command) {

@@ -58,14 +58,13 @@ TEST_F(Newcomer, ThePanelIsDockedBesideThePicture) {
     EXPECT_LT(width, 500);
     EXPECT_EQ(height, 480);
     size_ = std::to_string(width) + "x480";
-    render("scene.json", "rendered.png");
-    EXPECT_EQ(readBytes("shown.png"), readBytes("rendered.png"));
-    const Image window = readImage("window.png"), rendered = readImage("rendered.png");
+    expectRendered("shown.png", "scene.json");
+    const Image window = readImage("window.png"), shown = readImage("shown.png");
     ASSERT_EQ(window.width, 640);
     int differ = 0;
     for (int y = 0; y < 480; ++y)
         for (int x = 0; x < width; ++x)
-            differ += pixelOf(window, 640 - width + x, y) == pixelOf(rendered, x, y) ? 0 : 1;
+            differ += pixelOf(window, 640 - width + x, y) == pixelOf(shown, x, y) ? 0 : 1;
     EXPECT_EQ(differ, 0);
 }
 

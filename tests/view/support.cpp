@@ -70,17 +70,28 @@ Ran runView(const std::vector<std::string>& args, const std::vector<ScriptComman
     return ran;
 }
 
-std::vector<nlohmann::json> cameras(const Ran& ran) {
+std::vector<Json> cameras(const Ran& ran) {
     const std::string start = "\"camera\": ";
-    std::vector<nlohmann::json> list;
+    std::vector<Json> list;
     std::istringstream lines(ran.out);
     for (std::string line; std::getline(lines, line);) {
         const size_t at = line.find(start);
         if (at == std::string::npos) continue;
         if (line.back() == ',') line.pop_back();
-        list.push_back(nlohmann::json::parse(line.substr(at + start.size())));
+        list.push_back(Json::parse(line.substr(at + start.size())));
     }
     return list;
+}
+
+std::vector<std::string> fieldsOfHit(const std::string& csv) {
+    std::istringstream lines(csv);
+    std::string line;
+    std::getline(lines, line);  // the heading
+    std::getline(lines, line);
+    std::istringstream hit(line);
+    std::vector<std::string> fields;
+    for (std::string field; std::getline(hit, field, ',');) fields.push_back(field);
+    return fields;
 }
 
 std::string sceneText(double red) {

@@ -14,6 +14,8 @@
 
 namespace glint::view::test {
 
+using Json = nlohmann::json;
+
 struct Ran {
     int code = -1;
     std::string out, err;
@@ -25,8 +27,12 @@ Ran runGlint(const std::vector<std::string>& args);
 // `glint view ARGS` driven by a script. ARGS: the scene, and options that tests of the window use.
 Ran runView(const std::vector<std::string>& args, const std::vector<ScriptCommand>& script);
 
+// Of an EXR file that the window saves: every layer.
+inline const char* const kLayers =
+    "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost";
+
 // The cameras that `print camera` and the key C wrote.
-std::vector<nlohmann::json> cameras(const Ran& ran);
+std::vector<Json> cameras(const Ran& ran);
 
 using glint::test::readBytes;
 using glint::test::writeText;
@@ -35,10 +41,14 @@ using glint::test::writeText;
 // plane (3); two lights. `red`: the first sphere's red reflectance, so that two scenes can differ.
 std::string sceneText(double red = 0.8);
 
+// The fields of the first hit that `glint trace` or a pick printed.
+std::vector<std::string> fieldsOfHit(const std::string& csv);
+
 // A test in a folder of its own, which is the current one.
 class FolderTest : public glint::test::WorkingFolderTest {
   protected:
     void SetUp() override;
+    static void write(const std::string& file, const Json& scene) { writeText(file, scene.dump()); }
 
     // runView("scene.json --size SIZE --validation ..."); fails on a validation message or another exit code.
     Ran view(const std::string& script, const std::vector<std::string>& more = {}, int code = 0);
@@ -54,7 +64,8 @@ class FolderTest : public glint::test::WorkingFolderTest {
     // What windows remember goes here, not to whoever runs the tests.
     const glint::test::TemporaryFolder stateFolder_;
     const glint::test::ScopedEnvironment state_{"XDG_STATE_HOME", stateFolder_.path().c_str()};
-    std::string size_ = "240x180";  // of the window and of rendered pictures
+    Json scene_ = Json::parse(sceneText());  // that scene.json holds
+    std::string size_ = "240x180";           // of the window and of rendered pictures
     // The window shows the first steps, as to a new user. Off: they are done already.
     bool newcomer_ = false;
 };
