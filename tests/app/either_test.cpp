@@ -163,15 +163,11 @@ TEST_F(Trace, FacesAreNumberedAsInTheFile) {
     writeText("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nf 1 2 3 4\nf 5 6 7\n");
     writeText("a.json", sceneText(3, 3, R"("meshes": {"m": {"file": "m.obj"}}, "objects": [
         {"type": "plane", "point": [0, 0, -9], "normal": [0, 0, 1]}, {"type": "mesh", "mesh": "m"}])"));
-    const std::string lines =
+    const std::string hits =
         trace("0.75,0.25,1,0,0,-1\n0.25,0.75,1,0,0,-1\n5.75,0.5,1,0,0,-1\n9,9,1,0,0,-1\n");
-    Words ids;
-    for (size_t start = 0; start < lines.size(); start = lines.find('\n', start) + 1) {
-        std::string line = lines.substr(start, lines.find('\n', start) - start);
-        for (int skipped = 0; skipped < 4; ++skipped) line.erase(0, line.find(',') + 1);
-        ids.push_back(line.substr(0, line.find(',', line.find(',') + 1)));
-    }
-    EXPECT_EQ(ids, (std::vector<std::string>{"1,0", "1,0", "1,1", "0,0"}));
+    std::vector<std::pair<double, double>> ids;
+    for (const std::vector<double>& row : csvRows(kHeader + hits)) ids.emplace_back(row[4], row[5]);
+    EXPECT_EQ(ids, (std::vector<std::pair<double, double>>{{1, 0}, {1, 0}, {1, 1}, {0, 0}}));
 }
 
 }  // namespace glint::app::test::either_test

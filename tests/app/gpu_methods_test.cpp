@@ -1,31 +1,14 @@
 // The two exercises of Shirley & Marschner, Fundamentals of Computer Graphics, ch. 4, by every intersection
 // test, on both backends, through the command line.
-#include <cmath>
-#include <sstream>
-
 #include "support.h"
 
 namespace glint::app::test::gpu_methods_test {
-std::vector<std::vector<double>> rows(const std::string& csv) {
-    std::vector<std::vector<double>> table;
-    std::istringstream lines(csv);
-    std::string line;
-    std::getline(lines, line);
-    while (std::getline(lines, line)) {
-        std::vector<double>& row = table.emplace_back();
-        std::istringstream fields(line);
-        for (std::string field; std::getline(fields, field, ',');)
-            row.push_back(field.empty() ? std::nan("") : std::stod(field));
-    }
-    return table;
-}
-
 class Methods : public FolderTest {
   protected:
     static std::vector<std::vector<double>> trace(Words options) {
         const Ran ran = runGlint("trace a.json --rays r.csv", options);
         EXPECT_EQ(ran.code, 0) << ran.err;
-        return rows(ran.out);
+        return csvRows(ran.out);
     }
 };
 

@@ -1,8 +1,10 @@
 #include "support.h"
 
+#include <cmath>
 #include <sstream>
 
 #include "app/cli.h"
+#include "core/text_file.h"
 #include "gpu/device.h"
 #include "render/kernel_choice.h"
 
@@ -43,6 +45,19 @@ nlohmann::json jsonOf(const Words& args) {
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");
     return nlohmann::json::parse(ran.out);
+}
+
+std::vector<std::vector<double>> csvRows(const std::string& csv) {
+    std::vector<std::vector<double>> table;
+    std::istringstream lines(csv);
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) {
+        std::vector<double>& row = table.emplace_back();
+        for (const std::string& field : split(line, ','))
+            row.push_back(field.empty() ? std::nan("") : std::stod(field));
+    }
+    return table;
 }
 
 void expectPartsAreTheWhole(const std::string& scene, const Words& options, int parts) {

@@ -44,6 +44,9 @@ void expectError(const Words& args, int code, const std::string& line);
 // Runs a command line that must succeed without warnings, and reads the JSON that it prints.
 nlohmann::json jsonOf(const Words& args);
 
+// The numbers of a CSV's rows below its heading; NaN for empty fields.
+std::vector<std::vector<double>> csvRows(const std::string& csv);
+
 // Renders the scene at once and in so many parts, which must give the bytes of the same EXR file.
 void expectPartsAreTheWhole(const std::string& scene, const Words& options, int parts);
 
