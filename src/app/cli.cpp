@@ -123,20 +123,16 @@ void declareProgram(CLI::App& app, Run& chosen) {
 
 namespace {
 
-std::string withoutDashes(const std::string& name) {
-    return name.substr(std::min(name.find_first_not_of('-'), name.size()));
-}
-
 // `unknown option "--siez" (did you mean "--size"?)`, or `unexpected argument "x"` for what is no option.
 std::string unexpected(const CLI::App& command, const std::string& argument) {
     const std::string name = argument.substr(0, argument.find('='));
     if (name.size() < 2 || name[0] != '-' || command.get_option_no_throw(name))
         return "unexpected argument " + quoted(argument);
-    std::vector<std::string> known;  // without the dashes, which any two options have in common
+    std::vector<std::string_view> known;  // without the dashes, which any two options have in common
     for (const CLI::Option* option : command.get_options())
-        if (option->nonpositional()) known.push_back(withoutDashes(option->get_name()));
-    const std::vector<std::string_view> views(known.begin(), known.end());
-    std::string hint = suggestion(withoutDashes(name), views, "");
+        if (option->nonpositional()) known.push_back(option->get_single_name());
+    const size_t dashes = std::min(name.find_first_not_of('-'), name.size());
+    std::string hint = suggestion(name.substr(dashes), known, "");
     constexpr std::string_view kDidYouMean = "did you mean \"";
     hint = hint.starts_with(kDidYouMean) ? " (" + hint.insert(kDidYouMean.size(), "--") + ")" : "";
     return "unknown option " + quoted(name) + hint;
@@ -146,7 +142,7 @@ std::string unexpected(const CLI::App& command, const std::string& argument) {
 std::string mismatch(const CLI::App& command, const std::string& text) {
     for (const CLI::Option* option : command.get_options()) {
         const std::string name = option->get_name();
-        if (text.starts_with(withoutDashes(name) + " was given")) return name + " takes no value";
+        if (text.starts_with(option->get_single_name() + " was given")) return name + " takes no value";
         if (text.find(name) == std::string::npos) continue;
         if (text.find("missing") != std::string::npos)
             return name + " needs a value: " + option->get_type_name();
@@ -155,15 +151,15 @@ std::string mismatch(const CLI::App& command, const std::string& text) {
     return text;
 }
 
-// Error in the first word of a command line, which must be a command of `app` or an option that stands alone;
-// empty if the word is valid.
-std::string firstWordError(const CLI::App& app, const std::vector<std::string>& args) {
+// Error in the first word of a command line, which must be a command or an option that stands alone; empty if
+// the word is valid.
+std::string firstWordError(const std::vector<std::string>& args) {
     if (args.empty()) return "";
     const std::string& word = args.front();
-    std::vector<std::string> names;
-    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-        if (command->get_name() == word) return "";
-        names.push_back(command->get_name());
+    std::vector<std::string_view> names;
+    for (const Command& command : kCommands) {
+        if (word == command.name) return "";
+        names.push_back(command.name);
     }
     if (word == "-h" || word == "--help" || word == "--version" || word == "--verbose") return "";
     const std::string see = "; see glint --help";
@@ -172,8 +168,7 @@ std::string firstWordError(const CLI::App& app, const std::vector<std::string>& 
     std::error_code ignored;
     if (std::filesystem::exists(word, ignored))
         return quoted(word) + " is no command; did you mean: glint render " + word;
-    const std::vector<std::string_view> views(names.begin(), names.end());
-    return "unknown command " + quoted(word) + " (" + suggestion(word, views, "there are") + ")" + see;
+    return "unknown command " + quoted(word) + " (" + suggestion(word, names, "there are") + ")" + see;
 }
 
 // One line for a command line that CLI11 refused.
@@ -210,7 +205,7 @@ ExitCode parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostr
         args.erase(args.begin());
         args.push_back("--help");
     }
-    if (const std::string wrong = firstWordError(app, args); !wrong.empty())
+    if (const std::string wrong = firstWordError(args); !wrong.empty())
         throw Error(ErrorKind::Argument, wrong);
     try {
         std::reverse(args.begin(), args.end());  // the order that CLI11 takes a vector in
