@@ -162,10 +162,9 @@ void printFiles(const Outcome& outcome, std::ostream& out);
 void printDevice(const DrawingFacts& drawn, std::ostream& out);
 nlohmann::json drawnJson(const DrawingFacts& drawn);
 nlohmann::json filesJson(const std::vector<std::filesystem::path>& files);
-
-// {"cut": {"branches", "meanBound", "greatestBound"}, "maxDepth": ..., "waiting": ..., "crowdedMedia"}.
-// Bounds are of a pixel's colour; null where none is known.
-nlohmann::json lossesJson(const Outcome& outcome);
+// Files, width, height, notFinite, and lost: {"cut": {"branches", "meanBound", "greatestBound"}, "maxDepth":
+// ..., "waiting": ..., "crowdedMedia"}. Bounds are of a pixel's colour; null where none is known.
+nlohmann::json imageJson(const Outcome& outcome);
 
 // A line on pixels that are not finite and, if `losses`, one for each kind of loss that may be seen, each
 // after `start`: branches that were cut, that found no room, media without room; branches beyond the depth

@@ -104,23 +104,18 @@ void expose(std::vector<Layer>& layers, float scale) {
 nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
     const render::StageTimes& t = outcome.drawn.times;
     const Request request = requestOf(command, loaded);
-    const PictureFlaws& flaws = outcome.flaws;
     const Written& written = outcome.written;
     nlohmann::json json = drawnJson(outcome.drawn);
+    json.update(imageJson(outcome));
     json.update({{"scene", command.scene.scene.string()},
-                 {"files", filesJson(written.files)},
                  {"complete", outcome.complete},
-                 {"width", outcome.region.width()},
-                 {"height", outcome.region.height()},
                  {"samplesPerPixel", request.image.samplesPerPixel},
                  {"sampler", nameOf(samplerOf(request.image))},
                  {"samplesTaken", samplesJson(written.totals)},
                  {"maxDepth", depthOf(loaded.packed, request)},
                  {"intersector", nameOf(command.scene.methods.triangles)},
                  {"sphere", nameOf(command.scene.methods.spheres)},
-                 {"lost", lossesJson(outcome)},
                  {"minContribution", command.scene.limits.minContribution},
-                 {"notFinite", flaws.notFinite},
                  {"submissions", t.submissions},
                  {"slices", t.slices},
                  {"resumes", t.resumes},
@@ -146,7 +141,8 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     if (written.bands > 0) json["bands"] = written.bands;
     if (outcome.ranks > 0) json["ranks"] = outcome.ranks;
     if (outcome.converged) json["error"] = errorJson(command.target, *outcome.converged);
-    if (flaws.notFinite > 0) json["firstNotFinite"] = {flaws.firstNotFinite.x, flaws.firstNotFinite.y};
+    const glm::ivec2 first = outcome.flaws.firstNotFinite;
+    if (first.x >= 0) json["firstNotFinite"] = {first.x, first.y};
     return json;
 }
 
@@ -185,12 +181,17 @@ void printSummary(const Outcome& outcome, const RenderCommand& command, const Lo
 
 }  // namespace
 
-nlohmann::json lossesJson(const Outcome& outcome) {
+nlohmann::json imageJson(const Outcome& outcome) {
     const TreeLosses& losses = outcome.flaws.losses;
-    return {{"cut", lostJson(losses.cut, outcome.region)},
-            {"maxDepth", lostJson(losses.depth, outcome.region)},
-            {"waiting", lostJson(losses.room, outcome.region)},
-            {"crowdedMedia", losses.crowdedMedia}};
+    return {{"files", filesJson(outcome.written.files)},
+            {"width", outcome.region.width()},
+            {"height", outcome.region.height()},
+            {"notFinite", outcome.flaws.notFinite},
+            {"lost",
+             {{"cut", lostJson(losses.cut, outcome.region)},
+              {"maxDepth", lostJson(losses.depth, outcome.region)},
+              {"waiting", lostJson(losses.room, outcome.region)},
+              {"crowdedMedia", losses.crowdedMedia}}}};
 }
 
 void warnOf(const Outcome& outcome, bool losses, const std::string& start, std::ostream& err) {

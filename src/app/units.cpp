@@ -103,19 +103,15 @@ std::filesystem::path sceneOf(const farm::Identity& identity) {
 
 nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outcome,
                          const MergeCommand& command, const std::vector<farm::Producer>& producers) {
-    nlohmann::json json = {{"scene", scene.string()},
-                           {"parts", command.parts.size()},
-                           {"files", filesJson(outcome.written.files)},
-                           {"width", outcome.region.width()},
-                           {"height", outcome.region.height()},
-                           {"hash", outcome.written.hash},
-                           {"inBands", outcome.written.bands > 0},
-                           {"reproducible", std::all_of(producers.begin(), producers.end(),
-                                                        [](const auto& p) { return p.sharesBits; })},
-                           {"lost", lossesJson(outcome)},
-                           {"notFinite", outcome.flaws.notFinite},
-                           {"seconds", outcome.totalSeconds},
-                           {"devices", nlohmann::json::array()}};
+    nlohmann::json json = imageJson(outcome);
+    json.update({{"scene", scene.string()},
+                 {"parts", command.parts.size()},
+                 {"hash", outcome.written.hash},
+                 {"inBands", outcome.written.bands > 0},
+                 {"reproducible", std::all_of(producers.begin(), producers.end(),
+                                              [](const auto& p) { return p.sharesBits; })},
+                 {"seconds", outcome.totalSeconds},
+                 {"devices", nlohmann::json::array()}});
     for (const farm::Producer& producer : producers) json["devices"].push_back(textOf(producer));
     return json;
 }
