@@ -25,13 +25,14 @@ namespace glint::gpu {
 // the errors; DeviceLost for that one.
 void check(VkResult result, const char* call);
 
-// All items of a Vulkan list: call(&count, items) is called twice, first with null for the items.
-template <typename Item, typename Call>
-std::vector<Item> enumerate(const char* name, Call call) {
+// All items of a Vulkan list: get(arguments..., &count, items) is called twice, first with null for the
+// items.
+template <typename Item, typename Get, typename... Arguments>
+std::vector<Item> enumerate(const char* name, Get get, Arguments... arguments) {
     uint32_t count = 0;
-    check(call(&count, nullptr), name);
+    check(get(arguments..., &count, nullptr), name);
     std::vector<Item> items(count);
-    check(call(&count, items.data()), name);
+    check(get(arguments..., &count, items.data()), name);
     items.resize(count);
     return items;
 }
@@ -238,22 +239,28 @@ struct KernelState {
     VkDescriptorSet set = VK_NULL_HANDLE;
 };
 
-// A command buffer, recorded again for each submission.
+// A command buffer, recorded again for each submission, and its fence, signaled before the first submission.
 struct Commands {
+    DeviceState& device;
     Handle<VkCommandPool> pool;
     VkCommandBuffer buffer = VK_NULL_HANDLE;
+    Handle<VkFence> fence;
 
-    Commands() = default;
-    explicit Commands(const DeviceState& device);
-    void begin(const DeviceState& device);
+    explicit Commands(DeviceState& owner);
+    void begin();
+    // Ends the commands and submits them. `info` has the semaphores.
+    void submit(VkSubmitInfo info = infoOf<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO));
+    // Waits for the last submission. Throws Error(Device) and abandons the device if it hangs.
+    void wait();
 };
 
 struct SubmissionState {
-    DeviceState* device = nullptr;
+    DeviceState& device;
     Commands commands;
     Handle<VkQueryPool> timestamps;  // none without timestamps
-    Handle<VkFence> fence;
     bool recording = false;
+
+    explicit SubmissionState(DeviceState& owner);
 };
 
 struct Staging {

@@ -107,10 +107,8 @@ bool contains(const std::vector<VkExtensionProperties>& extensions, const char* 
 Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExtensions) {
     openLoader();
     auto info = infoOf<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
-    const auto present = enumerate<VkExtensionProperties>(
-        "vkEnumerateInstanceExtensionProperties", [](uint32_t* count, VkExtensionProperties* out) {
-            return vkEnumerateInstanceExtensionProperties(nullptr, count, out);
-        });
+    const auto present = enumerate<VkExtensionProperties>("vkEnumerateInstanceExtensionProperties",
+                                                          vkEnumerateInstanceExtensionProperties, nullptr);
     std::vector<const char*> extensions;
     for (const char* name : {VK_KHR_SURFACE_EXTENSION_NAME, VK_EXT_DEBUG_UTILS_EXTENSION_NAME})
         if (contains(present, name)) extensions.push_back(name);

@@ -184,18 +184,11 @@ std::string typeText(VkPhysicalDeviceType type) {
 }
 
 std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice device) {
-    return enumerate<VkQueueFamilyProperties>(
-        "vkGetPhysicalDeviceQueueFamilyProperties", [&](uint32_t* count, VkQueueFamilyProperties* out) {
-            vkGetPhysicalDeviceQueueFamilyProperties(device, count, out);
-            return VK_SUCCESS;
-        });
-}
-
-std::vector<VkExtensionProperties> deviceExtensions(VkPhysicalDevice device) {
-    return enumerate<VkExtensionProperties>(
-        "vkEnumerateDeviceExtensionProperties", [&](uint32_t* count, VkExtensionProperties* out) {
-            return vkEnumerateDeviceExtensionProperties(device, nullptr, count, out);
-        });
+    uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+    return families;
 }
 
 void fillLimits(DeviceLimits& out, const VkPhysicalDeviceLimits& limits) {
@@ -283,7 +276,8 @@ PhysicalDevice queryDevice(VkPhysicalDevice handle, uint32_t index, VkSurfaceKHR
     vkGetPhysicalDeviceMemoryProperties(handle, &device.memory);
     info.limits.memory = largestDeviceHeap(device.memory);
 
-    const std::vector<VkExtensionProperties> extensions = deviceExtensions(handle);
+    const auto extensions = enumerate<VkExtensionProperties>(
+        "vkEnumerateDeviceExtensionProperties", vkEnumerateDeviceExtensionProperties, handle, nullptr);
     if (properties.apiVersion >= VK_API_VERSION_1_1) queryVulkan11(device, extensions);
 
     const std::vector<VkQueueFamilyProperties> families = queueFamilies(handle);

@@ -29,10 +29,9 @@ VkSurfaceCapabilitiesKHR capabilitiesOf(const DeviceState& device) {
 
 // Eight-bit and not sRGB: the bytes are encoded already.
 VkSurfaceFormatKHR chooseFormat(const DeviceState& device) {
-    const auto formats = enumerate<VkSurfaceFormatKHR>(
-        "vkGetPhysicalDeviceSurfaceFormatsKHR", [&](uint32_t* count, VkSurfaceFormatKHR* out) {
-            return vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical.handle, device.surface, count, out);
-        });
+    const auto formats = enumerate<VkSurfaceFormatKHR>("vkGetPhysicalDeviceSurfaceFormatsKHR",
+                                                       vkGetPhysicalDeviceSurfaceFormatsKHR,
+                                                       device.physical.handle, device.surface);
     for (const VkSurfaceFormatKHR& format : formats) {
         const bool known =
             format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM;
@@ -40,14 +39,6 @@ VkSurfaceFormatKHR chooseFormat(const DeviceState& device) {
     }
     throw Error(ErrorKind::Device,
                 "the window takes no image of 8 bits a channel on this device: use glint render");
-}
-
-std::vector<VkPresentModeKHR> modesOf(const DeviceState& device) {
-    return enumerate<VkPresentModeKHR>("vkGetPhysicalDeviceSurfacePresentModesKHR",
-                                       [&](uint32_t* count, VkPresentModeKHR* out) {
-                                           return vkGetPhysicalDeviceSurfacePresentModesKHR(
-                                               device.physical.handle, device.surface, count, out);
-                                       });
 }
 
 }  // namespace
@@ -64,8 +55,7 @@ struct SwapchainState {
     std::vector<VkImage> images;
     std::vector<Handle<VkSemaphore>> drawn;  // for each image: its copy is complete
     Handle<VkSemaphore> acquired;
-    Handle<VkFence> copied;  // the last copy is complete
-    Commands commands;
+    Commands commands;  // the last copy
     Buffer pixels;
 
     explicit SwapchainState(const Device& d);
@@ -81,11 +71,7 @@ struct SwapchainState {
     void waitUntilIdle();
 };
 
-SwapchainState::SwapchainState(const Device& d) : device(d), state(d.state()), commands(state) {
-    auto fence = infoOf<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
-    fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
-    copied = create(state, "vkCreateFence", fence, state.vk.vkCreateFence, state.vk.vkDestroyFence);
-}
+SwapchainState::SwapchainState(const Device& d) : device(d), state(d.state()), commands(state) {}
 
 SwapchainState::~SwapchainState() {
     if (state.abandoned) return;
@@ -142,7 +128,9 @@ void SwapchainState::rebuild(int width, int height, PresentMode wantedMode) {
     askedHeight = height;
     const VkSurfaceCapabilitiesKHR capabilities = capabilitiesOf(state);
     VkSwapchainCreateInfoKHR info = describe(capabilities, width, height);
-    const std::vector<VkPresentModeKHR> offered = modesOf(state);
+    const auto offered = enumerate<VkPresentModeKHR>("vkGetPhysicalDeviceSurfacePresentModesKHR",
+                                                     vkGetPhysicalDeviceSurfacePresentModesKHR,
+                                                     state.physical.handle, state.surface);
     const VkPresentModeKHR wanted = kModes[static_cast<size_t>(wantedMode)];
     const bool isOffered = std::find(offered.begin(), offered.end(), wanted) != offered.end();
     mode = isOffered ? wantedMode : PresentMode::Fifo;
@@ -158,9 +146,8 @@ void SwapchainState::rebuild(int width, int height, PresentMode wantedMode) {
                                          state.vk.vkDestroySwapchainKHR);
     chain = {};  // the old one goes before its semaphores' successors come
     chain = std::move(next);
-    images = enumerate<VkImage>("vkGetSwapchainImagesKHR", [&](uint32_t* count, VkImage* out) {
-        return state.vk.vkGetSwapchainImagesKHR(state.device, chain.get(), count, out);
-    });
+    images = enumerate<VkImage>("vkGetSwapchainImagesKHR", state.vk.vkGetSwapchainImagesKHR, state.device,
+                                chain.get());
     auto semaphore = infoOf<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
     const auto makeSemaphore = [&] {
         return create(state, "vkCreateSemaphore", semaphore, state.vk.vkCreateSemaphore,
@@ -195,7 +182,7 @@ void SwapchainState::fillPixels(std::span<const uint32_t> source, int width, int
 
 void SwapchainState::recordCopy(VkImage image) {
     const VolkDeviceTable& vk = state.vk;
-    commands.begin(state);
+    commands.begin();
     auto barrier = infoOf<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
     barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
     barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
@@ -217,30 +204,22 @@ void SwapchainState::recordCopy(VkImage image) {
     barrier.newLayout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
     vk.vkCmdPipelineBarrier(commands.buffer, VK_PIPELINE_STAGE_TRANSFER_BIT,
                             VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, 0, 0, nullptr, 0, nullptr, 1, &barrier);
-    check(vk.vkEndCommandBuffer(commands.buffer), "vkEndCommandBuffer");
 }
 
 void SwapchainState::submitCopy(uint32_t index) {
     const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_TRANSFER_BIT;
-    const VkFence fence = copied.get();
     auto info = infoOf<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
     info.waitSemaphoreCount = 1;
     info.pWaitSemaphores = acquired.address();
     info.pWaitDstStageMask = &stage;
-    info.commandBufferCount = 1;
-    info.pCommandBuffers = &commands.buffer;
     info.signalSemaphoreCount = 1;
     info.pSignalSemaphores = drawn[index].address();
-    check(state.vk.vkResetFences(state.device, 1, &fence), "vkResetFences");
-    const std::lock_guard lock(state.queueMutex);
-    check(state.vk.vkQueueSubmit(state.queue, 1, &info, fence), "vkQueueSubmit");
+    commands.submit(info);
 }
 
 // False: the chain no longer fits the window.
 bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, int height) {
-    const VkFence fence = copied.get();
-    check(state.vk.vkWaitForFences(state.device, 1, &fence, VK_TRUE, state.timeoutSeconds() * 1'000'000'000),
-          "vkWaitForFences");
+    commands.wait();
     uint32_t index = 0;
     const VkResult got = state.vk.vkAcquireNextImageKHR(state.device, chain.get(), kAcquireNanoseconds,
                                                         acquired.get(), VK_NULL_HANDLE, &index);
