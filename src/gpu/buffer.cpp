@@ -150,9 +150,6 @@ Buffer::Buffer(const Device& device, const std::string& name, uint64_t bytes, Ac
 uint64_t Buffer::size() const {
     return state_->bytes;
 }
-Access Buffer::access() const {
-    return state_->access;
-}
 void* Buffer::mapped() const {
     return state_->kind == MemoryKind::Host ? state_->host : nullptr;
 }

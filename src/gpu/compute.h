@@ -38,7 +38,6 @@ class Buffer {
 
     explicit operator bool() const { return state_ != nullptr; }
     uint64_t size() const;
-    Access access() const;
     void* mapped() const;  // MemoryKind::Host only, else nullptr
     BufferState& state() const { return *state_; }
 
@@ -55,13 +54,18 @@ void upload(const Device& device, const Buffer& destination, std::span<const std
             uint64_t offset = 0);
 void download(const Device& device, const Buffer& source, std::span<std::byte> data, uint64_t offset = 0);
 
+// The bytes of one value: of push constants, or of an array with one element.
+template <typename Value>
+std::span<const std::byte> bytesOf(const Value& value) {
+    return std::as_bytes(std::span(&value, 1));
+}
+
 struct KernelOptions {
     std::string name = {};                 // for messages
     std::span<const uint32_t> spirv = {};  // entry point "main"
     std::vector<Access> bindings = {};     // set 0, binding i
     std::vector<uint32_t> constants = {};  // specialization constant i has value constants[i] (bool: 0 or 1)
     uint32_t pushConstantBytes = 0;        // multiple of 4, at most limits.maxPushConstantBytes
-    uint32_t workgroupSizeX = 64;          // checked against the limits
 };
 
 struct KernelState;

@@ -53,7 +53,7 @@ struct WindowSystem {
 };
 
 struct DeviceOptions {
-    std::string selector;      // empty: the best; a number: the index; else part of the name, any case
+    std::string selector = {};  // empty: the best; a number: the index; else part of the name, any case
     bool validation = false;   // validation layer with synchronization validation; its messages are collected
     WindowSystem window = {};  // for a device that presents, see swapchain.h
     bool keepPrograms = true;  // a kernel like one that was compiled before is not compiled again

@@ -29,8 +29,6 @@ void checkLimit(const std::string& name, const char* what, uint32_t wanted, uint
 
 void checkLimits(const KernelOptions& options, const DeviceLimits& limits) {
     const std::string& name = options.name;
-    checkLimit(name, "invocations in a workgroup", options.workgroupSizeX,
-               std::min(limits.maxWorkgroupSizeX, limits.maxWorkgroupInvocations));
     checkLimit(name, "bytes of push constants", options.pushConstantBytes, limits.maxPushConstantBytes);
     checkLimit(name, "storage buffers", count(options.bindings, Access::StorageBuffer),
                limits.maxStorageBuffersPerStage);

@@ -131,10 +131,8 @@ Arithmetic probe(const Device& device) {
                         Access::StorageBuffer, MemoryKind::Host);
     std::memcpy(buffer.mapped(), given.data(), buffer.size());
 
-    Kernel kernel(device, {.name = "probe of the arithmetic",
-                           .spirv = probe_spv,
-                           .bindings = {Access::StorageBuffer},
-                           .workgroupSizeX = kGroup});
+    Kernel kernel(
+        device, {.name = "probe of the arithmetic", .spirv = probe_spv, .bindings = {Access::StorageBuffer}});
     const Buffer* const bound[] = {&buffer};
     kernel.bind(bound);
     Submission submission(device);

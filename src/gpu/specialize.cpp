@@ -190,8 +190,10 @@ std::optional<uint32_t> valueOf(const Known& known, uint32_t id) {
     return found == known.end() ? std::nullopt : std::optional(found->second);
 }
 
-// Result of an operation. For two booleans one known operand may be enough.
-std::optional<uint32_t> folded(uint32_t op, std::optional<uint32_t> a, std::optional<uint32_t> b) {
+// Result of an operation on these ids. For two booleans one known operand may be enough.
+std::optional<uint32_t> folded(uint32_t op, Words operands, const Known& known) {
+    const std::optional<uint32_t> a = valueOf(known, operands[0]);
+    const std::optional<uint32_t> b = operands.size() > 1 ? valueOf(known, operands[1]) : std::nullopt;
     switch (op) {
         case OpLogicalNot:
             return a ? std::optional<uint32_t>(*a == 0) : std::nullopt;
@@ -323,8 +325,7 @@ void simplify(Function& function, Known& known) {
                 if (op == OpPhi) {
                     value = valueOfPhi(known, i);
                 } else if (isFoldable(op)) {
-                    value =
-                        folded(op, valueOf(known, i[3]), i.size() > 4 ? valueOf(known, i[4]) : std::nullopt);
+                    value = folded(op, Words(i).subspan(3), known);
                 }
                 if (value) known[i[2]] = *value;
             }
@@ -355,8 +356,7 @@ Known setConstants(std::vector<Instruction>& globals, Words constants) {
         } else if (op == OpSpecConstant && given) {
             i = make(OpConstant, {i[1], i[2], *given});
         } else if (op == OpSpecConstantOp && isFoldable(i[3])) {
-            const auto value =
-                folded(i[3], valueOf(known, i[4]), i.size() > 5 ? valueOf(known, i[5]) : std::nullopt);
+            const std::optional<uint32_t> value = folded(i[3], Words(i).subspan(4), known);
             if (value) i = boolean(i, *value != 0);
         }
         const uint32_t now = opOf(i);

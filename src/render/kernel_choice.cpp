@@ -89,7 +89,7 @@ bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice,
     return !(choice.packets && !work.furtherRays && many);
 }
 
-std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request, bool packets) {
+std::vector<KernelId> kernelsOfSteps(const PackedScene& scene, const Request& request, bool packets) {
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
     // Packets trace camera rays alone. Whether there are others is the scene's to say, not the code's that
     // the pipeline happens to hold: kernels for later bounces that never come would double a cold start.
@@ -100,13 +100,6 @@ std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request
         if (packets) kernels.push_back(packetKernel(id));
         if (!packets || goesOn) kernels.push_back(id);
     }
-    if (request.samples.threshold) kernels.push_back(KernelId::Adapt);
-    return kernels;
-}
-
-std::vector<KernelId> wholeKernelsOf(const Request& request) {
-    std::vector<KernelId> kernels = {KernelId::Whole};
-    if (request.samples.threshold) kernels.push_back(KernelId::Adapt);
     return kernels;
 }
 

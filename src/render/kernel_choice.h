@@ -86,10 +86,7 @@ bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice,
 
 // ---- kernels ----
 
-// Those that draw the request, with packets for camera rays or without.
-std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request, bool packets);
-
-// The same where whole.comp draws it.
-std::vector<KernelId> wholeKernelsOf(const Request& request);
+// The kernels of the steps that render a sample of the request, with packets for camera rays or without.
+std::vector<KernelId> kernelsOfSteps(const PackedScene& scene, const Request& request, bool packets);
 
 }  // namespace glint::render

@@ -127,7 +127,7 @@ void Pipelines::compile(const TraceModes& modes, const std::vector<KernelId>& id
         made[i] = translating_.at({ids[i], modes}).get();
         made[i].bind(buffers_);
         gpu::Submission first(device_);
-        first.dispatch(made[i], 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+        first.dispatch(made[i], 1, gpu::bytesOf(dispatch));
         first.submit();
     });
     for (size_t i = 0; i < ids.size(); ++i)
@@ -143,7 +143,6 @@ gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     const bool convergent = !modes.resume && loopsConverge(device_.info());
     options.constants = constantsOf(features_, modes, convergent, own_, access_);
     options.pushConstantBytes = sizeof(shared::Dispatch);
-    options.workgroupSizeX = shared::kWorkgroupSize;
     return gpu::Kernel(device_, options);
 }
 

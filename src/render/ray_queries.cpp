@@ -117,9 +117,6 @@ struct Slot {
     }
 };
 
-using ListFill = std::function<void(size_t first, std::span<RayInput> rays)>;
-using ListTake = std::function<void(size_t i, std::span<const FoundHit> hits)>;
-
 struct RayQueries::State {
     const gpu::Device& device;
     const PackedScene& scene;
@@ -209,7 +206,7 @@ struct RayQueries::State {
         dispatch.regionWidth = dispatch.regionHeight = 1;
         dispatch.capacity = slot.capacity;
         dispatch.tripBudget = tripBudget;
-        const auto constants = std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1));
+        const auto constants = gpu::bytesOf(dispatch);
         const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
         const size_t staged = slot.staging ? kSlotRows.size() - (features.instances ? 0 : 1) : 0;
 

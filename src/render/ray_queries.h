@@ -68,6 +68,10 @@ struct RayTask {
     BatchTimes* kernels = nullptr;         // added to: what the device took, without preparing and reading
 };
 
+// The callbacks of RayQueries::list: fill the rays from `first` on, and take the crossings of ray i.
+using ListFill = std::function<void(size_t first, std::span<RayInput> rays)>;
+using ListTake = std::function<void(size_t i, std::span<const FoundHit> hits)>;
+
 // The answers of a ray do not depend on what else is asked. May be used from several threads, which take
 // turns at the device.
 class RayQueries {
@@ -90,9 +94,7 @@ class RayQueries {
     // Lists the crossings of each ray i: counts[i] of them, as counted by Ask::Count, in no order. A count of
     // 0 leaves the ray out. Calls `take` for one ray after the other. Throws Error(Device) if one ray crosses
     // more surfaces than fit into a piece, or if the device finds another number of crossings.
-    void list(std::span<const uint32_t> counts,
-              const std::function<void(size_t first, std::span<RayInput> rays)>& fill,
-              const std::function<void(size_t i, std::span<const FoundHit> hits)>& take);
+    void list(std::span<const uint32_t> counts, const ListFill& fill, const ListTake& take);
 
   private:
     struct State;

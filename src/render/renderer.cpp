@@ -106,7 +106,10 @@ struct Renderer::State {
     }
 
     std::vector<KernelId> kernels() const {
-        return drawsWholePaths() ? wholeKernelsOf(*request) : kernelsOf(scene, *request, choice.packets);
+        std::vector<KernelId> kernels = drawsWholePaths() ? std::vector{KernelId::Whole}
+                                                          : kernelsOfSteps(scene, *request, choice.packets);
+        if (modes.adaptive) kernels.push_back(KernelId::Adapt);
+        return kernels;
     }
 
     shared::Environment environmentOf(const shared::Camera& camera, const Request& wanted) const {
@@ -168,8 +171,7 @@ struct Renderer::State {
     void record(KernelId id, const shared::Dispatch& dispatch, uint32_t groups, bool resume = false) {
         TraceModes kernelModes = modes;
         kernelModes.resume = resume;
-        submission.dispatch(pipelines.get(id, kernelModes), groups,
-                            std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+        submission.dispatch(pipelines.get(id, kernelModes), groups, gpu::bytesOf(dispatch));
     }
 
     // The time goes to that kernel's account.
@@ -344,9 +346,7 @@ struct Renderer::State {
                                       options.maxSlicePixels);
         const bool grown = buffers.setSamples(device, wanted.samples.rows);
         reservePaths(room.paths, room.rows, grown);
-        buffers.setCamera(device, camera);
-        buffers.setEnvironment(device, environment);
-        buffers.setLights(device, lightsOf(scene, wanted));
+        buffers.setView(device, camera, environment, lightsOf(scene, wanted));
         compile(kernels());
 
         const uint64_t before = times.pathRays;

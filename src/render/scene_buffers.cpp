@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <string>
-#include <type_traits>
 
 #include "bvh/packet_tree.h"
 
@@ -39,7 +38,7 @@ constexpr size_t kZeroBytes = [] {
 #undef GLINT_LARGER_STRUCT
 constexpr std::array<std::byte, kZeroBytes> kZeros{};
 
-// Arrays that are not the scene's. The camera's contents come later, by setCamera, samples by setSamples.
+// Arrays that are not the scene's. The camera's contents come later, by setView, samples by setSamples.
 struct Others {
     shared::Camera camera;
     std::vector<shared::PacketCorner> packetCorners;
@@ -50,11 +49,10 @@ struct Others {
 template <typename Packed, typename More, typename Visit>
 void visitArrays(const Packed& scene, const More& others, const Visit& visit) {
     const auto bytesOf = [](const auto& array) {
-        using Array = std::remove_cvref_t<decltype(array)>;
         if constexpr (requires { array.data(); }) {
             return std::as_bytes(std::span(array.data(), array.size()));
         } else {
-            return std::as_bytes(std::span<const Array, 1>(&array, 1));
+            return gpu::bytesOf(array);
         }
     };
 #define GLINT_VISIT(BINDING, field, Struct, ROWS)     \
@@ -144,7 +142,7 @@ void SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
     rewrite(planesBinding, scene.planes);
     rewrite(instancesBinding, scene.instances);
     rewrite(lightsBinding, scene.lights);
-    setEnvironment(device, scene.environment);
+    write(device, environmentBinding, gpu::bytesOf(scene.environment));
 }
 
 void SceneBuffers::placeTogether(const gpu::Device& device,
@@ -170,17 +168,12 @@ void SceneBuffers::write(const gpu::Device& device, uint32_t binding, std::span<
                 together ? first_[binding] * kTexelBytes : 0);
 }
 
-void SceneBuffers::setCamera(const gpu::Device& device, const shared::Camera& camera) const {
-    write(device, cameraBinding, std::as_bytes(std::span<const shared::Camera, 1>(&camera, 1)));
-}
-
-void SceneBuffers::setEnvironment(const gpu::Device& device, const shared::Environment& environment) const {
-    write(device, environmentBinding,
-          std::as_bytes(std::span<const shared::Environment, 1>(&environment, 1)));
-}
-
-void SceneBuffers::setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const {
-    if (!lights.empty()) write(device, lightsBinding, std::as_bytes(std::span(lights)));
+void SceneBuffers::setView(const gpu::Device& device, const shared::Camera& camera,
+                           const shared::Environment& environment,
+                           std::span<const shared::Light> lights) const {
+    write(device, cameraBinding, gpu::bytesOf(camera));
+    write(device, environmentBinding, gpu::bytesOf(environment));
+    if (!lights.empty()) write(device, lightsBinding, std::as_bytes(lights));
 }
 
 bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared::Sample> rows) {

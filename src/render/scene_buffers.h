@@ -35,10 +35,9 @@ class SceneBuffers {
     // everything, and the same children of each node.
     void update(const gpu::Device& device, const PackedScene& scene);
 
-    void setCamera(const gpu::Device& device, const shared::Camera& camera) const;
-    void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;
-    // At most as many as there were at construction.
-    void setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const;
+    // Lights: at most as many as there were at construction.
+    void setView(const gpu::Device& device, const shared::Camera& camera,
+                 const shared::Environment& environment, std::span<const shared::Light> lights) const;
     // True if the array had to grow: bind it again. Does nothing without rows.
     bool setSamples(const gpu::Device& device, std::span<const shared::Sample> rows);
     // Buffer to bind at `binding` (2 and up).

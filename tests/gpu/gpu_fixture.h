@@ -19,15 +19,11 @@
 namespace glint::gpu {
 
 inline DeviceOptions withValidation() {
-    DeviceOptions options;
-    options.validation = true;
-    return options;
+    return {.validation = true};
 }
 
 inline DeviceOptions selecting(const std::string& selector) {
-    DeviceOptions options;
-    options.selector = selector;
-    return options;
+    return {.selector = selector};
 }
 
 class GpuTest : public testing::Test {
@@ -72,11 +68,6 @@ struct ScalePush {
 struct ReversePush {
     uint32_t count = 0;  // texels
 };
-
-template <typename Push>
-std::span<const std::byte> bytesOf(const Push& push) {
-    return std::as_bytes(std::span(&push, 1));
-}
 
 inline uint32_t groupsFor(uint32_t texels) {
     return (texels + 63) / 64;

@@ -17,7 +17,7 @@ Kernel scaleKernel(const Device& device, Access access, std::vector<uint32_t> co
 }
 
 Kernel scaleKernel(const Device& device, const Buffer& buffer, std::vector<uint32_t> constants) {
-    Kernel kernel = scaleKernel(device, buffer.access(), std::move(constants));
+    Kernel kernel = scaleKernel(device, buffer.state().access, std::move(constants));
     const Buffer* const buffers[] = {&buffer};
     kernel.bind(buffers);
     return kernel;

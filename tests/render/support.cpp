@@ -241,8 +241,7 @@ void RayTracer::dispatch(KernelId id, const TraceModes& modes, uint32_t groups) 
     dispatch.capacity = paths_.capacity();
     dispatch.tripBudget = options_.tripBudget;
     const uint32_t perLane = infoOf(id).raysOfLane;
-    submission_.dispatch(pipelines_.get(id, modes), (groups + perLane - 1) / perLane,
-                         std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+    submission_.dispatch(pipelines_.get(id, modes), (groups + perLane - 1) / perLane, gpu::bytesOf(dispatch));
     std::memset(counters_.mapped(), 0, counters_.size());
     submission_.submit();
 }

@@ -89,7 +89,6 @@ std::vector<Answer> run(const Subject& subject, const std::vector<FloatRay>& ray
     options.bindings.assign(together ? GLINT_FEW_BINDINGS : GLINT_BINDING_COUNT, access);
     options.bindings[0] = Access::StorageBuffer;
     options.pushConstantBytes = sizeof(shared::Dispatch);
-    options.workgroupSizeX = shared::kWorkgroupSize;
     const std::vector<Row> rows = pathRows(rays);
     const auto rowBytes = std::as_bytes(std::span(rows));
     std::map<uint32_t, std::span<const std::byte>> contents = {{1, rowBytes}};
@@ -114,7 +113,7 @@ std::vector<Answer> run(const Subject& subject, const std::vector<FloatRay>& ray
     dispatch.lightIndex = kind;
     gpu::Submission submission(*subject.device);
     const uint32_t groups = (dispatch.capacity + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
-    submission.dispatch(kernel, groups, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+    submission.dispatch(kernel, groups, gpu::bytesOf(dispatch));
     submission.submit();
     std::vector<Row> found(rays.size());
     gpu::download(*subject.device, buffers[1], std::as_writable_bytes(std::span(found)),
