@@ -27,9 +27,7 @@ class AssistedTest : public testing::TestWithParam<Access> {
 };
 
 INSTANTIATE_TEST_SUITE_P(All, AssistedTest, testing::Values(Access::StorageBuffer, Access::TexelBuffer),
-                         [](const auto& access) {
-                             return std::string(access.param == Access::StorageBuffer ? "Storage" : "Texel");
-                         });
+                         accessName);
 
 // Without the layer nothing comes of it, as devices are opened with robustBufferAccess. tools/test-validated
 // runs this with GPU-assisted validation to see whether that is at work.

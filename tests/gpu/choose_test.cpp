@@ -1,9 +1,9 @@
 // Which device, queue family and memory are taken.
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "gpu/device_state.h"
 #include "support/environment.h"
+#include "support/support.h"
 
 namespace glint::gpu::choose_test {
 
@@ -21,12 +21,7 @@ DeviceInfo made(uint32_t index, const std::string& name, const std::string& type
 }
 
 std::string errorOf(const std::vector<DeviceInfo>& devices, const std::string& selector) {
-    try {
-        return "chose " + chooseDevice(devices, selector).name;
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::Device);
-        return error.what();
-    }
+    return glint::test::errorOf(ErrorKind::Device, [&] { chooseDevice(devices, selector); });
 }
 
 const std::vector<DeviceInfo> kDesktop = {

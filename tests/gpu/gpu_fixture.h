@@ -35,6 +35,11 @@ class GpuTest : public testing::Test {
     Device device_{withValidation()};
 };
 
+// The name of a parameterised test's case.
+inline std::string accessName(const testing::TestParamInfo<Access>& access) {
+    return access.param == Access::StorageBuffer ? "Storage" : "Texel";
+}
+
 inline std::vector<uint32_t> counting(size_t values, uint32_t first = 0) {
     std::vector<uint32_t> result(values);
     for (size_t i = 0; i < values; ++i) result[i] = first + static_cast<uint32_t>(i);

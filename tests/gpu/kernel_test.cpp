@@ -16,9 +16,7 @@ class KernelTest : public GpuTest, public testing::WithParamInterface<Access> {
 };
 
 INSTANTIATE_TEST_SUITE_P(All, KernelTest, testing::Values(Access::StorageBuffer, Access::TexelBuffer),
-                         [](const auto& access) {
-                             return std::string(access.param == Access::StorageBuffer ? "Storage" : "Texel");
-                         });
+                         accessName);
 
 TEST_P(KernelTest, SpecializationConstantsFollowTheirIds) {
     // FACTOR and ADDS; left out, the shader's own 1 and false stand.
