@@ -270,6 +270,22 @@ TEST(ReferenceQuadric, RaysThatLeaveDoNotComeBack) {
     }
 }
 
+// As a device's rays do: errors do not add up along a chain of reflections.
+TEST(ReferenceQuadric, RaysThatStartOffTheSideEndOnIt) {
+    const dvec3 radii(7, 6.7, 17.6);
+    const SceneTracer tracer(packed(EllipsoidShape{{0, 0, 0}, radii}));
+    Random random(11);
+    for (int i = 0; i < 200; ++i) {
+        const Ray ray = rayTowards(random.box(1), 100.0 * random.direction());
+        const Hit hit = tracer.closest(ray).value();
+        const Surface near = tracer.surfaceAt(ray, hit);
+        const dvec3 in = glm::normalize(-near.geometricNormal + 0.9 * random.direction());
+        const Ray next = makeRay(near.position - 3e-5 * near.geometricNormal, in);
+        const dvec3 far = tracer.surfaceAt(next, tracer.closest(next, hit.primitive).value()).position;
+        EXPECT_NEAR(glm::length(far / radii), 1, 1e-9) << i;
+    }
+}
+
 // The ellipsoid that a sphere becomes is that ellipsoid.
 TEST(ReferenceQuadric, TransformedSphereIsAnEllipsoid) {
     Affine stretch;

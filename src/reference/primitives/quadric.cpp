@@ -269,16 +269,18 @@ double pointOnSide(const rows::Quadric& quadric, const dvec3& point, const dvec3
     surface.geometricNormal = -glm::normalize(direction);
     if (!(steepness > 0)) return 0;
     const double value = glm::dot(y, squares * y + 2.0 * quadric.linear) + quadric.constant;
-    // A step longer than the root of the error of `value` is the sign of a point without a normal.
-    const double limit = 0x1p-20 * glm::length(slope) / steepness;
+    const double terms = termsAt(quadric, squares, y);
+    // Near an apex the surface is no farther than the root of the error of the equation.
+    const double perRoot = glm::length(slope) / steepness;
+    const double most = std::sqrt(gammaOf(12) * terms) * perRoot;
+    // A ray that starts off the side, as the device's do, also ends off it. Below double's error the value is
+    // noise, which the gradient near an apex would magnify.
+    const double limit = std::abs(value) > 0x1p-40 * terms ? most : 0x1p-20 * perRoot;
     const dmat3 turning = rows * squares * local;
     surface.bend =
         2 * (glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2])) / steepness;
     surface.geometricNormal = gradient / steepness;
     surface.position -= std::clamp(value / steepness, -limit, limit) * surface.geometricNormal;
-    const double terms = termsAt(quadric, squares, y);
-    // Near an apex the surface is no farther than the root of what the equation is off by.
-    const double most = std::sqrt(gammaOf(12) * terms) * glm::length(slope) / steepness;
     return std::min(most, errorAlong(terms, slope, rows, surface.position - quadric.point, steepness));
 }
 
