@@ -5,8 +5,7 @@
 
 #include "primitives/cuboid.glsl"
 
-// Farther along a ray than any box: no crossing.
-const float kNowhere = 1e37;
+const float kNowhere = 1e37;  // farther along a ray than any box: no crossing
 
 vec3 toLocal(Quadric q, vec3 v) { return timesRows(q.toLocal0, q.toLocal1, q.toLocal2, v); }
 
@@ -209,16 +208,17 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     precise float errorB = gammaBound(8.0) * magnitudeB;
     precise float slack = errorB * errorB + abs(A) * (gammaBound(9.0) * magnitudeC);
     if (fromSide) {
-        // The ray starts on the side: C is 0, and the start's side decides the sign of B if rounding does: a
-        // line between two crossings (A C < 0) has one ahead. The origin, the direction and gamma_3 of its
-        // sums are rounded, and the origin stands off the surface by C over the gradient.
+        // The ray starts on the side: C is 0. If rounding decides the sign of B, the start's side does: a line
+        // between two crossings (A C < 0) has one ahead. The origin, the direction and gamma_3 of its sums are
+        // rounded, and the origin stands off the surface by C over the gradient.
         vec3 terms = magnitudesToLocal(q, abs(ray.direction) * unit);
         vec3 reach = magnitudesToLocal(q, abs(ray.origin) + abs(q.point));
         precise float errorSide =
             gammaBound(8.0) * (dot(reach, magnitudesBilinear(q, terms)) + dot(abs(e.at.linear), terms));
         precise float steepness = length(e.form - e.at.linear);
         if (steepness > 0.0) errorSide += quotient(0.5 * abs(e.C), steepness) * length(image);
-        float ahead = A * e.C < 0.0 ? larger(abs(e.B), kUnit * errorSide) : 0.0;
+        precise float errorC = gammaBound(9.0) * magnitudeC + gammaBound(5.0) * dot(abs(e.form), reach);
+        float ahead = abs(e.C) > errorC && A * e.C < 0.0 ? larger(abs(e.B), kUnit * errorSide) : 0.0;
         if (abs(e.B) <= errorSide) e.B = A < 0.0 ? ahead : -ahead;
         e.C = 0.0;
     }

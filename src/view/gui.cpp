@@ -132,7 +132,7 @@ const char* findFont() {
 
 Gui::Gui(float scale, const Window& window) : window_(window.handle()) {
     ImGui::CreateContext();
-    // Of ImGui's backend, the window uses keys and clipboard: events come from the window's own queue.
+    // The window uses only keys and clipboard of ImGui's backend: events come from the window's own queue.
     ImGui_ImplGlfw_InitForOther(window_, false);
     ImGuiIO& io = ImGui::GetIO();
     io.UserData = this;
