@@ -208,9 +208,9 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     precise float errorB = gammaBound(8.0) * magnitudeB;
     precise float slack = errorB * errorB + abs(A) * (gammaBound(9.0) * magnitudeC);
     if (fromSide) {
-        // The ray starts on the side: C is 0. If rounding decides the sign of B, the start's side does: a line
-        // between two crossings (A C < 0) has one ahead. The origin, the direction and gamma_3 of its sums are
-        // rounded, and the origin stands off the surface by C over the gradient.
+        // The ray starts on the side: C is 0. If rounding decides the sign of B, the start's side does: a
+        // line between two crossings (A C < 0) has one ahead. The origin, the direction and gamma_3 of its
+        // sums are rounded, and the origin stands off the surface by C over the gradient.
         vec3 terms = magnitudesToLocal(q, abs(ray.direction) * unit);
         vec3 reach = magnitudesToLocal(q, abs(ray.origin) + abs(q.point));
         precise float errorSide =
