@@ -330,8 +330,7 @@ bool isOrderOpen(const reference::Tracer& tracer, const reference::Ray& ray) {
     return false;
 }
 
-// Counts those pixels of a part for which the order of surfaces is open in none of the samples 0 to `end` -
-// 1.
+// Counts those pixels of a part for which the order of surfaces is open in none of the first `end` samples.
 uint64_t Verification::countSettled(const Region& part, uint32_t end,
                                     const std::vector<size_t>& pixels) const {
     std::atomic<uint64_t> settled = 0;

@@ -59,7 +59,7 @@ const Case kStructure[] = {
      "transmission, ior, attenuation, ...)"},
 };
 
-// Of other programs.
+// Words that other programs use.
 const Case kWords[] = {
     {"color", R"({"materials": {"m": {"color": 1}}})",
      R"(s.json: /materials/m/color: unknown key (the colour of a material is "diffuse"))"},

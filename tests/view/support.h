@@ -27,7 +27,7 @@ Ran runGlint(const std::vector<std::string>& args);
 // `glint view ARGS` driven by a script. ARGS: the scene, and options that tests of the window use.
 Ran runView(const std::vector<std::string>& args, const std::vector<ScriptCommand>& script);
 
-// Of an EXR file that the window saves: every layer.
+// Every layer of an EXR file that the window saves.
 inline const char* const kLayers =
     "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost";
 
