@@ -165,10 +165,9 @@ TEST_F(ClippedAdvice, AllTrianglesDropped) {
                         R"("meshes": {"m": {"file": "a.obj"}}, "objects": [{"type": "mesh", "mesh": "m"}])"));
     const Ran ran = runGlint("render a.json --backend cpu");
     EXPECT_EQ(ran.code, 0);
-    EXPECT_TRUE(
-        ran.err.ends_with("glint: warning: a.json: the image shows only background: nothing is left of its "
-                          "objects (see the warnings above)\n"))
-        << ran.err;
+    EXPECT_ENDS(ran.err,
+                "glint: warning: a.json: the image shows only background: nothing is left of its "
+                "objects (see the warnings above)\n");
 }
 
 // Two lamps of 1e18 that fade with the square of the distance, a hundred-billionth above the floor: 1e18 /

@@ -47,9 +47,8 @@ TEST_F(BenchOnHost, PicturesThatDoNotFitAreRefusedBeforehand) {
     writeSmallScene("a.json");
     const Ran ran = runGlint("bench a.json --backend cpu --size 65536x65536");
     EXPECT_EQ(ran.code, 1);
-    EXPECT_TRUE(ran.err.starts_with("glint: an image of 65536x65536 pixels takes 68.0 GiB of memory, "))
-        << ran.err;
-    EXPECT_TRUE(ran.err.ends_with(" fits)\n")) << ran.err;
+    EXPECT_STARTS(ran.err, "glint: an image of 65536x65536 pixels takes 68.0 GiB of memory, ");
+    EXPECT_ENDS(ran.err, " fits)\n");
 }
 
 }  // namespace glint::app::test::bench_on_host_test

@@ -72,7 +72,7 @@ TEST_F(Checkpoints, AnInterruptedProcessReportsItsUnits) {
         said = child.err();
     }
     EXPECT_EQ(code, 130);
-    EXPECT_TRUE(said.starts_with("glint: interrupted: c.part holds ")) << said;
+    EXPECT_STARTS(said, "glint: interrupted: c.part holds ");
     const Ran other = runGlint(with("--checkpoint c.part -o all.pfm --max-depth 1"));
     EXPECT_EQ(other.code, 1);
     EXPECT_EQ(other.err,

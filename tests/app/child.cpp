@@ -165,9 +165,8 @@ void ChildTest::expectFinishedPart(Child& child, int signal, int width, int heig
 void ChildTest::expectNothingWritten(Child& child, int signal) const {
     child.send(signal);
     EXPECT_EQ(child.wait(), 130);
-    EXPECT_TRUE(child.err().ends_with(
-        "glint: interrupted before any part of the image was finished; nothing written\n"))
-        << child.err();
+    EXPECT_ENDS(child.err(),
+                "glint: interrupted before any part of the image was finished; nothing written\n");
     EXPECT_EQ(child.out(), "");
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }

@@ -79,7 +79,7 @@ class Trace : public FolderTest {
         const Ran ran = runGlint("trace a.json --backend " + kBackend, options);
         EXPECT_EQ(ran.code, 0) << ran.err;
         EXPECT_EQ(ran.err, "");
-        EXPECT_TRUE(ran.out.starts_with(kHeader)) << ran.out;
+        EXPECT_STARTS(ran.out, kHeader);
         return ran.out.substr(std::string(kHeader).size());
     }
 

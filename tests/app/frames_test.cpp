@@ -77,13 +77,13 @@ TEST_F(Frames, ThoseThatAreThereStay) {
     writeText("f.01.pfm", "mine");
     const Ran more = frames("1:3");
     EXPECT_EQ(more.code, 0);
-    EXPECT_TRUE(more.out.starts_with(
-        "wrote 1 frame, f.03.pfm\n2 frames were there already (--overwrite renders them again)\ndevice: "))
-        << more.out;
+    EXPECT_STARTS(
+        more.out,
+        "wrote 1 frame, f.03.pfm\n2 frames were there already (--overwrite renders them again)\ndevice: ");
     EXPECT_EQ(glint::test::readText("f.01.pfm"), "mine");
     const Ran none = frames("1:3");
     EXPECT_EQ(none.code, 0);
-    EXPECT_TRUE(none.out.starts_with("3 frames were there already")) << none.out;
+    EXPECT_STARTS(none.out, "3 frames were there already");
     EXPECT_EQ(frames("1:2", "-q --overwrite").code, 0);
     EXPECT_NE(glint::test::readText("f.01.pfm"), "mine");
     EXPECT_EQ(readBytes("f.02.pfm"), before);

@@ -34,7 +34,7 @@ TEST_F(GpuProcess, InterruptEndsVerify) {
     ASSERT_TRUE(child.waitForPercent(0, "verify b.json")) << child.err();
     child.send(SIGINT);
     EXPECT_EQ(child.wait(), 130);
-    EXPECT_TRUE(child.err().ends_with("glint: interrupted while verifying b.json\n")) << child.err();
+    EXPECT_ENDS(child.err(), "glint: interrupted while verifying b.json\n");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "b.json", "r.json", "r.xml"}));
     const std::string xml = glint::test::readText("r.xml");
     EXPECT_HAS(xml, "tests=\"3\" failures=\"0\" errors=\"0\" skipped=\"2\"");
@@ -49,9 +49,9 @@ TEST_F(GpuProcess, InterruptedReportIsAReport) {
     ASSERT_TRUE(child.waitForPercent(0)) << child.err();
     child.send(SIGINT);
     EXPECT_EQ(child.wait(), 130);
-    EXPECT_TRUE(child.err().ends_with(
-        "glint: interrupted: out/report.json holds the results so far; repeat the command to resume\n"))
-        << child.err();
+    EXPECT_ENDS(
+        child.err(),
+        "glint: interrupted: out/report.json holds the results so far; repeat the command to resume\n");
     EXPECT_HAS(glint::test::readText("out/report.json"), "\"complete\": false");
     EXPECT_TRUE(std::filesystem::exists("out/report.html"));
 }

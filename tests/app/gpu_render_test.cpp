@@ -28,7 +28,7 @@ TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {
                                   traversal + ".exr", "--aov", "color,depth,uv,primitive,bounces"});
         if (traversal == "packet" && !hasPackets()) {
             EXPECT_EQ(ran.code, 4);
-            EXPECT_TRUE(ran.err.starts_with("glint: packets of rays need subgroups of 8 lanes")) << ran.err;
+            EXPECT_STARTS(ran.err, "glint: packets of rays need subgroups of 8 lanes");
             continue;
         }
         EXPECT_EQ(ran.code, 0) << ran.err;
@@ -47,7 +47,7 @@ TEST_F(GpuRender, DeviceThatDoesNotExist) {
         const Ran ran = runGlint({"render", "a.json", "--device", selector});
         EXPECT_EQ(ran.code, 4);
         EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
-        EXPECT_TRUE(ran.err.starts_with("glint: no Vulkan device has ")) << ran.err;
+        EXPECT_STARTS(ran.err, "glint: no Vulkan device has ");
         EXPECT_HAS(ran.err, "; devices: 0 \"");
         EXPECT_EQ(ran.out, "");
     }
@@ -86,7 +86,7 @@ TEST_F(Lavapipe, IsListedAsTheChosenOne) {
     const Ran ran = runGlint("devices");
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");
-    EXPECT_TRUE(ran.out.starts_with("0  llvmpipe")) << ran.out;
+    EXPECT_STARTS(ran.out, "0  llvmpipe");
     EXPECT_HAS(ran.out, "\n   chosen: ");
     EXPECT_HAS(ran.out, "\n   arithmetic: correctly rounded: ");
     EXPECT_HAS(ran.out, "\ncpu\n   ");

@@ -155,9 +155,7 @@ TEST_F(GpuReport, DevicesAreCompared) {
     std::filesystem::remove_all("out");
     const Ran wrong = with("cpu,no such device");
     EXPECT_EQ(wrong.code, 4);
-    EXPECT_TRUE(
-        wrong.err.starts_with("glint: no Vulkan device has \"no such device\" in its name; devices: 0 "))
-        << wrong.err;
+    EXPECT_STARTS(wrong.err, "glint: no Vulkan device has \"no such device\" in its name; devices: 0 ");
     EXPECT_FALSE(std::filesystem::exists("out"));
 }
 

@@ -15,7 +15,7 @@ TEST_F(GpuVerify, PassesAndWritesNothing) {
     const Ran ran = runGlint("verify a.json empty.json");
     EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
     EXPECT_EQ(ran.err, "");
-    EXPECT_TRUE(ran.out.starts_with("device: " + gpu::Device().info().name)) << ran.out;
+    EXPECT_STARTS(ran.out, "device: " + gpu::Device().info().name);
     EXPECT_HAS(ran.out, "\na.json: ok\n    3072 pixels; beyond their predicted error: ");  // 64 x 48
     EXPECT_HAS(ran.out, "\nempty.json: ok\n    63 pixels; beyond their predicted error: ");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "empty.json"}));
@@ -150,8 +150,7 @@ TEST_F(GpuVerify, HugePictureIsRefused) {
     ASSERT_LT(availableMemory(), uint64_t{1172} << 30);
     writeSmallScene("a.json");
     const Ran ran = runGlint("verify a.json --size 65536x65536 --spp 64");
-    EXPECT_TRUE(ran.err.starts_with("glint: an image of 65536x65536 pixels takes 1172.0 GiB of memory, "))
-        << ran.err;
+    EXPECT_STARTS(ran.err, "glint: an image of 65536x65536 pixels takes 1172.0 GiB of memory, ");
     EXPECT_EQ(ran.code, 1);
 }
 

@@ -14,7 +14,8 @@ TEST_F(Info, EmptyScene) {
     const Ran ran = runGlint("info a.json");
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");
-    EXPECT_TRUE(ran.out.starts_with(
+    EXPECT_STARTS(
+        ran.out,
         "a.json\n"
         "  image         800 x 600, 1 sample per pixel, at most 5 reflections\n"
         "  camera        perspective\n"
@@ -22,8 +23,7 @@ TEST_F(Info, EmptyScene) {
         "  materials     0\n"
         "  lights        0\n"
         "  bounds        no geometry\n"
-        "  BVH           none\n"))
-        << ran.out;
+        "  BVH           none\n");
     EXPECT_HAS(ran.out, "  features used nothing\n");
 }
 
@@ -129,7 +129,7 @@ TEST_F(Stats, WarningsDoNotDisturbIt) {
     writeText("dark.json",
               sceneText(8, 6, R"("objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}])"));
     const Ran ran = runGlint("render dark.json --backend cpu --stats json");
-    EXPECT_TRUE(ran.err.starts_with("glint: warning: ")) << ran.err;
+    EXPECT_STARTS(ran.err, "glint: warning: ");
     EXPECT_TRUE(nlohmann::json::accept(ran.out));
 }
 
@@ -159,8 +159,7 @@ TEST_F(Stats, QuietSaysNothing) {
 
 TEST_F(Stats, SummaryNamesFileSizeAndTimes) {
     const Ran ran = runGlint("render a.json --backend cpu -o b.exr");
-    EXPECT_TRUE(ran.out.starts_with("wrote b.exr (64x48)\ndevice: CPU reference (double precision), "))
-        << ran.out;
+    EXPECT_STARTS(ran.out, "wrote b.exr (64x48)\ndevice: CPU reference (double precision), ");
     EXPECT_HAS(ran.out, "\nhash: ");
     EXPECT_HAS(ran.out, "\ntimes: load ");
     EXPECT_EQ(ran.err, "");

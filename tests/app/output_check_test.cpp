@@ -55,7 +55,7 @@ TEST_F(OutputCheck, FolderThatRefusesAtTheEndLeavesNothing) {
     writeSmallScene("a.json");
     const Ran ran = runGlint("render a.json --backend cpu -o /proc/self/a.png");
     EXPECT_EQ(ran.code, 1);
-    EXPECT_TRUE(ran.err.starts_with("glint: /proc/self/a.png: cannot write: ")) << ran.err;
+    EXPECT_STARTS(ran.err, "glint: /proc/self/a.png: cannot write: ");
     EXPECT_EQ(ran.out, "");
 }
 
@@ -85,7 +85,7 @@ TEST_F(OutputCheck, HugePictureIsRefused) {
     const Ran ran = runGlint(
         "render a.json --size 65536x65536 --backend cpu --aov "
         "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost");
-    EXPECT_TRUE(ran.err.starts_with("glint: an image of 65536x65536 pixels takes ")) << ran.err;
+    EXPECT_STARTS(ran.err, "glint: an image of 65536x65536 pixels takes ");
     EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1);
     EXPECT_EQ(ran.code, 1);
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});

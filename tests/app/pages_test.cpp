@@ -68,13 +68,13 @@ TEST_F(Pages, GoIntoAFolder) {
     const Ran ran = runGlint("pages file");
     EXPECT_EQ(ran.code, 1);
     EXPECT_EQ(ran.out, "");
-    EXPECT_EQ(ran.err.find("glint: file/"), 0u) << ran.err;
+    EXPECT_STARTS(ran.err, "glint: file/");
 }
 
 TEST(Version, SaysWhatWasBuiltIn) {
     const std::string text = runGlint("--version --verbose").out;
     EXPECT_EQ(runGlint("--verbose --version").out, text);
-    EXPECT_TRUE(text.starts_with(runGlint("--version").out)) << text;
+    EXPECT_STARTS(text, runGlint("--version").out);
     for (const char* line : {"\ncommit: ", "\ncompiler: ", "\nbuild type: ", "\nwindow: ", "\nMPI: ",
                              "\nEXR: OpenEXR 3.", "\ndevice: "})
         EXPECT_HAS(text, line) << line << text;

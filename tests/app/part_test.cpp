@@ -21,13 +21,11 @@ TEST_F(Part, MergedPicturesAreTheBytesOfOneRun) {
 TEST_F(Part, NamesAndSummary) {
     const Ran first = part("1/2");
     EXPECT_EQ(first.code, 0);
-    EXPECT_TRUE(first.out.starts_with("wrote a.1-of-2.part (part 1 of 2, ")) << first.out;
+    EXPECT_STARTS(first.out, "wrote a.1-of-2.part (part 1 of 2, ");
     EXPECT_EQ(part("2/2", "--stats json").code, 0);
     const Ran merged = runGlint("merge a.1-of-2.part a.2-of-2.part");
     EXPECT_EQ(merged.code, 0);
-    EXPECT_TRUE(
-        merged.out.starts_with("wrote a.png (64x48)\ndevice: CPU reference (double precision)\nhash: "))
-        << merged.out;
+    EXPECT_STARTS(merged.out, "wrote a.png (64x48)\ndevice: CPU reference (double precision)\nhash: ");
     const nlohmann::json whole = jsonOf("render a.json --backend cpu --stats json -o b.png");
     const nlohmann::json json = jsonOf("merge a.2-of-2.part a.1-of-2.part --stats json");
     EXPECT_EQ(json["hash"], whole["hash"]);

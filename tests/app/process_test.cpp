@@ -22,7 +22,7 @@ const Words kLongRows = "render a.json --backend cpu --size 60000x8 --spp 4096 -
 TEST_F(Process, ExitCodesAndStreams) {
     Child fine("render a.json --backend cpu");
     EXPECT_EQ(fine.wait(), 0);
-    EXPECT_TRUE(fine.out().starts_with("wrote a.png (64x48)\n")) << fine.out();
+    EXPECT_STARTS(fine.out(), "wrote a.png (64x48)\n");
     EXPECT_EQ(fine.err(), "");
     Child usage("rendr");
     EXPECT_EQ(usage.wait(), 2);
@@ -106,7 +106,7 @@ TEST_F(Process, PicturesBeyondTheLimitOfAddressSpaceAreRefused) {
                     "' render a.json --backend cpu --size 20000x20000 -o a.hdr 2> err.txt"),
               1);
     const std::string message = readText("err.txt");
-    EXPECT_TRUE(message.starts_with("glint: an image of 20000x20000 pixels takes ")) << message;
+    EXPECT_STARTS(message, "glint: an image of 20000x20000 pixels takes ");
     EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1);
 }
 
@@ -184,7 +184,7 @@ TEST_F(Process, InterruptBeforeAnythingIsFinishedWritesNoFile) {
         Child child(kLongRows);
         ASSERT_TRUE(child.waitForWork(0.5));
         expectNothingWritten(child, signal);
-        EXPECT_TRUE(child.err().starts_with("glint: interrupted before")) << child.err();
+        EXPECT_STARTS(child.err(), "glint: interrupted before");
         EXPECT_EQ(std::count(child.err().begin(), child.err().end(), '\n'), 1) << child.err();
     }
 }
@@ -219,9 +219,9 @@ TEST_F(Process, PlainProgressGoesToStandardError) {
     ASSERT_TRUE(child.waitForPercent(0));
     child.send(SIGINT);
     child.wait();
-    EXPECT_TRUE(child.err().starts_with("render")) << child.err();
+    EXPECT_STARTS(child.err(), "render");
     EXPECT_EQ(child.out().find('%'), std::string::npos) << child.out();
-    EXPECT_TRUE(child.out().starts_with("wrote out.png")) << child.out();
+    EXPECT_STARTS(child.out(), "wrote out.png");
 }
 
 TEST_F(Process, NoProgressUnlessAskedForOrOnATerminal) {
@@ -231,7 +231,7 @@ TEST_F(Process, NoProgressUnlessAskedForOrOnATerminal) {
         usleep(1500000);  // progress starts after a second
         child.send(SIGINT);
         EXPECT_EQ(child.wait(), 130);
-        EXPECT_TRUE(child.err().starts_with("glint: interrupted")) << child.err();
+        EXPECT_STARTS(child.err(), "glint: interrupted");
     }
 }
 

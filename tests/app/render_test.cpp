@@ -91,7 +91,7 @@ TEST_F(Render, LayersHoldWhatTheirNamesSay) {
 TEST_F(Render, SingleDataLayerIsAFileOfItsOwn) {
     const Ran ran = runGlint("render a.json --backend cpu --aov depth -o p.png");
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "p.depth.png"}));
-    EXPECT_TRUE(ran.out.starts_with("wrote p.depth.png (64x48)\n")) << ran.out;
+    EXPECT_STARTS(ran.out, "wrote p.depth.png (64x48)\n");
 }
 
 // The samples of the PNG are those of radiance times 2^STOPS; alpha stays.

@@ -13,10 +13,6 @@
 
 namespace glint::app::test {
 
-// The text contains the part, or does not; a failure prints both.
-#define EXPECT_HAS(text, part) EXPECT_PRED_FORMAT2(::testing::IsSubstring, part, text)
-#define EXPECT_LACKS(text, part) EXPECT_PRED_FORMAT2(::testing::IsNotSubstring, part, text)
-
 struct Ran {
     int code = -1;
     std::string out, err;

@@ -207,7 +207,7 @@ TEST(Help, NamesEveryOptionOfTheContract) {
 TEST(Help, VersionIsOneLine) {
     const Ran ran = runGlint("--version");
     EXPECT_EQ(ran.code, 0);
-    EXPECT_TRUE(ran.out.starts_with("glint ")) << ran.out;
+    EXPECT_STARTS(ran.out, "glint ");
     EXPECT_EQ(ran.out.find('\n'), ran.out.size() - 1);
 }
 

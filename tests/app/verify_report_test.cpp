@@ -67,7 +67,7 @@ TEST(VerifyReport, VerdictsNameTheirReason) {
     for (const Verdict& c : cases) {
         verify::Report report = cleanReport();
         c.change(report);
-        EXPECT_TRUE(reportText(report).starts_with(std::string("a.json: ") + c.verdict)) << c.verdict;
+        EXPECT_STARTS(reportText(report), std::string("a.json: ") + c.verdict) << c.verdict;
         EXPECT_HAS(reportText(report), c.line);
         EXPECT_EQ(reportJson(report)["differing"], report.explained() + report.unexplained);
     }
@@ -126,8 +126,8 @@ TEST(VerifyReport, RoundingOfTheSceneHasFiguresOfItsOwn) {
     const char* const kLine =
         "    rounding the scene: 250 pixels of the reference, RMSE 1e-08, 99th percentile 2e-08, max "
         "3e-08; beyond what moved numbers predict: 3 explained, 0 unexplained\n";
-    EXPECT_TRUE(reportText(report).starts_with("a.json: ok\n"));
-    EXPECT_TRUE(reportText(report).ends_with(kLine)) << reportText(report);
+    EXPECT_STARTS(reportText(report), "a.json: ok\n");
+    EXPECT_ENDS(reportText(report), kLine);
     const nlohmann::json json = reportJson(report);
     EXPECT_EQ(json["representation"]["rmse"], 1e-8);
     EXPECT_EQ(json["arithmetic"]["rmse"], 1e-7);
@@ -137,7 +137,7 @@ TEST(VerifyReport, RoundingOfTheSceneHasFiguresOfItsOwn) {
     pixel.x = 4;
     pixel.truth.color = {0.5, 0, 0};
     report.representation->worst.push_back(pixel);
-    EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: the packed scene differs from the scene"));
+    EXPECT_STARTS(reportText(report), "a.json: FAILED: the packed scene differs from the scene");
     EXPECT_HAS(reportText(report), "pixel 4,0 sample 0: difference 0 by packing, unexplained");
     EXPECT_HAS(reportText(report), "read       color (0.5 0 0)  miss");
     EXPECT_EQ(reportJson(report)["passed"], false);

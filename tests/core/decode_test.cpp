@@ -152,7 +152,7 @@ TEST(Damaged, ExrWhoseHeaderDoesNotFit) {
     std::vector<uint8_t> file = whole;
     file[5] |= 0x02;  // bit 9 of the version: tiled
     const std::string tiled = reasonOf(file, decodeExr);
-    EXPECT_NE(tiled.find("the EXR file is truncated or damaged"), std::string::npos) << tiled;
+    EXPECT_HAS(tiled, "the EXR file is truncated or damaged");
     file[5] = 0x08;  // bit 11: not an image
     EXPECT_EQ(reasonOf(file, decodeExr), "EXR files with deep pixels are not supported");
     // An attribute more, behind magic number and version, whose size is 2^31 - 1: no memory may be taken.
@@ -196,7 +196,7 @@ TEST(Webp, DamageIsRefused) {
 #else
 
 TEST(Webp, IsNotReadByThisBuild) {
-    EXPECT_NE(reasonOf(textBytes("RIFF"), decodeWebp).find("libwebp-dev"), std::string::npos);
+    EXPECT_HAS(reasonOf(textBytes("RIFF"), decodeWebp), "libwebp-dev");
 }
 
 #endif

@@ -85,10 +85,10 @@ TEST_F(ProgressTest, ShorterLinesCoverLongerOnes) {
     Progress progress("render", ProgressMode::Bar, sink_, true, clock());
     // 10 s * 0.998 / 0.002 = 4990 s = 1:23:10
     const std::string longLine = shown(progress, 10, 0.002);
-    EXPECT_NE(longLine.find("0:10 elapsed, 1:23:10 left"), std::string::npos) << longLine;
+    EXPECT_HAS(longLine, "0:10 elapsed, 1:23:10 left");
     const std::string shortLine = shown(progress, 11, 0.5);
     EXPECT_EQ(shortLine.size(), longLine.size());
-    EXPECT_TRUE(shortLine.ends_with("0:11 left   ")) << shortLine;
+    EXPECT_ENDS(shortLine, "0:11 left   ");
 }
 
 TEST_F(ProgressTest, NoEstimateWithoutProgress) {
@@ -98,9 +98,9 @@ TEST_F(ProgressTest, NoEstimateWithoutProgress) {
 
 TEST_F(ProgressTest, NeverGoesBackAndStaysInItsRange) {
     Progress progress("render", ProgressMode::Bar, sink_, true, clock());
-    EXPECT_NE(shown(progress, 10, 0.5).find(" 50 %"), std::string::npos);
-    EXPECT_NE(shown(progress, 11, 0.25).find(" 50 %"), std::string::npos);
-    EXPECT_NE(shown(progress, 12, std::numeric_limits<double>::quiet_NaN()).find(" 50 %"), std::string::npos);
+    EXPECT_HAS(shown(progress, 10, 0.5), " 50 %");
+    EXPECT_HAS(shown(progress, 11, 0.25), " 50 %");
+    EXPECT_HAS(shown(progress, 12, std::numeric_limits<double>::quiet_NaN()), " 50 %");
     EXPECT_EQ(shown(progress, 13, 7.0), "\rrender  [####################]  100 %  0:13 elapsed, 0:00 left");
 }
 

@@ -72,7 +72,7 @@ TEST_F(SceneStream, ErrorsAreTheSame) {
         const std::string here = errorOf(ErrorKind::Scene, [&] { loadScene("a.json", from(record)); });
         record->flush();
         EXPECT_EQ(errorOf(ErrorKind::Scene, [&] { loadScene("a.json", from(replayed())); }), here);
-        EXPECT_NE(here.find(empty ? "empty" : "no such file"), std::string::npos) << here;
+        EXPECT_HAS(here, empty ? "empty" : "no such file");
     }
 }
 

@@ -71,7 +71,7 @@ TEST_F(UnitFiles, NoDamageGoesUnnoticed) {
         std::vector<uint8_t> bytes = whole;
         bytes[i] ^= static_cast<uint8_t>(1u << i % 8);
         const std::string error = errorOfPart(bytes);
-        EXPECT_TRUE(error.starts_with("a.part: damaged: ")) << i << ' ' << error;
+        EXPECT_STARTS(error, "a.part: damaged: ") << i;
         bytes.assign(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(i));
         EXPECT_EQ(errorOfPart(bytes), "a.part: damaged: it ends early") << i;
     }

@@ -29,14 +29,14 @@ class Fallback : public FolderTest {
         const Ran ran = render(fault, {"--fallback", "cpu", "--stats", "json"});
         EXPECT_EQ(ran.code, 0) << fault << ran.err;
         if (ran.code != 0 || !fellBack(ran)) return false;
-        EXPECT_TRUE(ran.err.starts_with("glint: warning: ")) << ran.err;
-        EXPECT_NE(ran.err.find(reason), std::string::npos) << ran.err;
-        EXPECT_TRUE(ran.err.ends_with("; rendered by the reference instead (--fallback cpu)\n")) << ran.err;
+        EXPECT_STARTS(ran.err, "glint: warning: ");
+        EXPECT_HAS(ran.err, reason);
+        EXPECT_ENDS(ran.err, "; rendered by the reference instead (--fallback cpu)\n");
         EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
         EXPECT_EQ(readBytes("out.pfm"), readBytes("cpu.pfm")) << fault;
         const auto json = nlohmann::json::parse(ran.out);
         EXPECT_EQ(json.at("backend"), "cpu");
-        EXPECT_NE(json.at("fallback").at("reason").get<std::string>().find(reason), std::string::npos);
+        EXPECT_HAS(json.at("fallback").at("reason").get<std::string>(), reason);
         EXPECT_EQ(json.at("reproducible"), false);
         return true;
     }
@@ -46,7 +46,7 @@ class Fallback : public FolderTest {
         std::filesystem::remove("out.pfm");
         const Ran ran = render(fault);
         EXPECT_EQ(ran.code, 4) << fault;
-        EXPECT_NE(ran.err.find(reason), std::string::npos) << ran.err;
+        EXPECT_HAS(ran.err, reason);
         EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
         EXPECT_FALSE(std::filesystem::exists("out.pfm"));
     }

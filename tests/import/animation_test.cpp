@@ -140,7 +140,7 @@ TEST_F(AnimationFile, ErrorsHaveLineAndColumn) {
     const std::string track = R"({"target": "/lights/1/position", "times": [0], "values": [[0, 0, 1]]})";
     for (const std::optional<double> time : {std::optional<double>(), std::optional(0.5)}) {
         const std::string error = placedErrorOf([&] { reader(track, time); });
-        EXPECT_NE(error.find("s.json:8:68: /animation/tracks/0/target: "), std::string::npos) << error;
+        EXPECT_HAS(error, "s.json:8:68: /animation/tracks/0/target: ");
     }
 }
 
@@ -149,9 +149,7 @@ TEST_F(AnimationFile, MomentsAreChecked) {
     SceneReader r = reader(R"({"target": "/objects/1/radius", "times": [0, 1], "values": [1, -1]})");
     r.moveTo(0.25);
     const std::string error = glint::test::errorOf([&] { r.moveTo(0.75); });
-    EXPECT_NE(error.find("/objects/1/radius: must be > 0 (got -0.5) (at 0.75 s of the animation)"),
-              std::string::npos)
-        << error;
+    EXPECT_HAS(error, "/objects/1/radius: must be > 0 (got -0.5) (at 0.75 s of the animation)");
 }
 
 // And the moment before stays: the same question has the same answer, and the way back is a way.

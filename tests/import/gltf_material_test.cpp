@@ -287,8 +287,8 @@ TEST(GltfMaterial, PicturesThatCannotBeReadAreWarnedOf) {
         EXPECT_EQ(scene.objects.size(), 1u);
         EXPECT_EQ(scene.materials.at(0).diffuseTexture, Material::kNoTexture);
         ASSERT_EQ(scene.warnings.size(), 1u) << uri;
-        EXPECT_TRUE(scene.warnings[0].starts_with(path.string() + ": /images/0")) << scene.warnings[0];
-        EXPECT_TRUE(scene.warnings[0].ends_with("; drawn without this picture")) << scene.warnings[0];
+        EXPECT_STARTS(scene.warnings[0], path.string() + ": /images/0");
+        EXPECT_ENDS(scene.warnings[0], "; drawn without this picture");
     }
     folder.write("a.png", png(1, 1, 3, {255, 255, 255}));
     const Scene beside = loadScene(folder.write(

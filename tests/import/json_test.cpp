@@ -48,9 +48,7 @@ TEST(Json, SyntaxErrorsSayLineAndColumn) {
     EXPECT_EQ(syntaxErrorOf("[1e999]"), "a.json:1:6: number overflow parsing '1e999'");
     for (const auto& [text, place] :
          {std::pair{"{a: 1}", "1:2"}, {"{\"a\": [1, 2", "1:12"}, {"{} {}", "1:4"}, {"[1  false]", "1:9"}})
-        EXPECT_TRUE(
-            syntaxErrorOf(text).starts_with(std::string("a.json:") + place + ": syntax error while parsing"))
-            << syntaxErrorOf(text);
+        EXPECT_STARTS(syntaxErrorOf(text), std::string("a.json:") + place + ": syntax error while parsing");
 }
 
 // Each value knows where it begins.
@@ -79,13 +77,11 @@ TEST(Json, ColumnsCountCharactersNotBytes) {
 }
 
 TEST(Json, LexicalErrorsSayWhatIsWrong) {
-    EXPECT_NE(syntaxErrorOf("[\"abc").find(
-                  "a.json:1:6: syntax error while parsing value - invalid string: missing closing quote"),
-              std::string::npos);
-    EXPECT_NE(syntaxErrorOf("[nan]").find("a.json:1:3: syntax error while parsing value - invalid literal"),
-              std::string::npos);
-    EXPECT_NE(syntaxErrorOf("{ /* open").find("invalid comment; missing closing '*/'"), std::string::npos);
-    EXPECT_NE(syntaxErrorOf("[\"\xff\"]").find("invalid string: ill-formed UTF-8 byte"), std::string::npos);
+    EXPECT_HAS(syntaxErrorOf("[\"abc"),
+               "a.json:1:6: syntax error while parsing value - invalid string: missing closing quote");
+    EXPECT_HAS(syntaxErrorOf("[nan]"), "a.json:1:3: syntax error while parsing value - invalid literal");
+    EXPECT_HAS(syntaxErrorOf("{ /* open"), "invalid comment; missing closing '*/'");
+    EXPECT_HAS(syntaxErrorOf("[\"\xff\"]"), "invalid string: ill-formed UTF-8 byte");
 }
 
 TEST(Json, DuplicateKeys) {

@@ -152,7 +152,7 @@ TEST(Ply, TheTextureOfMeshLab) {
     const ImportedMesh imported = importMesh(folder.write("m.ply", text + "3 0 1 2\n3 0 2 3\n"));
     EXPECT_TRUE(imported.materials.empty());
     ASSERT_EQ(imported.warnings.size(), 1u);
-    EXPECT_TRUE(imported.warnings[0].ends_with("gone.png: no such file; drawn without it"));
+    EXPECT_ENDS(imported.warnings[0], "gone.png: no such file; drawn without it");
     writeImage(folder.path() / "gone.png", Image(1, 1, 3, 0.5f));
     const ImportedMesh textured = importMesh(folder.path() / "m.ply");
     ASSERT_EQ(textured.textures.size(), 1u);
@@ -191,7 +191,7 @@ TEST(Ply, EveryTruncationOfABinaryFileIsSaid) {
     const size_t body = whole.find("end_header\n") + 11;
     for (size_t size = body; size < whole.size(); size++) {
         const std::string message = error(whole.substr(0, size));
-        EXPECT_TRUE(message.starts_with(": the file ends after ")) << size << ": " << message;
+        EXPECT_STARTS(message, ": the file ends after ") << size;
     }
     EXPECT_EQ(error(whole.substr(0, whole.size() - 1)), ": the file ends after 1 of 2 elements \"face\"");
 }
@@ -367,7 +367,7 @@ TEST(Ply, MessagesArePrintable) {
     for (const std::string form : {"ascii", "binary_little_endian"}) {
         const std::string message =
             error(header(form, "element \x1b[31m 5\nproperty list uchar int n\n" + kXyz));
-        EXPECT_NE(message.find("[31m"), std::string::npos) << message;
+        EXPECT_HAS(message, "[31m");
         EXPECT_EQ(message.find('\x1b'), std::string::npos) << message;
     }
 }

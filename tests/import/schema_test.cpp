@@ -431,8 +431,7 @@ TEST(SceneFormatPage, NamesEveryKeyAndType) {
         for (const std::string_view key : table.keys())
             EXPECT_NE(text.find('`' + std::string(key) + '`'), std::string::npos) << key;
     for (const char* kind : {"light", "object", "camera"})
-        for (const std::string_view type : keys::typesOf(kind))
-            EXPECT_NE(text.find(type), std::string::npos) << type;
+        for (const std::string_view type : keys::typesOf(kind)) EXPECT_HAS(text, std::string(type));
 }
 
 // The comments in the examples and the errors at the end of the page are what glint does.
@@ -447,7 +446,7 @@ TEST(SceneFormatPage, StatedResultsAreRight) {
         const std::string text =
             R"({"objects": [)" + list + R"({"type": "sphere", "center": [0, 0, 0], )" + sphere + "}]}";
         const std::string error = placedErrorOf([&] { parseScene(text, "scenes/a.json", {}); });
-        EXPECT_NE(all.find(error), std::string::npos) << error;
+        EXPECT_HAS(all, error);
     }
 }
 

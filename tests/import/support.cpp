@@ -40,7 +40,7 @@ namespace {
 void removePath(const std::filesystem::path& path, std::vector<std::string>& warnings) {
     const std::string prefix = path.string() + ": ";
     for (std::string& line : warnings) {
-        EXPECT_TRUE(line.starts_with(prefix)) << line;
+        EXPECT_STARTS(line, prefix);
         line = line.substr(std::min(prefix.size(), line.size()));
     }
 }

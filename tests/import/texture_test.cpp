@@ -68,9 +68,8 @@ TEST_F(TextureFilesTest, CheckersAndEnvironments) {
 TEST_F(TextureFilesTest, ErrorsSayWhereAndHowToMend) {
     folder_.write("broken.png", "not an image");
     const std::string broken = errorIn(R"({"specular": {"texture": "broken.png"}})");
-    EXPECT_TRUE(broken.starts_with("s.json: /materials/m/specular/texture: " +
-                                   (folder_.path() / "broken.png").string()))
-        << broken;
+    EXPECT_STARTS(broken,
+                  "s.json: /materials/m/specular/texture: " + (folder_.path() / "broken.png").string());
     EXPECT_EQ(errorIn(R"({"diffuse": {"textur": "tiny.png"}})"),
               "s.json: /materials/m/diffuse: must hold \"texture\": \"FILE\" or \"checker\": [a, b], or be a "
               "number or [r, g, b]");
@@ -125,7 +124,7 @@ TEST_F(TextureFilesTest, ObjBringsCoordinatesColorsAndMaps) {
     EXPECT_EQ(scene.materials[1].alphaCutoff, 0.5);
     EXPECT_EQ(scene.materials[2].diffuseTexture, Material::kNoTexture);
     ASSERT_EQ(scene.warnings.size(), 1u);
-    EXPECT_NE(scene.warnings[0].find("gone.png: no such file; drawn without it"), std::string::npos);
+    EXPECT_HAS(scene.warnings[0], "gone.png: no such file; drawn without it");
 }
 
 TEST_F(TextureFilesTest, ObjCoordinatesOutOfRangeAreErrors) {

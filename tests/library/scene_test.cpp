@@ -95,7 +95,7 @@ TEST_F(LibraryScene, FilesAndTheirFaults) {
     glint_scene* none = scene();
     EXPECT_EQ(glint_scene_load(device(), "/no/such/file.json", &none), GLINT_ERROR_SCENE);
     EXPECT_EQ(none, nullptr);
-    EXPECT_NE(std::string(glint_last_error()).find("/no/such/file.json"), std::string::npos);
+    EXPECT_HAS(glint_last_error(), "/no/such/file.json");
     EXPECT_EQ(glint_scene_add_json(scene(), "{\"objects\": 3}", nullptr, nullptr, nullptr),
               GLINT_ERROR_SCENE);
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "glint/glint.h"
+#include "support/support.h"
 
 // A call of the C API succeeds.
 #define EXPECT_OK(call) EXPECT_EQ(call, GLINT_OK) << glint_last_error()
@@ -148,11 +149,11 @@ inline void addJson(glint_scene* scene, const std::string& text) {
 // An argument is refused, with a message that holds `part`.
 inline void refused(glint_status status, const std::string& part) {
     EXPECT_EQ(status, GLINT_ERROR_ARGUMENT);
-    EXPECT_NE(std::string(glint_last_error()).find(part), std::string::npos) << glint_last_error();
+    EXPECT_HAS(glint_last_error(), part);
 }
 
 inline std::filesystem::path sceneFile(const std::string& name) {
-    return std::filesystem::path(GLINT_SOURCE_DIR) / "scenes" / name;
+    return glint::test::sourcePath("scenes/" + name);
 }
 
 // One device for all tests of a suite, and the scene of a test.

@@ -1,5 +1,4 @@
-// What the tests of several modules share: paths, files, folders that go away, and a look at the errors that
-// users get.
+// Paths, files, temporary folders and checks of texts for the tests of several modules.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,6 +8,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/error.h"
@@ -72,6 +72,21 @@ class WorkingFolderTest : public FolderTest {
   private:
     std::filesystem::path before_;
 };
+
+// ---- texts ----
+
+// The text contains a part, lacks it, starts or ends with it. A failure prints both.
+#define EXPECT_HAS(text, part) EXPECT_PRED_FORMAT2(::testing::IsSubstring, part, text)
+#define EXPECT_LACKS(text, part) EXPECT_PRED_FORMAT2(::testing::IsNotSubstring, part, text)
+#define EXPECT_STARTS(text, start) EXPECT_PRED2(::glint::test::startsWith, text, start)
+#define EXPECT_ENDS(text, end) EXPECT_PRED2(::glint::test::endsWith, text, end)
+
+inline bool startsWith(std::string_view text, std::string_view start) {
+    return text.starts_with(start);
+}
+inline bool endsWith(std::string_view text, std::string_view end) {
+    return text.ends_with(end);
+}
 
 // ---- errors ----
 
