@@ -87,11 +87,14 @@ TEST_F(Obj, LineEndsOfAllSystems) {
 }
 
 TEST_F(Obj, ContinuedLinesAndComments) {
-    const Mesh mesh =
-        import("# a path C:\\\nv 0 0 \\\n0 # end\nv 1 0 0\nv 0 1 0\nf 1 \\\r\n2 3\nf 3 2 1").mesh;
-    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {2, 1, 0}}));
+    const std::vector<uvec3> corners = {{0, 1, 2}, {2, 1, 0}};
+    const ImportedMesh imported =
+        import("# a path C:\\\no a\ng b\ns 1\nv 0 0 \\\n0 # end\nv 1 0 0\nv 0 1 0\nf 1 \\\r\n2 3\nf 3 2 1");
+    EXPECT_EQ(imported.mesh.corners, corners);
+    EXPECT_EQ(imported.warnings, Lines{}) << "objects, groups and smoothing are not drawn, but no loss";
     EXPECT_EQ(import("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 \\\r\n2 \\\r\n3\r\nf 3 2 1\r\n").mesh.corners,
-              mesh.corners);  // lines of DOS, two of which go on
+              corners)
+        << "two continued lines with line ends of DOS";
     EXPECT_EQ(error("v 0 0 \\\n0\nv x 0 0\n"), ":3: \"x\" is not a number (a vertex needs one)");
 }
 
@@ -169,7 +172,7 @@ TEST_F(Obj, ErrorsSayLineAndReason) {
     EXPECT_EQ(error(kFour + "f 1 2 99999999999\n"), ":5: face uses vertex 99999999999, the file has 4");
     EXPECT_EQ(error(kFour + "vn 0 0 1\nf 1//1 2//1 3//2\n"), ":6: face uses normal 2, the file has 1");
     EXPECT_EQ(error(kFour + "f 1 two 3\n"), ":5: \"two\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
-    for (const std::string corner : {"1///", "1/1/1/1", "1.5", "/1", "1/x", "99999999999999999999"})
+    for (const std::string corner : {"1///", "1/1/1/1", "1.5", "/1", "1/x", "99999999999999999999", "\\"})
         EXPECT_EQ(error(kFour + "f 1 2 " + corner + "\n"),
                   ":5: \"" + corner + "\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
     EXPECT_EQ(error("v 1 2\n"), ":1: a vertex needs a number more");
