@@ -119,7 +119,9 @@ TEST_F(Cameras, TextMeansTheSame) {
     Camera parallel;
     parallel.projection = Projection::Orthographic;
     parallel.height = 1.1;
-    for (const Camera& camera : {Camera{}, full, parallel})
+    Camera wide;
+    wide.fovY = 100.0 / 3;
+    for (const Camera& camera : {Camera{}, full, parallel, wide})
         EXPECT_EQ(parse("{\"camera\": " + cameraText(camera) + "}").camera, camera) << cameraText(camera);
 }
 

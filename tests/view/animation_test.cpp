@@ -25,19 +25,15 @@ TEST_F(Animation, IsSteppedAndScrubbed) {
     animate(Json::array({hop_, turn_}));
     const Ran ran = view(
         "set samples 1\nexpect time none\nhand key period\nsettle\nexpect time 0\nhand key period key "
-        "period\nsettle\n"
-        "expect time 0.08333333333333333\nhand key comma\nsettle\nexpect time 0.041666666666666664\n"
-        "hand key alt+s\nsettle\nexpect toast glint render scene.json --time 0.041666666666666664\n"
-        "hand key s\nsettle\nhand key End\nsettle\nexpect time 2\nhand key period\nsettle\nexpect time "
-        "2\nhand key Home\n"
-        "settle\nexpect time 0\nhand mousemove @frame mousedown 1 mousemove_relative 20 0 mouseup "
-        "1\nsettle\nprint time\n"
-        "hand mousemove @frame keydown ctrl click 1 keyup ctrl\nhand type 12\nhand key "
-        "Return\nsettle\nexpect time 0.5\n"
-        "hand mousemove @frame_on click 1\nsettle\nexpect time 0.5416666666666666\nhand "
-        "mousemove "
-        "@frame_back click 1\nsettle\nexpect time 0.5\nkey Esc\nwait 4\nidle 0.5\n");
-    expectRendered("scene-view-001.png", "scene.json", {"--time", "0.041666666666666664"});
+        "period\nsettle\nexpect time 0.08333333333333333\nhand key comma\nsettle\nexpect time "
+        "0.041666666666666664\nhand key alt+s\nsettle\nexpect toast glint render scene.json --time "
+        "0.041666666666666664\nhand key s\nsettle\nhand key End\nsettle\nexpect time 2\nhand key "
+        "period\nsettle\nexpect time 2\nhand key Home\nsettle\nexpect time 0\nhand mousemove @frame "
+        "mousedown 1 mousemove_relative 20 0 mouseup 1\nsettle\nprint time\nhand mousemove @frame keydown "
+        "ctrl click 1 keyup ctrl\nhand type 12\nhand key Return\nsettle\nexpect time 0.5\nhand mousemove "
+        "@frame_on click 1\nsettle\nexpect time 0.5416666666666666\nhand mousemove @frame_back click "
+        "1\nsettle\nexpect time 0.5\nkey Esc\nwait 4\nidle 0.5\n");
+    expectRendered("scene-view-001.png", "scene.json", "--time 0.041666666666666664");
     render("scene.json", "first.png");
     EXPECT_NE(readBytes("first.png"), readBytes("scene-view-001.png"));
     const double scrubbed = std::stod(printed(ran, "time").at(0));
@@ -56,13 +52,10 @@ TEST_F(Animation, IsPlayed) {
     animate(Json::array({turn_}));
     const Ran ran = view(
         "set samples 1\nsettle\nprint built\nhand key space\nawait playing on\nhand sleep 1.3\nprint "
-        "time\nhand key "
-        "space\nexpect "
-        "playing off\nsettle\nprint time\nprint built\nprint camera\nscreenshot shown.png\npress loop\nhand "
-        "key End\nhand "
-        "key space\nawait playing off\nsettle\nexpect time 2\nhand key Left\nwait 2\nprint camera\nhand key "
-        "Home\nsettle\n"
-        "expect time 0\nprint camera\nhand key r\nsettle\nprint camera\n");
+        "time\nhand key space\nexpect playing off\nsettle\nprint time\nprint built\nprint camera\nscreenshot "
+        "shown.png\npress loop\nhand key End\nhand key space\nawait playing off\nsettle\nexpect time 2\nhand "
+        "key Left\nwait 2\nprint camera\nhand key Home\nsettle\nexpect time 0\nprint camera\nhand key "
+        "r\nsettle\nprint camera\n");
     const std::vector<std::string> times = printed(ran, "time"), built = printed(ran, "built");
     const std::vector<std::string> cameras = printed(ran, "camera");
     EXPECT_GT(std::stod(times.at(0)), 0);
@@ -83,19 +76,18 @@ TEST_F(Animation, KeepsItsMoment) {
     write("still.json", scene_);
     view(
         "set samples 1\nset diffuse two 0.75 0.25 0.5\nsettle\nexpect time 0.5\nscreenshot own.png\nhand key "
-        "End\nsettle\n"
-        "expect toast (at 2 s of the animation)\nexpect time 0.5\nscreenshot still-own.png\ncopy other.json "
-        "scene.json\nreload\nsettle\nexpect time 0.5\nscreenshot other.png\ndrop still.json\nsettle\nexpect "
-        "time none\n"
-        "hand key space\nexpect toast this scene has no animation\nscreenshot still.png\n",
-        {"--time", "0.5"});
+        "End\nsettle\nexpect toast (at 2 s of the animation)\nexpect time 0.5\nscreenshot "
+        "still-own.png\ncopy other.json scene.json\nreload\nsettle\nexpect time 0.5\nscreenshot "
+        "other.png\ndrop still.json\nsettle\nexpect time none\nhand key space\nexpect toast this scene has "
+        "no animation\nscreenshot still.png\n",
+        "--time 0.5");
     expectRendered("still.png", "still.json");
     scene_["materials"]["two"]["diffuse"] = {0.75, 0.25, 0.5};
     animate(Json::array({hop_, shrink}), "edited.json");
     animate(Json::array({hop_}), "edited-other.json");
-    expectRendered("own.png", "edited.json", {"--time", "0.5"});
-    expectRendered("still-own.png", "edited.json", {"--time", "0.5"});
-    expectRendered("other.png", "edited-other.json", {"--time", "0.5"});
+    expectRendered("own.png", "edited.json", "--time 0.5");
+    expectRendered("still-own.png", "edited.json", "--time 0.5");
+    expectRendered("other.png", "edited-other.json", "--time 0.5");
 }
 
 }  // namespace glint::view::test::animation_test

@@ -182,18 +182,4 @@ TEST(CameraControl, FramesABallWithParallelRays) {
     expectNear(control.camera().target, {1 - 1.1, 2, 3});
 }
 
-TEST(CameraControl, JsonHoldsEveryDigit) {
-    Camera camera = cameraAt({0.1, 1e-17, 123456.789});
-    camera.nearT = 0.25;
-    camera.farT = 1e6;
-    const Scene scene = reread(camera);
-    EXPECT_EQ(scene.camera.eye, camera.eye);
-    EXPECT_EQ(scene.camera.fovY, camera.fovY);
-    EXPECT_EQ(scene.camera.nearT, camera.nearT);
-    EXPECT_EQ(scene.camera.farT, camera.farT);
-    EXPECT_FALSE(scene.camera.window);
-    camera.window = ViewWindow{-1, 2, -0.5, 1};
-    EXPECT_EQ(reread(camera).camera.window->right, 2);
-}
-
 }  // namespace glint::view::camera_control_test

@@ -33,7 +33,7 @@ class Newcomer : public FolderTest {
 // A desktop that asks for letters half as large again gets them without an option.
 TEST_F(Newcomer, TheScreenSaysHowLarge) {
     const std::string script = "set samples 1\nwait 3\nprint control exposure\n";
-    const std::string one = view(script, {"--scale", "1"}).out, asked = view(script, {"--scale", "1.5"}).out;
+    const std::string one = view(script, "--scale 1").out, asked = view(script, "--scale 1.5").out;
     setDotsPerInch(144);
     const std::string said = view(script).out;
     setDotsPerInch(96);
@@ -49,9 +49,9 @@ TEST_F(Newcomer, TheScreenSaysHowLarge) {
 TEST_F(Newcomer, ThePanelIsDockedBesideThePicture) {
     const Ran ran = view(
         "set samples 1\nhand key shift+h\nwait 4\nexpect covered 0.000\nprint picture\nsettle\nwindow "
-        "window.png\nsave shown.png\nhand mousemove @90,250 click 1\nexpect object 0\nhand key Escape\n"
-        "press fly\nwait 3\npress fly\nwait 3\nhand key h\nwait 4\nexpect picture 640 480\n"
-        "hand key shift+h\nwait 4\npress dock\nwait 4\nexpect picture 640 480\n");
+        "window.png\nsave shown.png\nhand mousemove @90,250 click 1\nexpect object 0\nhand key Escape\npress "
+        "fly\nwait 3\npress fly\nwait 3\nhand key h\nwait 4\nexpect picture 640 480\nhand key shift+h\nwait "
+        "4\npress dock\nwait 4\nexpect picture 640 480\n");
     int width = 0, height = 0;
     ASSERT_EQ(std::sscanf(printed(ran, "picture").at(0).c_str(), "%d %d", &width, &height), 2);
     EXPECT_GE(width, 320);
@@ -72,9 +72,9 @@ TEST_F(Newcomer, ThePanelIsDockedBesideThePicture) {
 TEST_F(Newcomer, ADockedPanelTakesHalfAtMost) {
     size_ = "240x180";
     view(
-        "set samples 1\nkey shift+H\nwait 4\nexpect picture 120 180\nresize 2 2\nwait 4\n"
-        "expect picture 1 2\nresize 1 1\nwait 4\nexpect picture 1 1\n",
-        {"--scale", "3"});
+        "set samples 1\nkey shift+H\nwait 4\nexpect picture 120 180\nresize 2 2\nwait 4\nexpect picture 1 "
+        "2\nresize 1 1\nwait 4\nexpect picture 1 1\n",
+        "--scale 3");
 }
 
 // ---- first steps ----
@@ -83,15 +83,13 @@ TEST_F(Newcomer, ADockedPanelTakesHalfAtMost) {
 TEST_F(Newcomer, HintsLeadThroughTheFirstSteps) {
     newcomer_ = true;
     const Ran ran = view(
-        "set samples 1\nwait 3\nexpect hints turn pick save compare\nprint "
-        "covered\n"
-        "hand mousemove @400,200 mousedown 1 mousemove @430,200 mouseup 1\nwait 2\nexpect hints pick save "
-        "compare\n"
-        "settle\nhand click 1\nwait 2\nexpect hints save compare\n");
+        "set samples 1\nwait 3\nexpect hints turn pick save compare\nprint covered\nhand mousemove @400,200 "
+        "mousedown 1 mousemove @430,200 mouseup 1\nwait 2\nexpect hints pick save compare\nsettle\nhand "
+        "click 1\nwait 2\nexpect hints save compare\n");
     EXPECT_LT(std::stod(printed(ran, "covered").at(0)), 0.4);
     view(
-        "set samples 1\nsettle\nexpect hints save compare\nhand key s\nsettle\nexpect hints compare\n"
-        "hand key k\nhand key 5\nhand key b\nwait 2\nexpect hints none\nexpect toast That is all it takes\n");
+        "set samples 1\nsettle\nexpect hints save compare\nhand key s\nsettle\nexpect hints compare\nhand "
+        "key k\nhand key 5\nhand key b\nwait 2\nexpect hints none\nexpect toast That is all it takes\n");
     view("expect hints none\n");
 }
 

@@ -225,7 +225,7 @@ std::string page() {
 }
 
 void expectLine(const std::string& text, const std::string& line) {
-    EXPECT_NE(text.find(line), std::string::npos) << line;
+    EXPECT_HAS(text, line);
 }
 
 TEST(ViewerPage, NamesEveryKeyAndGesture) {

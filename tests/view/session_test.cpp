@@ -79,7 +79,7 @@ TEST(ErrorGoal, SaysWhatNoSampleMends) {
     twice(flat, 0);
     flat.look(0);
     EXPECT_EQ(flat.facts().stop, converge::Stop::Fixed);
-    EXPECT_NE(inWords(flat.facts(), 0.02).find("with depth 0"), std::string::npos);
+    EXPECT_HAS(inWords(flat.facts(), 0.02), "with depth 0");
 }
 
 // ---- pace ----

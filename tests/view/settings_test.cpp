@@ -53,8 +53,8 @@ TEST_F(Settings, ReflectionsInASceneOfDepthZero) {
 // Exposure doubles linear values for each stop; the bytes of background 0.25 at +1 are those of 0.5.
 TEST_F(Settings, Exposure) {
     view(
-        "set background 0.25 0.25 0.25\nset exposure 1\nset samples 1\nkey H\nsettle\nwindow w.png\n"
-        "screenshot s.png\n");
+        "set background 0.25 0.25 0.25\nset exposure 1\nset samples 1\nkey H\nsettle\nwindow "
+        "w.png\nscreenshot s.png\n");
     const int byte = srgbByte(0.5f);
     EXPECT_EQ(pixelOf(readImage("w.png"), 3, 3), (Rgb{byte, byte, byte}));
     EXPECT_EQ(pixelOf(readImage("s.png"), 3, 3), (Rgb{byte, byte, byte}));
@@ -94,8 +94,7 @@ TEST_F(Reload, KeepsTheUsersCamera) {
     writeText("moved.json", moved(sceneText(0.1)));
     const Ran ran = view(
         "wait 2\nkey Left\nkey PageUp\nwait 1\nprint camera\ncopy moved.json scene.json\nreload\nprint "
-        "camera\n"
-        "key R\nwait 2\nscreenshot reset.png\n");
+        "camera\nkey R\nwait 2\nscreenshot reset.png\n");
     const size_t end = ran.out.find('\n');
     EXPECT_EQ(ran.out.substr(0, end), ran.out.substr(end + 1, ran.out.find('\n', end + 1) - end - 1));
     expectRendered("reset.png", "moved.json");
@@ -105,10 +104,10 @@ TEST_F(Reload, ABrokenSceneIsSaidAndTheOldOneStays) {
     writeText("broken.json", "{\"objects\": [}");
     writeText("good.json", sceneText());
     const Ran ran = view(
-        "wait 2\ncopy broken.json scene.json\nreload\nexpect fault scene.json:1:\nscreenshot shot.png\n"
-        "copy good.json scene.json\nreload\nexpect fault none\n");
+        "wait 2\ncopy broken.json scene.json\nreload\nexpect fault scene.json:1:\nscreenshot shot.png\ncopy "
+        "good.json scene.json\nreload\nexpect fault none\n");
     expectRendered("shot.png", "good.json");
-    EXPECT_NE(ran.err.find("scene.json:1:"), std::string::npos) << ran.err;
+    EXPECT_HAS(ran.err, "scene.json:1:");
 }
 
 TEST_F(Reload, FollowsMeshesAndTheirMaterials) {
@@ -125,8 +124,8 @@ TEST_F(Reload, FollowsMeshesAndTheirMaterials) {
       "lights": [{"type": "directional", "direction": [0, 0, -1], "intensity": 1}],
       "meshes": {"part": {"file": "part.obj"}}, "objects": [{"type": "mesh", "mesh": "part"}]})");
     view(
-        "wait 2\ncopy tall.obj part.obj\nreload\nscreenshot tall.png\ncopy green.mtl part.mtl\nreload\n"
-        "screenshot green.png\n");
+        "wait 2\ncopy tall.obj part.obj\nreload\nscreenshot tall.png\ncopy green.mtl "
+        "part.mtl\nreload\nscreenshot green.png\n");
     expectRendered("green.png", "scene.json");
     writeText("part.mtl", "newmtl m\nKd 1 0 0\n");
     expectRendered("tall.png", "scene.json");
@@ -137,22 +136,20 @@ TEST_F(Reload, FollowsMeshesAndTheirMaterials) {
 
 class Until : public FolderTest {
   protected:
-    const std::vector<std::string> asked_ = {"--error", "0.01", "--within-depth"};
+    const Words asked_ = "--error 0.01 --within-depth";
 };
 
 // Sums of floats are rounded in another order: a few units of 2^-24.
 TEST_F(Until, StopsWhereRenderStops) {
     const Ran ran = view("settle\nprint error\nprint samples\nsave seen.exr\nidle 1\n", asked_);
-    std::vector<std::string> options = {"render",   "scene.json", "--size",  size_, "-o",
-                                        "like.exr", "-q",         "--stats", "json"};
-    options.insert(options.end(), asked_.begin(), asked_.end());
-    const Ran like = runGlint(options);
+    const Ran like =
+        runGlint({"render", "scene.json", "--size", size_, "-o", "like.exr", "-q"}, asked_ + "--stats json");
     ASSERT_EQ(like.code, 0) << like.err;
     const std::string samples =
         std::to_string(Json::parse(like.out).at("error").at("samplesPerPixel").get<int>());
     EXPECT_EQ(printed(ran, "samples").at(0), samples);
-    EXPECT_EQ(printed(ran, "error").at(0).rfind("error <= 0.0", 0), 0u) << ran.out;
-    EXPECT_NE(printed(ran, "error").at(0).find(samples + " samples"), std::string::npos) << ran.out;
+    EXPECT_STARTS(printed(ran, "error").at(0), "error <= 0.0") << ran.out;
+    EXPECT_HAS(printed(ran, "error").at(0), samples + " samples") << ran.out;
     EXPECT_LT(compareImages(readImage("seen.exr"), readImage("like.exr"), 0).max, 2e-6);
 }
 
@@ -160,28 +157,22 @@ TEST_F(Until, IsSetInThePanelAndBeginsAnew) {
     size_ = "400x800";
     const Ran ran = view(
         "set samples 1\nset depth 0\nwait 3\npress lights\nwait 2\npress materials\nwait 2\npress "
-        "tracing\nwait "
-        "2\nsettle\nexpect error none\npress until_error\nsettle\nprint "
-        "error\nprint "
-        "samples\n"
-        "press within_depth\nsettle\nprint error\nkey H\norbit 30 0\nkey H\nwait 3\nsettle\nprint error\n"
-        "press until_error\nsettle\nexpect error none\nexpect samples 1\n");
+        "tracing\nwait 2\nsettle\nexpect error none\npress until_error\nsettle\nprint error\nprint "
+        "samples\npress within_depth\nsettle\nprint error\nkey H\norbit 30 0\nkey H\nwait 3\nsettle\nprint "
+        "error\npress until_error\nsettle\nexpect error none\nexpect samples 1\n");
     const std::vector<std::string> errors = printed(ran, "error");
-    EXPECT_EQ(errors.at(0).rfind("out of reach: with depth 0 ", 0), 0u) << errors[0];
-    for (const size_t i : {1u, 2u}) EXPECT_EQ(errors.at(i).rfind("error <= 0.0", 0), 0u) << errors[i];
+    EXPECT_STARTS(errors.at(0), "out of reach: with depth 0 ") << errors[0];
+    for (const size_t i : {1u, 2u}) EXPECT_STARTS(errors.at(i), "error <= 0.0") << errors[i];
     // A moved camera restarts the image, as if the window had been opened with that camera.
     const Ran there = view("set depth 0\nkey H\norbit 30 0\nsettle\nprint error\n", asked_);
     EXPECT_EQ(printed(there, "error").at(0), errors.at(2));
 }
 
 TEST_F(Until, WhatSaysNothingWithoutItIsRefused) {
-    for (const std::vector<std::string>& more :
-         {std::vector<std::string>{"--confidence", "0.9"}, {"--within-depth"}}) {
-        std::vector<std::string> options = {"view", "scene.json"};
-        options.insert(options.end(), more.begin(), more.end());
-        const Ran ran = runGlint(options);
+    for (const Words more : {"--confidence 0.9", "--within-depth"}) {
+        const Ran ran = runGlint("view scene.json", more);
         EXPECT_EQ(ran.code, 2);
-        EXPECT_NE(ran.err.find(more[0] + " requires --error"), std::string::npos) << ran.err;
+        EXPECT_HAS(ran.err, more[0] + " requires --error");
     }
 }
 

@@ -41,13 +41,13 @@ TEST_F(Shell, EveryFieldOfTheCameraGoesThrough) {
     for (const Json& camera : all) {
         scene_["camera"] = camera;
         write("scene.json", scene_);
-        const Ran ran = view("key C\nwait 2\nkey alt+S\nsettle\n", {"--spp", "4"});
+        const Ran ran = view("key C\nwait 2\nkey alt+S\nsettle\n", "--spp 4");
         const Json copied = cameras(ran).at(0);
         for (const auto& [key, value] : camera.items()) EXPECT_EQ(copied[key], value) << key;
         scene_["camera"] = copied;
         write("copied.json", scene_);
-        expectRendered("scene-view-001.png", "scene.json", {"--spp", "4"});
-        expectRendered("scene-view-001.png", "copied.json", {"--spp", "4"});
+        expectRendered("scene-view-001.png", "scene.json", "--spp 4");
+        expectRendered("scene-view-001.png", "copied.json", "--spp 4");
         std::filesystem::remove("scene-view-001.png");
     }
 }
@@ -59,10 +59,10 @@ TEST_F(Shell, TheLensIsSeen) {
     scene_["camera"]["focusDistance"] = 3.0;
     write("scene.json", scene_);
     view("set samples 16\nkey H\nsettle\nkey S\nsettle\n");
-    render("scene.json", "lens.png", {"--spp", "128"});
+    render("scene.json", "lens.png", "--spp 128");
     scene_["camera"]["lensRadius"] = 0;
     write("pinhole.json", scene_);
-    render("pinhole.json", "pinhole.png", {"--spp", "16"});
+    render("pinhole.json", "pinhole.png", "--spp 16");
     const Image shown = readImage("scene-view-001.png");
     const double toLens = compareImages(shown, readImage("lens.png"), 0).rmse;
     const double toPinhole = compareImages(shown, readImage("pinhole.png"), 0).rmse;
@@ -74,10 +74,8 @@ TEST_F(Shell, TheLensIsSeen) {
 TEST_F(Shell, SwitchingLayersTracesNothingAgain) {
     const Ran ran = view(
         "set samples 2\nsettle\nidle 0.2\nprint submissions\nkey L\nkey L\nexpect layer normal\nkey "
-        "shift+L\nkey "
-        "shift+L\nkey shift+L\nexpect layer cost\nkey L\nexpect layer color\nidle 0.2\nprint "
-        "submissions\nprint "
-        "samples\n");
+        "shift+L\nkey shift+L\nkey shift+L\nexpect layer cost\nkey L\nexpect layer color\nidle 0.2\nprint "
+        "submissions\nprint samples\n");
     const std::vector<std::string> counts = printed(ran, "submissions");
     ASSERT_EQ(counts.size(), 2u);
     EXPECT_EQ(counts[0], counts[1]);
@@ -89,8 +87,7 @@ TEST_F(Shell, SwitchingLayersTracesNothingAgain) {
 TEST_F(Shell, APictureEqualsItself) {
     view(
         "set samples 1\nkey H\nsettle\nsave before.png\nkey K\nkey B\nwait 3\nexpect figures 0\nsave "
-        "wipe.png\n"
-        "key B\nwait 3\nsave difference.png\nkey B\nkey B\nwait 2\nsave after.png\n");
+        "wipe.png\nkey B\nwait 3\nsave difference.png\nkey B\nkey B\nwait 2\nsave after.png\n");
     EXPECT_EQ(readBytes("before.png"), readBytes("after.png"));
     const Image difference = readImage("difference.png");
     EXPECT_EQ(*std::max_element(difference.pixels.begin(), difference.pixels.end()), 0.0f);
@@ -103,7 +100,7 @@ TEST_F(Shell, AComparisonSaysWhatItWaitsFor) {
     const Ran ran = view(
         "set samples 1\nkey H\nsettle\nkey K\nset samples 100000\nkey B\nexpect waiting none\nkey B\nprint "
         "waiting\nset samples 1\nsettle\nwait 2\nexpect waiting none\n");
-    EXPECT_EQ(printed(ran, "waiting").at(0).rfind("difference: waiting for the last sample (", 0), 0u);
+    EXPECT_STARTS(printed(ran, "waiting").at(0), "difference: waiting for the last sample (");
 }
 
 TEST_F(Shell, ADroppedPictureIsComparedWith) {
@@ -121,11 +118,9 @@ TEST_F(Shell, ADroppedPictureIsComparedWith) {
 // The same samples in double, with an error target those of both replicates: only edges differ.
 TEST_F(Shell, TheReferenceDrawsTheSame) {
     size_ = "400x800";
-    for (const std::vector<std::string>& options :
-         {std::vector<std::string>(), {"--error", "0.01", "--within-depth"}}) {
+    for (const Words options : {"", "--error 0.01 --within-depth"}) {
         const Ran ran = view(
-            "set samples 2\nsettle\npress compare\nwait 3\npress reference\nsettle\nwait 5\nprint "
-            "figures\n",
+            "set samples 2\nsettle\npress compare\nwait 3\npress reference\nsettle\nwait 5\nprint figures\n",
             options);
         EXPECT_LT(std::stod(printed(ran, "figures").at(0)), 2e-3);
         EXPECT_GT(std::stod(printed(ran, "figures").at(0)), 0);
@@ -139,8 +134,8 @@ TEST_F(Shell, FlickerShowsOneAfterTheOther) {
     render("red.json", "red.png");
     render("scene.json", "own.png");
     std::string script =
-        "set samples 1\nkey H\nsettle\nsave own-seen.png\ndrop red.png\nkey B\nkey B\nkey Esc\nkey "
-        "B\nkey B\nkey B\nwait 3\n";
+        "set samples 1\nkey H\nsettle\nsave own-seen.png\ndrop red.png\nkey B\nkey B\nkey Esc\nkey B\nkey "
+        "B\nkey B\nwait 3\n";
     for (int i = 0; i < 8; ++i) script += "save " + std::to_string(i) + ".png\nidle 0.2\n";
     view(script);
     std::set<std::vector<uint8_t>> seen;
@@ -157,8 +152,8 @@ TEST_F(Shell, ADroppedSceneIsOpened) {
     scene_["maxDepth"] = 1;
     write("other.json", scene_);
     view(
-        "set samples 1\nkey Left\nset depth 7\ndrop other.json\nsettle\nexpect depth 1\nscreenshot shot.png\n"
-        "drop broken.json\nsettle\nexpect fault broken.json\nscreenshot still.png\n");
+        "set samples 1\nkey Left\nset depth 7\ndrop other.json\nsettle\nexpect depth 1\nscreenshot "
+        "shot.png\ndrop broken.json\nsettle\nexpect fault broken.json\nscreenshot still.png\n");
     expectRendered("shot.png", "other.json");
     expectRendered("still.png", "other.json");
 }
@@ -188,8 +183,8 @@ TEST_F(Shell, ASceneIsOpenedThatWasSeenBefore) {
     write("elsewhere/other.json", scene_);
     ASSERT_EQ(runGlint({"view", "elsewhere/other.json", "--size", size_, "--frames", "2"}).code, 0);
     view(
-        "set samples 1\nkey ctrl+O\nwait 3\npress recent_other.json\nsettle\nexpect depth 1\n"
-        "press save_and_open\nwait 3\npress recent_scene.json\nsettle\nexpect depth 3\n");
+        "set samples 1\nkey ctrl+O\nwait 3\npress recent_other.json\nsettle\nexpect depth 1\npress "
+        "save_and_open\nwait 3\npress recent_scene.json\nsettle\nexpect depth 3\n");
 }
 
 // What was changed in a group goes back to the file's, group by group.
@@ -197,26 +192,22 @@ TEST_F(Shell, ResetsGiveTheFileBack) {
     size_ = "400x1000";  // the whole panel is seen
     view(
         "set samples 1\nwait 3\npress lights\nwait 2\npress materials\nwait 2\npress tracing\nwait 2\nset "
-        "exposure "
-        "2\nset tonemap aces\nwait 3\npress reset_view\nexpect exposure "
-        "0\nexpect "
-        "tonemap linear\n"
-        "set depth 0\nset reflections off\nset background 1 0 0\nwait 3\npress reset_tracing\nexpect depth "
-        "3\n"
-        "press tracing\nwait 3\npress lights\nset light 0 0.5\nwait 3\npress reset_lights\n"
-        "press materials\nset diffuse two 1 1 1\nwait 3\npress reset_materials\nsettle\n"
-        "key 5\nkey [\npress camera\nwait 3\npress scene's\nwait 3\nscreenshot shot.png\n",
-        {"--spp", "4"});
-    expectRendered("shot.png", "scene.json", {"--spp", "4"});
+        "exposure 2\nset tonemap aces\nwait 3\npress reset_view\nexpect exposure 0\nexpect tonemap "
+        "linear\nset depth 0\nset reflections off\nset background 1 0 0\nwait 3\npress reset_tracing\nexpect "
+        "depth 3\npress tracing\nwait 3\npress lights\nset light 0 0.5\nwait 3\npress reset_lights\npress "
+        "materials\nset diffuse two 1 1 1\nwait 3\npress reset_materials\nsettle\nkey 5\nkey [\npress "
+        "camera\nwait 3\npress scene's\nwait 3\nscreenshot shot.png\n",
+        "--spp 4");
+    expectRendered("shot.png", "scene.json", "--spp 4");
 }
 
 // ---- messages, sizes ----
 
 TEST_F(Shell, ProgressIsSeenWithoutThePanel) {
     const Ran ran = view(
-        "set samples 1\nkey H\nsettle\nexpect covered 0.000\nhand key alt+s\nwait 3\nprint covered\nstay\n"
-        "hand key ctrl+q key ctrl+q\n",
-        {"--spp", "4096"}, 1);
+        "set samples 1\nkey H\nsettle\nexpect covered 0.000\nhand key alt+s\nwait 3\nprint "
+        "covered\nstay\nhand key ctrl+q key ctrl+q\n",
+        "--spp 4096", 1);
     EXPECT_GT(std::stod(printed(ran, "covered").at(0)), 0.05);
 }
 
@@ -230,7 +221,7 @@ TEST_F(Shell, MessagesGoAwayByThemselves) {
 // pixels would hold two colours.
 TEST_F(Shell, LettersAreSharpAtTwiceTheSize) {
     size_ = "640x480";
-    view("set samples 1\nkey F1\nwait 4\nwindow help.png\n", {"--scale", "2"});
+    view("set samples 1\nkey F1\nwait 4\nwindow help.png\n", "--scale 2");
     const Image image = readImage("help.png");
     int mixed = 0;
     for (int y = 0; y + 1 < 30; y += 2)  // the heading
@@ -259,10 +250,10 @@ TEST_F(Shell, ThePickIsATreeOfRays) {
     scene_["materials"]["one"] = {{"transmission", 1}, {"ior", 1.5}};
     write("scene.json", scene_);
     const Ran ran = view("set samples 1\nkey H\nhand mousemove @70,90 click 1\nprint pick\n");
-    EXPECT_NE(ran.out.find("% eye: /objects/0"), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("\n  "), std::string::npos);
-    EXPECT_NE(ran.out.find("% transmitted: "), std::string::npos);
-    EXPECT_NE(ran.out.find("% reflected: "), std::string::npos);
+    EXPECT_HAS(ran.out, "% eye: /objects/0");
+    EXPECT_HAS(ran.out, "\n  ");
+    EXPECT_HAS(ran.out, "% transmitted: ");
+    EXPECT_HAS(ran.out, "% reflected: ");
     double sum = 0;
     std::istringstream lines(ran.out.substr(ran.out.find("pick ") + 5));
     for (std::string line; std::getline(lines, line);) {

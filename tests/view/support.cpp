@@ -13,18 +13,9 @@
 
 namespace glint::view::test {
 
-Ran runGlint(const std::vector<std::string>& args) {
-    std::ostringstream out, err;
-    Ran ran;
-    ran.code = app::run(args, out, err);
-    ran.out = out.str();
-    ran.err = err.str();
-    return ran;
-}
-
 namespace {
 
-Options optionsOf(const std::vector<std::string>& args) {
+Options optionsOf(const Words& args) {
     Options o;
     o.scene = args.at(0);
     using Value = const std::string&;
@@ -53,7 +44,7 @@ Options optionsOf(const std::vector<std::string>& args) {
 
 }  // namespace
 
-Ran runView(const std::vector<std::string>& args, const std::vector<ScriptCommand>& script) {
+Ran runView(const Words& args, const std::vector<ScriptCommand>& script) {
     std::ostringstream out, err;
     Ran ran;
     try {
@@ -83,17 +74,6 @@ std::vector<Json> cameras(const Ran& ran) {
     return list;
 }
 
-std::vector<std::string> fieldsOfHit(const std::string& csv) {
-    std::istringstream lines(csv);
-    std::string line;
-    std::getline(lines, line);  // the heading
-    std::getline(lines, line);
-    std::istringstream hit(line);
-    std::vector<std::string> fields;
-    for (std::string field; std::getline(hit, field, ',');) fields.push_back(field);
-    return fields;
-}
-
 std::string sceneText(double red) {
     return R"({
   "image": {"width": 240, "height": 180},
@@ -121,13 +101,12 @@ void FolderTest::SetUp() {
     ASSERT_EQ(std::system("xdotool mousemove 1279 1023"), 0);
 }
 
-Ran FolderTest::view(const std::string& script, const std::vector<std::string>& more, int code) {
+Ran FolderTest::view(const std::string& script, const Words& more, int code) {
     if (!newcomer_) Hints(stateFile("hints")).close();
-    std::vector<std::string> args = {"scene.json", "--size", size_, "--validation"};
-    args.insert(args.end(), more.begin(), more.end());
-    const Ran ran = runView(args, parseScript(script, "script.txt"));
+    const Ran ran =
+        runView("scene.json --validation --size " + size_ + more, parseScript(script, "script.txt"));
     EXPECT_EQ(ran.code, code) << ran.err;
-    EXPECT_EQ(ran.err.find("validation"), std::string::npos) << ran.err;
+    EXPECT_LACKS(ran.err, "validation");
     return ran;
 }
 
@@ -139,16 +118,12 @@ std::vector<std::string> FolderTest::printed(const Ran& ran, const std::string& 
     return list;
 }
 
-void FolderTest::render(const std::string& scene, const std::string& output,
-                        const std::vector<std::string>& more) {
-    std::vector<std::string> args = {"render", scene, "--size", size_, "-o", output, "-q"};
-    args.insert(args.end(), more.begin(), more.end());
-    const Ran ran = runGlint(args);
+void FolderTest::render(const std::string& scene, const std::string& output, const Words& more) {
+    const Ran ran = runGlint({"render", scene, "--size", size_, "-o", output, "-q"}, more);
     ASSERT_EQ(ran.code, 0) << ran.err;
 }
 
-void FolderTest::expectRendered(const std::string& saved, const std::string& scene,
-                                const std::vector<std::string>& more) {
+void FolderTest::expectRendered(const std::string& saved, const std::string& scene, const Words& more) {
     const std::string like = "like" + std::filesystem::path(saved).extension().string();
     render(scene, like, more);
     EXPECT_EQ(readBytes(saved), readBytes(like)) << saved << " and " << scene;

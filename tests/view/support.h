@@ -1,4 +1,4 @@
-// What the tests of the window share.
+// Fixtures for tests of the window.
 #pragma once
 
 #include <cstdint>
@@ -7,25 +7,24 @@
 #include <string>
 #include <vector>
 
+#include "app/support.h"
 #include "core/image.h"
 #include "driver.h"
 #include "support/environment.h"
-#include "support/support.h"
 
 namespace glint::view::test {
 
 using Json = nlohmann::json;
 
-struct Ran {
-    int code = -1;
-    std::string out, err;
-};
-
-// A command line, inside this process.
-Ran runGlint(const std::vector<std::string>& args);
+using app::test::csvRows;
+using app::test::Ran;
+using app::test::readBytes;
+using app::test::runGlint;
+using app::test::Words;
+using app::test::writeText;
 
 // `glint view ARGS` driven by a script. ARGS: the scene, and options that tests of the window use.
-Ran runView(const std::vector<std::string>& args, const std::vector<ScriptCommand>& script);
+Ran runView(const Words& args, const std::vector<ScriptCommand>& script);
 
 // Every layer of an EXR file that the window saves.
 inline const char* const kLayers =
@@ -34,15 +33,9 @@ inline const char* const kLayers =
 // The cameras that `print camera` and the key C wrote.
 std::vector<Json> cameras(const Ran& ran);
 
-using glint::test::readBytes;
-using glint::test::writeText;
-
 // Three things before a floor of one colour: a sphere (object 0), a mirror sphere (1), a triangle (2), a
 // plane (3); two lights. `red`: the first sphere's red reflectance, so that two scenes can differ.
 std::string sceneText(double red = 0.8);
-
-// The fields of the first hit that `glint trace` or a pick printed.
-std::vector<std::string> fieldsOfHit(const std::string& csv);
 
 // A test in a folder of its own, which is the current one.
 class FolderTest : public glint::test::WorkingFolderTest {
@@ -51,15 +44,13 @@ class FolderTest : public glint::test::WorkingFolderTest {
     static void write(const std::string& file, const Json& scene) { writeText(file, scene.dump()); }
 
     // runView("scene.json --size SIZE --validation ..."); fails on a validation message or another exit code.
-    Ran view(const std::string& script, const std::vector<std::string>& more = {}, int code = 0);
+    Ran view(const std::string& script, const Words& more = {}, int code = 0);
     // What the script's `print WHAT` printed, one for each time.
     static std::vector<std::string> printed(const Ran& ran, const std::string& what);
     // `glint render NAME --size SIZE`, to `output`.
-    void render(const std::string& scene, const std::string& output,
-                const std::vector<std::string>& more = {});
+    void render(const std::string& scene, const std::string& output, const Words& more = {});
     // The saved image has the bytes of `glint render SCENE --size SIZE MORE`.
-    void expectRendered(const std::string& saved, const std::string& scene,
-                        const std::vector<std::string>& more = {});
+    void expectRendered(const std::string& saved, const std::string& scene, const Words& more = {});
 
     // What windows remember goes here, not to whoever runs the tests.
     const glint::test::TemporaryFolder stateFolder_;
