@@ -14,7 +14,7 @@ using glint::test::Random;
 using glm::dvec3;
 using glm::vec3;
 
-// The ray as the scene has it and as the subject gets it.
+// A ray in double, and rounded for the subject.
 struct Pair {
     oracle::Ray exact;
     FloatRay rounded;
@@ -30,9 +30,15 @@ Pair aim(const dvec3& origin, const dvec3& target) {
     return pair;
 }
 
+// The reference decides in quadruple precision (src/reference/intersect.h) and takes 32 x 2^-113 of the
+// terms, here rounded up, for zero.
 double bandOf(const Subject& subject, double deviceBand) {
-    // What quadruple precision takes for zero, see tests/oracle/reference_test.cpp.
-    return subject.device ? deviceBand : 0x1p-100;
+    return subject.device ? deviceBand : 0x1p-104;
+}
+
+// How near to a rim or a tangent rays aim, relative to its size.
+double nearnessOf(const Subject& subject, double onDevice) {
+    return subject.device ? onDevice : 1e-7;
 }
 
 // The truths of one case. A decision within `band` of its opposite may go either way.
@@ -41,7 +47,7 @@ struct Truths {
     double band;
 };
 
-// Puts ray i and primitive i to the subject; truthsOf(i) judges the answer.
+// Intersects ray i with primitive i by the subject and judges the answer by truthsOf(i).
 template <class TruthsOf, class... Arrays>
 Judged judge(const Subject& subject, const std::vector<Pair>& pairs, const TruthsOf& truthsOf,
              const Arrays&... arrays) {
@@ -85,8 +91,8 @@ Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size
         double u = random.uniform(-.3, 1.1), w = random.uniform(-.3, 1.1);
         if (i % 4 == 1) w = 0;
         if (i % 4 == 2) w = 1 - u;
-        if (i % 4 == 3) u = w = 0;
-        // The rounded corners are those that the rays must aim at.
+        if (i % 4 == 3) u = i % 8 == 3, w = 0;
+        // Rays aim at the rounded corners.
         const dvec3 at =
             (1 - u - w) * dvec3(triangles[i].v0) + u * dvec3(triangles[i].v1) + w * dvec3(triangles[i].v2);
         pairs[i] = aim(at + 10 * family.size * random.direction(), at);
@@ -102,7 +108,7 @@ Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size
 
 namespace {
 
-// Of t: whether the plane lies ahead of the ray (1), behind (-1), or at its origin or nowhere (0).
+// The sign of t at the triangle's plane; 0 if the plane holds the origin or is parallel.
 int sideAhead(const shared::Triangle& triangle, const FloatRay& ray) {
     using oracle::Dyadic;
     struct Exact {
@@ -120,8 +126,8 @@ int sideAhead(const shared::Triangle& triangle, const FloatRay& ray) {
     return normal.dot(corner - Exact(ray.origin)).sign() * normal.dot(Exact(ray.direction)).sign();
 }
 
-// The height of the ray's origin over the triangle's plane, by the bound within which the rule for rays that
-// leave surfaces takes it for a point of the triangle (docs/design/numerics.md). t is found anew.
+// The height of the ray's origin over the triangle's plane, in units of the bound within which the rule for
+// rays that leave surfaces accepts it as a point of the triangle (docs/design/numerics.md).
 double heightInBounds(const shared::Triangle& triangle, const FloatRay& ray) {
     const dvec3 a(triangle.v0), o(ray.origin), d(ray.direction);
     const dvec3 n = glm::normalize(glm::cross(dvec3(triangle.v1) - a, dvec3(triangle.v2) - a));
@@ -187,8 +193,8 @@ Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t c
     for (size_t i = 0; i < count; ++i) {
         const dvec3 away = family.distance * family.radius * random.direction();
         const dvec3 side = glm::normalize(glm::cross(away, random.direction()));
-        const double rim =
-            family.atLimb ? 1 + random.uniform(-1, 1) * 1e-3 : 1.2 * std::sqrt(random.uniform(0, 1));
+        const double rim = family.atLimb ? 1 + random.uniform(-1, 1) * nearnessOf(subject, 1e-3)
+                                         : 1.2 * std::sqrt(random.uniform(0, 1));
         pairs[i] = aim(center + away, center + rim * family.radius * side);
         const dvec3 d = glm::normalize(pairs[i].exact.direction);
         pairs[i].exact.direction = d;
@@ -209,18 +215,23 @@ Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t
     constexpr double kRadius = 1e6;
     Random random(seed);
     std::vector<Pair> pairs(count);
-    const std::vector<shared::Sphere> spheres(count, {.radius = float{kRadius}, .anchorNormal = {0, 1, 0}});
+    std::vector<shared::Sphere> spheres(count);
     for (size_t i = 0; i < count; ++i) {
-        const dvec3 from(random.uniform(-50, 50), height * random.uniform(.5, 1.5), random.uniform(-50, 50));
-        dvec3 d = random.direction();
-        d.y = -std::abs(d.y) - 0.05;
-        // The ground sinks by |x|^2 / 2 r, no more than 0.0025 here.
-        pairs[i].exact = {from + dvec3(0, 0.0025, 0), glm::normalize(d)};
+        const vec3 point(random.box(2)), up(random.direction());
+        spheres[i] = {.point = point, .radius = float{kRadius}, .anchorNormal = up};
+        const dvec3 normal(up), along = glm::normalize(glm::cross(normal, random.direction()));
+        const double above = height * random.uniform(.5, 1.5);
+        double sinking = random.uniform(0.05, 1);
+        // The horizon dips by sqrt(2 h / r).
+        if (!subject.device && i % 2 == 0)
+            sinking = std::sqrt(2 * above / kRadius) * (1 + random.uniform(-1, 1) * 1e-6);
+        pairs[i].exact = {dvec3(point) + above * normal, glm::normalize(along - sinking * normal)};
         pairs[i].rounded = {vec3(pairs[i].exact.origin), vec3(pairs[i].exact.direction)};
     }
     const auto truths = [&](size_t i) -> Truths {
-        return {oracle::anchoredSphere(dvec3(0), {0, 1, 0}, kRadius, pairs[i].asRounded()),
-                oracle::sphere({0, -kRadius, 0}, kRadius, pairs[i].exact), bandOf(subject, 0)};
+        const dvec3 point(spheres[i].point), normal(spheres[i].anchorNormal);
+        return {oracle::anchoredSphere(point, normal, kRadius, pairs[i].asRounded()),
+                oracle::anchoredSphere(point, normal, kRadius, pairs[i].exact), bandOf(subject, 0)};
     };
     return judge(subject, pairs, truths, spheres);
 }
@@ -232,15 +243,16 @@ struct FlatCase {
     dvec3 point, normal, along;
 };
 
-// `ray` aims `rim` sizes from the point; every third one grazes.
-FlatCase flatCase(const FlatFamily& family, Random& random, size_t i, Pair& ray) {
+// `ray` aims at the rim, a circle of the size, within `nearness` of it, or anywhere; every third one grazes.
+FlatCase flatCase(const FlatFamily& family, double nearness, Random& random, size_t i, Pair& ray) {
     FlatCase c;
     c.point = dvec3(family.offset, -family.offset, family.offset) + random.box(family.size);
     c.normal = random.direction();
     c.along = glm::normalize(glm::cross(c.normal, random.direction()));
-    const double rim = i % 2 ? 1 + random.uniform(-1, 1) * 1e-5 : 1.4 * random.uniform(0, 1);
+    const double rim = i % 2 ? 1 + random.uniform(-1, 1) * nearness : 1.4 * random.uniform(0, 1);
     const dvec3 at = c.point + rim * family.size * c.along;
-    const dvec3 away = i % 3 ? random.direction() : glm::normalize(c.along + 1e-3 * random.direction());
+    const dvec3 away =
+        i % 3 ? random.direction() : glm::normalize(c.along + 100 * nearness * random.direction());
     ray = aim(at + 10 * family.size * away, at);
     if (i % 7 == 0) ray.rounded.direction = -ray.rounded.direction;
     if (i % 7 == 0) ray.exact.direction = -ray.exact.direction;
@@ -255,7 +267,7 @@ Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t coun
     std::vector<Pair> pairs(count);
     std::vector<shared::Plane> planes(count);
     for (size_t i = 0; i < count; ++i) {
-        cases[i] = flatCase(family, random, i, pairs[i]);
+        cases[i] = flatCase(family, nearnessOf(subject, 1e-5), random, i, pairs[i]);
         planes[i] = {.point = vec3(cases[i].point), .normal = vec3(cases[i].normal)};
     }
     const auto truths = [&](size_t i) -> Truths {
@@ -265,14 +277,14 @@ Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t coun
     return judge(subject, pairs, truths, planes);
 }
 
-// The point in the plane is off by 64 u of the way over the cosine, its squared radius by that much of it.
+// The point in the plane errs by 64 u of the way over the cosine, its squared radius by as large a part.
 Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed) {
     Random random(seed);
     std::vector<FlatCase> cases(count);
     std::vector<Pair> pairs(count);
     std::vector<shared::Disc> discs(count);
     for (size_t i = 0; i < count; ++i) {
-        cases[i] = flatCase(family, random, i, pairs[i]);
+        cases[i] = flatCase(family, nearnessOf(subject, 1e-5), random, i, pairs[i]);
         discs[i] = {.center = vec3(cases[i].point),
                     .normal = vec3(cases[i].normal),
                     .radius = static_cast<float>(family.size)};
@@ -288,7 +300,7 @@ Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count
     return judge(subject, pairs, truths, discs);
 }
 
-// The corners as seen are off by gamma_5 of the way (docs/design/numerics.md 2.3): 64 u of it over the size.
+// The sheared corners err by gamma_5 of the way (docs/design/numerics.md 2.3): 64 u of it over the size.
 Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed) {
     Random random(seed);
     std::vector<FlatCase> cases(count);
@@ -297,22 +309,29 @@ Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t co
     std::vector<shared::Polygon> polygons(count);
     std::vector<shared::PolygonVertex> vertices;
     for (size_t i = 0; i < count; ++i) {
-        cases[i] = flatCase(family, random, i, pairs[i]);
+        cases[i] = flatCase(family, 1e-5, random, i, pairs[i]);
         const dvec3 x = cases[i].along, y = glm::cross(cases[i].normal, x);
-        const uint32_t corners = 4 * (1 + random.below(8));
+        const uint32_t corners = 3 + random.below(38);
         polygons[i].firstVertex = static_cast<uint32_t>(vertices.size());
-        polygons[i].trips = corners / shared::kPolygonEdgesPerTrip;
+        polygons[i].trips = (corners + shared::kPolygonEdgesPerTrip - 1) / shared::kPolygonEdgesPerTrip;
         for (uint32_t k = 0; k < corners; ++k) {
             const double angle = 2 * std::numbers::pi * k / corners,
                          r = family.size * random.uniform(.4, 1.6);
             outlines[i].push_back(cases[i].point + r * (std::cos(angle) * x + std::sin(angle) * y));
             vertices.emplace_back().position = vec3(outlines[i].back());
         }
-        vertices.push_back(vertices[polygons[i].firstVertex]);
-        polygons[i].point = vertices.back().position;
         const dvec3 a(vertices[polygons[i].firstVertex].position),
             b(vertices[polygons[i].firstVertex + 1].position),
             c(vertices[polygons[i].firstVertex + 2].position);
+        // The first corner closes the outline and fills the last trip up.
+        vertices.resize(polygons[i].firstVertex + polygons[i].trips * shared::kPolygonEdgesPerTrip + 1,
+                        {vec3(a)});
+        polygons[i].point = vec3(a);
+        if (i % 4 == 1) {
+            const dvec3 at = glm::mix(a, b, random.uniform(0, 1));
+            pairs[i] =
+                aim(at + 4 * family.size * glm::normalize(cases[i].normal + .9 * random.direction()), at);
+        }
         polygons[i].normal = vec3(glm::normalize(glm::cross(b - a, c - a)));
     }
     const auto truths = [&](size_t i) -> Truths {
@@ -320,7 +339,7 @@ Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t co
         for (size_t k = 0; k < outlines[i].size(); ++k)
             rounded.emplace_back(vertices[polygons[i].firstVertex + k].position);
         const double cosine = std::abs(glm::dot(glm::normalize(pairs[i].exact.direction), cases[i].normal));
-        // On the outline itself both answers are right; the oracle's distance to it is a double.
+        // On the outline both answers are right. The oracle's distance to it is a double.
         const double band = std::max(bandOf(subject, 64 * kUnit * 12 / cosine), 1e-13);
         return {oracle::polygon(rounded, polygons[i].point, polygons[i].normal, pairs[i].asRounded()),
                 oracle::polygon(outlines[i], cases[i].point, cases[i].normal, pairs[i].exact), band};

@@ -16,16 +16,23 @@ class PrimitiveTest : public render::test::RenderTest, public testing::WithParam
   protected:
     bool onDevice() const { return GetParam() == Side::Device; }
     Subject subject() const { return {onDevice() ? &device() : nullptr, {}}; }
-    // t of the subject's own arithmetic, 99th percentile: the bar on the device, else a few units of double.
-    void expectRight(const Judged& judged, const std::string& what, double timeBar) const {
+    // No wrong answer, and t within its bar: on the device the 99th percentile, in the reference every t.
+    void expectRight(const Judged& judged, const std::string& what, double timeBar,
+                     double referenceBar = 0x1p-51) const {
         std::cout << "[ measured ] " << what << ": " << judged.text() << '\n';
         const oracle::Tally& a = judged.arithmetic;
         EXPECT_EQ(a.falseHits, 0u) << what;
         EXPECT_EQ(a.falseMisses, 0u) << what;
+        // The reference also decides exact zeros.
+        if (!onDevice()) {
+            EXPECT_EQ(a.wrongInBand, 0u) << what;
+        }
         EXPECT_GT(a.hits, a.rays / 10) << what;
-        EXPECT_LE(oracle::Tally::quantile(a.tErrors, 0.99), onDevice() ? timeBar : 0x1p-50) << what;
+        EXPECT_LE(oracle::Tally::quantile(a.tErrors, onDevice() ? 0.99 : 1),
+                  onDevice() ? timeBar : referenceBar)
+            << what;
     }
-    size_t rays() const { return onDevice() ? 20000 : 3000; }
+    size_t rays() const { return onDevice() ? 20000 : 4000; }
 };
 
 class SliverTest : public render::test::RenderTest {};
@@ -36,8 +43,8 @@ std::string text(double x) {
     return buffer;
 }
 
-// docs/lab/stability.md: Woop's relative t at the 99th percentile is 1.1e-6 for generic triangles, and
-// no worse at an offset against the rounded inputs.
+// docs/lab/stability.md: Woop's relative error of t, 99th percentile, is 1.1e-6 for generic triangles, also
+// at an offset, against the rounded inputs.
 constexpr double kWoopBar = 2e-6;
 
 TEST_P(PrimitiveTest, TrianglesOfAnySize) {
@@ -52,17 +59,15 @@ TEST_P(PrimitiveTest, TrianglesFarFromTheOrigin) {
                     "triangles, offset " + text(offset), 1e-5);
 }
 
-// T30. At 1e-4 nothing outside the band is wrong; thinner ones have next to nothing outside it.
+// T30. Of needles thinner than 1e-4 nearly all answers of the device are in the band.
 TEST_P(PrimitiveTest, Needles) {
-    for (const double height : {1e-4, 1e-6, 1e-8}) {
-        const Judged judged = judgeTriangles(subject(), {1, 0, height}, rays(), 703);
-        std::cout << "[ measured ] needles, height " << text(height) << ": " << judged.text() << '\n';
-        EXPECT_EQ(judged.arithmetic.wrong(), 0u) << height;
-    }
+    for (const double height : {1e-4, 1e-6, 1e-8})
+        expectRight(judgeTriangles(subject(), {1, 0, height}, rays(), 703), "needles, height " + text(height),
+                    1e-5);
 }
 
-// Rays that leave a surface beside a sliver, at 0.5 to 3 degrees, from a few units of rounding above or below
-// it: none hits a sliver that lies behind it. From farther away no sliver ahead is lost.
+// Rays leave a surface beside a sliver at 0.5 to 3 degrees, from a few units of rounding above or below it.
+// No ray hits a sliver behind it, and rays from farther away lose no sliver ahead.
 TEST_F(SliverTest, TrianglesBehindARayAreNotMet) {
     for (const double offset : {0.0, 15.0}) {
         for (const double width : {0.25, 1.0 / 16, 1e-2, 1e-3, 1e-4}) {
@@ -81,7 +86,7 @@ TEST_F(SliverTest, TrianglesBehindARayAreNotMet) {
     }
 }
 
-// Along a needle weights may be those of a point that is near, though the ray meets the needle far away.
+// Along a needle the weights may belong to a point near the origin of a ray that hits far away.
 TEST_F(SliverTest, NothingIsLostAlongANeedle) {
     for (const double offset : {0.0, 15.0}) {
         for (const double width : {1e-5, 3e-6}) {
@@ -96,7 +101,7 @@ TEST_F(SliverTest, NothingIsLostAlongANeedle) {
     }
 }
 
-// Shaded points lie on the slivers where the rays meet them, also in mirrored instances.
+// Shaded points lie where the rays hit the slivers, also in mirrored instances.
 TEST_F(SliverTest, HitsLieWhereTheRayPasses) {
     for (const double width : {1e-2, 1e-3, 1e-4}) {
         for (const bool exchanged : {false, true}) {
@@ -117,14 +122,14 @@ TEST_F(SliverTest, NeedlesAreNotMetBeyondTheirEnds) {
         EXPECT_EQ(countMetBeyondEnds({&device(), {}}, {20, width, 15}, 100000, 724), 0u) << width;
 }
 
-// T59, T61: the discriminant must hold however far away the sphere is. The bars are those of the table in
-// docs/lab/stability.md for t over the radius of the unit sphere, a tenth added for other seeds; the t
-// of another radius may stand elsewhere between two powers of two, where rounding is up to twice as coarse.
+// T59, T61. The bars are those of the table in docs/lab/stability.md for t over the radius of the unit sphere
+// plus a tenth for other seeds. The t of another radius may lie elsewhere between two powers of two, where
+// rounding is up to twice as coarse.
 TEST_P(PrimitiveTest, SpheresFromAnyDistance) {
     const struct {
         double distance, bar, radius;
-    } rows[] = {{3, 3e-6, 1e-8},   {100, 1.8e-5, 1},    {400, 7e-5, 1e8}, {2000, 3e-4, 1}, {4100, 1e-3, 1e-4},
-                {7500, 1.2e-3, 1}, {8000, 1.2e-3, 1e4}, {1e5, 0.02, 1},   {1e6, 0.2, 1}};
+    } rows[] = {{1.2, 3e-6, 1},     {3, 3e-6, 1e-8},   {100, 1.8e-5, 1},    {400, 7e-5, 1e8}, {2000, 3e-4, 1},
+                {4100, 1e-3, 1e-4}, {7500, 1.2e-3, 1}, {8000, 1.2e-3, 1e4}, {1e5, 0.02, 1},   {1e6, 0.2, 1}};
     for (const auto& row : rows) {
         const std::string where = "spheres of " + text(row.radius) + " from " + text(row.distance) + " radii";
         expectRight(judgeSpheres(subject(), {row.radius, row.distance, 0, false}, rays(), 704), where,
@@ -137,20 +142,22 @@ TEST_P(PrimitiveTest, SpheresFromAnyDistance) {
 
 TEST_P(PrimitiveTest, SpheresFarFromTheOrigin) {
     for (const double offset : {1e3, 1e7}) {
-        expectRight(judgeSpheres(subject(), {8, 3, offset, false}, rays(), 705),
-                    "spheres of 8 at " + text(offset), 2e-6);
+        for (const bool atLimb : {false, true})
+            expectRight(judgeSpheres(subject(), {8, 3, offset, atLimb}, rays(), 705),
+                        "spheres of 8 at " + text(offset), 2e-6);
     }
 }
 
-// tests/stability/cases.md T60: at most 2.9e-7.
+// tests/stability/cases.md T60: at most 9.1e-7.
 TEST_P(PrimitiveTest, PlanetUnderTheEye) {
     for (const double height : {100.0, 1.0, 0.0625, 0.01})
-        expectRight(judgePlanet(subject(), height, rays(), 706), "planet of 1e6 from " + text(height), 1e-6);
+        expectRight(judgePlanet(subject(), height, rays(), 706), "planet of 1e6 from " + text(height), 1e-6,
+                    0x1p-45);
 }
 
-// A third of the rays grazes at a thousandth. |dt / t| <= gamma_7 (1 / m1 + 1 / m2) with the margins m of n.d
-// and of n.(p - o) (docs/design/numerics.md 2.5): times the smaller margin no more than 2 gamma_7, for every
-// single ray. The reference has long double.
+// A third of the rays grazes. |dt / t| <= gamma_7 (1 / m1 + 1 / m2) with the margins m of n.d and of n.(p -
+// o) (docs/design/numerics.md 2.5): times the smaller margin at most 2 gamma_7, for every ray. The reference
+// uses long double.
 TEST_P(PrimitiveTest, FlatShapes) {
     for (const FlatFamily& family : {FlatFamily{1e-8, 0}, FlatFamily{1e-3, 0}, FlatFamily{1, 0},
                                      FlatFamily{1e8, 0}, FlatFamily{8, 1e3}, FlatFamily{8, 1e7}}) {
@@ -162,8 +169,11 @@ TEST_P(PrimitiveTest, FlatShapes) {
         const Judged discs = judgeDiscs(subject(), family, rays(), 708);
         expectRight(discs, "discs" + where, 1);
         EXPECT_LE(oracle::Tally::quantile(discs.arithmetic.scaledErrors, 1), bound) << where;
-        if (family.offset < 1e6)  // there an ulp is an eighth of the outline
-            expectRight(judgePolygons(subject(), family, rays() / 4, 709), "polygons" + where, 1e-5);
+        // At 1e7 an ulp is an eighth of the outline; at 1e3 the rounded corners leave the plane, and the
+        // reference clamps t to theirs.
+        if (family.offset < 1e6)
+            expectRight(judgePolygons(subject(), family, rays() / 4, 709), "polygons" + where, 1e-5,
+                        family.offset > 0 ? 0.2 : 0x1p-51);
     }
 }
 
@@ -204,7 +214,7 @@ INSTANTIATE_TEST_SUITE_P(Both, PrimitiveTest, testing::Values(Side::Device, Side
 
 class BoxTest : public render::test::RenderTest {};
 
-// T44: rays aimed at the edges of a million boxes, thin, flat and far away; none is missed.
+// T44: rays at the edges of a million boxes, thin, flat and far away, miss no box.
 TEST_F(BoxTest, NoBoxIsMissed) {
     const struct {
         double thickness, offset;
@@ -213,8 +223,8 @@ TEST_F(BoxTest, NoBoxIsMissed) {
     for (const auto& row : rows) {
         const BoxCount count = judgeBoxes({&device(), {}}, row.thickness, row.offset, true, row.count, 710);
         std::cout << "[ measured ] boxes up to " << row.thickness << " thick at " << row.offset << ": "
-                  << count.rays << " rays, " << count.hits << " entered, " << count.falseMisses
-                  << " missed; entered in vain " << count.falseHits << " of " << count.judgedHits << '\n';
+                  << count.rays << " rays, " << count.hits << " hits, " << count.falseMisses
+                  << " false misses; false hits " << count.falseHits << " of " << count.judgedHits << '\n';
         EXPECT_EQ(count.falseMisses, 0u);
         EXPECT_GT(count.hits, count.rays / 10);
     }
