@@ -35,6 +35,14 @@ bool containsScene(const Box& box, const Quantities& quantities, double stretch)
     return box.contains(0, std::span(quantities).first<kSceneQuantities>(), stretch);
 }
 
+// The points that packing measures surfaces from.
+reference::Anchors anchorsOf(const PackedScene& packed) {
+    reference::Anchors anchors;
+    for (const shared::Quadric& quadric : packed.quadrics) anchors[quadric.object] = quadric.point;
+    for (const shared::Plane& plane : packed.planes) anchors[plane.object] = plane.point;
+    return anchors;
+}
+
 }  // namespace
 
 RepresentationCheck::RepresentationCheck(const Scene& read, const PackedScene& packed,
@@ -43,7 +51,8 @@ RepresentationCheck::RepresentationCheck(const Scene& read, const PackedScene& p
     : packed_(packed),
       options_(options),
       radianceBound_(radianceBoundOf(packed, options)),
-      model_(std::make_shared<const reference::Model>(reference::truthOf(read, packed.origin))),
+      model_(std::make_shared<const reference::Model>(
+          reference::truthOf(read, packed.origin, anchorsOf(packed)))),
       truth_(model_, options, radianceBound_),
       camera_(reference::truthCamera(read.camera, options.width, options.height, packed.origin)),
       rounded_(rounded),

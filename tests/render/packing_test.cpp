@@ -81,6 +81,18 @@ glm::dmat3 toObject(const shared::Instance& instance) {
                                      glm::dvec3(instance.toObjectZ)));
 }
 
+// Measures the same surface from a point a thousand units of its own away.
+void measureFromAfar(shared::Quadric& q) {
+    const glm::dmat3 rows(glm::dvec3(q.toLocal0), glm::dvec3(q.toLocal1), glm::dvec3(q.toLocal2));
+    const glm::dvec3 s(q.squares), p(q.products), y(1000, 0, 0);
+    const glm::dvec3 image = glm::dmat3(s.x, p.z, p.y, p.z, s.y, p.x, p.y, p.x, s.z) * y, linear(q.linear);
+    q.constant = static_cast<float>(glm::dot(y, image + 2.0 * linear) + static_cast<double>(q.constant));
+    q.linear = vec3(linear + image);
+    q.lo -= vec3(y);
+    q.hi -= vec3(y);
+    q.point = vec3(glm::dvec3(q.point) + glm::inverse(glm::transpose(rows)) * y);
+}
+
 shared::Texture& image(PackedScene& scene) {
     for (shared::Texture& texture : scene.textures)
         if ((texture.flags & shared::kTextureChecker) == 0) return texture;
@@ -159,6 +171,7 @@ const Defect kOtherDefects[] = {
               q.linear *= 1.001f;
               q.constant *= 1.001f;
           })},
+    {"quadric_far_point", "quadrics", each(&PackedScene::quadrics, measureFromAfar)},
     {"box_too_small", "knot",
      each(&PackedScene::nodes, [](shared::Node& n) { n.hi0 = n.lo0 + 0.97f * (n.hi0 - n.lo0); })},
     {"refractive_index", "glass", each(&PackedScene::optics, [](shared::Optics& o) { o.ior *= 1.0001f; })},
@@ -191,6 +204,27 @@ TEST_P(RepresentationTest, RoundingExplainsWhatItShows) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RepresentationTest, testing::ValuesIn(sceneNames()), sceneName);
+
+// Packing measures the far plane from its point nearest to the scene's middle, and the cone from its point
+// nearest to the eye. These anchors decide in which pixels the first plane coincides with either.
+TEST_F(RenderTest, TheTruthMeasuresFromTheAnchorsOfPacking) {
+    const char* const bodies[] = {
+        R"("type": "plane", "point": [4000, -2001, 0], "normal": [1, 2, 0])",
+        R"("type": "cone", "base": [0, -1, 0], "apex": [353, 705, 0], "radius": 385, "topRadius": 115)"};
+    for (const std::string body : bodies) {
+        const Case c = textCase(R"({
+  "camera": {"eye": [0, 0.5, 4], "target": [0, -1, 0], "fovY": 50}, "ambient": 1,
+  "materials": {"dark": {"diffuse": 0.2}, "bright": {"diffuse": 0.8}},
+  "objects": [{"type": "plane", "point": [0, -1, 0], "normal": [1, 2, 1e-4], "material": "dark"},
+              {"type": "sphere", "center": [0, -0.7, 0], "radius": 0.3, "material": "dark"},
+              {)" + body + R"(, "material": "bright"}]
+})",
+                                60, 45);
+        const verify::Report report = verifiedAsRead(c);
+        EXPECT_TRUE(report.passed()) << body;
+        EXPECT_EQ(report.representation->explained, 0u) << body;
+    }
+}
 
 // Seen from afar, its corners' last places are a thousandth of a face, whose normal they turn; at an edge few
 // of the moved scenes take the packed one's path.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -58,13 +59,19 @@ struct Identity {
     uint32_t id = 0, object = 0, face = 0, material = 0;
 };
 
+// An anchor at most so many times as far from the eye as the truth's own point replaces that point. Hits err
+// by units of 2^-24 of the distance, so a farther anchor is a defect of packing.
+inline constexpr double kAnchorRoom = 2;
+
 // A shape's place in its BVH, and the origin of its coordinates. eye: surfaces near it are measured from
-// other points. ranks: kDielectricRank or 0, by material; empty if an instance has the rank.
+// other points. anchor: see truthOf. ranks: kDielectricRank or 0, by material; empty if an instance has the
+// rank.
 struct Setting {
     Identity who = {};
     Place place = {};
     bool moved = false;  // by `place`
     glm::dvec3 origin{0}, eye{0};
+    std::optional<glm::dvec3> anchor = {};
     std::span<const uint32_t> ranks = {};
 
     uint32_t id() const { return who.id | (ranks.empty() ? 0 : ranks[who.material]); }

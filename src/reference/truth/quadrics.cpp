@@ -24,6 +24,7 @@ struct Surface : rows::Quadric {
     };
     std::vector<Ellipsoid> hull;
     Bounds box;
+    bool hasTip = false;  // a cone, measured from its apex
 
     Surface() {
         lo = dvec3(-kBeyond);
@@ -115,6 +116,7 @@ struct SurfaceOf {
         const double apex = upper == 0 ? half : lower == 0 ? -half : -middle / growth;
         if (std::abs(apex) <= 4 * half) {
             moveAlongAxis(apex, s);
+            s.hasTip = std::abs(apex) <= half;
         } else {
             s.linear.z = -middle * growth;
             s.constant = -middle * middle;
@@ -168,8 +170,19 @@ double valueAt(const Surface& s, const dvec3& y, dvec3& slope) {
     return glm::dot(y, image + 2.0 * s.linear) + s.constant;
 }
 
-// If the eye is nearer to the surface than 1/64 of its size, measure the surface from its point nearest the
-// eye, where the constant vanishes.
+// Measures the surface from its local point y.
+void measureFrom(const dvec3& y, Surface& s) {
+    dvec3 slope;
+    s.constant = valueAt(s, y, slope);
+    s.linear = slope / 2.0;
+    s.lo -= y;
+    s.hi -= y;
+    s.point += glm::inverse(s.toLocal) * y;
+    if (s.hasTip) s.caps |= shared::kFromApex;
+}
+
+// If the eye is nearer to the surface than 1/128 of its size, measure the surface from its point nearest the
+// eye, where the constant vanishes. Packing does so from 1/64 of a power of two at most the size.
 void measureFromNear(const dvec3& eye, Surface& s) {
     const dvec3 from = s.toLocal * (eye - s.point);
     dvec3 y = from, slope;
@@ -179,14 +192,8 @@ void measureFromNear(const dvec3& eye, Surface& s) {
         if (slope == dvec3(0)) return;
         y -= value / glm::dot(slope, slope) * slope;
     }
-    if (y != glm::clamp(y, s.lo, s.hi) || 64 * glm::distance(y, from) >= 1) return;
-    const double value = valueAt(s, y, slope);
-    if (std::abs(value) > 0x1p-40 * glm::length(slope)) return;
-    s.constant = value;
-    s.linear = slope / 2.0;
-    s.lo -= y;
-    s.hi -= y;
-    s.point += glm::inverse(s.toLocal) * y;
+    if (y != glm::clamp(y, s.lo, s.hi) || 128 * glm::distance(y, from) >= 1) return;
+    if (std::abs(valueAt(s, y, slope)) <= 0x1p-40 * glm::length(slope)) measureFrom(y, s);
 }
 
 }  // namespace
@@ -199,6 +206,11 @@ void Part::addQuadric(const Shape& shape, const Setting& at) {
     bounds.lo -= at.origin;
     bounds.hi -= at.origin;
     measureFromNear(seenFrom, s);
+    if (at.anchor) {
+        const dvec3 eye = s.toLocal * (seenFrom - s.point);
+        const dvec3 y = s.toLocal * (place.inverse * (*at.anchor + at.origin - place.offset) - s.point);
+        if (glm::distance(y, eye) <= kAnchorRoom * glm::length(eye)) measureFrom(y, s);
+    }
     s.point = place(s.point) - at.origin;
     const dmat3 turned = glm::transpose(s.toLocal * place.inverse);
     s.toLocal0 = turned[0];

@@ -55,6 +55,11 @@ void add(Part& part, const PlaneShape& plane, const Setting& at) {
     rows::Plane row;
     row.point = plane.point - at.origin;
     row.normal = unit(plane.normal);
+    if (at.anchor) {
+        const dvec3 point = *at.anchor - glm::dot(row.normal, *at.anchor - row.point) * row.normal;
+        const dvec3 eye = at.eye - at.origin;
+        if (glm::distance(point, eye) <= kAnchorRoom * glm::distance(row.point, eye)) row.point = point;
+    }
     identify(at, row);
     part.model.planes.push_back(row);
 }

@@ -22,7 +22,8 @@ size_t facesOf(const Object& object) {
 
 class Maker {
   public:
-    Maker(const Scene& scene, const dvec3& origin) : scene_(scene), used_(scene.materials.size(), false) {
+    Maker(const Scene& scene, const dvec3& origin, const Anchors& anchors)
+        : scene_(scene), anchors_(anchors), used_(scene.materials.size(), false) {
         model_.origin = origin;
         // If surfaces coincide, rays hit the opaque surface.
         for (const Material& material : scene.materials)
@@ -57,7 +58,9 @@ class Maker {
     void add(const Object& object, const Identity& who) {
         use(object);
         if (object.transform && !takesTransform(object.shape)) return addInstance(object, who);
-        Setting at{who, {}, false, model_.origin, scene_.camera.eye, ranks_};
+        Setting at{who, {}, false, model_.origin, scene_.camera.eye, {}, ranks_};
+        if (const auto anchor = anchors_.find(who.object); anchor != anchors_.end())
+            at.anchor = anchor->second;
         if (object.transform) {
             at.place = Place(*object.transform);
             at.moved = true;
@@ -122,6 +125,7 @@ class Maker {
     }
 
     const Scene& scene_;
+    const Anchors& anchors_;
     Model model_;
     Part world_;
     std::vector<Part> prototypes_;
@@ -134,9 +138,9 @@ class Maker {
 }  // namespace
 }  // namespace truth
 
-Model truthOf(const Scene& scene, const glm::dvec3& origin) {
+Model truthOf(const Scene& scene, const glm::dvec3& origin, const Anchors& anchors) {
     Scene copy;
-    return truth::Maker(placedScene(scene, copy), origin).make();
+    return truth::Maker(placedScene(scene, copy), origin, anchors).make();
 }
 
 // P. Shirley, S. Marschner, "Fundamentals of Computer Graphics", 3rd ed., 4.3, as docs/reference/shading.md

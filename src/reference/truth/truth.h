@@ -2,6 +2,8 @@
 // (tests/module_dependencies.cmake). What the reference makes of it is the truth.
 #pragma once
 
+#include <map>
+
 #include "reference/model.h"
 #include "scene/scene.h"
 
@@ -10,7 +12,10 @@ namespace glint::reference {
 // `scene`: valid. origin: what local coordinates count from; where that is PackedScene::origin, rays of the
 // packed scene are rays of this one. Boxes of its tree have room for disturbed models. Ids, objects and faces
 // are those of the packed scene, the places of primitives in their arrays are not.
-Model truthOf(const Scene& scene, const glm::dvec3& origin);
+// anchors: local points that quadrics and planes are measured from, by object, if the truth's own are not
+// much nearer to the eye. Surfaces do not depend on them; which surfaces count as in one place does.
+using Anchors = std::map<uint32_t, glm::dvec3>;
+Model truthOf(const Scene& scene, const glm::dvec3& origin, const Anchors& anchors = {});
 
 // Media around a camera's eye, in the world, once all primitives are there (docs/reference/shading.md).
 void setEye(Model& model, const glm::dvec3& eye);
