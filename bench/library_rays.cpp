@@ -101,13 +101,13 @@ glint_view viewOf(const std::vector<glm::vec3>& v) {
     return {v.data(), v.size(), 0, GLINT_F32, 0};
 }
 
-using Ask = render::RayTask::Ask;
+using Query = render::RayTask::Query;
 
-double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::dvec3& origin, Ask ask) {
+double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::dvec3& origin, Query query) {
     BatchTimes times;
     render::RayTask task;
     task.count = kRays;
-    task.ask = ask;
+    task.query = query;
     task.coherent = rays.coherent;
     task.kernels = &times;
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
@@ -121,7 +121,7 @@ double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::d
 }
 
 // crossings: receives the sum of counts.
-double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, uint64_t& crossings) {
+double callSeconds(const glint_scene* scene, const Rays& rays, Query query, uint64_t& crossings) {
     static std::vector<float> t(kRays);
     static std::vector<uint32_t> geometry(kRays), primitive(kRays);
     static std::vector<uint8_t> hit(kRays);
@@ -135,11 +135,11 @@ double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, uint64_t
     hits.primitive = {primitive.data(), kRays, 0, GLINT_U32, 0};
     const glint_out flags = {hit.data(), kRays, 0, GLINT_U8, 0};
     const Timer timer;
-    if (ask == Ask::Nearest) check(glint_query_closest(scene, &asked, &hits, nullptr));
-    if (ask == Ask::Any) check(glint_query_any(scene, &asked, &flags, nullptr));
-    if (ask == Ask::Count) check(glint_query_count(scene, &asked, &hits.geometry, nullptr));
+    if (query == Query::Closest) check(glint_query_closest(scene, &asked, &hits, nullptr));
+    if (query == Query::Any) check(glint_query_any(scene, &asked, &flags, nullptr));
+    if (query == Query::Count) check(glint_query_count(scene, &asked, &hits.geometry, nullptr));
     const double seconds = timer.elapsed().cpu;
-    if (ask == Ask::Count) crossings = std::accumulate(geometry.begin(), geometry.end(), uint64_t{0});
+    if (query == Query::Count) crossings = std::accumulate(geometry.begin(), geometry.end(), uint64_t{0});
     return seconds;
 }
 
@@ -199,18 +199,18 @@ void measureTinyBvh(const char* path, const glint_scene* scene, const PackedScen
 }
 #endif
 
-void measureAsk(const char* path, const glint_scene* scene, render::RayQueries& queries,
-                const glm::dvec3& origin, const Rays& rays, Ask ask, const char* name) {
+void measureQuery(const char* path, const glint_scene* scene, render::RayQueries& queries,
+                  const glm::dvec3& origin, const Rays& rays, Query query, const char* name) {
     double kernel = 1e9, call = 1e9;
     uint64_t crossings = 0;
     for (int turn = 0; turn < kTurns; ++turn) {
-        kernel = std::min(kernel, kernelSeconds(queries, rays, origin, ask));
-        call = std::min(call, callSeconds(scene, rays, ask, crossings));
+        kernel = std::min(kernel, kernelSeconds(queries, rays, origin, query));
+        call = std::min(call, callSeconds(scene, rays, query, crossings));
     }
     std::printf(
         "%s, %s rays, %s: kernel %.2f, call %.2f million rays per processor second, %.2f of the kernel\n",
         path, rays.name, name, 1e-6 * kRays / kernel, 1e-6 * kRays / call, kernel / call);
-    if (ask == Ask::Count)
+    if (query == Query::Count)
         std::printf("    %.0f ns of processor time a call's ray, %" PRIu64 " crossings\n", 1e9 * call / kRays,
                     crossings);
     std::fflush(stdout);
@@ -224,10 +224,10 @@ void measure(const char* path, glint_device* device, const gpu::Device& vulkan, 
     const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
                      hi = packed.origin + glm::dvec3(packed.boundsHi);
     for (const Rays& rays : {randomRays(lo, hi), chords(lo, hi), cameraRays(lo, hi)}) {
-        for (const auto& [ask, name] :
-             {std::pair(Ask::Nearest, "closest"), std::pair(Ask::Any, "any"), std::pair(Ask::Count, "count")})
-            if (!countAlone || ask == Ask::Count)
-                measureAsk(path, scene, queries, packed.origin, rays, ask, name);
+        for (const auto& [query, name] : {std::pair(Query::Closest, "closest"), std::pair(Query::Any, "any"),
+                                          std::pair(Query::Count, "count")})
+            if (!countAlone || query == Query::Count)
+                measureQuery(path, scene, queries, packed.origin, rays, query, name);
     }
 #ifdef GLINT_TINYBVH
     if (!countAlone) measureTinyBvh(path, scene, packed, lo, hi);

@@ -40,7 +40,7 @@ void answerPoints(const Snapshot::Part& part, const NumberView& points, const Hi
     }
     render::RayTask task;
     task.count = points.count();
-    task.ask = render::RayTask::Ask::Point;
+    task.query = render::RayTask::Query::Point;
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
         for (size_t i = 0; i < inputs.size(); ++i) {
             const glm::dvec3 point = local(numbers[i]);

@@ -34,7 +34,7 @@ void countCrossings(const Snapshot::Part& part, uint64_t count, const ReadRay& r
     }
     render::RayTask task;
     task.count = count;
-    task.ask = render::RayTask::Ask::Count;
+    task.query = render::RayTask::Query::Count;
     task.fill = std::move(read);
     task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
         for (size_t i = 0; i < found.size(); ++i) {

@@ -14,12 +14,12 @@ using Take =
     std::function<void(const render::RayNumbers& numbers, const render::FoundHits& found, bool rescaled)>;
 
 // spreads: see RayTask.
-void askDevice(const RayReader& rays, bool any, bool spreads, const Context& context,
-               render::RayQueries& queries, const Take& take) {
+void queryDevice(const RayReader& rays, bool any, bool spreads, const Context& context,
+                 render::RayQueries& queries, const Take& take) {
     render::RayTask task;
     std::atomic<bool> rescaled = false;
     task.count = rays.count();
-    task.ask = any ? render::RayTask::Ask::Any : render::RayTask::Ask::Nearest;
+    task.query = any ? render::RayTask::Query::Any : render::RayTask::Query::Closest;
     task.coherent = rays.coherent();
     task.leaves = rays.leave();
     task.spreads = spreads;
@@ -42,8 +42,8 @@ reference::Hit answer(const reference::Tracer& tracer, const LocalRay& ray, bool
     return miss;
 }
 
-void askReference(const RayReader& rays, bool any, const Context& context, const reference::Tracer& tracer,
-                  const Write& write) {
+void queryReference(const RayReader& rays, bool any, const Context& context, const reference::Tracer& tracer,
+                    const Write& write) {
     forBlocks(context, rays.count(), [&](uint64_t first, uint64_t end) {
         for (uint64_t i = first; i < end; ++i) {
             const LocalRay ray = rays.local(i);
@@ -93,9 +93,9 @@ void certify(const Snapshot& snapshot, const RayReader& rays, const HitWriter& h
 void ask(const Snapshot& snapshot, const RayReader& rays, bool any, bool spreads, const Context& context,
          const Take& take, const Write& write) {
     if (snapshot.part().queries) {
-        askDevice(rays, any, spreads, context, *snapshot.part().queries, take);
+        queryDevice(rays, any, spreads, context, *snapshot.part().queries, take);
     } else {
-        askReference(rays, any, context, snapshot.part().tracer(), write);
+        queryReference(rays, any, context, snapshot.part().tracer(), write);
     }
 }
 

@@ -1,11 +1,14 @@
-// The embedded SPIR-V of the kernels (kernels.def), and their modes.
+// The embedded SPIR-V of the kernels (kernels.def), their modes and specialization constants.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <map>
 #include <span>
+#include <vector>
 
+#include "gpu/compute.h"
+#include "pack/packed_scene.h"
 #include "trace/methods.h"
 #include "trace/request.h"
 
@@ -47,5 +50,15 @@ struct TraceModes {
     auto operator<=>(const TraceModes&) const = default;
 };
 TraceModes modesOf(const Request& request);
+
+// Operations that shaders/arithmetic.glsl rounds in place of the device: GLINT_ARITHMETIC in
+// shaders/shared/dispatch.h.
+struct OwnArithmetic {
+    bool quotients = false, roots = false;
+};
+
+// Values of all specialization constants by their ids. convergent: see loopsConverge (kernel_choice.h).
+std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes, bool convergent,
+                                  const OwnArithmetic& own, gpu::Access access);
 
 }  // namespace glint::render

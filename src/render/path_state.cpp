@@ -56,57 +56,38 @@ bool Slice::pixelOf(uint32_t path, glm::ivec2& pixel) const {
     return x < region.width() && y < region.height();
 }
 
-PathState::PathState(const gpu::Device& device, gpu::Access access, uint32_t capacity, uint32_t rows)
-    : paths_(device, "path state", static_cast<uint64_t>(capacity) * rows * sizeof(RowEntry), access,
-             gpu::MemoryKind::Device),
+PathState::PathState(const gpu::Device& device, gpu::Access access, uint32_t capacity, uint32_t rows,
+                     gpu::MemoryKind memory)
+    : device_(&device),
+      paths_(device, "path state", uint64_t{capacity} * rows * sizeof(RowEntry), access, memory),
       capacity_(capacity),
       rows_(rows) {}
 
-std::vector<RowEntry> PathState::readRow(const gpu::Device& device, uint32_t row, uint32_t count) const {
+std::vector<RowEntry> PathState::readRow(uint32_t row, size_t count) const {
     std::vector<RowEntry> entries(count);
-    gpu::download(device, paths_, std::as_writable_bytes(std::span(entries)),
-                  static_cast<uint64_t>(row) * capacity_ * sizeof(RowEntry));
+    gpu::download(*device_, paths_, std::as_writable_bytes(std::span(entries)), row * rowBytes());
     return entries;
 }
 
-void PathState::writeRow(const gpu::Device& device, uint32_t row,
-                         const std::vector<RowEntry>& entries) const {
-    gpu::upload(device, paths_, std::as_bytes(std::span(entries)),
-                static_cast<uint64_t>(row) * capacity_ * sizeof(RowEntry));
+void PathState::writeRow(uint32_t row, const std::vector<RowEntry>& entries) const {
+    gpu::upload(*device_, paths_, std::as_bytes(std::span(entries)), row * rowBytes());
 }
 
-void PathState::writeEnded(const gpu::Device& device) const {
+void PathState::writeEnded() const {
     constexpr size_t kPaths = shared::kWorkgroupSize;
     std::vector<RowEntry> entries(rows_ * kPaths, RowEntry{{0, 0, 0, 0}});
     for (size_t path = 0; path < kPaths; ++path) {
         entries[shared::kRowDirection * kPaths + path].f[3] = shared::kInfinity;
         entries[shared::kRowHit * kPaths + path].u[3] = shared::kNone;
     }
-    gpu::upload(device, paths_, std::as_bytes(std::span(entries)));
+    writeRow(0, entries);
 }
 
-void LivePaths::bounced(uint32_t alive) {
-    if (alive >= running_) return;
-    list_ ^= 1u;
-    listed_ = true;
-    running_ = alive;
-}
-
-uint32_t LivePaths::groups() const {
-    return divideUp(running_, shared::kWorkgroupSize);
-}
-
-void LivePaths::writeTo(shared::Dispatch& dispatch) const {
-    dispatch.listed = listed_ ? running_ : 0;
-    dispatch.listRead = list_;
-}
-
-void readFilm(const PathState& paths, const gpu::Device& device, const Slice& slice, const TraceModes& modes,
-              Picture& picture) {
+void readFilm(const PathState& paths, const Slice& slice, const TraceModes& modes, Picture& picture) {
     const uint32_t row = modes.adaptive ? shared::kRowFilm : shared::kRowRadiance;
-    const std::vector<RowEntry> sums = paths.readRow(device, row, slice.paths());
+    const std::vector<RowEntry> sums = paths.readRow(row, slice.paths());
     std::vector<RowEntry> means;
-    if (modes.adaptive) means = paths.readRow(device, shared::kRowMean, slice.paths());
+    if (modes.adaptive) means = paths.readRow(shared::kRowMean, slice.paths());
     eachPixel(slice, [&](uint32_t path, const glm::ivec2& pixel) {
         const size_t index = slice.indexOf(pixel);
         const uint32_t taken = modes.adaptive ? means[path].u[3] : picture.samplesPerPixel;
@@ -120,19 +101,18 @@ void readFilm(const PathState& paths, const gpu::Device& device, const Slice& sl
     });
 }
 
-void readData(const PathState& paths, const gpu::Device& device, const Slice& slice, const glm::dvec3& origin,
-              Picture& picture) {
-    const AovRows rows(paths, device, slice.paths());
+void readData(const PathState& paths, const Slice& slice, const glm::dvec3& origin, Picture& picture) {
+    const AovRows rows(paths, slice.paths());
     eachPixel(slice, [&](uint32_t path, const glm::ivec2& pixel) {
         picture.data[slice.indexOf(pixel)] = rows.at(path, origin);
     });
 }
 
-void readLosses(const PathState& paths, const gpu::Device& device, const Slice& slice,
-                const TraceModes& modes, uint32_t firstRow, Picture& picture) {
+void readLosses(const PathState& paths, const Slice& slice, const TraceModes& modes, uint32_t firstRow,
+                Picture& picture) {
     TreeLosses& losses = picture.losses;
-    const auto sums = paths.readRow(device, firstRow + shared::kTreeRowLost, slice.paths());
-    const auto counts = paths.readRow(device, firstRow + shared::kTreeRowLostCounts, slice.paths());
+    const auto sums = paths.readRow(firstRow + shared::kTreeRowLost, slice.paths());
+    const auto counts = paths.readRow(firstRow + shared::kTreeRowLostCounts, slice.paths());
     eachPixel(slice, [&](uint32_t path, const glm::ivec2& pixel) {
         const uint32_t taken =
             modes.adaptive ? picture.samples[slice.indexOf(pixel)] : picture.samplesPerPixel;
@@ -148,12 +128,12 @@ void readLosses(const PathState& paths, const gpu::Device& device, const Slice& 
     });
 }
 
-AovRows::AovRows(const PathState& paths, const gpu::Device& device, uint32_t count)
-    : position(paths.readRow(device, shared::kRowAovPosition, count)),
-      normal(paths.readRow(device, shared::kRowAovNormal, count)),
-      indices(paths.readRow(device, shared::kRowAovIndices, count)),
-      counts(paths.readRow(device, shared::kRowAovCounts, count)),
-      geometry(paths.readRow(device, shared::kRowAovGeometry, count)) {}
+AovRows::AovRows(const PathState& paths, uint32_t count)
+    : position(paths.readRow(shared::kRowAovPosition, count)),
+      normal(paths.readRow(shared::kRowAovNormal, count)),
+      indices(paths.readRow(shared::kRowAovIndices, count)),
+      counts(paths.readRow(shared::kRowAovCounts, count)),
+      geometry(paths.readRow(shared::kRowAovGeometry, count)) {}
 
 PixelData AovRows::at(uint32_t path, const glm::dvec3& origin) const {
     PixelData data;
@@ -176,9 +156,8 @@ PixelData AovRows::at(uint32_t path, const glm::dvec3& origin) const {
     return data;
 }
 
-void addRays(const PathState& paths, const gpu::Device& device, const Slice& slice,
-             std::vector<Trail>& trails) {
-    const auto row = [&](uint32_t index) { return paths.readRow(device, index, slice.paths()); };
+void addRays(const PathState& paths, const Slice& slice, std::vector<Trail>& trails) {
+    const auto row = [&](uint32_t index) { return paths.readRow(index, slice.paths()); };
     const auto origins = row(shared::kRowOrigin), directions = row(shared::kRowDirection),
                hits = row(shared::kRowHit), throughputs = row(shared::kRowThroughput),
                sums = row(shared::kRowRadiance), walks = row(shared::kRowWalk);

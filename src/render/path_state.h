@@ -42,67 +42,51 @@ static_assert(sizeof(RowEntry) == 16);
 class PathState {
   public:
     PathState() = default;
-    // Room for `capacity` paths of `rows` rows. Throws Error(Device) if that does not fit.
-    PathState(const gpu::Device& device, gpu::Access access, uint32_t capacity, uint32_t rows);
+    // Room for `capacity` paths of `rows` rows. Keeps a reference to `device`. Throws Error(Device) if that
+    // does not fit.
+    PathState(const gpu::Device& device, gpu::Access access, uint32_t capacity, uint32_t rows,
+              gpu::MemoryKind memory = gpu::MemoryKind::Device);
 
     uint32_t capacity() const { return capacity_; }
     uint32_t rows() const { return rows_; }
     const gpu::Buffer& buffer() const { return paths_; }
-    std::vector<RowEntry> readRow(const gpu::Device& device, uint32_t row, uint32_t count) const;
-    void writeRow(const gpu::Device& device, uint32_t row, const std::vector<RowEntry>& entries) const;
-    // All rows of the paths of one workgroup, as a dispatch whose capacity these are finds them: ended, with
-    // nothing hit, and all else 0.
-    void writeEnded(const gpu::Device& device) const;
+    uint64_t rowBytes() const { return uint64_t{capacity_} * sizeof(RowEntry); }
+    // The first `count` entries of a row; they may go on into the next rows.
+    std::vector<RowEntry> readRow(uint32_t row, size_t count) const;
+    void writeRow(uint32_t row, const std::vector<RowEntry>& entries) const;
+    // Writes all rows of one workgroup's paths, for a dispatch with that capacity: ended, no hit, 0
+    // elsewhere.
+    void writeEnded() const;
 
   private:
+    const gpu::Device* device_ = nullptr;
     gpu::Buffer paths_;
     uint32_t capacity_ = 0;
     uint32_t rows_ = 0;
 };
 
-// All paths of a slice until one has ended, then the paths in the list that `shade` wrote.
-class LivePaths {
-  public:
-    explicit LivePaths(uint32_t paths) : running_(paths) {}
-
-    // Call after each bounce; `alive` paths continue.
-    void bounced(uint32_t alive);
-    // Workgroups to dispatch.
-    uint32_t groups() const;
-    // Writes the arguments that select these paths in the kernels.
-    void writeTo(shared::Dispatch& dispatch) const;
-
-  private:
-    uint32_t running_;  // invocations that have a path, alive or not
-    bool listed_ = false;
-    uint32_t list_ = 0;  // the list that is read, if listed
-};
-
 // ---- Reading back a slice's pixels ----
 
 // Fills color, done, notFinite and, if adaptive, samples of the slice's pixels.
-void readFilm(const PathState& paths, const gpu::Device& device, const Slice& slice, const TraceModes& modes,
-              Picture& picture);
+void readFilm(const PathState& paths, const Slice& slice, const TraceModes& modes, Picture& picture);
 
 // Adds up Picture::losses, of the rows kTreeRowLost... from `firstRow` on.
-void readLosses(const PathState& paths, const gpu::Device& device, const Slice& slice,
-                const TraceModes& modes, uint32_t firstRow, Picture& picture);
+void readLosses(const PathState& paths, const Slice& slice, const TraceModes& modes, uint32_t firstRow,
+                Picture& picture);
 
 // Fills data.
-void readData(const PathState& paths, const gpu::Device& device, const Slice& slice, const glm::dvec3& origin,
-              Picture& picture);
+void readData(const PathState& paths, const Slice& slice, const glm::dvec3& origin, Picture& picture);
 
 // The layers of the first `count` paths, as read back (kRowAov...).
 struct AovRows {
     std::vector<RowEntry> position, normal, indices, counts, geometry;
 
-    AovRows(const PathState& paths, const gpu::Device& device, uint32_t count);
+    AovRows(const PathState& paths, uint32_t count);
     PixelData at(uint32_t path, const glm::dvec3& origin) const;
 };
 
 // Adds the rays of a bounce to their pixels' trails, after its closest hits and before its shading. The rows
 // must hold AOVs.
-void addRays(const PathState& paths, const gpu::Device& device, const Slice& slice,
-             std::vector<Trail>& trails);
+void addRays(const PathState& paths, const Slice& slice, std::vector<Trail>& trails);
 
 }  // namespace glint::render

@@ -13,22 +13,20 @@
 
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "render/engine.h"
 #include "render/path_limits.h"
-#include "render/path_state.h"
-#include "render/pipelines.h"
-#include "render/scene_buffers.h"
 
 namespace glint::render {
 
 namespace {
 
-// Rays of a piece: 128 blocks keep what the host writes and the device reads in a processor's cache, and the
-// start of threads and kernels below a hundredth of the time; a GPU wants more at a time.
+// Rays of a piece. On a software device, 128 blocks fit a processor's cache, and starting threads and kernels
+// costs less than a hundredth of the time. A GPU needs larger pieces.
 constexpr uint32_t kSoftwarePiece = 1u << 17, kPiece = 1u << 20;
-// So many answers before one is put where it belongs the processor is told.
+// Prefetch distance, in hits.
 constexpr size_t kAhead = 32;
-// Nodes of the smallest tree for which rays are put in order.
-constexpr size_t kFewestForOrder = 64;
+// Nodes of the smallest BVH for which rays are sorted.
+constexpr size_t kMinNodesForOrder = 64;
 
 // Features of a scene that affect hits; the others would be dead code.
 SceneFeatures hitFeatures(SceneFeatures features) {
@@ -37,18 +35,18 @@ SceneFeatures hitFeatures(SceneFeatures features) {
     return features;
 }
 
-// Behind the rows of the rays: room for hits that are listed, two entries each, four for each ray of a piece.
+// Rows for listed hits, after those of the rays: two entries a hit, four hits for each ray of a piece.
 constexpr uint32_t kCrossingRows = 8;
 
-KernelId kernelOf(RayTask::Ask ask) {
-    switch (ask) {
-        case RayTask::Ask::Nearest:
+KernelId kernelOf(RayTask::Query query) {
+    switch (query) {
+        case RayTask::Query::Closest:
             return KernelId::Intersect;
-        case RayTask::Ask::Any:
+        case RayTask::Query::Any:
             return KernelId::IntersectAny;
-        case RayTask::Ask::Count:
+        case RayTask::Query::Count:
             return KernelId::Count;
-        case RayTask::Ask::Point:
+        case RayTask::Query::Point:
             return KernelId::ClosestPoint;
     }
     throw std::logic_error("kernelOf: unknown query");
@@ -61,7 +59,7 @@ const RowEntry kNoEntry = {.u = {shared::kNone, shared::kNone, shared::kNone, sh
 // ---- A piece of a batch's rays, in blocks, on the device ----
 
 constexpr size_t kBlock = kRayBlock;
-// llvmpipe gives each of its threads an equal run of the workgroups: blocks are dealt out among so many runs.
+// llvmpipe gives each of its threads an equal run of the workgroups, so blocks are dealt to this many runs.
 constexpr size_t kRuns = 16;
 
 // Positions of a piece's blocks.
@@ -72,7 +70,7 @@ struct Placement {
           runs(dealt ? std::min(kRuns, blocks) : 1),
           perRun((blocks + runs - 1) / runs) {}
     size_t places() const { return runs * perRun; }
-    // The block at a place, or a number from `blocks` on where no block stands.
+    // The block at a place; at least `blocks` if there is none.
     size_t at(size_t place) const { return place % perRun * runs + place / perRun; }
 };
 
@@ -81,85 +79,62 @@ constexpr std::array kSlotRows = {shared::kRowOrigin, shared::kRowDirection, sha
                                   shared::kPathRows};
 constexpr size_t kInstanceRow = 3, kHitRow = 2;  // of kSlotRows
 
-// Resources of one piece of rays in flight. On a software device `rows` is written and read in place;
-// otherwise `staging` holds copies of the rows that are exchanged.
+// One piece of rays in flight. A software device shares its path state with the host; otherwise `staging`
+// holds copies of the rows that are exchanged.
 struct Slot {
-    gpu::Buffer counters, rows, staging;
-    Pipelines pipelines;
-    gpu::Submission submission;
-    uint32_t capacity;
+    Engine engine;
+    gpu::Buffer staging;
 
-    Slot(const gpu::Device& device, Pipelines made, gpu::Access access, const SceneBuffers& scene,
-         uint32_t paths, uint32_t rowCount, bool inPlace)
-        : pipelines(std::move(made)), submission(device), capacity(paths) {
-        const uint64_t row = uint64_t{paths} * sizeof(RowEntry);
-        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
-                               gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
-        rows = gpu::Buffer(device, "rays", row * rowCount, access,
-                           inPlace ? gpu::MemoryKind::Host : gpu::MemoryKind::Device);
+    Slot(const DeviceScene& scene, uint32_t paths, uint32_t rowCount, bool inPlace)
+        : engine(scene, inPlace ? gpu::MemoryKind::Host : gpu::MemoryKind::Device) {
+        engine.reserve(paths, rowCount);
         if (!inPlace)
-            staging = gpu::Buffer(device, "rays on their way", row * kSlotRows.size(),
+            staging = gpu::Buffer(scene.device, "rays on their way", rowBytes() * kSlotRows.size(),
                                   gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
-        pipelines.bind(counters, rows, scene);
-        // Kernels leave the walk row alone but where a ray runs out of trips, and put it back when that is
-        // done.
-        const std::vector<RowEntry> finished(paths, kNoEntry);
-        gpu::upload(device, rows, std::as_bytes(std::span(finished)), shared::kRowWalk * row);
+        // Kernels write the walk row only for a ray that runs out of trips, and reset it at the end.
+        engine.paths().writeRow(shared::kRowWalk, std::vector<RowEntry>(paths, kNoEntry));
     }
 
+    uint64_t rowBytes() const { return engine.paths().rowBytes(); }
     // One of kSlotRows, where the host writes and reads it.
     RowEntry* row(size_t which) const {
-        return static_cast<RowEntry*>(staging ? staging.mapped() : rows.mapped()) +
-               (staging ? which : size_t{kSlotRows[which]}) * capacity;
-    }
-    uint32_t& unfinished() const {
-        return static_cast<uint32_t*>(counters.mapped())[shared::kCounterUnfinished];
+        const gpu::Buffer& rows = staging ? staging : engine.paths().buffer();
+        return static_cast<RowEntry*>(rows.mapped()) +
+               (staging ? which : size_t{kSlotRows[which]}) * engine.paths().capacity();
     }
 };
 
-struct RayQueries::State {
-    const gpu::Device& device;
-    const PackedScene& scene;
-    const KernelCode& kernels;
-    SceneFeatures features;
-    gpu::Access access;
+struct RayQueries::State : DeviceScene {
     bool inPlace, alwaysPackets;
-    TraversalChoice traversal;
-    uint32_t tripBudget, rowCount, piece;
-    SceneBuffers buffers;
+    uint32_t rowCount, piece;
     std::mutex mutex;
     std::condition_variable freed;
     std::vector<std::unique_ptr<Slot>> idle;
     unsigned made = 0;  // slots
 
-    State(const gpu::Device& dev, const PackedScene& packed, Traversal wanted, const KernelCode& code)
-        : device(dev),
-          scene(packed),
-          kernels(code),
-          features(hitFeatures(packed.features)),
-          access(chooseAccess(dev.info(), arraySizes(packed))),
+    State(const gpu::Device& dev, const PackedScene& packed, Traversal wanted, const KernelCode& kernels)
+        : DeviceScene(dev, packed, hitFeatures(packed.features), {.traversal = wanted, .kernels = &kernels}),
           inPlace(dev.info().software),
           alwaysPackets(wanted == Traversal::Packet),
-          traversal(chooseTraversal(wanted, dev.info(), packed)),
-          tripBudget(deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
-          rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kCrossingRows),
-          piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
-          buffers(dev, packed, access, traversal) {
+          rowCount(shared::kPathRows + (features.instances ? 1 : 0) + kCrossingRows),
+          piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)) {
         piece = static_cast<uint32_t>(std::max<size_t>(piece / kBlock, 1) * kBlock);
+        upload();
     }
 
-    // Pieces that are in flight: while one is on a GPU, one thread prepares the next.
+    // Pieces in flight: while one is on a GPU, a thread prepares the next.
     unsigned atOnce() const { return inPlace ? 1u : 2u; }
+    // Rays of a piece, so that its places fit: all runs are as long as the longest.
+    size_t usable() const { return std::max<size_t>(piece / kBlock / kRuns * kRuns, 1) * kBlock; }
     Context hostContext() const { return inPlace ? device.context() : Context{.threads = 1}; }
 
-    // Calls use(slot) with a slot that is free, made if there may be one more; waits for one else.
+    // Calls use(slot) with an idle slot; makes one or waits if there is none.
     template <typename Use>
     void withSlot(const Use& use) {
         std::unique_lock lock(mutex);
         freed.wait(lock, [&] { return !idle.empty() || made < atOnce(); });
         if (idle.empty()) {
-            idle.push_back(std::make_unique<Slot>(device, Pipelines(device, kernels, access, features),
-                                                  access, buffers, piece, rowCount, inPlace));
+            idle.push_back(std::make_unique<Slot>(*this, piece, rowCount, inPlace));
             ++made;
         }
         struct Held {
@@ -187,7 +162,7 @@ struct RayQueries::State {
             RowEntry* const origin = slot.row(0) + place * kBlock;
             RowEntry* const direction = slot.row(1) + place * kBlock;
             RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
-            const float noHit = task.ask == RayTask::Ask::Count ? 0 : std::bit_cast<float>(shared::kNone);
+            const float noHit = task.query == RayTask::Query::Count ? 0 : std::bit_cast<float>(shared::kNone);
             for (size_t i = 0; i < kBlock; ++i) {
                 const RayInput& ray = rays[i];
                 origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, ray.tMax}};
@@ -200,32 +175,19 @@ struct RayQueries::State {
 
     void trace(Slot& slot, size_t paths, KernelId id, TraceModes modes, bool packets) const {
         const auto groups = static_cast<uint32_t>(paths / shared::kWorkgroupSize);
-        shared::Dispatch dispatch;
-        dispatch.tileCount = dispatch.run = groups;
-        dispatch.interleave = 1;
-        dispatch.regionWidth = dispatch.regionHeight = 1;
-        dispatch.capacity = slot.capacity;
-        dispatch.tripBudget = tripBudget;
-        const auto constants = gpu::bytesOf(dispatch);
-        const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
+        Engine& engine = slot.engine;
+        const gpu::Buffer& rows = engine.paths().buffer();
+        const uint64_t row = slot.rowBytes(), used = paths * sizeof(RowEntry);
         const size_t staged = slot.staging ? kSlotRows.size() - (features.instances ? 0 : 1) : 0;
-
-        modes.given = true;
         for (size_t i = 0; i < staged; ++i)
-            slot.submission.copy(slot.staging, i * row, slot.rows, kSlotRows[i] * row, used);
-        const KernelId first = packets ? packetKernel(id) : id;
-        const uint32_t perLane = infoOf(first).raysOfLane;
-        slot.submission.dispatch(slot.pipelines.get(first, modes), (groups + perLane - 1) / perLane,
-                                 constants);
-        modes.resume = true;
-        for (;;) {
+            engine.submission().copy(slot.staging, i * row, rows, kSlotRows[i] * row, used);
+        modes.given = true;
+        const Slice slice = {.region = {0, 0, 1, 1}, .tileCount = groups};
+        engine.trace(id, modes, engine.dispatchOf(slice), groups, packets, [&] {
             for (size_t i = kHitRow; i < staged; ++i)
-                slot.submission.copy(slot.rows, kSlotRows[i] * row, slot.staging, i * row, used);
-            slot.unfinished() = 0;
-            slot.submission.submit();
-            if (slot.unfinished() == 0) break;
-            slot.submission.dispatch(slot.pipelines.get(id, modes), groups, constants);
-        }
+                engine.submission().copy(rows, kSlotRows[i] * row, slot.staging, i * row, used);
+            engine.submit();
+        });
     }
 
     void take(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& numbers,
@@ -243,7 +205,7 @@ struct RayQueries::State {
                 }
                 return;
             }
-            const bool counted = task.ask == RayTask::Ask::Count;
+            const bool counted = task.query == RayTask::Query::Count;
             const RowEntry* const instances =
                 features.instances && !counted ? slot.row(kInstanceRow) + at : nullptr;
             task.take(numbers.from(start), {slot.row(kHitRow) + at, instances, present, counted});
@@ -257,7 +219,7 @@ struct RayQueries::State {
             fill(slot, placement, task, rays, count);
             const ProcessorWatch processor;
             const Stopwatch watch;
-            trace(slot, placement.places() * kBlock, kernelOf(task.ask),
+            trace(slot, placement.places() * kBlock, kernelOf(task.query),
                   {.leaves = task.leaves, .methods = task.methods}, packets);
             if (task.kernels) {
                 const std::lock_guard lock(mutex);
@@ -270,11 +232,11 @@ struct RayQueries::State {
 
     // ---- Hits that go to several arrays of the caller ----
 
-    // Buffer for the hits of sorted rays; null if not needed. Written directly, each ray would need one cache
-    // line per array. The hits are put in order first, one line per ray, and then written array by array.
+    // Buffer for the hits of sorted rays; null if not needed. It brings them into the caller's order: direct
+    // writes would touch one cache line per ray and array.
     std::unique_ptr<RowEntry[]> gatherFor(const RayTask& task, const RayOrder& order) const {
         const bool sorted = order.numbers && order.run == 1;
-        if (!sorted || !task.spreads || task.ask != RayTask::Ask::Nearest || features.instances)
+        if (!sorted || !task.spreads || task.query != RayTask::Query::Closest || features.instances)
             return nullptr;
         return std::make_unique_for_overwrite<RowEntry[]>(order.count);
     }
@@ -314,7 +276,7 @@ struct RayQueries::State {
     void listPiece(Slot& slot, std::span<const uint32_t> counts, size_t first, const ListFill& fillRays,
                    const ListTake& takeHits) const {
         RayTask task;
-        task.ask = RayTask::Ask::Count;
+        task.query = RayTask::Query::Count;
         task.fill = [&](const RayNumbers& numbers, std::span<RayInput> rays) {
             fillRays(first + numbers.first, rays);
             for (size_t i = 0; i < rays.size(); ++i)
@@ -335,13 +297,10 @@ struct RayQueries::State {
                 sum += counts[i];
             }
         }
-        const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry);
-        gpu::upload(device, slot.rows, std::as_bytes(std::span(places)), shared::kRowThroughput * row);
+        slot.engine.paths().writeRow(shared::kRowThroughput, places);
         trace(slot, placement.places() * kBlock, KernelId::Count, {.list = true}, false);
         checkListed(slot, places);
-        std::vector<RowEntry> found(2 * sum);
-        gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)),
-                      (rowCount - kCrossingRows) * row);
+        const std::vector<RowEntry> found = slot.engine.paths().readRow(rowCount - kCrossingRows, 2 * sum);
         std::vector<FoundHit> hits;
         for (size_t i = 0; i < counts.size(); ++i) {
             hits.clear();
@@ -355,19 +314,19 @@ struct RayQueries::State {
 
     // ---- The order of a batch's rays ----
 
-    // A GPU takes rays as they are given: it was not measured whether sorting would pay there.
+    // Sorts on software devices only; its benefit on GPUs is unmeasured.
     RayOrder orderOf(const RayTask& task, size_t first) const {
         const size_t count = task.count - first;
         const bool coherent = task.coherent || alwaysPackets;
-        if (!inPlace || scene.nodes.size() < kFewestForOrder) return {count, coherent, {}, 1};
+        if (!inPlace || scene.nodes.size() < kMinNodesForOrder) return {count, coherent, {}, 1};
         return orderRays(task.fill, first, count, {scene.boundsLo, scene.boundsHi}, coherent,
                          device.context());
     }
 
     // Packets count triangles and planes only.
-    bool packetsKnow(const RayTask& task) const {
-        const bool isCount = task.ask == RayTask::Ask::Count;
-        if (task.ask == RayTask::Ask::Point || (isCount && (features.spheres || features.cuboids)))
+    bool canUsePackets(const RayTask& task) const {
+        const bool isCount = task.query == RayTask::Query::Count;
+        if (task.query == RayTask::Query::Point || (isCount && (features.spheres || features.cuboids)))
             return false;
         return traversal.packets && task.methods == Methods{};
     }
@@ -380,23 +339,21 @@ RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene, Trav
 void RayQueries::prepare() {
     state_->withSlot([&](Slot& slot) {
         for (const KernelId id : {KernelId::Intersect, KernelId::IntersectAny}) {
-            slot.pipelines.get(id, {.given = true});
-            if (state_->traversal.packets) slot.pipelines.get(packetKernel(id), {.given = true});
+            slot.engine.kernel(id, {.given = true});
+            if (state_->traversal.packets) slot.engine.kernel(packetKernel(id), {.given = true});
         }
     });
 }
 
 bool RayQueries::update() {
-    // The kernels are made for the scene's features; its arrays may be elsewhere than before.
+    // The kernels are specialized for the scene's features.
     if (state_->features != hitFeatures(state_->scene.features)) return false;
     state_->buffers.update(state_->device, state_->scene);
     return true;
 }
 
 bool RayQueries::run(const RayTask& task) {
-    // Places, not rays, must fit: runs are as long as the longest.
-    const size_t piece = std::max<size_t>(state_->piece / kBlock / kRuns, 1) * kRuns * kBlock;
-    const size_t usable = piece <= state_->piece ? piece : kBlock;
+    const size_t usable = state_->usable();
     std::mutex mutex;
     size_t done = 0;
     bool stopped = false;
@@ -407,7 +364,7 @@ bool RayQueries::run(const RayTask& task) {
     for (size_t first = 0; first < task.count && !stopped;) {
         const RayOrder order = state_->orderOf(task, first);
         const RayNumbers rays = order.from(first);
-        const bool packets = order.coherent && state_->packetsKnow(task);
+        const bool packets = order.coherent && state_->canUsePackets(task);
         const auto gathered = state_->gatherFor(task, order);
         const size_t pieces = (order.count + usable - 1) / usable;
         const auto countOf = [&](size_t i) { return std::min(usable, order.count - i * usable); };
@@ -429,7 +386,7 @@ bool RayQueries::run(const RayTask& task) {
 }
 
 void RayQueries::list(std::span<const uint32_t> counts, const ListFill& fill, const ListTake& take) {
-    const size_t usable = std::max<size_t>(state_->piece / kBlock / kRuns * kRuns, 1) * kBlock;
+    const size_t usable = state_->usable();
     const uint64_t room = uint64_t{state_->piece} * kCrossingRows / 2;
     for (size_t first = 0; first < counts.size();) {
         size_t end = first;

@@ -1,5 +1,5 @@
-// Answers rays of a caller: the closest hit, any hit, a count of crossings, or the closest primitive. Nothing
-// is shaded, and an answer has 20 bytes. `glint trace` and libglint use it.
+// Queries of a caller's rays: the closest hit, any hit, the number of crossings, or the closest primitive,
+// without shading. `glint trace` and libglint use them.
 #pragma once
 
 #include <functional>
@@ -18,8 +18,8 @@ namespace glint::render {
 struct FoundHit {
     float t = 0, u = 0, v = 0;           // u and v as in reference::Hit
     uint32_t primitive = shared::kNone;  // kind and index; kNone: a miss
-    uint32_t instance = shared::kNone;   // that the primitive is one of
-    // Only for Ask::Count: number of surfaces crossed. doubtful: rounding decides whether one of them lies
+    uint32_t instance = shared::kNone;   // of the primitive
+    // Query::Count alone: number of surfaces crossed. doubtful: rounding decides whether one of them lies
     // before the origin.
     uint32_t crossings = 0;
     bool doubtful = false;
@@ -28,7 +28,7 @@ struct FoundHit {
 // Hits of consecutive rays, read where the device wrote them.
 class FoundHits {
   public:
-    // instances: null where none are.
+    // instances: null if the scene has none.
     FoundHits(const RowEntry* hits, const RowEntry* instances, size_t count, bool counted)
         : hits_(hits), instances_(instances), count_(count), counted_(counted) {}
 
@@ -53,27 +53,26 @@ class FoundHits {
 // `fill` and `take` are called for blocks of at most kRayBlock rays, from several threads at a time.
 struct RayTask {
     size_t count = 0;
-    ReadRays fill;  // local rays; also called to look at some of them
+    ReadRays fill;  // local rays; also called for samples of them
     std::function<void(const RayNumbers& numbers, const FoundHits& hits)> take;
-    // Nearest: the closest hit; Any: FoundHit::primitive of an arbitrary hit, if there is one; Count:
-    // FoundHit::crossings, of a scene packed without split triangles; Point: the triangle or sphere that is
-    // closest to the ray's origin, FoundHit::t the square of its distance.
-    enum class Ask { Nearest, Any, Count, Point } ask = Ask::Nearest;
+    // Closest: the closest hit. Any: FoundHit::primitive of an arbitrary hit. Count: FoundHit::crossings, of
+    // a scene packed without split triangles. Point: the triangle or sphere closest to the ray's origin;
+    // FoundHit::t is its squared distance.
+    enum class Query { Closest, Any, Count, Point } query = Query::Closest;
     Methods methods = {};
     bool leaves = false;                   // rays start on surfaces (docs/design/numerics.md)
-    bool coherent = false;                 // the caller says that neighbours go about the same way
-    bool spreads = false;                  // `take` writes to several places for each ray
-    std::function<bool()> cancelled;       // asked between pieces; may be empty
+    bool coherent = false;                 // the caller declares neighbours similar
+    bool spreads = false;                  // `take` writes to several arrays
+    std::function<bool()> cancelled;       // called between pieces; may be empty
     std::function<void(double)> progress;  // the fraction done; may be empty
-    BatchTimes* kernels = nullptr;         // added to: what the device took, without preparing and reading
+    BatchTimes* kernels = nullptr;         // receives the device's time in addition; may be null
 };
 
 // The callbacks of RayQueries::list: fill the rays from `first` on, and take the crossings of ray i.
 using ListFill = std::function<void(size_t first, std::span<RayInput> rays)>;
 using ListTake = std::function<void(size_t i, std::span<const FoundHit> hits)>;
 
-// The answers of a ray do not depend on what else is asked. May be used from several threads, which take
-// turns at the device.
+// The answer for a ray does not depend on the other rays. Thread-safe; threads take turns at the device.
 class RayQueries {
   public:
     // Keeps references to all three. Traversal::Packet traces all rays in packets, coherent or not. Throws
@@ -85,15 +84,15 @@ class RayQueries {
     // if that is impossible: construct new queries then. No query may be running.
     bool update();
 
-    // Compiles the kernels of Ask::Nearest and Ask::Any.
+    // Compiles the kernels of Query::Closest and Query::Any.
     void prepare();
 
     // False if it was cancelled.
     bool run(const RayTask& task);
 
-    // Lists the crossings of each ray i: counts[i] of them, as counted by Ask::Count, in no order. A count of
-    // 0 leaves the ray out. Calls `take` for one ray after the other. Throws Error(Device) if one ray crosses
-    // more surfaces than fit into a piece, or if the device finds another number of crossings.
+    // Lists the crossings of each ray i: counts[i] of them, as counted by Query::Count, in no order. A count
+    // of 0 leaves the ray out. Calls `take` for one ray after the other. Throws Error(Device) if one ray
+    // crosses more surfaces than fit into a piece, or if the device finds another number of crossings.
     void list(std::span<const uint32_t> counts, const ListFill& fill, const ListTake& take);
 
   private:

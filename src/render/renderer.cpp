@@ -6,10 +6,8 @@
 
 #include "core/stopwatch.h"
 #include "pack/request_environment.h"
+#include "render/engine.h"
 #include "render/path_limits.h"
-#include "render/path_state.h"
-#include "render/pipelines.h"
-#include "render/scene_buffers.h"
 
 namespace glint::render {
 
@@ -20,23 +18,13 @@ constexpr double kWholeSliceSeconds = 2.0;
 
 }  // namespace
 
-struct Renderer::State {
-    const gpu::Device& device;
-    const PackedScene& scene;
+struct Renderer::State : DeviceScene {
     Options options;
-    SceneFeatures features;  // of the pipelines
-    gpu::Access access;
-    TraversalChoice traversal;  // with the default methods, which have the most to choose from
-    uint32_t tripBudget;
-    bool wholePathsGivenUp = false;  // one ran out of trips
-    SceneBuffers buffers;
-    gpu::Buffer counters;
-    Pipelines pipelines;
-    PathState paths;
-    gpu::Submission submission;
+    bool wholePathsGivenUp = false;  // a path ran out of trips
+    Engine engine;
     StageTimes times;
     RayCounts rayCounts;
-    uint32_t sliceTiles = 64;   // of the next slice, of the next picture too
+    uint32_t sliceTiles = 64;   // of the next slice, also of the next image
     double longestInSlice = 0;  // longest submission of the current slice, in seconds
 
     // ---- The picture at hand ----
@@ -48,26 +36,14 @@ struct Renderer::State {
     std::vector<Trail>* trails = nullptr;  // record, or null
 
     State(const gpu::Device& dev, const PackedScene& packed, const Options& opts)
-        : device(dev),
-          scene(packed),
-          options(opts),
-          features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
-          access(opts.access ? *opts.access : chooseAccess(dev.info(), arraySizes(packed))),
-          traversal(chooseTraversal(opts.traversal, dev.info(), packed)),
-          tripBudget(opts.tripBudget ? opts.tripBudget
-                                     : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
-          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(), access, features,
-                    opts.ownArithmetic),
-          submission(dev) {
+        : DeviceScene(dev, packed, imageFeatures(packed, opts), opts), options(opts), engine(*this) {
         options.expected = nullptr;
         if (opts.expected) {
             begin(*opts.expected, glint::environmentOf(scene, *opts.expected));
-            pipelines.start(modes, kernels());
+            engine.start(modes, kernels());
         }
         const Stopwatch watch;
-        buffers = SceneBuffers(device, scene, access, traversal);
-        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
-                               gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
+        upload();
         times.upload += watch.seconds();
     }
 
@@ -78,7 +54,6 @@ struct Renderer::State {
         environment = its;
     }
 
-    uint32_t* counter() const { return static_cast<uint32_t*>(counters.mapped()); }
     bool cancelled() const { return request->cancelled && request->cancelled(); }
 
     // cost: rays count their tests.
@@ -125,82 +100,36 @@ struct Renderer::State {
         return found;
     }
 
-    // `rebind`: another buffer has been replaced.
-    void reservePaths(uint32_t capacity, uint32_t rows, bool rebind) {
-        if (paths.capacity() < capacity || paths.rows() < rows) {
-            const uint32_t newCapacity = std::max(capacity, paths.capacity());
-            const uint32_t newRows = std::max(rows, paths.rows());
-            paths = PathState();
-            paths = PathState(device, access, newCapacity, newRows);
-            rebind = true;
-        }
-        if (rebind) pipelines.bind(counters, paths.buffer(), buffers);
-    }
-
-    void compile(const std::vector<KernelId>& ids) {
-        const std::vector<KernelId> missing = pipelines.missing(modes, ids);
-        if (missing.empty()) return;
+    void compile() {
         const Stopwatch watch;
-        Slice nothing;
-        nothing.region = {0, 0, 1, 1};
-        shared::Dispatch dispatch = dispatchFor(nothing);
-        // Kernels run in any order, so no path may be alive; they read the path's rows even so.
-        dispatch.capacity = shared::kWorkgroupSize;
-        paths.writeEnded(device);
-        pipelines.compile(modes, missing, dispatch);
+        engine.compile(modes, kernels());
         times.compile += watch.seconds();
-    }
-
-    shared::Dispatch dispatchFor(const Slice& slice) const {
-        shared::Dispatch dispatch;
-        dispatch.firstTile = slice.firstTile;
-        dispatch.tileCount = slice.tileCount;
-        dispatch.interleave = slice.interleave;
-        dispatch.run = slice.run();
-        dispatch.regionX = static_cast<uint32_t>(slice.region.x0);
-        dispatch.regionY = static_cast<uint32_t>(slice.region.y0);
-        dispatch.regionWidth = static_cast<uint32_t>(slice.region.width());
-        dispatch.regionHeight = static_cast<uint32_t>(slice.region.height());
-        dispatch.capacity = paths.capacity();
-        dispatch.tripBudget = tripBudget;
-        return dispatch;
     }
 
     // ---- Kernels ----
 
-    void record(KernelId id, const shared::Dispatch& dispatch, uint32_t groups, bool resume = false) {
-        TraceModes kernelModes = modes;
-        kernelModes.resume = resume;
-        submission.dispatch(pipelines.get(id, kernelModes), groups, gpu::bytesOf(dispatch));
+    void record(KernelId id, const shared::Dispatch& dispatch, uint32_t groups) {
+        engine.record(id, modes, dispatch, groups);
     }
 
-    // The time goes to that kernel's account.
+    // Adds the time to that kernel's account.
     void submit(double KernelTimes::*account) {
-        std::fill_n(counter(), shared::kCounterCount, 0u);
-        const gpu::Submission::Times t = submission.submit();
+        const gpu::Submission::Times t = engine.submit();
         times.trace += t.wall;
         times.device += t.device;
         times.kernels.*account += t.device > 0 ? t.device : t.wall;
-        rayCounts.shadow += counter()[shared::kCounterShadow];
-        rayCounts.refracted += counter()[shared::kCounterRefracted];
+        rayCounts.shadow += engine.counter(shared::kCounterShadow);
+        rayCounts.refracted += engine.counter(shared::kCounterRefracted);
         times.longestSubmission = std::max(times.longestSubmission, t.wall);
         longestInSlice = std::max(longestInSlice, t.wall);
         ++times.submissions;
     }
 
-    // Records one kernel that traces rays, submits, and continues unfinished rays until all have ended.
     // Camera rays and their shadow rays start in packets if these were chosen.
     void traceRays(KernelId id, const shared::Dispatch& dispatch, uint32_t groups,
                    double KernelTimes::*account) {
-        const KernelId first = choice.packets && dispatch.bounce == 0 ? packetKernel(id) : id;
-        const uint32_t perLane = infoOf(first).raysOfLane;
-        record(first, dispatch, (groups + perLane - 1) / perLane);
-        submit(account);
-        while (counter()[shared::kCounterUnfinished] != 0) {
-            ++times.resumes;
-            record(id, dispatch, groups, true);
-            submit(account);
-        }
+        const bool packets = choice.packets && dispatch.bounce == 0;
+        times.resumes += engine.trace(id, modes, dispatch, groups, packets, [&] { submit(account); });
     }
 
     void traceBounce(shared::Dispatch dispatch, uint32_t groups) {
@@ -233,21 +162,23 @@ struct Renderer::State {
     bool renderSample(const Slice& slice, shared::Dispatch dispatch) {
         record(KernelId::Generate, dispatch, slice.groups());
         if (options.profile) submit(&KernelTimes::generate);
-        LivePaths live(slice.paths());
+        uint32_t running = slice.paths();  // invocations that have a path, alive or not
         for (dispatch.bounce = 0;; ++dispatch.bounce) {
-            live.writeTo(dispatch);
-            const uint32_t groups = live.groups();
+            const uint32_t groups = (running + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
             times.invocations += static_cast<uint64_t>(groups) * shared::kWorkgroupSize;
             traceBounce(dispatch, groups);
             if (cancelled()) return false;
-            if (trails) addRays(paths, device, slice, *trails);
+            if (trails) addRays(engine.paths(), slice, *trails);
             if (!castShadows(dispatch, groups)) return false;
             record(KernelId::Shade, dispatch, groups);
             submit(&KernelTimes::shade);
             if (cancelled()) return false;
-            const uint32_t alive = counter()[shared::kCounterAlive];
+            const uint32_t alive = engine.counter(shared::kCounterAlive);
             if (alive == 0) return true;
-            live.bounced(alive);
+            if (alive < running) {  // continue with the list of live paths that `shade` wrote
+                dispatch.listed = running = alive;
+                dispatch.listRead ^= 1u;
+            }
             times.pathRays += alive;
             if (modes.tally) rayCounts.mirrored += alive;
         }
@@ -260,8 +191,8 @@ struct Renderer::State {
         times.invocations += slice.paths();
         record(KernelId::Whole, dispatch, slice.groups());
         submit(&KernelTimes::whole);
-        times.pathRays += counter()[shared::kCounterAlive];
-        complete = counter()[shared::kCounterUnfinished] == 0;
+        times.pathRays += engine.counter(shared::kCounterAlive);
+        complete = engine.counter(shared::kCounterUnfinished) == 0;
         return !cancelled();
     }
 
@@ -273,14 +204,14 @@ struct Renderer::State {
         dispatch.threshold = glm::vec3(*samples.threshold);
         record(KernelId::Adapt, dispatch, slice.groups());
         submit(&KernelTimes::adapt);
-        return counter()[shared::kCounterFlagged] != 0;
+        return engine.counter(shared::kCounterFlagged) != 0;
     }
 
     bool renderSlice(const Slice& slice, double progressFrom, double progressTo) {
         const PackedSamples& samples = request->samples;
         longestInSlice = 0;
         ++times.slices;
-        shared::Dispatch dispatch = dispatchFor(slice);
+        shared::Dispatch dispatch = engine.dispatchOf(slice);
         const uint32_t count = samples.count();
         bool whole = drawsWholePaths();
         const uint64_t raysBefore = times.pathRays, invocationsBefore = times.invocations;
@@ -297,7 +228,7 @@ struct Renderer::State {
                 wholePathsGivenUp = true;
                 times.pathRays = raysBefore;
                 times.invocations = invocationsBefore;
-                compile(kernels());
+                compile();
                 i = 0;
                 continue;
             }
@@ -311,9 +242,9 @@ struct Renderer::State {
 
     void readSlice(const Slice& slice, Picture& picture) {
         const Stopwatch watch;
-        readFilm(paths, device, slice, modes, picture);
-        if (!picture.data.empty()) readData(paths, device, slice, scene.origin, picture);
-        if (modes.ledger) readLosses(paths, device, slice, modes, firstTreeRow(features, modes), picture);
+        readFilm(engine.paths(), slice, modes, picture);
+        if (!picture.data.empty()) readData(engine.paths(), slice, scene.origin, picture);
+        if (modes.ledger) readLosses(engine.paths(), slice, modes, firstTreeRow(features, modes), picture);
         times.readback += watch.seconds();
     }
 
@@ -345,9 +276,9 @@ struct Renderer::State {
         const PathRoom room = roomFor(device.info(), access, features, modes, environment, picture.region,
                                       options.maxSlicePixels);
         const bool grown = buffers.setSamples(device, wanted.samples.rows);
-        reservePaths(room.paths, room.rows, grown);
+        engine.reserve(room.paths, room.rows, grown);
         buffers.setView(device, camera, environment, lightsOf(scene, wanted));
-        compile(kernels());
+        compile();
 
         const uint64_t before = times.pathRays;
         const RayCounts counted = rayCounts;
@@ -391,10 +322,10 @@ TraversalChoice Renderer::traversal(const Methods& methods) const {
     return state_->traversalOf(methods, false);
 }
 uint64_t Renderer::deviceBytes() const {
-    return state_->buffers.bytes() + (state_->paths.capacity() ? state_->paths.buffer().size() : 0);
+    return state_->buffers.bytes() + state_->engine.paths().rows() * state_->engine.paths().rowBytes();
 }
 uint64_t Renderer::codeBytes() const {
-    return state_->pipelines.codeBytes();
+    return state_->engine.codeBytes();
 }
 
 Picture Renderer::render(const shared::Camera& camera, const Request& request, std::vector<Trail>* trails) {

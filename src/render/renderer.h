@@ -4,43 +4,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "gpu/compute.h"
-#include "gpu/device.h"
-#include "pack/packed_scene.h"
-#include "render/kernel_choice.h"
-#include "render/kernels.h"
+#include "render/options.h"
 #include "trace/picture.h"
 #include "trace/request.h"
 
 namespace glint::render {
-
-struct Options {
-    double sliceSeconds = 0.1;    // aim for the longest single submission
-    uint32_t maxSlicePixels = 0;  // 0: chosen; else at most so many pixels a slice (a test shows that the
-                                  // picture does not depend on it)
-    uint32_t tripBudget = 0;      // 0: derived from the device; else loop trips of a ray in one dispatch
-    bool leaveOut = true;         // false: the full pipeline, with the code of every feature
-    SceneFeatures also;           // features that the pipeline has code for though the scene lacks them
-    bool profile = false;         // times camera rays' generation apart, see KernelTimes
-    std::optional<gpu::Access> access;  // empty: chooseAccess (scene_buffers.h)
-    Traversal traversal = Traversal::Auto;
-    // Auto: where one kernel pays, unless `profile`, packets or `kernels` require a kernel for each step.
-    WholePaths wholePaths = WholePaths::Auto;
-    // Quotients and square roots by shaders/arithmetic.glsl even where the device's own proved to be the
-    // same.
-    bool ownArithmetic = false;
-    const KernelCode* kernels = nullptr;  // instead of the embedded ones
-    // A picture that will be asked for: its kernels are translated while the arrays are uploaded. Need not
-    // outlive the constructor.
-    const Request* expected = nullptr;
-    // Camera rays of all pictures that will be asked for, if that is known, else 0. For few of them kernels
-    // that the driver translates sooner are worth more than those that trace faster (wholePathsPay). The bits
-    // are the same.
-    uint64_t cameraRays = 0;
-};
 
 // Seconds of the device, between timestamps around what each kernel was submitted for (wall time without
 // timestamps), further dispatches for unfinished rays included. `primary` holds `generate` too unless

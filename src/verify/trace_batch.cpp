@@ -31,7 +31,8 @@ std::vector<WorldHit> traceBatch(render::RayQueries& queries, const PackedScene&
     const auto localOf = [&](uint64_t i) { return localRay(batch.rays[i], scene.origin); };
     render::RayTask task;
     task.count = hits.size();
-    task.ask = batch.detail == HitDetail::Any ? render::RayTask::Ask::Any : render::RayTask::Ask::Nearest;
+    task.query =
+        batch.detail == HitDetail::Any ? render::RayTask::Query::Any : render::RayTask::Query::Closest;
     task.methods = batch.methods;
     task.coherent = coherent;
     task.kernels = times;

@@ -20,11 +20,9 @@ TEST_F(RenderTest, EndedPathsHaveNoNumberToFollow) {
     const PathState state(device(), gpu::Access::TexelBuffer, 100, kRows);
     RowEntry garbage;
     std::fill_n(garbage.u, 4, 0x05050505u);
-    for (uint32_t row = 0; row < kRows; ++row)
-        state.writeRow(device(), row, std::vector<RowEntry>(100, garbage));
-    state.writeEnded(device());
-    std::vector<RowEntry> found(kRows * kGroup);
-    gpu::download(device(), state.buffer(), std::as_writable_bytes(std::span(found)));
+    for (uint32_t row = 0; row < kRows; ++row) state.writeRow(row, std::vector<RowEntry>(100, garbage));
+    state.writeEnded();
+    const std::vector<RowEntry> found = state.readRow(0, kRows * kGroup);
     for (uint32_t row = 0; row < kRows; ++row) {
         for (uint32_t path = 0; path < kGroup; ++path) {
             const RowEntry& entry = found[row * kGroup + path];

@@ -50,22 +50,24 @@ ReadRays readerOf(const std::vector<RayInput>& rays) {
 class RayQueriesTest : public RenderTest {
   protected:
     static void countSheets(uint32_t sheets);
-    static std::vector<Answer> ask(RayQueries& queries, RayTask::Ask kind) {
+    static std::vector<Answer> answersOf(RayQueries& queries, RayTask::Query query) {
         static const std::vector<RayInput> rays = raysThrough(20'000);
-        return ask(queries, kind, rays);
+        return answersOf(queries, query, rays);
     }
-    static std::vector<Answer> ask(RayQueries& queries, RayTask::Ask ask, const std::vector<RayInput>& rays) {
+    static std::vector<Answer> answersOf(RayQueries& queries, RayTask::Query query,
+                                         const std::vector<RayInput>& rays) {
         std::vector<Answer> answers(rays.size());
         RayTask task;
-        task.ask = ask;
+        task.query = query;
         task.count = rays.size();
         task.fill = readerOf(rays);
         task.take = [&](const RayNumbers& numbers, const FoundHits& found) {
             for (size_t i = 0; i < found.size(); ++i) {
                 Answer& answer = answers.at(numbers[i]);
-                if (ask == RayTask::Ask::Nearest) answer = answerOf(found, i);
-                if (ask == RayTask::Ask::Any) answer = {found.primitive(i) != shared::kNone ? 1 : 0, 0, 0, 0};
-                if (ask == RayTask::Ask::Count) answer = {found[i].crossings, 0, 0, 0};
+                if (query == RayTask::Query::Closest) answer = answerOf(found, i);
+                if (query == RayTask::Query::Any)
+                    answer = {found.primitive(i) != shared::kNone ? 1 : 0, 0, 0, 0};
+                if (query == RayTask::Query::Count) answer = {found[i].crossings, 0, 0, 0};
             }
         };
         EXPECT_TRUE(queries.run(task));
@@ -78,7 +80,7 @@ TEST_F(RayQueriesTest, AnswersThatGoToManyPlacesComeInOrder) {
     const PackedScene scene = packScene(sheet(0));
     RayQueries queries(device(), scene);
     const std::vector<RayInput> rays = raysThrough(1'100'000);
-    const std::vector<Answer> expected = ask(queries, RayTask::Ask::Nearest, rays);
+    const std::vector<Answer> expected = answersOf(queries, RayTask::Query::Closest, rays);
     std::atomic<size_t> inOrder = 0, given = 0, wrong = 0;
     RayTask task;
     task.spreads = true;
@@ -114,13 +116,13 @@ TEST_F(RayQueriesTest, AnswersAreThoseOfTheSceneAfterAChange) {
         ASSERT_TRUE(moving.update(sheet(phase), {true}));
         ASSERT_TRUE(queries.update());
         RayQueries fresh(device(), moving.packed());
-        for (const auto kind : {RayTask::Ask::Nearest, RayTask::Ask::Any, RayTask::Ask::Count}) {
-            const std::vector<Answer> expected = ask(fresh, kind);
+        for (const auto kind : {RayTask::Query::Closest, RayTask::Query::Any, RayTask::Query::Count}) {
+            const std::vector<Answer> expected = answersOf(fresh, kind);
             const auto hits = std::count_if(expected.begin(), expected.end(),
                                             [](const Answer& a) { return std::get<0>(a) != 0; });
             EXPECT_GT(hits, 5000);
             EXPECT_LT(hits, 19'000);
-            EXPECT_TRUE(ask(queries, kind) == expected);
+            EXPECT_TRUE(answersOf(queries, kind) == expected);
         }
     }
 }
@@ -155,7 +157,7 @@ void RayQueriesTest::countSheets(uint32_t sheets) {
     for (const Traversal traversal : traversals()) {
         SCOPED_TRACE(traversal == Traversal::Lane ? "lane" : "packet");
         RayQueries queries(device(), packed, traversal);
-        EXPECT_TRUE(ask(queries, RayTask::Ask::Count, rays) == expected);
+        EXPECT_TRUE(answersOf(queries, RayTask::Query::Count, rays) == expected);
     }
 }
 

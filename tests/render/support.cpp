@@ -169,36 +169,21 @@ Options optionsWith(const KernelCode& code, Traversal traversal) {
 }
 
 RayTracer::RayTracer(const gpu::Device& device, const PackedScene& scene, const Options& options)
-    : device_(device),
-      scene_(scene),
-      options_(options),
-      features_(options.leaveOut ? either(scene.features, options.also) : allFeatures()),
-      access_(options.access.value_or(chooseAccess(device.info(), arraySizes(scene)))),
-      traversal_(chooseTraversal(options.traversal, device.info(), scene)),
-      buffers_(device, scene, access_, traversal_),
-      counters_(device, "counters", shared::kCounterCount * sizeof(uint32_t), gpu::Access::StorageBuffer,
-                gpu::MemoryKind::Host),
-      pipelines_(device, options.kernels ? *options.kernels : embeddedKernels(), access_, features_,
-                 options.ownArithmetic),
-      submission_(device) {
-    if (options_.tripBudget == 0)
-        options_.tripBudget = deriveTripBudget(device.info(), features_, scene.polygonTripsPerLeaf);
+    : options_(options), scene_(device, scene, imageFeatures(scene, options), options), engine_(scene_) {
+    scene_.upload();
 }
 
 // Writes what generate.comp would have written. Paths beyond the last ray have none.
 void RayTracer::writeRays(const TraceModes& modes, const std::vector<RayInput>& rays) {
     const auto paths = static_cast<uint32_t>((rays.size() + shared::kWorkgroupSize - 1) /
                                              shared::kWorkgroupSize * shared::kWorkgroupSize);
-    const uint32_t rows = pathRows(features_, modes, scene_.environment);
-    if (paths_.capacity() < paths || paths_.rows() < rows) {
-        paths_ = PathState();
-        paths_ = PathState(device_, access_, paths, rows);
-        pipelines_.bind(counters_, paths_.buffer(), buffers_);
-    }
+    const SceneFeatures& features = scene_.features;
+    engine_.reserve(paths, pathRows(features, modes, scene_.scene.environment));
+    const PathState& state = engine_.paths();
     const RowEntry zero = {{0, 0, 0, 0}};
-    const std::vector<RowEntry> zeros(paths_.capacity(), zero);
+    const std::vector<RowEntry> zeros(state.capacity(), zero);
     std::vector<RowEntry> origin = zeros, direction = zeros, hit = zeros, walk = zeros;
-    for (uint32_t i = 0; i < paths_.capacity(); ++i) {
+    for (uint32_t i = 0; i < state.capacity(); ++i) {
         const RayInput ray = i < rays.size() ? rays[i] : RayInput{.tMin = shared::kInfinity};
         origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, 0}};
         origin[i].u[3] = shared::kNone;
@@ -207,43 +192,30 @@ void RayTracer::writeRays(const TraceModes& modes, const std::vector<RayInput>& 
         hit[i].u[3] = shared::kNone;
         walk[i].u[0] = shared::kNone;
     }
-    paths_.writeRow(device_, shared::kRowOrigin, origin);
-    paths_.writeRow(device_, shared::kRowDirection, direction);
-    paths_.writeRow(device_, shared::kRowHit, hit);
-    paths_.writeRow(device_, shared::kRowWalk, walk);
-    paths_.writeRow(device_, shared::kRowThroughput, zeros);
-    paths_.writeRow(device_, shared::kRowRadiance, zeros);
-    if (features_.instances) {
+    state.writeRow(shared::kRowOrigin, origin);
+    state.writeRow(shared::kRowDirection, direction);
+    state.writeRow(shared::kRowHit, hit);
+    state.writeRow(shared::kRowWalk, walk);
+    state.writeRow(shared::kRowThroughput, zeros);
+    state.writeRow(shared::kRowRadiance, zeros);
+    if (features.instances) {
         RowEntry none;
         std::fill_n(none.u, 4, shared::kNone);
-        paths_.writeRow(device_, commonRows(modes), std::vector<RowEntry>(paths_.capacity(), none));
+        state.writeRow(commonRows(modes), std::vector<RowEntry>(state.capacity(), none));
     }
-    if (features_.transmission) {
-        const uint32_t tree = firstTreeRow(features_, modes);
-        paths_.writeRow(device_, tree + shared::kTreeRowMedia, zeros);
-        paths_.writeRow(device_, tree + shared::kTreeRowBranch, zeros);
+    if (features.transmission) {
+        const uint32_t tree = firstTreeRow(features, modes);
+        state.writeRow(tree + shared::kTreeRowMedia, zeros);
+        state.writeRow(tree + shared::kTreeRowBranch, zeros);
     }
 }
 
 std::vector<RayHit> RayTracer::readHits(size_t count) const {
-    const std::vector<RowEntry> found =
-        paths_.readRow(device_, shared::kRowHit, static_cast<uint32_t>(count));
+    const std::vector<RowEntry> found = engine_.paths().readRow(shared::kRowHit, count);
     std::vector<RayHit> hits(count);
     for (size_t i = 0; i < count; ++i)
         hits[i] = {found[i].u[3] != shared::kNone, found[i].f[0], found[i].u[3], {}};
     return hits;
-}
-
-void RayTracer::dispatch(KernelId id, const TraceModes& modes, uint32_t groups) {
-    shared::Dispatch dispatch;
-    dispatch.tileCount = dispatch.run = std::max(groups, 1u);
-    dispatch.interleave = dispatch.regionWidth = dispatch.regionHeight = 1;
-    dispatch.capacity = paths_.capacity();
-    dispatch.tripBudget = options_.tripBudget;
-    const uint32_t perLane = infoOf(id).raysOfLane;
-    submission_.dispatch(pipelines_.get(id, modes), (groups + perLane - 1) / perLane, gpu::bytesOf(dispatch));
-    std::memset(counters_.mapped(), 0, counters_.size());
-    submission_.submit();
 }
 
 std::vector<RayHit> RayTracer::trace(const std::vector<RayInput>& rays, bool any, const Methods& methods) {
@@ -253,18 +225,17 @@ std::vector<RayHit> RayTracer::trace(const std::vector<RayInput>& rays, bool any
     const auto groups =
         static_cast<uint32_t>((rays.size() + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize);
     const KernelId id = any ? KernelId::IntersectAny : KernelId::Intersect;
-    const bool packets = options_.traversal == Traversal::Packet &&
-                         chooseTraversal(Traversal::Packet, device_.info(), scene_, methods).packets;
-    dispatch(packets ? packetKernel(id) : id, modes, groups);
-    modes.resume = true;
-    for (; static_cast<const uint32_t*>(counters_.mapped())[shared::kCounterUnfinished] != 0; ++resumes_)
-        dispatch(id, modes, groups);
+    const bool packets =
+        options_.traversal == Traversal::Packet &&
+        chooseTraversal(Traversal::Packet, scene_.device.info(), scene_.scene, methods).packets;
+    const shared::Dispatch dispatch = engine_.dispatchOf({.region = {0, 0, 1, 1}, .tileCount = groups});
+    resumes_ += engine_.trace(id, modes, dispatch, groups, packets, [&] { engine_.submit(); });
     std::vector<RayHit> hits = readHits(rays.size());
     if (any) return hits;
-    modes.resume = false;
-    dispatch(KernelId::Shade, modes, groups);
-    const AovRows rows(paths_, device_, static_cast<uint32_t>(rays.size()));
-    for (uint32_t i = 0; i < rays.size(); ++i) hits[i].data = rows.at(i, scene_.origin);
+    engine_.record(KernelId::Shade, modes, dispatch, groups);
+    engine_.submit();
+    const AovRows rows(engine_.paths(), static_cast<uint32_t>(rays.size()));
+    for (uint32_t i = 0; i < rays.size(); ++i) hits[i].data = rows.at(i, scene_.scene.origin);
     return hits;
 }
 

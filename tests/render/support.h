@@ -14,12 +14,9 @@
 
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
-#include "render/kernels.h"
-#include "render/path_state.h"
-#include "render/pipelines.h"
+#include "render/engine.h"
 #include "render/ray_order.h"
 #include "render/renderer.h"
-#include "render/scene_buffers.h"
 #include "scene/scene.h"
 #include "support/packed_scene_maker.h"
 #include "support/scene_maker.h"
@@ -133,24 +130,15 @@ class RayTracer {
     // The closest hit of each ray, or with `any` whether there is a hit (RayHit::hit alone).
     std::vector<RayHit> trace(const std::vector<RayInput>& rays, bool any, const Methods& methods = {});
     uint64_t resumes() const { return resumes_; }  // dispatches for unfinished rays so far
-    const TraversalChoice& traversal() const { return traversal_; }
+    const TraversalChoice& traversal() const { return scene_.traversal; }
 
   private:
     void writeRays(const TraceModes& modes, const std::vector<RayInput>& rays);
     std::vector<RayHit> readHits(size_t count) const;
-    void dispatch(KernelId id, const TraceModes& modes, uint32_t groups);
 
-    const gpu::Device& device_;
-    const PackedScene& scene_;
     Options options_;
-    SceneFeatures features_;
-    gpu::Access access_;
-    TraversalChoice traversal_;
-    SceneBuffers buffers_;
-    gpu::Buffer counters_;
-    Pipelines pipelines_;
-    PathState paths_;
-    gpu::Submission submission_;
+    DeviceScene scene_;
+    Engine engine_;
     uint64_t resumes_ = 0;
 };
 

@@ -9,7 +9,7 @@
 #include "mutant_probe_includes.inc"
 #include "pack/area_vector.h"
 #include "primitive_probe.spv.h"
-#include "render/pipelines.h"
+#include "render/kernels.h"
 #include "support/packed_scene_maker.h"
 
 namespace glint::stability {
@@ -85,7 +85,7 @@ std::vector<Answer> run(const Subject& subject, const std::vector<FloatRay>& ray
     const Access access = accessOf(subject, sizesOf(arrays, rays.size()));
     const bool together = access == Access::StorageBuffer;
     options.spirv = probeCode(subject.mutant);
-    options.constants = render::defaultConstants(access);
+    options.constants = render::constantsOf(allFeatures(), {}, false, {}, access);
     options.bindings.assign(together ? GLINT_FEW_BINDINGS : GLINT_BINDING_COUNT, access);
     options.bindings[0] = Access::StorageBuffer;
     options.pushConstantBytes = sizeof(shared::Dispatch);
