@@ -369,6 +369,7 @@ std::vector<Branch> PathTracer::visit(const Branch& branch) {
         record_.surface = surface;
     }
     const Interaction at = interactionAt(ray, *hit, surface, branch.media);
+    decide(at.entering);
     record_.lost.crowdedMedia += at.crossing.crowded ? 1 : 0;
     const double way = hit->t * glm::length(ray.direction);
     RoundedColor left{transmittance(scene_, at.crossing.mediumBefore, way)};

@@ -156,9 +156,9 @@ struct PixelRecord {
     // Absolute, by channel: what fp32 may add to `color` where all rays and hits are given, by the arithmetic
     // of shading alone (rounding.h).
     glm::dvec3 rounding{0};
-    // A hash over all that was decided on the way: primitives hit, lights faced and hidden, cells of
-    // checkers, kinds of rays that follow. Between paths of equal decisions the colour changes continuously
-    // with the rays. Of a path it is addDecisions() over the decisions of its steps.
+    // A hash of the path's decisions: primitives hit and from which side, lights faced and hidden, cells of
+    // checkers, kinds of further rays. The colour of paths with equal decisions changes continuously with the
+    // rays. A path's hash is addDecisions() over the decisions of its steps.
     uint32_t decisions = 0;
     // True if a ray of the path, or under jitter a blocked shadow ray, hit an instance.
     bool meetsInstance = false;

@@ -120,6 +120,18 @@ TEST(OpticsTest, KindsOfRaysAreDecisions) {
     EXPECT_NE(total.decisions, split.decisions);
 }
 
+// A certificate must not mix the near side of a glass ball with its far side, where other rays follow.
+TEST(OpticsTest, SidesOfSurfacesAreDecisions) {
+    SceneMaker maker;
+    maker.sphere({0, 0, 0}, 1);
+    const PackedScene scene = maker.finish();
+    const Tracer tracer(scene);
+    const PixelRecord near = tracer.trace(makeRay({0.1, 0.2, 3}, {0, 0, -1}));
+    const PixelRecord far = tracer.trace(makeRay({0.1, 0.2, 0}, {0, 0, -1}));
+    EXPECT_EQ(near.pathHash, far.pathHash);
+    EXPECT_NE(near.decisions, far.decisions);
+}
+
 TEST(OpticsTest, GreatestPriorityRules) {
     PackedScene packed;
     const uint32_t water = addGlass(packed, 9, 1.33f, 0, glm::vec3(0));
