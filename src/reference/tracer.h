@@ -232,9 +232,6 @@ class Tracer {
     // The hit of primitive `id` if fp32 may take it for the closest of an image's ray
     // (docs/design/numerics.md).
     std::optional<Hit> possibleHit(const Ray& ray, const Source& source, uint32_t id) const;
-    // The same as `closest` by testing every primitive in the leaves, whatever boxes the ray hits: the
-    // oracle's oracle.
-    std::optional<Hit> closestBruteForce(const Ray& ray, const Source& source = {}) const;
 
     // False for a hit in a triangle's edge or corner that counts as another triangle's, where a ray goes
     // through: crossesTriangle. The textbooks' triangle tests do not agree about edges; with them each counts

@@ -50,7 +50,6 @@ class Search {
         : end(ray.tMax), tracer_(tracer), scene_(tracer.model()), ray_(ray), source_(source) {}
 
     double end;                       // of the ray's interval: at most the least t + slip so far
-    bool everywhere = false;          // every box is entered
     bool behind = false;              // boxes that begin behind `end` are entered, too
     std::vector<Hit>* all = nullptr;  // collects every hit; the result is then empty
 
@@ -59,6 +58,7 @@ class Search {
         Space world{PreparedRay(ray_), source_.instance == kNone ? source_.primitive : kNone};
         if (!world.ray.valid) return std::nullopt;
         world.ray.leaves = source_.primitive != kNone;
+        setLimit(behind ? ray_.tMax : end);
         const Leaf planes{shared::PrimitiveKind::Plane, 0, static_cast<uint32_t>(scene_.planes.size())};
         if (!testLeaf(world, planes) && scene_.environment.root != kNone)
             testTree(world, scene_.environment.root);
@@ -80,16 +80,13 @@ class Search {
             *scene_.nodes, root,
             [&](const rows::Node& node, int child) {
                 ++cost_;
-                return everywhere ? 0 : enterBox(node, child, space.ray, cullLimit());
+                return enterBox(node, child, space.ray, limit_);
             },
-            [&] { return cullLimit(); }, [&](const Leaf& leaf, double) { return testLeaf(space, leaf); });
+            [&] { return limit_; }, [&](const Leaf& leaf, double) { return testLeaf(space, leaf); });
     }
 
-    // Boxes that begin beyond it are culled. No box begins at infinity: a parallel ray outside a slab has its
-    // near t there.
-    double cullLimit() const {
-        return std::min((behind ? ray_.tMax : end) * kCullPad, std::numeric_limits<double>::max());
-    }
+    // No box begins at infinity: a parallel ray outside a slab has its near t there.
+    void setLimit(double t) { limit_ = std::min(t * kCullPad, std::numeric_limits<double>::max()); }
 
     bool testLeaf(const Space& space, const Leaf& leaf) {
         switch (leaf.kind) {
@@ -126,6 +123,7 @@ class Search {
             if constexpr (!kAny) {
                 const bool closer = !best_ || hit.t + hit.slip < best_->t - best_->slip;
                 end = std::min(end, hit.t + hit.slip);
+                if (!behind) setLimit(end);
                 if (!closer && hit.id > best_->id) continue;
             }
             best_ = hit;
@@ -134,8 +132,8 @@ class Search {
         return false;
     }
 
-    // The hits of one primitive that count for the search: the first that is no hole of the surface, or all
-    // of them. True if a hit counts.
+    // Finds the first hit of a primitive that is no hole of its surface, or stores all of them. True if a hit
+    // counts for the search.
     template <class Primitive>
     bool testPrimitive(const Space& space, const Primitive& one, uint32_t primitive, Hit& hit) {
         Root root;
@@ -166,6 +164,7 @@ class Search {
     const Ray& ray_;
     const Source& source_;
     uint64_t cost_ = 0;
+    double limit_ = 0;  // boxes that begin beyond it are culled
     std::optional<Hit> best_;
 };
 
@@ -208,12 +207,6 @@ std::optional<Hit> Tracer::closest(const Ray& ray, const Source& source, uint64_
     bound.end = search.end;
     bound.behind = ray.slips > 1;
     return bound.run(cost);
-}
-
-std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& source) const {
-    Search<false> search(*this, ray, source);
-    search.everywhere = true;
-    return search.run(nullptr);
 }
 
 bool Tracer::occluded(const Ray& ray, const Source& source, uint64_t* cost) const {

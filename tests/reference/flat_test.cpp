@@ -100,7 +100,7 @@ TEST(ReferenceTriangle, SourceNeverHitsItself) {
     const Ray ray = makeRay({.25, .25, -1e-9}, {0, 0, 1});
     EXPECT_TRUE(tracer.closest(ray));
     EXPECT_FALSE(tracer.closest(ray, 0));
-    EXPECT_FALSE(tracer.closestBruteForce(ray, 0));
+    EXPECT_FALSE(closestOfAll(tracer, ray, 0));
     EXPECT_TRUE(tracer.occluded(ray));
     EXPECT_FALSE(tracer.occluded(ray, 0));
 }
@@ -130,7 +130,7 @@ TEST(ReferenceWatertight, CubeCornersAndEdges) {
 std::optional<Hit> hitOnly(SceneMaker& maker, const Ray& ray) {
     const SceneTracer tracer(maker);
     const auto hit = tracer.closest(ray);
-    EXPECT_EQ(hit, tracer.closestBruteForce(ray));
+    EXPECT_EQ(hit, closestOfAll(tracer, ray));
     EXPECT_EQ(hit.has_value(), tracer.occluded(ray));
     return hit;
 }

@@ -167,7 +167,7 @@ std::vector<double> hitsOf(const Shape& shape, const dvec3& origin, const dvec3&
     Ray ray = makeRay(origin, direction);
     std::vector<double> found;
     while (const auto hit = tracer.closest(ray)) {
-        EXPECT_EQ(hit, tracer.closestBruteForce(ray));
+        EXPECT_EQ(hit, closestOfAll(tracer, ray));
         found.push_back(hit->t);
         ray.tMin = hit->t;
     }
@@ -355,7 +355,7 @@ TEST(ReferenceCuboid, WholeNumbersExactly) {
             const auto truth = exactHit(o, d, low, high);
             const auto hit = tracer.closest(ray);
             ASSERT_EQ(hit.has_value(), truth.has_value()) << k << " " << r;
-            EXPECT_EQ(hit, tracer.closestBruteForce(ray));
+            EXPECT_EQ(hit, closestOfAll(tracer, ray));
             if (!truth) continue;
             ++hits;
             EXPECT_EQ(hit->t, *truth);

@@ -118,7 +118,7 @@ TEST(ReferenceTraversal, NotFiniteRaysMissAtOnce) {
             uint64_t cost = 0;
             EXPECT_FALSE(tracer.closest(ray, shared::kNone, &cost));
             EXPECT_FALSE(tracer.occluded(ray, shared::kNone, &cost));
-            EXPECT_FALSE(tracer.closestBruteForce(ray));
+            EXPECT_FALSE(closestOfAll(tracer, ray));
             EXPECT_EQ(cost, 0u);
         }
     }
@@ -265,7 +265,7 @@ TEST(ReferenceTraversal, EqualsBruteForce) {
                 for (int i = 0; i < 1500; ++i) {
                     const Ray ray = mixed.ray(random, scale, offset);
                     auto hit = tracer.closest(ray);
-                    ASSERT_EQ(hit, tracer.closestBruteForce(ray))
+                    ASSERT_EQ(hit, closestOfAll(tracer, ray))
                         << "scale " << scale << " away " << away << " ray " << i;
                     ASSERT_EQ(tracer.occluded(ray), hit.has_value());
                     hits += hit.has_value();
@@ -273,7 +273,7 @@ TEST(ReferenceTraversal, EqualsBruteForce) {
                     // Onwards from the hit, with it as the source.
                     const Ray next = makeRay(tracer.surfaceAt(ray, *hit).position, random.direction());
                     const auto second = tracer.closest(next, hit->primitive);
-                    ASSERT_EQ(second, tracer.closestBruteForce(next, hit->primitive));
+                    ASSERT_EQ(second, closestOfAll(tracer, next, hit->primitive));
                     ASSERT_EQ(tracer.occluded(next, hit->primitive), second.has_value());
                     occluded += second.has_value();
                 }
@@ -298,7 +298,7 @@ TEST(ReferenceTraversal, NestedAndExponentialScenes) {
         for (int i = 0; i < 500; ++i) {
             const Ray ray =
                 makeRay(random.box(i % 2 ? 250 : 1e-3), i % 3 ? random.direction() : dvec3(1, 0, 0));
-            ASSERT_EQ(tracer.closest(ray), tracer.closestBruteForce(ray));
+            ASSERT_EQ(tracer.closest(ray), closestOfAll(tracer, ray));
         }
     }
 }

@@ -9,9 +9,11 @@
 #include "pack/packed_scene.h"
 #include "reference/render.h"
 #include "reference/tracer.h"
+#include "support/packed_scene_maker.h"
 #include "support/support.h"
 
 namespace glint::reference::test::truth_test {
+using glint::test::closestOfAll;
 using glm::dvec3;
 
 Tracer truthTracer(const Scene& scene, const dvec3& origin = dvec3(0)) {
@@ -88,7 +90,7 @@ TEST(Truth, TheTreeHasRoomForMovedNumbers) {
             const rows::Camera camera = truthCamera(scene.camera, 24, 18, dvec3(0));
             for (int i = 0; i < 24 * 18; ++i) {
                 const Ray ray = tracer.cameraRay(camera, i % 24 + 0.5, i / 24 + 0.5);
-                EXPECT_EQ(tracer.closest(ray), tracer.closestBruteForce(ray)) << name << ' ' << i;
+                EXPECT_EQ(tracer.closest(ray), closestOfAll(tracer, ray)) << name << ' ' << i;
             }
         }
     }

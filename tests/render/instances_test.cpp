@@ -8,9 +8,11 @@
 #include "reference/tracer.h"
 #include "scene/transform.h"
 #include "support.h"
+#include "support/packed_scene_maker.h"
 #include "verify/verify.h"
 
 namespace glint::render::test::instances_test {
+using glint::test::closestOfAll;
 using glm::dvec3;
 
 // A closed surface with a bump here and there, of 2 n n triangles; large enough to be worth storing once.
@@ -297,7 +299,7 @@ TEST_F(InstanceTest, NothingIsMissed) {
     int differing = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
         const reference::Ray ray{dvec3(rays[i].origin), dvec3(rays[i].direction)};
-        const auto all = tracer.closestBruteForce(ray), tree = tracer.closest(ray);
+        const auto all = closestOfAll(tracer, ray), tree = tracer.closest(ray);
         ASSERT_EQ(all, tree) << text(rays[i]);
         const bool same =
             hits[i].hit == all.has_value() &&

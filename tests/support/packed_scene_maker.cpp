@@ -1,6 +1,8 @@
 #include "support/packed_scene_maker.h"
 
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <numbers>
 
 #include "bvh/flatten.h"
@@ -248,6 +250,19 @@ BumpyMesh makeBumpyMesh(uint32_t seed, uint32_t steps) {
         }
     }
     return mesh;
+}
+
+std::optional<reference::Hit> closestOfAll(const reference::Tracer& tracer, const reference::Ray& ray,
+                                           const reference::Source& source) {
+    const auto model = std::make_shared<reference::Model>(tracer.model());
+    std::vector<reference::rows::Node> nodes = *model->nodes;
+    const glm::dvec3 endless(std::numeric_limits<double>::infinity());
+    for (reference::rows::Node& node : nodes) {
+        node.lo0 = node.lo1 = -endless;
+        node.hi0 = node.hi1 = endless;
+    }
+    model->nodes = std::make_shared<const std::vector<reference::rows::Node>>(std::move(nodes));
+    return reference::Tracer(model, {.methods = tracer.methods()}, 0).closest(ray, source);
 }
 
 reference::Ray makeRay(const glm::dvec3& origin, const glm::dvec3& direction) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <random>
 #include <utility>
 #include <vector>
@@ -68,6 +69,10 @@ struct BumpyMesh {
     std::vector<glm::uvec3> triangles;
 };
 BumpyMesh makeBumpyMesh(uint32_t seed, uint32_t steps = 16);
+
+// What the tracer's closest() finds if every ray enters every box: an oracle for traversals.
+std::optional<reference::Hit> closestOfAll(const reference::Tracer& tracer, const reference::Ray& ray,
+                                           const reference::Source& source = {});
 
 reference::Ray makeRay(const glm::dvec3& origin, const glm::dvec3& direction);
 reference::Ray rayTowards(const glm::dvec3& origin, const glm::dvec3& target);
