@@ -78,11 +78,13 @@ double slipOfFlat(const PreparedRay& ray, const dvec3& n, const dvec3& anchor, d
     return height / std::abs(glm::dot(n, ray.direction));
 }
 
-double errorOfRound(const PreparedRay& ray, const dvec3& spread, const dvec3& anchor, double t, double sums) {
-    return heightError(ray, spread, anchor, t) + kFloatUnit * ray.slips * 12 * sums;
-}
+RoundRule::RoundRule(const PreparedRay& ray, const dvec3& g, const dvec3& magnitudes, const dvec3& anchor,
+                     double t, double sums)
+    : gradient(g),
+      spread(magnitudes),
+      error(heightError(ray, spread, anchor, t) + kFloatUnit * ray.slips * 12 * sums) {}
 
-double slipOfRound(const PreparedRay& ray, const dvec3& gradient, const dvec3& spread, double error) {
+double RoundRule::slip(const PreparedRay& ray) const {
     const double speed = std::abs(glm::dot(gradient, ray.direction));
     const double least = 0x1p-11 * greatestMagnitude(spread) * greatestMagnitude(ray.direction);
     return error / std::max({speed, least, std::numeric_limits<double>::min()});

@@ -47,13 +47,16 @@ struct Root {
 double slipOfFlat(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t);
 // Its height, without what an instance adds: u sum |n_i| (2 |a_i| + 6 |a_i - o_i| + 6 |t d_i|).
 double heightError(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t);
-// How far the equations of round surfaces in one place may differ at t. spread: the magnitudes that the
-// gradient sums; sums: those that the equation sums.
-double errorOfRound(const PreparedRay& ray, const glm::dvec3& spread, const glm::dvec3& anchor, double t,
-                    double sums);
-// The slip of a round surface whose equation may differ by `error`.
-double slipOfRound(const PreparedRay& ray, const glm::dvec3& gradient, const glm::dvec3& spread,
-                   double error);
+// The rule for a round surface at t. gradient: of half its equation; spread: the magnitudes that the gradient
+// sums; sums: those that half of the equation sums.
+struct RoundRule {
+    glm::dvec3 gradient, spread;
+    double error;  // by which halves of the equations of surfaces in one place may differ
+
+    RoundRule(const PreparedRay& ray, const glm::dvec3& gradient, const glm::dvec3& spread,
+              const glm::dvec3& anchor, double t, double sums);
+    double slip(const PreparedRay& ray) const;
+};
 // True if a surface at t +- slip is within the ray's interval, which ends at tMax.
 inline bool isWithin(const PreparedRay& ray, double t, double slip, double tMax) {
     return t > ray.tMin && t - (ray.ties ? slip : 0) <= tMax && t <= std::numeric_limits<double>::max();

@@ -415,12 +415,15 @@ TEST(ReferenceSlip, CountsEachTermOfTheRule) {
     ray.ties = true;
     const dvec3 spread(1, 2, 4), anchor(2, 2, 2);
     const double unit = 0x1p-24;
-    EXPECT_EQ(errorOfRound(PreparedRay(ray), spread, anchor, 1, 3), (64 + 12 * 3) * unit);
     EXPECT_EQ(slipOfFlat(PreparedRay(ray), {2, 2, 4}, anchor, 1), (64 + 16) / 2.0 * unit);
-    EXPECT_EQ(slipOfRound(PreparedRay(ray), {2, 2, 4}, spread, 100), 50);
-    EXPECT_EQ(slipOfRound(PreparedRay(ray), {0, 1, 0}, spread, 100), 100 / (0x1p-11 * 4)) << "tangent";
+    RoundRule rule(PreparedRay(ray), {2, 2, 4}, spread, anchor, 1, 3);
+    EXPECT_EQ(rule.error, (64 + 12 * 3) * unit);
+    rule.error = 100;
+    EXPECT_EQ(rule.slip(PreparedRay(ray)), 50);
+    rule.gradient = {0, 1, 0};
+    EXPECT_EQ(rule.slip(PreparedRay(ray)), 100 / (0x1p-11 * 4)) << "tangent";
     ray.slips = 0;
-    EXPECT_EQ(errorOfRound(PreparedRay(ray), spread, anchor, 1, 3), 4 * (1 + 2 + 4) * unit);
+    EXPECT_EQ(RoundRule(PreparedRay(ray), {2, 2, 4}, spread, anchor, 1, 3).error, 4 * (1 + 2 + 4) * unit);
 }
 
 }  // namespace glint::reference::test::solids_test

@@ -105,24 +105,19 @@ double termsAt(const rows::Quadric& quadric, const dmat3& squares, const dvec3& 
     return near < far ? here : glm::dot(glm::abs(fromApex), glm::abs(squares * fromApex));
 }
 
-// The gradient of half the equation at t, where the local coordinates are `place`, the magnitudes that it
-// sums, and what sides of quadrics in one place may differ by there.
-struct SideRule {
-    dvec3 gradient, spread;
-    double error;
-
-    SideRule(const rows::Quadric& quadric, const PreparedRay& ray, double t, const Vec4<Extended>& place) {
-        const dmat3 squares = squaresOf(quadric), rows = rowsOf(quadric);
-        dvec3 y;
-        for (int i = 0; i < 3; ++i) y[i] = static_cast<double>(place[i].value);
-        const dvec3 slope = squares * y + quadric.linear;
-        gradient = rows * slope;
-        spread = glm::abs(slope.x * rows[0]) + glm::abs(slope.y * rows[1]) + glm::abs(slope.z * rows[2]);
-        double terms = termsAt(quadric, squares, y);
-        if (std::isnan(terms)) terms = termsAt(quadric, squares, y * (1 + 0x1p-8));
-        error = errorOfRound(ray, spread, quadric.point, t, terms / 2);
-    }
-};
+// The rule for the side at t, where the local coordinates are `place`.
+RoundRule ruleAt(const rows::Quadric& quadric, const PreparedRay& ray, double t,
+                 const Vec4<Extended>& place) {
+    const dmat3 squares = squaresOf(quadric), rows = rowsOf(quadric);
+    dvec3 y;
+    for (int i = 0; i < 3; ++i) y[i] = static_cast<double>(place[i].value);
+    const dvec3 slope = squares * y + quadric.linear;
+    const dvec3 spread =
+        glm::abs(slope.x * rows[0]) + glm::abs(slope.y * rows[1]) + glm::abs(slope.z * rows[2]);
+    double terms = termsAt(quadric, squares, y);
+    if (std::isnan(terms)) terms = termsAt(quadric, squares, y * (1 + 0x1p-8));
+    return {ray, rows * slope, spread, quadric.point, t, terms / 2};
+}
 
 // Tolerance of the clipping planes, so that a plane through the point does not reject it.
 constexpr double kClipSlack = 0x1p-44;
@@ -152,8 +147,8 @@ class Search {
         const Equation<Extended> e(form_, local_);
         Extended a = e.a.value, b = e.b.value, c = e.c.value, disc = e.disc.value;
         const bool startsHere =
-            fromSide || (ray_.leaves && static_cast<double>(magnitude(c)) <=
-                                            2 * SideRule(quadric_, ray_, 0, local_.o).error);
+            fromSide || (ray_.leaves &&
+                         static_cast<double>(magnitude(c)) <= 2 * ruleAt(quadric_, ray_, 0, local_.o).error);
         if (startsHere) {
             // Taken as on the surface: c = 0, t = 0 is the one root and -2 b / a the other.
             if (a != 0 && magnitude(b) > 0x1p-44L * e.b.terms) side(-2 * b / a);
@@ -176,7 +171,7 @@ class Search {
 
     void side(Extended t, bool twice = false) {
         const Vec4<Extended> y = local_.at(t);
-        const double slip = slipOfSide(t, y);
+        const double slip = ray_.ties ? ruleAt(quadric_, ray_, static_cast<double>(t), y).slip(ray_) : 0;
         if (!isWithin(ray_, static_cast<double>(t), slip, test_.tMax) || !isFirst(t)) return;
         for (int i = 0; i < 3; ++i) {
             const Extended slack = slackAt(y, i);
@@ -202,12 +197,6 @@ class Search {
     }
 
     bool isFirst(Extended t) const { return !found_ || static_cast<double>(t) < root_.t; }
-
-    double slipOfSide(Extended t, const Vec4<Extended>& y) const {
-        if (!ray_.ties) return 0;
-        const SideRule at(quadric_, ray_, static_cast<double>(t), y);
-        return slipOfRound(ray_, at.gradient, at.spread, at.error);
-    }
 
     void take(Extended t, double slip, uint32_t part, bool twice) {
         root_ = {.t = static_cast<double>(t), .slip = slip, .part = part, .twice = twice};

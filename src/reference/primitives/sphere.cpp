@@ -40,20 +40,13 @@ struct SphereEquation {
     }
 };
 
-// The gradient of half the equation at t, and what spheres in one place may differ by there.
-struct SphereRule {
-    dvec3 gradient;
-    double error;
-
-    SphereRule(const rows::Sphere& sphere, const PreparedRay& ray, double t) {
-        const dvec3 n = sphere.anchorNormal, y = ray.origin - sphere.point + t * ray.direction;
-        const double r = sphere.radius;
-        gradient = y + r * n;
-        const double constant = isAnchored(sphere) ? 2 * r * glm::dot(glm::abs(n), glm::abs(y)) : r * r;
-        const double sums = (glm::dot(y, y) + constant) / 2;
-        error = errorOfRound(ray, glm::abs(gradient), sphere.point, t, sums);
-    }
-};
+RoundRule ruleAt(const rows::Sphere& sphere, const PreparedRay& ray, double t) {
+    const dvec3 n = sphere.anchorNormal, y = ray.origin - sphere.point + t * ray.direction;
+    const double r = sphere.radius;
+    const dvec3 gradient = y + r * n;
+    const double constant = isAnchored(sphere) ? 2 * r * glm::dot(glm::abs(n), glm::abs(y)) : r * r;
+    return {ray, gradient, glm::abs(gradient), sphere.point, t, (glm::dot(y, y) + constant) / 2};
+}
 
 // Error of the device's textbook tests (SphereMethod), whose discriminant takes the difference of the squares
 // of radius and distance. With u = 2^-24, w from the ray's origin to the centre and a = d.d, in the geometric
@@ -82,11 +75,7 @@ struct TextbookError {
 // Fills root.t and root.slip. True if the sphere at t counts for the ray.
 bool acceptSphere(Extended t, const rows::Sphere& sphere, const RayTest& test, Root& root) {
     root.t = static_cast<double>(t);
-    root.slip = 0;
-    if (test.ray.ties) {
-        const SphereRule at(sphere, test.ray, root.t);
-        root.slip = slipOfRound(test.ray, at.gradient, glm::abs(at.gradient), at.error);
-    }
+    root.slip = test.ray.ties ? ruleAt(sphere, test.ray, root.t).slip(test.ray) : 0;
     return isWithin(test.ray, root.t, root.slip, test.tMax);
 }
 
@@ -101,8 +90,8 @@ bool intersect(const rows::Sphere& sphere, const RayTest& test, Root& root) {
     const Vec<Extended> w = toVec<Extended>(sphere.point) - toVec<Extended>(ray.origin);
     const SphereEquation<double> rough(sphere, toVec<double>(sphere.point) - toVec<double>(ray.origin),
                                        toVec<double>(ray.direction));
-    const bool startsHere = test.fromItself() || (robust && ray.leaves &&
-                                                  std::abs(rough.c) <= 2 * SphereRule(sphere, ray, 0).error);
+    const bool startsHere =
+        test.fromItself() || (robust && ray.leaves && std::abs(rough.c) <= 2 * ruleAt(sphere, ray, 0).error);
     if (startsHere) {
         const SphereEquation<Extended> onSurface(sphere, w, d);
         return acceptSphere(2 * (onSurface.b / onSurface.a + error.middle), sphere, test, root);
