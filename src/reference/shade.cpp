@@ -18,49 +18,39 @@ namespace {
 
 using glm::dvec3;
 
-// Moves rays as struct Jitter says.
+// Moves rays by random amounts, as struct Jitter describes.
 class RayMover {
   public:
     explicit RayMover(const Jitter& jitter)
-        : state_(jitter.seed),
-          step_(jitter.ulps * kFloatUnit),
-          formulas_(jitter.formulas),
-          slips_(jitter.slips),
-          units_(jitter.clears ? jitter.ulps : (slips_ > 1 ? slips_ : 0)) {}
+        : jitter_(jitter), state_(jitter.seed), step_(jitter.ulps * kFloatUnit) {}
 
+    bool moves() const { return step_ != 0; }
+    double slips() const { return jitter_.slips; }
+    // The distance from its surface at which a ray begins; the device's rays begin within `clearance`.
+    double cleared(double clearance) const {
+        return (jitter_.clears ? jitter_.ulps : jitter_.slips > 1 ? jitter_.slips : 0) * clearance;
+    }
+
+    // A random number of up to a step of `scale`.
+    double shift(double scale) { return moves() ? step_ * scale * uniform(state_) : 0; }
+    // A value after `roundings` roundings.
+    double sway(double value, double roundings) { return value * (1 + shift(roundings)); }
+    void turn(dvec3& direction, double scale) {
+        if (!moves()) return;
+        const double length = scale * glm::length(direction);
+        for (int i = 0; i < 3; ++i) direction[i] += shift(length);
+    }
     void move(Ray& ray, double scale) {
-        if (step_ == 0) return;
-        if (formulas_) ray.noise = {state_, step_};
-        for (int i = 0; i < 3; ++i) ray.origin[i] += step_ * scale * next();
+        if (!moves()) return;
+        if (jitter_.formulas) ray.noise = {state_, step_};
+        for (int i = 0; i < 3; ++i) ray.origin[i] += shift(scale);
         turn(ray.direction, ray.directionScale);
     }
 
-    void turn(glm::dvec3& direction, double scale) {
-        if (step_ == 0) return;
-        const double length = scale * glm::length(direction);
-        for (int i = 0; i < 3; ++i) direction[i] += step_ * length * next();
-    }
-
-    // How far from its surface a ray begins, where the device's begin as far as `clearance`.
-    double cleared(double clearance) const { return units_ * clearance; }
-
-    double slips() const { return slips_; }
-
-    bool moves() const { return step_ != 0; }
-    double shift(double scale) { return step_ == 0 ? 0 : step_ * scale * next(); }
-    // Something that has gone through `roundings`.
-    double sway(double value, double roundings) {
-        return step_ == 0 ? value : value * (1 + roundings * step_ * next());
-    }
-
   private:
-    double next() { return uniform(state_); }
-
+    const Jitter& jitter_;
     uint64_t state_;
     double step_;
-    bool formulas_;
-    double slips_;  // Jitter::slips
-    double units_;  // of clearances
 };
 
 // One camera ray followed to its end.
