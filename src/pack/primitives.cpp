@@ -39,10 +39,10 @@ std::optional<glm::vec3> roundPoint(const glm::dvec3& p) {
     return glm::vec3(p);
 }
 
-void setRounded(Box& box, int axis, double center, double extent, double margin) {
+void setRounded(Box& box, int axis, double lo, double hi) {
     constexpr float kInf = std::numeric_limits<float>::infinity();
-    box.lo[axis] = std::nextafter(static_cast<float>(center - extent - margin), -kInf);
-    box.hi[axis] = std::nextafter(static_cast<float>(center + extent + margin), kInf);
+    box.lo[axis] = std::nextafter(static_cast<float>(lo), -kInf);
+    box.hi[axis] = std::nextafter(static_cast<float>(hi), kInf);
 }
 
 const KindPacker& packerOf(shared::PrimitiveKind kind) {

@@ -109,8 +109,8 @@ bool sameBits(const Row& a, const Row& b) {
 
 // Rounds to fp32; nothing if a component is not finite or beyond fp32.
 std::optional<glm::vec3> roundPoint(const glm::dvec3& point);
-// Sets one axis of a box, outwards by the margin and one float.
-void setRounded(Box& box, int axis, double center, double extent, double margin);
+// Sets one axis of a box, outwards by one float.
+void setRounded(Box& box, int axis, double lo, double hi);
 inline Box withEdgeMargin(Box tight) {
     const float margin = edgeMargin(tight);
     tight.lo -= margin;
@@ -254,6 +254,40 @@ class KindPacker {
         return 0;
     }
 };
+
+// A kind whose objects become one row of `rows` each.
+template <class Row, std::vector<Row> PackedScene::*rows>
+class RowPacker : public KindPacker {
+  public:
+    bool isSameFrom(const Object& object, const Frame& before, const Frame& after) const final {
+        return sameBits(rounded(object, before), rounded(object, after));
+    }
+    void write(const Packing& packing, Primitives::Source source, uint32_t slot, FurtherRows&) const final {
+        Row& row = (packing.packed.*rows)[slot];
+        row = rounded(packing.objectOf(source), packing.frame);
+        packing.identify(source, row);
+    }
+
+  protected:
+    // The row without id, object and material.
+    virtual Row rounded(const Object& object, const Frame& frame) const = 0;
+};
+
+// The map of a quadric or box into its own coordinates.
+template <class Solid>
+glm::dmat3 toLocal(const Solid& solid) {
+    return glm::transpose(
+        glm::dmat3(glm::dvec3(solid.toLocal0), glm::dvec3(solid.toLocal1), glm::dvec3(solid.toLocal2)));
+}
+// Visits the corners of the box that clips a solid, as balls without radius.
+template <class Solid>
+void visitCorners(const Solid& solid, const glm::dmat3& toWorld, const KindPacker::VisitBall& visit) {
+    const glm::vec3 &lo = solid.lo, &hi = solid.hi;
+    for (int i = 0; i < 8; ++i)
+        visit(glm::dvec3(solid.point) +
+                  toWorld * glm::dvec3(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z),
+              0);
+}
 
 // The solid angle of a triangle, from 0, over that of the whole sphere; positive if 0 is on its inner side
 // (A. van Oosterom, J. Strackee 1983, see mediaAt).

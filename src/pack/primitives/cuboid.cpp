@@ -3,7 +3,6 @@
 // middle, or from its point nearest the eye.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/vectors.h"
 #include "pack/primitives.h"
@@ -33,10 +32,6 @@ dvec3 reachOf(const dmat3& half) {
     return glm::abs(half[0]) + glm::abs(half[1]) + glm::abs(half[2]);
 }
 
-dmat3 rowsOf(const shared::Cuboid& c) {
-    return glm::transpose(dmat3(dvec3(c.toLocal0), dvec3(c.toLocal1), dvec3(c.toLocal2)));
-}
-
 // Nearest the eye, in distances from the middle along the rows, if that is nearer than half of the size: hits
 // err by 2^-24 of the way to what the box is measured from.
 dvec3 anchorOf(const dvec3& eye, const dvec3& half) {
@@ -45,45 +40,12 @@ dvec3 anchorOf(const dvec3& eye, const dvec3& half) {
     return glm::distance(eye, nearest) < 0.5 * greatest ? nearest : dvec3(0);
 }
 
-shared::Cuboid roundCuboid(const Object& object, const Frame& frame) {
-    shared::Cuboid out;
-    if (!object.transform) {
-        const auto& box = std::get<BoxShape>(object.shape);
-        out.toLocal0.x = out.toLocal1.y = out.toLocal2.z = 1;
-        out.lo = glm::vec3(box.min - frame.origin);
-        out.hi = glm::vec3(box.max - frame.origin);
-        return out;
-    }
-    const Edges edges = edgesOf(object);
-    // Row i of the inverse is across the other two edges; of length 1 it measures the distance from the
-    // middle.
-    dmat3 rows = glm::transpose(inverse({edges.half, dvec3(0)}).linear);
-    dvec3 half;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double length = glm::length(rows[axis]);
-        half[axis] = 1 / length;
-        rows[axis] /= length;
-    }
-    const dmat3 toLocal = glm::transpose(rows);
-    dvec3 from = anchorOf(toLocal * (frame.eye - edges.middle), half);
-    const dvec3 point = edges.middle + inverse({toLocal, dvec3(0)}).linear * from;
-    out.point = glm::vec3(point - frame.origin);
-    // The rounded point is not that one.
-    if (from != dvec3(0)) from = toLocal * (dvec3(out.point) + frame.origin - edges.middle);
-    out.toLocal0 = glm::vec3(rows[0]);
-    out.toLocal1 = glm::vec3(rows[1]);
-    out.toLocal2 = glm::vec3(rows[2]);
-    out.lo = glm::vec3(-half - from);
-    out.hi = glm::vec3(half - from);
-    return out;
-}
-
-class CuboidPacker final : public KindPacker {
+class CuboidPacker final : public RowPacker<shared::Cuboid, &PackedScene::cuboids> {
   public:
     bool packs(const Shape& shape) const override { return std::holds_alternative<BoxShape>(shape); }
     // Without volume after rounding, far from the scene's origin, it has a pair of faces that are one.
     PrimitiveStatus statusOf(const Object& object, uint32_t, const Frame& frame) const override {
-        const shared::Cuboid c = roundCuboid(object, frame);
+        const shared::Cuboid c = rounded(object, frame);
         if (!isFinite(c.point) || !isFinite(c.lo) || !isFinite(c.hi)) return PrimitiveStatus::NotFinite;
         return glm::all(glm::lessThan(c.lo, c.hi)) ? PrimitiveStatus::Kept : PrimitiveStatus::NoArea;
     }
@@ -95,40 +57,62 @@ class CuboidPacker final : public KindPacker {
     // The device's slabs are those of the tree's boxes where there is no transform. With one, rounding moves
     // y by 2^-24 of |T| |x - point|, four times for good measure, and that comes back through |T^-1|.
     Box box(const Object& object, uint32_t, const Frame& frame) const override {
-        const shared::Cuboid c = roundCuboid(object, frame);
+        const shared::Cuboid c = rounded(object, frame);
         if (!object.transform) return {c.lo, c.hi};
-        const dmat3 rows = rowsOf(c), back = inverse({rows, dvec3(0)}).linear;
+        const dmat3 rows = toLocal(c), back = inverse({rows, dvec3(0)}).linear;
         const dvec3 size = 0.5 * dvec3(c.hi) - 0.5 * dvec3(c.lo), away = back * (dvec3(c.lo) + size);
-        const dvec3 reach = reachOf({back[0] * size.x, back[1] * size.y, back[2] * size.z});
-        const dvec3 most = glm::abs(away) + reach;
-        const dvec3 moved = reachOf({rows[0] * most.x, rows[1] * most.y, rows[2] * most.z});
-        const dvec3 margin = 0x1p-20 * reachOf({back[0] * moved.x, back[1] * moved.y, back[2] * moved.z});
+        const dvec3 reach = magnitudes(back) * size;
+        const dvec3 moved = magnitudes(rows) * (glm::abs(away) + reach);
+        const dvec3 margin = 0x1p-20 * (magnitudes(back) * moved);
         const dvec3 middle = dvec3(c.point) + away;
         Box box;
-        for (int axis = 0; axis < 3; ++axis) setRounded(box, axis, middle[axis], reach[axis], margin[axis]);
+        for (int axis = 0; axis < 3; ++axis)
+            setRounded(box, axis, middle[axis] - reach[axis] - margin[axis],
+                       middle[axis] + reach[axis] + margin[axis]);
         return box;
-    }
-    bool isSameFrom(const Object& object, const Frame& before, const Frame& after) const override {
-        return sameBits(roundCuboid(object, before), roundCuboid(object, after));
-    }
-    void write(const Packing& packing, Primitives::Source source, uint32_t slot,
-               FurtherRows&) const override {
-        shared::Cuboid& cuboid = packing.packed.cuboids[slot];
-        cuboid = roundCuboid(packing.objectOf(source), packing.frame);
-        packing.identify(source, cuboid);
     }
     void balls(const PackedScene& scene, uint32_t index, const VisitBall& visit) const override {
         const shared::Cuboid& c = scene.cuboids[index];
-        const dmat3 toWorld = inverse({rowsOf(c), dvec3(0)}).linear;
-        for (int i = 0; i < 8; ++i) {
-            const dvec3 corner(i & 1 ? c.hi.x : c.lo.x, i & 2 ? c.hi.y : c.lo.y, i & 4 ? c.hi.z : c.lo.z);
-            visit(dvec3(c.point) + toWorld * corner, 0);
-        }
+        visitCorners(c, inverse({toLocal(c), dvec3(0)}).linear, visit);
     }
     double windings(const PackedScene& scene, uint32_t index, const dvec3& point) const override {
         const shared::Cuboid& c = scene.cuboids[index];
-        const dvec3 y = rowsOf(c) * (point - dvec3(c.point));
+        const dvec3 y = toLocal(c) * (point - dvec3(c.point));
         return glm::all(glm::greaterThan(y, dvec3(c.lo))) && glm::all(glm::lessThan(y, dvec3(c.hi))) ? 1 : 0;
+    }
+
+  private:
+    shared::Cuboid rounded(const Object& object, const Frame& frame) const override {
+        shared::Cuboid out;
+        if (!object.transform) {
+            const auto& box = std::get<BoxShape>(object.shape);
+            out.toLocal0.x = out.toLocal1.y = out.toLocal2.z = 1;
+            out.lo = glm::vec3(box.min - frame.origin);
+            out.hi = glm::vec3(box.max - frame.origin);
+            return out;
+        }
+        const Edges edges = edgesOf(object);
+        // Row i of the inverse is across the other two edges; of length 1 it measures the distance from the
+        // middle.
+        dmat3 rows = glm::transpose(inverse({edges.half, dvec3(0)}).linear);
+        dvec3 half;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double length = glm::length(rows[axis]);
+            half[axis] = 1 / length;
+            rows[axis] /= length;
+        }
+        const dmat3 local = glm::transpose(rows);
+        dvec3 from = anchorOf(local * (frame.eye - edges.middle), half);
+        const dvec3 point = edges.middle + inverse({local, dvec3(0)}).linear * from;
+        out.point = glm::vec3(point - frame.origin);
+        // The rounded point is not that one.
+        if (from != dvec3(0)) from = local * (dvec3(out.point) + frame.origin - edges.middle);
+        out.toLocal0 = glm::vec3(rows[0]);
+        out.toLocal1 = glm::vec3(rows[1]);
+        out.toLocal2 = glm::vec3(rows[2]);
+        out.lo = glm::vec3(-half - from);
+        out.hi = glm::vec3(half - from);
+        return out;
     }
 };
 

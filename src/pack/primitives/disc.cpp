@@ -29,8 +29,8 @@ Box discBox(const shared::Disc& disc) {
             box.lo[axis] = box.hi[axis] = disc.center[axis];
         } else {
             // Eight roundings in double of quantities below |centre| + radius.
-            setRounded(box, axis, center[axis], extent[axis],
-                       0x1p-50 * (std::abs(center[axis]) + disc.radius));
+            const double margin = 0x1p-50 * (std::abs(center[axis]) + disc.radius);
+            setRounded(box, axis, center[axis] - extent[axis] - margin, center[axis] + extent[axis] + margin);
         }
     }
     return box;
@@ -39,7 +39,7 @@ Box discBox(const shared::Disc& disc) {
 namespace {
 
 // Encloses nothing.
-class DiscPacker final : public KindPacker {
+class DiscPacker final : public RowPacker<shared::Disc, &PackedScene::discs> {
   public:
     bool packs(const Shape& shape) const override { return std::holds_alternative<DiscShape>(shape); }
     void extend(const Object& object, uint32_t, uint32_t, Extent& extent) const override {
@@ -49,16 +49,15 @@ class DiscPacker final : public KindPacker {
         extent.include(disc.center + reach);
     }
     Box box(const Object& object, uint32_t, const Frame& frame) const override {
-        return discBox(roundDisc(std::get<DiscShape>(object.shape), frame));
-    }
-    void write(const Packing& packing, Primitives::Source source, uint32_t slot,
-               FurtherRows&) const override {
-        shared::Disc& disc = packing.packed.discs[slot];
-        disc = roundDisc(std::get<DiscShape>(packing.objectOf(source).shape), packing.frame);
-        packing.identify(source, disc);
+        return discBox(rounded(object, frame));
     }
     void balls(const PackedScene& scene, uint32_t index, const VisitBall& visit) const override {
         visit(scene.discs[index].center, scene.discs[index].radius);
+    }
+
+  private:
+    shared::Disc rounded(const Object& object, const Frame& frame) const override {
+        return roundDisc(std::get<DiscShape>(object.shape), frame);
     }
 };
 

@@ -33,7 +33,8 @@ Box polygonBox(const std::vector<glm::vec3>& vertices, const glm::vec3& point, c
         for (int axis = 0; axis < 3; ++axis) {
             Box reach = box;
             // Four roundings in double of coordinates and of the way between them.
-            setRounded(reach, axis, onPlane[axis], 0, 0x1p-50 * std::abs(onPlane[axis]));
+            const double margin = 0x1p-50 * std::abs(onPlane[axis]);
+            setRounded(reach, axis, onPlane[axis] - margin, onPlane[axis] + margin);
             if (onPlane[axis] < box.lo[axis]) box.lo[axis] = reach.lo[axis];
             if (onPlane[axis] > box.hi[axis]) box.hi[axis] = reach.hi[axis];
         }

@@ -1,7 +1,6 @@
 // Turns quadrics of every name into the one form of the tracers (Quadric in shared/layout.h).
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/vectors.h"
 #include "pack/primitives.h"
@@ -318,27 +317,21 @@ shared::Quadric roundQuadric(const Object& object, const Frame& frame) {
 // clipping box's size; both come back to the world through |T^-1|.
 Box quadricBox(const Object& object, const Frame& frame, const shared::Quadric& rounded) {
     const Extent extent = quadricExtent(object);
-    const dmat3 toLocal =
-        glm::transpose(dmat3(dvec3(rounded.toLocal0), dvec3(rounded.toLocal1), dvec3(rounded.toLocal2)));
-    const dmat3 back = glm::inverse(toLocal);
+    const dmat3 local = toLocal(rounded), back = glm::inverse(local);
     const dvec3 point = dvec3(rounded.point) + frame.origin;
     const dvec3 reach = glm::max(glm::abs(extent.lo - point), glm::abs(extent.hi - point));
     const dvec3 size = glm::min(dvec3(rounded.hi - rounded.lo), dvec3(2 * kRoom));
-    const dvec3 margin = magnitudes(back) * (0x1p-22 * (magnitudes(toLocal) * reach) + 0x1p-20 * size);
+    const dvec3 margin = magnitudes(back) * (0x1p-22 * (magnitudes(local) * reach) + 0x1p-20 * size);
     Box box;
-    for (int axis = 0; axis < 3; ++axis) {
-        constexpr float kInf = std::numeric_limits<float>::infinity();
-        const double lo = extent.lo[axis] - frame.origin[axis] - margin[axis];
-        const double hi = extent.hi[axis] - frame.origin[axis] + margin[axis];
-        box.lo[axis] = std::nextafter(static_cast<float>(lo), -kInf);
-        box.hi[axis] = std::nextafter(static_cast<float>(hi), kInf);
-    }
+    for (int axis = 0; axis < 3; ++axis)
+        setRounded(box, axis, extent.lo[axis] - frame.origin[axis] - margin[axis],
+                   extent.hi[axis] - frame.origin[axis] + margin[axis]);
     return box;
 }
 
 namespace {
 
-class QuadricPacker final : public KindPacker {
+class QuadricPacker final : public RowPacker<shared::Quadric, &PackedScene::quadrics> {
   public:
     bool packs(const Shape& shape) const override {
         return std::holds_alternative<QuadricShape>(shape) || std::holds_alternative<EllipsoidShape>(shape) ||
@@ -352,27 +345,13 @@ class QuadricPacker final : public KindPacker {
         extent.include(own.hi);
     }
     Box box(const Object& object, uint32_t, const Frame& frame) const override {
-        return quadricBox(object, frame, roundQuadric(object, frame));
-    }
-    bool isSameFrom(const Object& object, const Frame& before, const Frame& after) const override {
-        return sameBits(roundQuadric(object, before), roundQuadric(object, after));
-    }
-    void write(const Packing& packing, Primitives::Source source, uint32_t slot,
-               FurtherRows&) const override {
-        shared::Quadric& quadric = packing.packed.quadrics[slot];
-        quadric = roundQuadric(packing.objectOf(source), packing.frame);
-        packing.identify(source, quadric);
+        return quadricBox(object, frame, rounded(object, frame));
     }
     void balls(const PackedScene& scene, uint32_t index, const VisitBall& visit) const override {
         const shared::Quadric& q = scene.quadrics[index];
-        const glm::dmat3 toWorld = glm::inverse(toLocal(q));
-        for (int i = 0; i < 8; ++i) {
-            const glm::dvec3 corner(i & 1 ? q.hi.x : q.lo.x, i & 2 ? q.hi.y : q.lo.y,
-                                    i & 4 ? q.hi.z : q.lo.z);
-            visit(glm::dvec3(q.point) + toWorld * corner, 0);
-        }
+        visitCorners(q, glm::inverse(toLocal(q)), visit);
     }
-    // Inside if it is so of the surface and of the box that cuts it off, as of a capped one.
+    // A point is inside if it is inside the surface and the box that clips it, as if the quadric were capped.
     double windings(const PackedScene& scene, uint32_t index, const glm::dvec3& point) const override {
         const shared::Quadric& q = scene.quadrics[index];
         const bool fromApex = (q.caps & shared::kFromApex) != 0;
@@ -388,9 +367,8 @@ class QuadricPacker final : public KindPacker {
     }
 
   private:
-    static glm::dmat3 toLocal(const shared::Quadric& q) {
-        return glm::transpose(
-            glm::dmat3(glm::dvec3(q.toLocal0), glm::dvec3(q.toLocal1), glm::dvec3(q.toLocal2)));
+    shared::Quadric rounded(const Object& object, const Frame& frame) const override {
+        return roundQuadric(object, frame);
     }
 };
 

@@ -32,14 +32,14 @@ Box sphereBox(const shared::Sphere& sphere) {
     for (int axis = 0; axis < 3; ++axis) {
         // Six roundings in double, each of at most 2^-53 times a quantity below |centre| + 3 radius.
         const double margin = 0x1p-50 * (std::abs(center[axis]) + 3 * radius);
-        setRounded(box, axis, center[axis], radius, margin);
+        setRounded(box, axis, center[axis] - radius - margin, center[axis] + radius + margin);
     }
     return box;
 }
 
 namespace {
 
-class SpherePacker final : public KindPacker {
+class SpherePacker final : public RowPacker<shared::Sphere, &PackedScene::spheres> {
   public:
     bool packs(const Shape& shape) const override { return std::holds_alternative<SphereShape>(shape); }
     void extend(const Object& object, uint32_t, uint32_t, Extent& extent) const override {
@@ -48,17 +48,7 @@ class SpherePacker final : public KindPacker {
         extent.include(sphere.center + sphere.radius);
     }
     Box box(const Object& object, uint32_t, const Frame& frame) const override {
-        return sphereBox(roundSphere(std::get<SphereShape>(object.shape), frame));
-    }
-    bool isSameFrom(const Object& object, const Frame& before, const Frame& after) const override {
-        const auto& sphere = std::get<SphereShape>(object.shape);
-        return sameBits(roundSphere(sphere, before), roundSphere(sphere, after));
-    }
-    void write(const Packing& packing, Primitives::Source source, uint32_t slot,
-               FurtherRows&) const override {
-        shared::Sphere& sphere = packing.packed.spheres[slot];
-        sphere = roundSphere(std::get<SphereShape>(packing.objectOf(source).shape), packing.frame);
-        packing.identify(source, sphere);
+        return sphereBox(rounded(object, frame));
     }
     void balls(const PackedScene& scene, uint32_t index, const VisitBall& visit) const override {
         const shared::Sphere& sphere = scene.spheres[index];
@@ -73,6 +63,11 @@ class SpherePacker final : public KindPacker {
         const double side =
             glm::dot(offset, offset) + (anchored ? 2 * radius * glm::dot(normal, offset) : -radius * radius);
         return side < 0 ? 1 : 0;
+    }
+
+  private:
+    shared::Sphere rounded(const Object& object, const Frame& frame) const override {
+        return roundSphere(std::get<SphereShape>(object.shape), frame);
     }
 };
 
