@@ -82,8 +82,8 @@ Lit litAt(uint path, bool live, Interaction at, uvec4 sum, vec3 throughput) {
 
 // A light as the path sees it.
 struct Sight {
-    bool facing;    // it shines on the side that is seen, and whether it does is asked for
-    vec3 radiance;  // that it adds where nothing is in the way, before the path's throughput
+    bool facing;    // the light shines on the seen side, and its shadow ray is needed
+    vec3 radiance;  // that the light adds if nothing hides it, before the path's throughput
 };
 const Sight kNoSight = Sight(false, vec3(0.0));
 
@@ -99,15 +99,14 @@ Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
     bool adds = kTracesAllShadows || any(notEqual(lit.throughput * radiance, vec3(0.0)));
     Sight sight = Sight(false, radiance);
     sight.facing = lit.live && light.valid && adds &&
-                   dot(lit.at.surface.geometricNormal, light.direction) > 0.0 &&
-                   dot(lit.at.surface.shadingNormal, light.direction) > 0.0;
+                   dot(lit.at.surface.geometricNormal, light.direction) > kLeastCosine &&
+                   dot(lit.at.surface.shadingNormal, light.direction) > kLeastCosine;
     traversal.ray = Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
                         lit.at.hit.primitive, lit.at.hit.instance);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     if (kFiltered) {
-        bool near = light.tMax < kInfinity;
-        float reach = near ? 1.0 : 0.0;
-        float scale = near ? length(light.toLight) : 1.0;
+        float reach = light.tMax < kInfinity ? 1.0 : 0.0;
+        float scale = reach > 0.0 ? length(light.toLight) : 1.0;
         traversal.passage = Passage(lit.around * (reach * scale), reach, scale);
         if (MODE_RESUME && !begins)
             traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), lit.path).xyz);
@@ -121,9 +120,8 @@ void take(inout Lit lit, uint index, Sight sight, Traversal traversal, bool fini
     bool occluded = traversal.hit.primitive != kNone;
     vec3 radiance = sight.radiance;
     if (kFiltered) radiance *= lightThrough(traversal.passage);
-    vec3 sum = lit.radiance + lit.throughput * radiance;
     bool added = sight.facing && finished && !occluded;
-    if (added) lit.radiance = sum;
+    if (added) lit.radiance += lit.throughput * radiance;
     lit.changed = lit.changed || added;
     if (sight.facing && occluded && dispatch.bounce == 0u && index < kShadowBits)
         lit.shadowBits |= 1u << index;

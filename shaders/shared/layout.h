@@ -251,6 +251,8 @@ GLINT_CONST_UINT(kPacketTurns, 8u);  // any-hit packets that a subgroup traces o
 // light lies on does not shade it.
 GLINT_CONST_FLOAT(kShadowEnd, 0.9999847412109375f);
 GLINT_CONST_FLOAT(kNearestLight, 1e-15f);  // closer lights are ignored: 1/d^2 would overflow
+// Lights below this cosine (2^-20) are ignored, as rounding decides the sign of smaller ones.
+GLINT_CONST_FLOAT(kLeastCosine, 9.5367431640625e-7f);
 // The least normal float: branches of less throughput are ignored, as devices may flush them.
 GLINT_CONST_FLOAT(kLeastThroughput, 1.17549435e-38f);
 GLINT_CONST_UINT(kShadowBits, 32u);  // lights whose occlusion at the first hit a pixel records

@@ -161,7 +161,7 @@ dvec3 offsetOrigin(const Interaction& at, const dvec3& direction) {
 
 Reflection evaluate(const Interaction& at, const dvec3& l, double turn) {
     const double cosine = glm::dot(at.s, l), slip = cosineError(turn, at.normalError);
-    const double least = std::min(cosine, glm::dot(at.n, l));
+    const double least = std::min(cosine, glm::dot(at.n, l)) - static_cast<double>(shared::kLeastCosine);
     Reflection result;
     if (least <= -slip * kFloatUnit) return result;
     const dvec3 middle = l + at.view;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <optional>
 
 #include "../render/support.h"
@@ -125,6 +126,35 @@ TEST_F(LeakTest, RoundBodiesAreDarkInside) {
                     << turn << ", pixel " << i;
         }
         EXPECT_GT(terminators, 5) << inside.x;
+    }
+}
+
+// A light in the plane of a face of a thin box does not shine in, although rounding decides on which side of
+// the face it lies.
+constexpr char kThinBox[] = R"({
+    "camera": {"eye": [0, 0, 0], "target": [1, 0, 0], "fovY": 100}, "ambient": 0,
+    "lights": [{"type": "point", "position": [6, 7, -3]}],
+    "materials": {"glossy": {"specular": 1, "shininess": 2}},
+    "objects": [{"type": "group", "objects": [
+        {"type": "polygon", "vertices": [[-1, -0.001, -1], [-1, -0.001, 1], [-1, 0.001, 1], [-1, 0.001, -1]], "material": "glossy"},
+        {"type": "polygon", "vertices": [[1, -0.001, -1], [1, 0.001, -1], [1, 0.001, 1], [1, -0.001, 1]], "material": "glossy"},
+        {"type": "polygon", "vertices": [[-1, -0.001, -1], [1, -0.001, -1], [1, -0.001, 1], [-1, -0.001, 1]], "material": "glossy"},
+        {"type": "polygon", "vertices": [[-1, 0.001, -1], [-1, 0.001, 1], [1, 0.001, 1], [1, 0.001, -1]], "material": "glossy"},
+        {"type": "polygon", "vertices": [[-1, -0.001, -1], [-1, 0.001, -1], [1, 0.001, -1], [1, -0.001, -1]], "material": "glossy"},
+        {"type": "polygon", "vertices": [[-1, -0.001, 1], [1, -0.001, 1], [1, 0.001, 1], [-1, 0.001, 1]], "material": "glossy"}
+    ], "transform": [{"rotate": [1, 2, 3, )";
+
+TEST_F(LeakTest, LightsInThePlaneOfAFaceStayOutside) {
+    for (int degrees = 40; degrees < 180; degrees += 7) {
+        const glm::dmat3 turn(
+            glm::rotate(glm::dmat4(1), glm::radians(1.0 * degrees), glm::normalize(dvec3(1, 2, 3))));
+        Scene scene = textCase(kThinBox + std::to_string(degrees) + "]}]}]}", 64, 64).scene;
+        std::get<PointLight>(scene.lights[0]).position = turn * dvec3(3, 0.001 + 1e-10, 1);
+        scene.camera.eye = turn * dvec3(0.1, 0, 0.05);
+        scene.camera.target = turn * dvec3(0.9, 0.2, 0.3);
+        const Image image = draw(device(), makeCase(scene, 64, 64)).color;
+        for (int i = 0; i < 64 * 64; ++i)
+            ASSERT_EQ(image.at(i % 64, i / 64, 0), 0.0f) << degrees << " degrees, pixel " << i;
     }
 }
 
