@@ -64,18 +64,18 @@ struct Result {
 };
 
 struct Options {
-    Request request;           // without adaptivity, see measure()
-    render::Options renderer;  // `profile` is on in any case but WholePaths::On
-    int repeats = 7;           // images that are timed
-    bool everyWalk = false;    // each way to find hits in turn besides: Result::walks
+    Request request;                                       // without adaptivity, see measure()
+    render::Options renderer;                              // `profile` is on in any case but WholePaths::On
+    int repeats = 7;                                       // images that are timed
+    bool everyWalk = false;                                // each traversal alone too, see Result::walks
     std::function<void(double)> progress = [](double) {};  // 0..1
     std::function<bool()> cancelled = [] { return false; };
 };
 
-// Renders the scene's image, on `device` or, if that is null, by the reference. Every pixel takes the same
-// samples, though the scene may ask for adaptive ones: rays a second of pixels that stop say nothing about
-// the kernels. `scene` is the name that the result bears; its `open` is left at 0. Throws Error(Interrupted)
-// once cancelled.
+// Renders the scene's image on `device`, or by the reference if it is null. Every pixel takes the same
+// samples, even if the scene requests adaptive sampling: pixels that stop early would distort the rays a
+// second. `scene` becomes the name of the result; its `open` is left at 0. Throws Error(Interrupted) after
+// cancellation.
 Result measure(const std::string& scene, const LoadedScene& loaded, const gpu::Device* device,
                const Options& options);
 

@@ -40,9 +40,9 @@ double rootMeanSquareBound(const MeanSquare& estimate, double tail);
 // contribution are missed less often.
 double unseenBound(size_t pixels, double samples, double tail);
 
-// The tail for Fisher's quantile with which "the error is at most E" may be claimed: claimed if E^2 is at
-// least the estimate times the quantile, it is false with probability at most `tail`, whatever the true mean
-// square. E is given beforehand, so the claim costs less than a bound that chooses its own number.
+// The tail for Fisher's quantile in the claim "the error is at most E". The claim is made if E^2 is at least
+// the estimate times the quantile; it is false with probability at most `tail` for any true mean square. E is
+// given beforehand, so the claim costs less than a bound that chooses its own number.
 double tailOfClaim(double tail);
 
 }  // namespace glint::converge

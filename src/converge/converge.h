@@ -90,12 +90,12 @@ struct Job {
 // caller.
 Job jobFor(const PackedScene& packed, const Request& wanted, const Target& target);
 
-// True if an image at this depth may lack reflections that its losses do not count: kernels without
-// reflections do not know of them.
+// True if an image of this depth may lack reflections that its losses do not count, because kernels without
+// reflections record none.
 bool missesReflections(const Scene& scene, uint32_t depth);
 
-// Throws Error(Argument), with advice, if no number of samples can reach the target. That is known after one
-// sample of each pixel.
+// Throws Error(Argument), with advice, if no number of samples can reach the target; one sample of each pixel
+// decides this.
 Result converge(const Draw& draw, const Job& job);
 
 }  // namespace glint::converge

@@ -16,32 +16,32 @@ double shownTail(double risk, uint32_t look) {
     return kShownShare * risk / (static_cast<double>(look) * (look + 1));
 }
 
-// Paid look number k, from 1: a geometric series of sum 1, so that the first ones, one of which mostly ends
-// it, have most.
+// The chance of paid look k, from 1, is a geometric series of sum 1. The first looks get most, as one of them
+// usually ends the image.
 constexpr double kFall = 0.4;
 double claimTail(double risk, uint32_t paid) {
     return (1 - kShownShare) * risk * (1 - kFall) * std::pow(kFall, std::max(paid, 1u) - 1);
 }
 
-// Looks at an estimated mean square above kNear times the allowed one are free: a claim there would take an
-// estimate far below the mean square, and its error one far above. And so are looks before the samples have
-// grown by kApart since the last paid one: they see mostly the same samples.
+// Looks at an estimated mean square above kNear times the allowed one are free, because they cannot claim.
+// Looks before the samples have grown by kApart since the last paid one are free too, because most of their
+// samples are the same.
 constexpr double kNear = 2, kApart = 1.5;
 
-// Samples' power by which the error falls, until two looks far enough apart have told it
+// The error falls by this power of the number of samples, until two looks far enough apart measure the power
 // (docs/lab/accuracy.md).
 constexpr double kSlope = 0.6, kLeastSlope = 0.5, kMostSlope = 1;
 constexpr double kTelling = 1.4;  // growth of the samples between such looks
 
-// A low-discrepancy sequence of 2^k samples errs as little as one of so many times more does that is not so
-// evenly filled (docs/lab/error-targets.md); a count within kDetour below one goes on to it.
+// 2^k samples of a low-discrepancy sequence have the error of kPowerOfTwo times as many samples of another
+// count (docs/lab/error-targets.md). A count within kDetour below a power of two is raised to it.
 constexpr double kPowerOfTwo = 1.15, kDetour = 1.06;
 
 double worthOf(uint32_t count) {
     return std::has_single_bit(count) ? kPowerOfTwo * count : count;
 }
 
-// The least count after `count` that is worth so much, no less than a sixteenth more, and no further than the
+// The least count after `count` that is worth so much: at least a sixteenth more, and only as far as the
 // estimate can be trusted.
 uint32_t countWorth(uint32_t count, double worth) {
     const double most = 2.0 * count;

@@ -1,4 +1,4 @@
-// When an image of two replicates is good enough: what a look at them says, and when to look again.
+// Decides when an image of two replicates has reached its error target, and when to look next.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace glint::converge {
 
-// The chance of error that a target leaves is spent in two ways: nine tenths by claims that the error is at
-// most what was asked for, which end the image, and one tenth by bounds that are shown meanwhile. A false
-// claim needs a mean square close to the target's, so only looks at about that are paid for.
-// docs/design/error-targets.md says why, and what is left to trials.
+// The target's chance of error is spent in two ways: nine tenths for claims that the error is at most the
+// target, which end the image, and one tenth for the bounds that are shown meanwhile. A false claim needs a
+// mean square close to the target's, so only looks near it are paid for. docs/design/error-targets.md gives
+// the reasons and what trials decide.
 class Looks {
   public:
     explicit Looks(const Target& target) : risk_(1 - target.confidence) {}

@@ -46,7 +46,7 @@ double coarseness(const Region& region, uint32_t samples, int parts) {
     return std::max(1.0, std::sqrt(pixels / probes));
 }
 
-// A run of tiles as rectangles: what it has of its first row, whole rows, what it has of its last one.
+// A run of tiles as rectangles: the end of its first row, whole rows, the start of its last row.
 std::vector<Region> regionsOf(const CostMap& map, int first, int end) {
     std::vector<Region> regions;
     const auto add = [&](int row0, int row1, int column0, int column1) {

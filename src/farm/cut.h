@@ -25,9 +25,10 @@ struct CostMap {
     explicit CostMap(const Region& whole);
 };
 
-// By a coarse picture of the reference: its tests of a few thousand rays and all that follow from them, no
-// more than a thirtieth of the rays of a part where parts are many, and a constant for what every pixel
-// takes. Depends on scene, camera and request alone: not on the device, nor the number of threads.
+// Renders a coarse image by the reference and counts its tests: a few thousand rays with all that follow from
+// them, at most a thirtieth of the rays of a part if parts are many. A constant for the work of every pixel
+// is added. The result depends on scene, camera and request alone, not on the device or the number of
+// threads.
 CostMap estimateCosts(const PackedScene& scene, const Camera& camera, const Request& request, int parts);
 
 // The regions of each part, at most three: a run of tiles in reading order, whose cost is as near to an equal

@@ -26,7 +26,7 @@ void pasteRow(const Image& from, const Region& part, int y, Image& to, const Reg
     std::copy(first, first + row, to.pixels.begin() + static_cast<std::ptrdiff_t>(place));
 }
 
-// Below what is there already.
+// Appends below the rows that are there already.
 void append(Image& to, Image&& rows) {
     to.pixels.insert(to.pixels.end(), rows.pixels.begin(), rows.pixels.end());
     to.height += rows.height;

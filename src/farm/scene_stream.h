@@ -1,8 +1,7 @@
-// Sends the files of a scene from the process that reads them to processes that need not see them.
-//
-// Reading a scene asks a file source in an order that depends on the answers alone. The reading process
-// records every answer, errors included; the others get the same answers to the same questions. Each answer
-// carries its question, so that a process with another scene is found out.
+// Sends the files of a scene from the process that reads them to processes that need not read them.
+// A reader requests files in an order that depends on their contents alone. The reading process records every
+// file, errors included; the others get the same files for the same requests. Each file carries its request,
+// so that a process with another scene is detected.
 #pragma once
 
 #include <functional>

@@ -33,7 +33,7 @@ std::string difference(const Identity& there, const Identity& here);
 struct UnitHeader {
     Identity identity;
     Region region;          // all units together
-    std::vector<Aov> aovs;  // the image's layers in the order in which they were asked for
+    std::vector<Aov> aovs;  // the image's layers in the order of the request
     int parts = 1;          // number of units
 };
 
@@ -61,10 +61,10 @@ struct UnitResult : PictureFlaws {
     std::vector<Block> blocks;
 };
 
-// Draws what the request asks for: a tracer.
+// A tracer: renders a request.
 using Draw = std::function<Picture(const Request&)>;
 
-// Draws the regions of a unit of the whole picture that is asked for. Nothing if it was cancelled.
+// Renders the regions of a unit of the whole requested image. Nothing if it was cancelled.
 std::optional<UnitResult> drawUnit(const Draw& draw, const Request& whole, const std::vector<Region>& regions,
                                    const std::vector<Aov>& aovs);
 

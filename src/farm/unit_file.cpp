@@ -150,7 +150,7 @@ auto reading(const std::string& name, const Read& read) {
     }
 }
 
-// A file of units, of which one record at a time is in memory.
+// A file of units; only one record at a time is in memory.
 class RecordFile {
   public:
     explicit RecordFile(const fs::path& path) {

@@ -1,9 +1,8 @@
 // Files of finished units: parts of images that other machines rendered, and checkpoints.
-//
-// A file is a signature and records, each with its length, its bytes and their hash (XXH3, 64 bits): the
-// header, and then units; a part has one, a checkpoint any number. So a reader finds what was cut off or
-// changed, and a writer may append. The samples are floats, bit for bit, NaN in data layers included. No
-// image format holds scattered pieces of an image together with what they were made from and a hash of it.
+// A file is a signature and records, each with its length, its bytes and their hash (XXH3, 64 bits). The
+// first record is the header, the others are units: one in a part, any number in a checkpoint. So a reader
+// detects missing or changed records, and a writer can append. Samples are floats with all their bits, NaN in
+// data layers included. No image format holds scattered pieces of an image with their origin and a hash.
 #pragma once
 
 #include <cstdint>

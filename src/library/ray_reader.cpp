@@ -70,7 +70,7 @@ WorldRay RayReader::world(uint64_t i) const {
 // For fp32 rays that change only by the rounding of the origin, as most do, without branches. False if there
 // are others; `inputs` is then invalid.
 bool RayReader::roundedNarrow(const render::RayNumbers& given, std::span<render::RayInput> inputs) const {
-    const render::RayNumbers numbers = given;  // what is stored is none of it
+    const render::RayNumbers numbers = given;  // for the caller's numbers, not for the stored ones
     const NumberView origins = origins_, directions = directions_;
     const glm::dvec3 from = origin_;
     bool harmless = true;

@@ -38,7 +38,7 @@ reference::Hit answer(const reference::Tracer& tracer, const LocalRay& ray, bool
     const reference::Source source(leaves ? reference::kElsewhere : shared::kNone);
     reference::Hit miss;
     if (!any) return tracer.closest(given, source).value_or(miss);
-    if (tracer.occluded(given, source)) miss.primitive = 0;  // no more is known
+    if (tracer.occluded(given, source)) miss.primitive = 0;  // the query gives no more
     return miss;
 }
 

@@ -71,7 +71,7 @@ Output::Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, 
     size_ = out.type == GLINT_F64 || out.type == GLINT_U64 ? 8 : (out.type == GLINT_U8 ? 1 : 4);
     if (stride_ == 0) stride_ = int64_t{numbers} * size_;
     checkStride(name, expected, stride_, int64_t{numbers} * size_, "an element");
-    checkReach(name, expected, stride_);  // there may be room for more, which nobody touches
+    checkReach(name, expected, stride_);  // the array may be larger; the rest is left alone
 }
 
 }  // namespace glint::library

@@ -131,7 +131,7 @@ class Output {
         return glm::vec<N, double>(v);
     }
 
-    // Stores may alias members as far as the compiler can tell; local copies state that they do not.
+    // Stores may alias members for the compiler; local copies exclude this.
     template <class Numbers, class ValueOf>
     void putEach(const Numbers& numbers, size_t count, const ValueOf& valueOf) const {
         if (data_ == nullptr) return;

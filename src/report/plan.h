@@ -47,7 +47,7 @@ inline constexpr const char* kDefaultMethods = "default methods";
 std::string keyOf(const Setting& setting);
 
 // True if its rounding error is measured, against the reference's image of the same samples. The rounding
-// error does not depend on the number of samples, so at most 4 are judged.
+// error does not depend on the number of samples, so settings of more than 4 are left out.
 bool hasArithmetic(const Setting& setting);
 
 // In order of importance. `devices`: to be compared; may be empty.

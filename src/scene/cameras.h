@@ -20,11 +20,11 @@ CameraFrame cameraFrame(const Camera& camera);
 // "perspective", "orthographic", "oblique perspective" or "oblique parallel".
 const char* cameraKind(const Camera& camera);
 
-// The width of a picture as high as `image` for a camera that asks for an aspect; without one, the image's.
+// The width of an image of the height of `image` for a camera with an aspect; without one, the image's width.
 int pictureWidth(const ImageSettings& image, double aspect);
 
-// Makes the camera of that name the scene's own, and the picture as wide as it asks. Throws Error(Argument)
-// with the names that there are; `file` stands for the scene in the message.
+// Makes the camera of that name the scene's own, and sets the image's width by its aspect. Throws
+// Error(Argument) with the names of all cameras; `file` stands for the scene in the message.
 void chooseCamera(Scene& scene, const std::string& name, const std::string& file);
 
 // The names in quotes, with commas; at most `most`, then "...".

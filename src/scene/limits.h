@@ -29,18 +29,18 @@ inline constexpr double kMinUpSine = 1e-8;
 // The cosine of the angle between an oblique camera's plane normal and its view direction: rounding must not
 // decide on which side of the plane the viewer is.
 inline constexpr double kMinPlaneCosine = 1e-8;
-// Indices of refraction: beyond 1e4 either way fp32 cannot tell the refracted ray from the normal.
+// Indices of refraction: beyond 1e4 either way fp32 rounds the refracted ray to the normal.
 inline constexpr double kMinIor = 1e-4;
 inline constexpr double kMaxIor = 1e4;
 inline constexpr int kMaxPriority = 1'000'000;
-// Degrees from a spot light's axis to where its light ends. The shader knows the direction of a light to a
-// few 2^-24, which is 1 % of 0.001 degrees.
+// Degrees from a spot light's axis to the edge of its light. The shader computes the direction of a light to
+// a few 2^-24, which is 1 % of 0.001 degrees.
 inline constexpr double kMinSpotAngle = 1e-3;
 
 inline constexpr int kMaxImageSize = 65536;
 inline constexpr int kMaxSamplesPerPixel = 65536;
 inline constexpr int kMaxBounces = 1000;
-// Pixels. A sample's place is known to 2^-18 pixels, and filters wider than this only blur.
+// Pixels. A sample's position is exact to 2^-18 pixels, and wider filters only blur.
 inline constexpr double kMinFilterRadius = 0.01;
 inline constexpr double kMaxFilterRadius = 8;
 // One sample at least of each of the three parts of the filter that count (docs/guide/sampling.md), and one

@@ -56,8 +56,8 @@ PolygonPlane planeOf(std::span<const glm::dvec3> vertices, const glm::dvec3& poi
 }
 
 // Twice the vector area of the widest triangle that is cheap to find: the first vertex, the one farthest from
-// it, and the one farthest from the line through both. Zero if that is no more than rounding can make of a
-// line's points.
+// it, and the one farthest from the line through both. Zero if rounding alone can give points of a line so
+// much.
 glm::dvec3 widestTriangle(std::span<const glm::dvec3> vertices) {
     glm::dvec3 ab(0), ac(0);
     double scale = greatestMagnitude(vertices[0]);

@@ -8,20 +8,19 @@
 namespace glint {
 
 struct PolygonPlane {
-    glm::dvec3 point;      // the mean of the vertices
-    glm::dvec3 normal;     // unit, towards who sees the vertices counter-clockwise, see polygonPlane
+    glm::dvec3 point;   // the mean of the vertices
+    glm::dvec3 normal;  // unit, to the side from which the vertices run counter-clockwise, see polygonPlane
     double deviation = 0;  // the greatest distance of a vertex from the plane
     size_t farthest = 0;   // the vertex that has it
 };
 
 // By Newell's sum (I. Sutherland, R. Sproull, R. Schumacker, "A Characterization of Ten Hidden-Surface
-// Algorithms", 1974), which takes all vertices into account, collinear and concave ones too. It counts areas
-// that an outline goes round clockwise as negative: where an outline that crosses itself, a bow tie, has
-// about as much of them on either side, little or nothing but rounding is left of the sum, and vertices lie
-// off the plane that it gives. Then the plane is spanned by the first vertex, the one farthest from it and
-// the one farthest from the line through these two; its front is where the greater area is counter-clockwise,
-// or if the areas differ by less than 1e-5, where the first sharp corner turns left. Nothing if all vertices
-// lie on a line, as far as rounding can tell.
+// Algorithms", 1974), which takes all vertices into account, collinear and concave ones too. The sum counts
+// areas inside a clockwise loop as negative. If an outline crosses itself, as a bow tie does, both kinds may
+// cancel: little but rounding is left, and vertices lie off the plane. Then the plane is spanned by the first
+// vertex, the one farthest from it and the one farthest from the line through these two. Its front is the
+// side from which the greater area is counter-clockwise; if the areas differ by less than 1e-5, the side from
+// which the first sharp corner turns left. Nothing if all vertices lie on a line within rounding.
 std::optional<PolygonPlane> polygonPlane(std::span<const glm::dvec3> vertices);
 
 // How far a vertex may lie off the plane. Coordinates written with six digits, as C's %g has it, are off by

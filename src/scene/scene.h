@@ -79,8 +79,8 @@ struct Camera {
     glm::dvec3 eye{0, 0, 5};
     glm::dvec3 target{0, 0, 0};
     glm::dvec3 up{0, 1, 0};
-    // Normal of the image plane, either side. Absent: the view direction. Given: an oblique camera; neither
-    // zero nor perpendicular to the view direction.
+    // Normal of the image plane, either side. Absent: the view direction. Given: an oblique camera; not zero
+    // and not perpendicular to the view direction.
     std::optional<glm::dvec3> planeNormal;
     double fovY = 40;                  // perspective: degrees, vertical, in (0, 180)
     double height = 4;                 // orthographic: of the window, > 0
@@ -250,7 +250,8 @@ struct TriangleShape {
     glm::dvec3 vertices[3];
     bool operator==(const TriangleShape&) const = default;
 };
-// Planar, concave or not, its outline may cross itself: inside is what it goes round an odd number of times.
+// Planar, concave or not. If the outline crosses itself, a point is inside if the outline winds around it an
+// odd number of times.
 struct PolygonShape {
     std::vector<glm::dvec3> vertices;  // counter-clockwise seen from outside, see scene/polygon_plane.h
     bool operator==(const PolygonShape&) const = default;
@@ -359,7 +360,7 @@ struct AnimationSpan {
 struct Scene {
     ImageSettings image;
     Camera camera;
-    std::vector<NamedCamera> cameras;  // besides, or among them, `camera`; each name once
+    std::vector<NamedCamera> cameras;  // further named cameras, `camera` possibly among them; each name once
     Color background{0};
     std::optional<EnvironmentMap> environment;  // instead of the background
     Color ambient{0};                           // Ia
@@ -369,7 +370,7 @@ struct Scene {
     std::vector<Texture> textures;
     std::vector<Material> materials;
     std::vector<Object> objects;
-    std::vector<std::string> warnings;  // one line each: what was ignored or mended while loading
+    std::vector<std::string> warnings;  // one line each: ignored or repaired parts of the files
     std::optional<AnimationSpan> animation;
     std::vector<SourceFile> sources;  // by name, each once; empty for a scene that came from no file
 };

@@ -40,8 +40,8 @@ double greatestElement(const glm::dmat3& m) {
     return greatest;
 }
 
-// The matrix of cofactors: det(M) M^-T. Scaled to elements near 1 first, so that it neither over- nor
-// underflows; only its direction and sign matter here.
+// The matrix of cofactors: det(M) M^-T. It is first scaled to elements near 1, against overflow and
+// underflow; only its direction and sign matter here.
 glm::dmat3 cofactors(const glm::dmat3& m) {
     const glm::dmat3 scaled = m / greatestElement(m);
     return {glm::cross(scaled[1], scaled[2]), glm::cross(scaled[2], scaled[0]),

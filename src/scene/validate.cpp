@@ -369,7 +369,7 @@ void checkEnvironment(const Scene& scene, const Place& place) {
     checkColor(place, "intensity", scene.environment->intensity);
 }
 
-// Textures are looked at where a material names them, so that messages say where that is.
+// Textures are checked for each material that names them, so that messages name the material.
 void checkTextures(const Scene& scene, const Material& material, const Place& place) {
     const std::pair<const char*, uint32_t> named[] = {{"diffuse", material.diffuseTexture},
                                                       {"ambient", material.ambientTexture},

@@ -18,7 +18,7 @@ void validateScene(const Scene& scene, const std::string& name);
 // The same for a scene with a camera of frameModel's: what makes that useless is where the objects are.
 void validateFramedScene(const Scene& scene, const std::string& name);
 
-// A computed number for messages: more digits would say nothing.
+// A computed number for messages; further digits carry no information.
 std::string sixDigits(double number);
 
 // Place of a value for messages: "FILE: POINTER/KEY: what".
