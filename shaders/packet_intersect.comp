@@ -28,8 +28,8 @@ void onePacket(uint turn) {
     }
     packetTrips = 0u;
     bool complete = tracePacket(loadEnvironment(0u));
-    // Stores are expensive (traversal/lanes.glsl): so nothing is stored that does not
-    // change, and the walk row only for kernels that read what is in it.
+    // Stores are expensive (traversal/lanes.glsl): rows that do not change are not stored, and the walk row
+    // is stored only for kernels that read it.
     uint unfinished = 0u;
     GLINT_EACH_RAY {
         Hit hit = packet[r].hit;

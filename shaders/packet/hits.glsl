@@ -6,7 +6,7 @@
 #include "primitives/robust.glsl"
 #include "traversal/leaf.glsl"
 
-// Records a hit. Any-hit queries need no more than its primitive: 10 % faster (docs/lab/traversal.md).
+// Records a hit. Any-hit queries store the primitive alone, which is 10 % faster (docs/lab/traversal.md).
 void takeHit(inout Traversal one, Hit hit) {
     if (isAnyHit(one))
         one.hit.primitive = hit.primitive;

@@ -161,8 +161,8 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
     stack.top += pushed ? 1u : 0u;
 }
 
-// The tests of a query: packet/hits.glsl, or packet_count.comp.
-// a, b, c: the corners as seen from the origin, turned, as v0 and the normal. False `present`: no triangle.
+// The tests of a query: packet/hits.glsl, or packet_count.comp. a, b, c: the corners relative to the origin
+// and rotated, like v0 and the normal. False `present`: no triangle.
 void testTriangle(inout Traversal one, vec3 a, vec3 b, vec3 c, vec3 v0, vec3 normal, uint primitive, uint id,
                   bool present);
 // rows: those that enter the leaf's box.

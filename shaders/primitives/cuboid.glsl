@@ -40,9 +40,9 @@ float slipOfFace(Cuboid cuboid, RayFrame frame, vec3 reach, vec3 inverse, uint a
     return kSlips ? height * abs(inverse[axis]) + slipOfRounding(t) : 0.0;
 }
 
-// The line is inside from the last plane that it enters through to the first that it leaves through. Both
-// ends are numbers that a face's neighbour computes too, with the same roundings, so no ray slips through an
-// edge, nor between axis-aligned boxes that share a face's plane.
+// The line is inside from the last plane through which it enters to the first through which it leaves. The
+// neighbour of a face computes both ends with the same roundings. So no ray slips through an edge or between
+// axis-aligned boxes that share a face's plane.
 bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uint trips, out Hit hit) {
     precise vec3 offset = ray.origin - cuboid.point;
     vec3 o = cuboidLocal(cuboid, offset);

@@ -65,7 +65,7 @@ void surfaceOfDisc(Ray ray, Hit hit, Disc disc, inout Surface surface) {
 
 // ---- Polygons ----
 
-// A vertex as the ray sees it: sheared as the corners of triangles are, z its t.
+// A vertex in the ray's frame: sheared like the corners of triangles, z its t.
 vec3 shearedVertex(Ray ray, RayFrame frame, uint index) {
     precise vec3 v = turnToZ(loadPolygonVertex(index).position - ray.origin, frame.axis);
     precise vec2 xy = v.xy - frame.shear.xy * v.z;
@@ -82,9 +82,9 @@ bool crosses(vec3 a, vec3 b) {
     return up != (a.y > 0.0) && (up ? edge > 0.0 : edge < 0.0);
 }
 
-// Even-odd rule on the outline as seen along the ray: each edge contributes a bit that depends on the edge
-// and the ray alone, so polygons that meet leave no gap (docs/design/numerics.md 2.6). t is the plane's, kept
-// among those of the vertices, which it leaves by rounding only.
+// Even-odd rule on the outline in projection along the ray. Each edge contributes a bit that depends on the
+// edge and the ray alone, so polygons that share an edge leave no gap (docs/design/numerics.md 2.6). t is the
+// plane's, clamped to the range of the vertices' t, from which only rounding moves it.
 bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout uint trips, out Hit hit) {
     PlaneCrossing at = crossPlane(ray, frame, polygon.point, polygon.normal);
     bool inside = false;

@@ -1,4 +1,4 @@
-// Quadrics: where a ray meets the side or a cap, and the surface there. The reference's own versions are in
+// Quadrics: the ray's hit with the side or a cap, and the surface there. The reference's own versions are in
 // src/reference/primitives/quadric.cpp.
 #ifndef GLINT_PRIMITIVES_QUADRIC_GLSL
 #define GLINT_PRIMITIVES_QUADRIC_GLSL

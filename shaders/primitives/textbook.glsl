@@ -1,8 +1,8 @@
-// The textbooks' intersection tests, and the choice between them and the robust ones. Each is what its book
-// says, faults included (docs/guide/numbers-to-trust.md shows where they fail). The choice is a
-// specialization constant, so that the code of the others is not in the pipeline. Only intersect.comp and
-// light.comp offer it: a request for a textbook's test excludes packets and whole.comp. The reference has
-// its own tests, from which these in double would differ by rounding alone.
+// The textbooks' intersection tests, and the choice between them and the robust ones. Each follows its book,
+// faults included (docs/guide/numbers-to-trust.md shows where they fail). The choice is a specialization
+// constant, so that a pipeline holds only the chosen test. Only intersect.comp and light.comp offer it: a
+// request for a textbook's test excludes packets and whole.comp. The reference has its own tests, from which
+// these in double would differ by rounding alone.
 #ifndef GLINT_TEXTBOOK_GLSL
 #define GLINT_TEXTBOOK_GLSL
 

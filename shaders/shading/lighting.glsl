@@ -80,7 +80,7 @@ Lit litAt(uint path, bool live, Interaction at, uvec4 sum, vec3 throughput) {
     return lit;
 }
 
-// A light as the path sees it.
+// A light from a point of the path.
 struct Sight {
     bool facing;    // the light shines on the seen side, and its shadow ray is needed
     vec3 radiance;  // that the light adds if nothing hides it, before the path's throughput

@@ -59,7 +59,7 @@ vec2 objectUv(uint object, vec3 position, vec3 outward) {
 
 // ---- Images and checkers ----
 
-// A coordinate brought into [0, 1]; NaN and what is beyond kMaxTextureCoordinate to 0.
+// A coordinate wrapped to [0, 1]; NaN and coordinates beyond kMaxTextureCoordinate to 0.
 float wrapped(float s, uint wrap) {
     float sound = abs(s) <= kMaxTextureCoordinate ? s : 0.0;
     precise float repeated = sound - floor(sound);

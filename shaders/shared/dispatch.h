@@ -116,9 +116,8 @@ GLINT_CONST_UINT(kPathRowsAdaptive, 15u);
 // the path; 0, 0, 0.
 GLINT_CONST_UINT(kListRows, 2u);
 
-// Then, with MODE_LEDGER or transmission:
-// sums over branches not followed of what they could have brought: cut, beyond the depth limit, without room
-// to wait; 0
+// Then, with MODE_LEDGER or transmission: sums of what the dropped branches could have added at most: cut,
+// beyond the depth limit, without room in the stack; 0
 GLINT_CONST_UINT(kTreeRowLost, 0u);
 GLINT_CONST_UINT(kTreeRowLostCounts, 1u);  // their numbers; media that found no room in the list
 GLINT_CONST_UINT(kLedgerRows, 2u);

@@ -160,7 +160,7 @@
 
 GLINT_CONST_UINT(kSamplesBinding, 22u);  // in GLINT_SCENE_ARRAYS
 GLINT_CONST_UINT(kNone, 0xffffffffu);
-// The end of a ray's interval without an end: the largest float, as arithmetic must not meet infinities.
+// The end of a ray's interval without an end: the largest float, so that no infinity enters the arithmetic.
 GLINT_CONST_FLOAT(kInfinity, 3.402823466e38f);
 
 // A child is the index of a node, kNone for no child, or a leaf of one kind: kLeafFlag | kind <<
@@ -263,7 +263,7 @@ GLINT_CONST_UINT(kHashPrime, 16777619u);
 
 // The float below 1: the height of an upper cap. 1 would be the start of the next repeat of an image.
 GLINT_CONST_FLOAT(kBelowOne, 0.999999940395355224609375f);
-GLINT_CONST_FLOAT(kDarkestMean, 0.125f);  // adaptive sampling judges darker means as if they were as bright
+GLINT_CONST_FLOAT(kDarkestMean, 0.125f);  // adaptive sampling counts darker means as this bright
 GLINT_CONST_UINT(kPairFilm, 0u);          // a sample's point in the pixel
 GLINT_CONST_UINT(kPairLens, 1u);          // and on the lens
 

@@ -1,5 +1,5 @@
-// The one list of primitives: what the host, the shaders and the reference generate from it, and what they
-// check against it (docs/design/how-to-add.md).
+// The one list of primitives. The host, the shaders and the reference generate code from it or check
+// themselves against it (docs/design/how-to-add.md).
 #ifndef GLINT_SHARED_PRIMITIVES_H
 #define GLINT_SHARED_PRIMITIVES_H
 

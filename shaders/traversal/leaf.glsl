@@ -58,8 +58,8 @@ uint tripsOfPass() {
     return trips;
 }
 
-// Tests the primitives of a leaf, which are of one kind: a loop for each kind, of which a subgroup skips
-// those that no lane enters.
+// Tests the primitives of a leaf, which are of one kind. Each kind has a loop, and a subgroup skips those
+// that no lane enters.
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint kind = kindOfLeaf(leaf);
     uint first = leaf & kLeafFirstMask;

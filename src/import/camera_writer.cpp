@@ -64,14 +64,14 @@ class Writer {
     const std::string newLine_;
 };
 
-// The result must mean what is wanted before it may replace a person's file.
+// The result must hold the new values before it may replace a person's file.
 void checkWritten(const std::string& before, const std::string& after, const std::string& file,
                   const std::vector<NamedCamera>& cameras) {
     auto wanted = nlohmann::json::parse(before, nullptr, true, true);
     for (const NamedCamera& camera : cameras)
         wanted["cameras"][camera.name] = nlohmann::json::parse(cameraText(camera.camera));
     const auto got = nlohmann::json::parse(after, nullptr, false, true);
-    if (got.is_discarded() || got != wanted)  // what is discarded differs from nothing
+    if (got.is_discarded() || got != wanted)  // no comparison with a discarded document holds
         throw Error(ErrorKind::Failed, file + ": its cameras cannot be written; paste them by hand");
 }
 

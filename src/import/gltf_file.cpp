@@ -256,7 +256,7 @@ uint64_t gltfSize(const JsonCursor& object, std::string_view key, uint64_t missi
 
 namespace {
 
-// An accessor without data is all zeros, whatever its count.
+// An accessor without data holds zeros, up to this count.
 constexpr uint64_t kMostZeros = uint64_t{1} << 24;
 
 // For `count` elements as numbers, and for their converted copy.

@@ -81,7 +81,7 @@ class GltfFile {
     std::vector<std::shared_ptr<const std::string>> buffers_;
     std::map<std::string, std::shared_ptr<const std::string>> byUri_;  // several buffers may share one
     std::map<size_t, std::string> views_;                              // those that were compressed
-    // Lists by name: a file may have many keys that glint does not know.
+    // Lists by name, as a file may have many keys unknown to glint.
     mutable std::map<std::string, std::optional<JsonCursor>> lists_;
     std::map<size_t, GltfNumbers> decoded_;
     std::vector<std::string> lines_;  // of warnings_

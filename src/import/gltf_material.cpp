@@ -59,7 +59,7 @@ struct Surface {
     bool thin = true;
     Color attenuation{0};
     double alphaCutoff = 0;
-    double seeThrough = 0;  // blended: how much of what is behind is seen
+    double seeThrough = 0;  // blended: the share of the background that shows
     std::optional<size_t> texCoord;
     std::optional<GltfUvTransform> turned;
 };

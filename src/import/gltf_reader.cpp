@@ -1,5 +1,5 @@
-// glTF 2.0 (Khronos, The glTF 2.0 Specification, 2021): nodes, cameras, lights. Neither by assimp nor by
-// tinygltf: docs/lab/file-readers.md says what they lose.
+// glTF 2.0 (Khronos, The glTF 2.0 Specification, 2021): nodes, cameras, lights. docs/lab/file-readers.md
+// states what assimp and tinygltf lose.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -129,8 +129,8 @@ std::optional<Channel> readChannel(GltfFile& file, const JsonCursor& samplers, c
     return result;
 }
 
-// The channels of the file's first animation; none if it has no animation. What is not read (other
-// animations, weights of morph targets, channels that are at fault) is warned about.
+// The channels of the file's first animation; none if it has no animation. Other animations, weights of morph
+// targets and faulty channels cause a warning.
 std::vector<Channel> readChannels(GltfFile& file) {
     std::vector<Channel> result;
     const auto animations = file.root().find("animations");

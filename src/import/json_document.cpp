@@ -80,7 +80,7 @@ class TreeBuilder {
   private:
     struct Open {
         JsonValue* value;
-        std::set<std::string> seen;  // no hashes: whoever writes the file may make all of them equal
+        std::set<std::string> seen;  // no hashes: a hostile file may make all of them equal
     };
 
     template <typename... Parts>

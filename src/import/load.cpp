@@ -104,7 +104,7 @@ Scene loadModel(const std::filesystem::path& path, SceneFiles& files) {
     return scene;
 }
 
-// An invalid camera beside the first one must not make the file useless.
+// A faulty named camera must not make the file useless.
 void dropFaultyCameras(Scene& scene, const std::filesystem::path& path) {
     std::erase_if(scene.cameras, [&](const NamedCamera& named) {
         try {
@@ -241,7 +241,7 @@ struct SceneReader::State {
     Change showDocument(double time, bool everything) {
         JsonValue moved = document;
         Change change = everything ? Change::Scene : Change::Nothing;
-        std::vector<std::vector<double>> next = values;  // taken once the scene is known to be one
+        std::vector<std::vector<double>> next = values;  // taken once the scene is valid
         for (size_t i = 0; i < animation.tracks.size(); ++i) {
             const AnimationTrack& track = animation.tracks[i];
             std::vector<double> value = valueAt(track.keyframes, time);

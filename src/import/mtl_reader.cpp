@@ -219,7 +219,8 @@ class MtlReader {
             int count = 0;
             for (TextScanner next = ahead; count < 3 && readNumber(next.word(), numbers[count]); count++)
                 ahead = next;
-            if (count == 0 && moves) ahead.number(option.c_str());  // says what stands there
+            if (count == 0 && moves)
+                ahead.number(option.c_str());  // throws Error(Scene) with the faulty word
             const std::string_view word = count == 0 ? ahead.word() : "";
             for (int i = 0; moves && i < std::min(count, 2); i++)
                 (option == "-s" ? map.scale : map.offset)[i] = numbers[i];

@@ -305,7 +305,7 @@ class NffReader {
     uint32_t fill_ = Mesh::kNoIndex;
     std::optional<MeshBuilder> patches_;
     size_t patchLine_ = 0;
-    size_t insideOut_ = 0;  // surfaces of which only the inside should be visible
+    size_t insideOut_ = 0;  // surfaces whose inside alone should be visible
     size_t withoutArea_ = 0, notPlanar_ = 0;
 };
 

@@ -98,7 +98,7 @@ class ObjReader {
         } else if (keyword == "mtllib") {
             readLibraries();
         } else if (!keyword.empty() && keyword != "o" && keyword != "g" && keyword != "s") {
-            builder_.warnings.ignore(keyword);  // lines, curves, and what is no OBJ
+            builder_.warnings.ignore(keyword);  // lines, curves, and unknown keywords
         }
     }
 
@@ -179,8 +179,8 @@ class ObjReader {
             readLibrary(std::string(name), true);
     }
 
-    // Reads a material library once, under whatever name. If its file does not exist: a warning with `warns`,
-    // otherwise false.
+    // Reads a material library once, under all of its names. If its file does not exist: a warning with
+    // `warns`, otherwise false.
     bool readLibrary(const std::string& name, bool warns) {
         if (libraries_.contains(name)) return true;
         std::string text;

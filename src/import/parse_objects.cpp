@@ -134,7 +134,7 @@ Affine parseTransform(const JsonCursor& transform) {
     return result;
 }
 
-// First the object's own transform, then that of what is around it.
+// First the object's own transform, then that of its group.
 std::optional<Affine> composed(const JsonCursor& object, const std::optional<Affine>& around) {
     const auto own = object.find("transform");
     if (!own) return around;

@@ -296,7 +296,7 @@ void parseDielectric(const JsonCursor& material, Material& result, TextureParser
     result.ior = material.number("ior", result.ior);
     parseAttenuation(material, result);
     result.priority = material.integer("priority", -kMaxPriority, kMaxPriority, result.priority);
-    // Glass scatters nothing unless told to.
+    // Glass scatters nothing unless `diffuse` is given.
     if (result.transmission != Color(0)) result.diffuse = Color(0);
 }
 
@@ -423,7 +423,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
         const auto materials = root.find("materials");
         if (!materials) return;
         for (const auto& member : materials->members()) {
-            // Objects may name it, whatever is wrong with it.
+            // Objects may name a faulty material, too.
             scene.materials.emplace_back().name = member.first;
             errors.attempt(
                 [&] { scene.materials.back() = parseMaterial(member.second, member.first, textures); });

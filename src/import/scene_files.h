@@ -91,7 +91,8 @@ class SceneFiles {
     std::map<std::string, uint64_t> sources_;                     // hashes by name
 };
 
-// While it lives, the progress that the load reports is the part from `from` to `to` of what it was before.
+// During its lifetime, scales the load's reported progress to the part from `from` to `to` of the previous
+// range.
 class ProgressPart {
   public:
     ProgressPart(SceneFiles& files, double from, double to);
