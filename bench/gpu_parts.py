@@ -224,7 +224,7 @@ def verify(bench):
 
 
 # Programs, and those of their tests that must hold on every driver (tools/test-drivers); others ask for lavapipe.
-PICTURES = "AnalyticTest.*:ArithmeticTest.*:ShadowTest.*:SphereTest.*:DiscTest.*:WatertightTest.*:TraversalTest.*:RangeTest.*"
+PICTURES = "AnalyticTest.*:ArithmeticTest.*:ShadowTest.*:WatertightTest.*:TraversalTest.*:RangeTest.*"
 TEST_PROGRAMS = {"app_gpu_process_tests": "*", "library_device_test": "*", "render_test": PICTURES}
 
 

@@ -1,5 +1,7 @@
-// Planes, boxes, ties, and the BVH against testing every primitive.
+// Surfaces of flat shapes, boxes, ties, and the BVH against testing every primitive.
 #include <gtest/gtest.h>
+
+#include <functional>
 
 #include "support/packed_scene_maker.h"
 
@@ -13,17 +15,44 @@ using glm::vec3;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-std::optional<Hit> hitPlane(const vec3& point, const vec3& normal, const Ray& ray) {
-    SceneMaker maker;
-    maker.plane(point, normal);
-    return SceneTracer(maker).closest(ray);
-}
-
-TEST(ReferencePlane, ParallelAndInPlaneMiss) {
-    EXPECT_FALSE(hitPlane(vec3(0), {0, 1, 0}, makeRay({0, 1, 0}, {1, 0, 0})));
-    EXPECT_FALSE(hitPlane(vec3(0), {0, 1, 0}, makeRay({0, 0, 0}, {1, 0, 0})));
-    EXPECT_FALSE(hitPlane(vec3(0), {0, 1, 0}, makeRay({5, 0, 0}, {1, -1, 0}))) << "t = 0 is excluded";
-    EXPECT_FALSE(hitPlane(vec3(0), {0, 1, 0}, makeRay({5, 1, 0}, {1, 1, 0}))) << "behind the origin";
+// A ray that starts on a flat shape never hits it again, however far its start is off.
+TEST(ReferenceFlat, SurfaceAndSource) {
+    const std::function<void(SceneMaker&, float)> shapes[] = {
+        [](SceneMaker& maker, float z) {
+            maker.triangle({0, 0, z}, {1, 0, z}, {0, 1, z}, 1);
+        },
+        [](SceneMaker& maker, float z) {
+            maker.disc({0, 0, z}, {0, 0, 1}, 2, 1);
+        },
+        [](SceneMaker& maker, float z) {
+            maker.polygon({{0, 0, z}, {2, 0, z}, {2, 1, z}, {0, 1, z}}, 1);
+        },
+        [](SceneMaker& maker, float z) {
+            maker.plane({0, 0, z}, {0, 0, 1}, 1);
+        }};
+    for (const auto& add : shapes) {
+        SceneMaker maker;
+        maker.material(vec3(0.5));
+        add(maker, 0);
+        add(maker, -1);
+        const SceneTracer tracer(maker);
+        Ray ray = makeRay({0.25, 0.5, 3}, {0, 0, -1});
+        const auto hit = tracer.closest(ray);
+        ASSERT_TRUE(hit);
+        EXPECT_EQ(hit->id, 0u);
+        const Surface surface = tracer.surfaceAt(ray, *hit);
+        EXPECT_EQ(surface.position, dvec3(0.25, 0.5, 0));
+        EXPECT_EQ(surface.geometricNormal, dvec3(0, 0, 1));
+        EXPECT_EQ(surface.shadingNormal, dvec3(0, 0, 1));
+        EXPECT_EQ(surface.material, 1u);
+        const auto next = tracer.closest(ray, hit->primitive);
+        ASSERT_TRUE(next);
+        EXPECT_EQ(next->id, 1u);
+        EXPECT_EQ(next, closestOfAll(tracer, ray, hit->primitive));
+        ray.tMax = 3.5;
+        EXPECT_TRUE(tracer.occluded(ray));
+        EXPECT_FALSE(tracer.occluded(ray, hit->primitive));
+    }
 }
 
 // Reprojected: the distance from the plane is a few roundings of the coordinates, not of t.
@@ -43,25 +72,6 @@ TEST(ReferencePlane, SurfaceLiesOnThePlane) {
         EXPECT_EQ(surface.geometricNormal, n);
         const double coordinates = glm::length(surface.position) + glm::length(dvec3(point));
         EXPECT_LE(std::abs(glm::dot(n, surface.position - dvec3(point))), 8 * 0x1p-53 * coordinates);
-    }
-}
-
-// One triangle with vertices and edges on its box, [0, 1]^2 x {0.5}, along rays with zeros of either sign.
-TEST(ReferenceBoxes, AreClosedForParallelRays) {
-    SceneMaker maker;
-    maker.triangle({0, 0, .5f}, {1, 0, .5f}, {0, 1, .5f});
-    const SceneTracer tracer(maker);
-    for (const double zero : {0.0, -0.0}) {
-        const dvec3 d(zero, zero, 1);
-        for (const dvec3 o : {dvec3(0, .5, -1), dvec3(.5, 0, -1), dvec3(0, 0, -1), dvec3(1, 0, -1),
-                              dvec3(0, 1, -1), dvec3(.5, .5, -1)}) {
-            const auto hit = tracer.closest(makeRay(o, d));
-            ASSERT_TRUE(hit) << o.x << " " << o.y;
-            EXPECT_EQ(hit->t, 1.5);
-            EXPECT_TRUE(tracer.occluded(makeRay(dvec3(o.x, o.y, 2), dvec3(zero, zero, -1))));
-        }
-        EXPECT_FALSE(tracer.closest(makeRay({1.0000001, 0, -1}, d)));
-        EXPECT_FALSE(tracer.closest(makeRay({-1e-7, .5, -1}, d)));
     }
 }
 
@@ -155,30 +165,6 @@ TEST(ReferenceTraversal, ParallelRayBesideABoxDoesNotEnterIt) {
         EXPECT_FALSE(tracer.closest(makeRay({5, .5, 1}, {zero, zero, -1}), shared::kNone, &cost));
         EXPECT_FALSE(tracer.closest(makeRay({.5, -5, 1}, {zero, zero, -1}), shared::kNone, &cost));
         EXPECT_EQ(cost, 2u) << "one box for each ray";
-    }
-}
-
-// Equal t: the lowest id, whatever the order in memory and whatever the kind.
-TEST(ReferenceTies, LowestIdWins) {
-    for (const bool reversed : {false, true}) {
-        SceneMaker maker;
-        const auto id = [&](uint32_t i) { maker.setNextId(reversed ? 9 - i : i); };
-        id(0), maker.triangle({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
-        id(1), maker.triangle({-2, -2, 0}, {2, -2, 0}, {0, 3, 0});
-        id(2), maker.triangle({-1, -1, 0}, {0, 1, 0}, {1, -1, 0});
-        id(3), maker.sphere({0, 0, -1}, 1);
-        id(4), maker.sphere({0, 0, -2}, 2);
-        id(5), maker.anchoredSphere(vec3(0), {0, 0, 1}, 1e5f);
-        id(6), maker.plane(vec3(0), {0, 0, 1});
-        for (uint32_t i = 7; i < 10; ++i)
-            id(i), maker.triangle({-1, -1, 0}, {1, -1, 0}, {0, static_cast<float>(i), 0});
-        for (const uint32_t leafSize : {1u, 2u, 8u}) {
-            const PackedScene scene = maker.finish(leafSize);
-            const auto hit = Tracer(scene).closest(makeRay({0, 0, 5}, {0, 0, -1}));
-            ASSERT_TRUE(hit);
-            EXPECT_EQ(hit->t, 5);
-            EXPECT_EQ(hit->id, 0u);
-        }
     }
 }
 

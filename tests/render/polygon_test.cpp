@@ -1,4 +1,4 @@
-// Polygons on the device: the even-odd rule and shared edges.
+// Polygons on the device and in the reference: the even-odd rule and shared edges.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,50 +9,81 @@ namespace glint::render::test::polygon_test {
 using glm::dvec3;
 using glm::vec3;
 
-const std::vector<dvec3> kL = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
-const std::vector<dvec3> kDiamond = {{0, 1, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}};
+class PolygonTest : public RenderTest {};
 
-class PolygonTest : public RenderTest {
-  protected:
-    static Scene sceneOf(const std::vector<dvec3>& vertices) {
-        Scene scene = emptyScene();
-        addPolygon(scene, vertices);
-        return scene;
-    }
+struct Point {
+    float x, y;
+    bool inside;
 };
 
-// tests/stability/cases.md T70 and T71 from both sides; T74 is the L with doubled and collinear vertices.
-TEST_F(PolygonTest, LevelWithVertices) {
-    struct Point {
-        float x, y;
-        bool inside;
-    };
+std::vector<dvec3> pentagram() {
+    std::vector<dvec3> star;
+    for (int i = 0; i < 5; ++i) {
+        const double angle = std::numbers::pi / 2 + 4 * std::numbers::pi * i / 5;
+        star.emplace_back(std::cos(angle), std::sin(angle), 0);
+    }
+    return star;
+}
+
+// tests/stability/cases.md T70, T71, and T74: the L with doubled and collinear vertices. A pentagram winds
+// twice around its middle; a bridge leads into and out of a window. From both sides, from each start of the
+// outline, both ways round.
+TEST_F(PolygonTest, EvenOddRule) {
     const std::vector<Point> inL = {{1.5f, 0.5f, true}, {1.5f, 1.5f, false}, {0.5f, 1, true}, {1, 0.5f, true},
                                     {3, 1, false},      {-1, 1, false},      {-1, 2, false},  {1, 3, false}};
-    const std::vector<Point> inDiamond = {
-        {1, 1, true}, {-1, 1, false}, {3, 1, false}, {1, -1, false}, {1, 3, false}};
-    const std::vector<dvec3> doubled = {{0, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1.5, 1, 0},
-                                        {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}, {0, 0.5, 0}};
-    const std::pair<const std::vector<dvec3>*, const std::vector<Point>*> cases[] = {
-        {&kL, &inL}, {&kDiamond, &inDiamond}, {&doubled, &inL}};
-    for (const auto& [vertices, points] : cases) {
+    const std::pair<std::vector<dvec3>, std::vector<Point>> cases[] = {
+        {{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}}, inL},
+        {{{0, 0, 0},
+          {2, 0, 0},
+          {2, 0, 0},
+          {2, 1, 0},
+          {1.5, 1, 0},
+          {1, 1, 0},
+          {1, 2, 0},
+          {0, 2, 0},
+          {0, 1, 0},
+          {0, 0.5, 0}},
+         inL},
+        {{{0, 1, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}},
+         {{1, 1, true}, {-1, 1, false}, {3, 1, false}, {1, -1, false}, {1, 3, false}}},
+        {pentagram(), {{0, 0, false}, {0, 0.8f, true}, {0.9f, 0.9f, false}}},
+        {{{-2, -2, 0},
+          {2, -2, 0},
+          {2, 2, 0},
+          {-2, 2, 0},
+          {-2, -2, 0},
+          {-1, -1, 0},
+          {-1, 1, 0},
+          {1, 1, 0},
+          {1, -1, 0},
+          {-1, -1, 0}},
+         {{0, 0, false},
+          {0.5f, -0.25f, false},
+          {1.5f, 0, true},
+          {-1.75f, -1.5f, true},
+          {-1.5f, -1.75f, true},
+          {3, 0, false}}}};
+    for (auto [vertices, points] : cases) {
         std::vector<RayInput> rays;
-        for (const Point& p : *points) {
+        for (const Point& p : points) {
             rays.push_back(rayOf({p.x, p.y, 5}, {0, 0, -1}));
             rays.push_back(rayOf({p.x, p.y, -5}, {0, 0, 1}));
         }
-        const std::vector<RayHit> hits = hitsOf(packScene(sceneOf(*vertices)), rays);
-        for (size_t i = 0; i < rays.size(); ++i) {
-            ASSERT_EQ(hits[i].hit, (*points)[i / 2].inside) << text(rays[i]);
-            if (!hits[i].hit) continue;
-            EXPECT_EQ(hits[i].t, 5);
-            EXPECT_EQ(hits[i].data.geometricNormal, vec3(0, 0, 1));
-            EXPECT_EQ(hits[i].data.u, 0);
+        for (size_t turn = 0; turn < 2 * vertices.size(); ++turn) {
+            std::rotate(vertices.begin(), vertices.begin() + 1, vertices.end());
+            if (turn == vertices.size()) std::reverse(vertices.begin(), vertices.end());
+            const std::vector<RayHit> hits = hitsOfBoth(packScene(sceneOf(PolygonShape{vertices})), rays);
+            for (size_t i = 0; i < rays.size(); ++i) {
+                ASSERT_EQ(hits[i].hit, points[i / 2].inside) << turn << ": " << text(rays[i]);
+                if (!hits[i].hit) continue;
+                EXPECT_EQ(hits[i].t, 5);
+                EXPECT_EQ(glm::abs(hits[i].data.geometricNormal), vec3(0, 0, 1));
+            }
         }
     }
 }
 
-// T75, the sweep of T12 over the diagonal: of two polygons that share it, every ray hits exactly one. In one
+// T75, the sweep of T12 over the diagonal: every ray hits exactly one of two polygons that share it. In one
 // plane, folded, and next to a triangle, whose edges belong to it.
 TEST_F(PolygonTest, SharedEdges) {
     for (const double fold : {0.0, 3.0, -2.0}) {
@@ -75,12 +106,15 @@ TEST_F(PolygonTest, SharedEdges) {
             const PackedScene packed = packScene(scene);
             EXPECT_EQ(missesOf(packed, rays), 0u) << fold << triangle;
             if (triangle) continue;
-            // Alone, the two divide the rays among themselves.
-            Scene one = emptyScene(), other = emptyScene();
-            addPolygon(one, {a, b, left});
-            addPolygon(other, {a, right, b});
-            const auto first = hitsOf(packScene(one), rays), second = hitsOf(packScene(other), rays);
-            for (size_t i = 0; i < rays.size(); ++i) ASSERT_NE(first[i].hit, second[i].hit) << text(rays[i]);
+            const PackedScene one = packScene(sceneOf(PolygonShape{{a, b, left}})),
+                              other = packScene(sceneOf(PolygonShape{{a, right, b}}));
+            const auto first = hitsOf(one, rays), second = hitsOf(other, rays);
+            const reference::Tracer firstTracer(one), secondTracer(other);
+            for (size_t i = 0; i < rays.size(); ++i) {
+                ASSERT_NE(first[i].hit, second[i].hit) << text(rays[i]);
+                const reference::Ray ray{dvec3(rays[i].origin), dvec3(rays[i].direction)};
+                ASSERT_NE(firstTracer.occluded(ray), secondTracer.occluded(ray)) << text(rays[i]);
+            }
         }
     }
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "import/load.h"
+#include "reference/tracer.h"
 #include "render/path_limits.h"
 #include "support/support.h"
 
@@ -24,6 +25,13 @@ auto bits(T value) {
 template <typename Vector>
 bool sameVector(const Vector& a, const Vector& b) {
     return bits(a.x) == bits(b.x) && bits(a.y) == bits(b.y) && bits(a.z) == bits(b.z);
+}
+
+reference::Ray exactRay(const RayInput& ray) {
+    reference::Ray exact{glm::dvec3(ray.origin), glm::dvec3(ray.direction)};
+    exact.tMin = ray.tMin;
+    exact.tMax = ray.tMax;
+    return exact;
 }
 
 // The first member of a pixel's data that differs, or nullptr.
@@ -60,11 +68,30 @@ std::vector<RayHit> RenderTest::hitsOf(const PackedScene& scene, const std::vect
     return RayTracer(device(), scene, options).trace(rays, false);
 }
 
+std::vector<RayHit> RenderTest::hitsOfBoth(const PackedScene& scene, const std::vector<RayInput>& rays) {
+    RayTracer kernels(device(), scene);
+    const std::vector<RayHit> hits = kernels.trace(rays, false), any = kernels.trace(rays, true);
+    const reference::Tracer tracer(scene);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        SCOPED_TRACE(text(rays[i]));
+        EXPECT_EQ(any[i].hit, hits[i].hit) << "any hit";
+        const reference::Ray ray = exactRay(rays[i]);
+        const auto found = tracer.closest(ray);
+        EXPECT_EQ(found.has_value(), hits[i].hit) << "reference";
+        EXPECT_EQ(closestOfAll(tracer, ray), found);
+        EXPECT_EQ(tracer.occluded(ray), found.has_value());
+        if (!found || !hits[i].hit) continue;
+        EXPECT_NEAR(found->t, hits[i].t, 1e-5 * found->t);
+        const reference::Surface surface = tracer.surfaceAt(ray, *found);
+        EXPECT_EQ(surface.object, hits[i].data.object);
+        EXPECT_LT(glm::distance(surface.geometricNormal, glm::dvec3(hits[i].data.geometricNormal)), 1e-6);
+        EXPECT_LT(glm::distance(surface.uv, glm::dvec2(hits[i].data.u, hits[i].data.v)), 1e-5);
+    }
+    return hits;
+}
+
 RayHit RenderTest::hitOf(const PackedScene& scene, const RayInput& ray) {
-    RayTracer tracer(device(), scene);
-    const RayHit hit = tracer.trace({ray}, false)[0];
-    EXPECT_EQ(tracer.trace({ray}, true)[0].hit, hit.hit) << text(ray);
-    return hit;
+    return hitsOfBoth(scene, {ray})[0];
 }
 
 RayHit RenderTest::hitOf(const Scene& scene, const RayInput& ray) {
@@ -74,9 +101,13 @@ RayHit RenderTest::hitOf(const Scene& scene, const RayInput& ray) {
 }
 
 size_t RenderTest::missesOf(const PackedScene& scene, const std::vector<RayInput>& rays) {
-    RayTracer tracer(device(), scene);
-    const size_t count = misses(tracer.trace(rays, false));
-    EXPECT_EQ(misses(tracer.trace(rays, true)), count);
+    RayTracer kernels(device(), scene);
+    const size_t count = misses(kernels.trace(rays, false));
+    EXPECT_EQ(misses(kernels.trace(rays, true)), count);
+    const reference::Tracer tracer(scene);
+    EXPECT_EQ(std::count_if(rays.begin(), rays.end(),
+                            [&](const RayInput& r) { return !tracer.closest(exactRay(r)); }),
+              count);
     return count;
 }
 

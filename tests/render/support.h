@@ -49,13 +49,13 @@ class RenderTest : public testing::Test {
     static void SetUpTestSuite();
     static void TearDownTestSuite();
     static const gpu::Device& device() { return *device_; }
-    // The closest hits of rays by a RayTracer, that of one ray, and how many rays have none. The latter two
-    // expect that a search for any hit agrees.
+    // The closest hits of rays by a RayTracer.
     static std::vector<RayHit> hitsOf(const PackedScene& scene, const std::vector<RayInput>& rays,
                                       const Options& options = {});
+    // These expect that a search for any hit and all searches of the reference agree.
+    static std::vector<RayHit> hitsOfBoth(const PackedScene& scene, const std::vector<RayInput>& rays);
     static RayHit hitOf(const PackedScene& scene, const RayInput& ray);
-    // The same for a scene whose packed origin is 0.
-    static RayHit hitOf(const Scene& scene, const RayInput& ray);
+    static RayHit hitOf(const Scene& scene, const RayInput& ray);  // the packed origin is 0
     static size_t missesOf(const PackedScene& scene, const std::vector<RayInput>& rays);
     // An image and the statistics of its render.
     struct Drawn {
@@ -96,7 +96,7 @@ std::vector<std::string> sceneNames(const std::string& folder = "");
 inline std::string sceneName(const testing::TestParamInfo<std::string>& scene) {
     return scene.param;
 }
-// With boxes that hold everything, so that each ray is tested against each primitive.
+// With unbounded boxes, so that each ray is tested against each primitive.
 PackedScene withOpenBoxes(PackedScene scene);
 
 // Packed by hand, see SceneMaker: nothing is dropped or moved.
@@ -104,16 +104,16 @@ PackedScene packedBy(const SceneMaker& maker);
 
 // ---- pictures and rays ----
 
-// Everything but the data is the default.
+// With the options' defaults, and data.
 Picture draw(Renderer& renderer, const Case& c);
 Picture draw(const gpu::Device& device, const Case& c, const Options& options = {});
 
-// How many pixels are so.
+// Counts pixels that fulfil `is`.
 template <typename Is>
 size_t countPixels(const Picture& picture, const Is& is) {
     return static_cast<size_t>(std::count_if(picture.data.begin(), picture.data.end(), is));
 }
-// How many pixels show an object.
+// Counts pixels that show an object.
 inline size_t pixelsWithObject(const Picture& picture) {
     return countPixels(picture, [](const PixelData& d) { return d.object != PixelData::kNoIndex; });
 }
@@ -121,8 +121,8 @@ inline size_t pixelsWithObject(const Picture& picture) {
 // Renders with the given kernels, which must outlive the renderer.
 Options optionsWith(const KernelCode& code, Traversal traversal = Traversal::Lane);
 
-// Finds the hits of a test's own rays by the kernels of images, with their rule for surfaces in one place.
-// (RayQueries answers callers, who want each t as it is.)
+// Traces a test's own rays by the kernels of images, with their rule for coincident surfaces, which
+// RayQueries does not apply.
 class RayTracer {
   public:
     // Keeps references to `device` and `scene`. Obeys the options that do not concern images alone.
@@ -151,7 +151,7 @@ T sized(const Case& c) {
     return settings;
 }
 
-// The whole picture of a case with its data, and the reference's colours in double.
+// The whole image of a case with its data, and the reference's colours in double.
 Request wholeWithData(const Case& c);
 
 // True if colour, data and `done` agree in every bit.

@@ -1,5 +1,7 @@
 #include "support/scene_maker.h"
 
+#include <algorithm>
+
 namespace glint::test {
 
 uint32_t addObject(Scene& scene, Shape shape, uint32_t material) {
@@ -78,6 +80,20 @@ Scene emptyScene() {
     Scene scene;
     addMaterial(scene, Color(0.8));
     return scene;
+}
+
+Scene sceneOf(Shape shape) {
+    Scene scene = emptyScene();
+    addObject(scene, std::move(shape));
+    return scene;
+}
+
+QuadricShape generalQuadric(const std::array<double, 10>& coefficients, double half) {
+    QuadricShape shape;
+    std::copy(coefficients.begin(), coefficients.end(), shape.coefficients);
+    shape.lo = glm::dvec3(-half);
+    shape.hi = glm::dvec3(half);
+    return shape;
 }
 
 }  // namespace glint::test

@@ -1,6 +1,7 @@
 // Small scenes, object by object.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +27,10 @@ void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset = glm::dvec3(0),
 void aim(Camera& camera, const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up = {0, 1, 0});
 // Matte grey as material 0, no light.
 Scene emptyScene();
+// emptyScene() with one object.
+Scene sceneOf(Shape shape);
+// Clipped at +-half on each axis.
+QuadricShape generalQuadric(const std::array<double, 10>& coefficients, double half);
 // cells x cells squares of two triangles each over [0, cells] x [0, cells] in the plane z = 0, shifted by
 // `offset`, all facing +z.
 std::shared_ptr<Mesh> gridMesh(uint32_t cells, const glm::dvec3& offset = glm::dvec3(0));
