@@ -8,6 +8,7 @@
 
 #include "core/device_layout.h"
 #include "reference/intersect.h"
+#include "reference/numbers.h"
 
 namespace glint::reference {
 namespace {
@@ -204,10 +205,30 @@ uint32_t cellsAt(const Model& scene, const Surface& surface) {
     return hash;
 }
 
-bool holeAt(const Model& scene, const Surface& surface) {
+// Coordinates are moved as for shading, and by the rounding of the lookup: uv * scale + place rounds twice,
+// wrapping to [0, 1] once, and the step to texels twice, which is 2.5 units of the image's size. The mixture
+// of four texels takes 7 roundings of the result, and one of a weight: alpha is at most 1.
+bool holeAt(const Model& scene, const Surface& surface, const RayNoise& noise) {
     const rows::Material& material = scene.materials[surface.material];
-    return material.alphaCutoff > 0 &&
-           textureAt(scene, material.diffuseTexture, surface).w < material.alphaCutoff;
+    if (!(material.alphaCutoff > 0)) return false;
+    if (noise.step == 0 || material.diffuseTexture == 0)
+        return textureAt(scene, material.diffuseTexture, surface).w < material.alphaCutoff;
+    const rows::Texture& texture = scene.textures[material.diffuseTexture - 1];
+    uint64_t state = noise.seed ^ std::bit_cast<uint64_t>(glm::dot(surface.position, dvec3(1, 2, 3)));
+    const auto moved = [&](double value, double error) {
+        return value + noise.step * error * uniform(state);
+    };
+    const double scales[] = {texture.scaleU, texture.scaleV};
+    Surface seen = surface;
+    for (int i = 0; i < 2; ++i) {
+        const double scale = std::abs(scales[i]), place = std::abs(texture.place[i]);
+        const double lookup = scale > 0 ? 2 * std::abs(surface.uv[i]) + (place + 2.5) / scale : 0;
+        seen.uv[i] = moved(surface.uv[i], std::max(1.0, surface.uvScale[i]) + lookup);
+    }
+    keepHeight(scene, seen);
+    const double alpha = textureAt(scene, material.diffuseTexture, seen).w;
+    const bool mixed = !(texture.flags & (shared::kTextureChecker | shared::kTextureNearest));
+    return (mixed ? moved(alpha, 7 * alpha + 1) : alpha) < material.alphaCutoff;
 }
 
 dvec3 surroundings(const Model& scene, const rows::Environment& environment, const dvec3& direction,

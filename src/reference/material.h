@@ -25,8 +25,9 @@ glm::dvec3 transmissionAt(const Model& scene, uint32_t medium, const Surface& su
 // A hash of what textures show that change in steps: checkers, and images without filtering.
 uint32_t cellsAt(const Model& scene, const Surface& surface);
 
-// True where the diffuse texture's alpha is below the material's alphaCutoff.
-bool holeAt(const Model& scene, const Surface& surface);
+// True where the diffuse texture's alpha is below the material's alphaCutoff. noise: moves the alpha within
+// the rounding of fp32's lookup, times its step.
+bool holeAt(const Model& scene, const Surface& surface, const RayNoise& noise);
 
 // Background radiance against `direction`. shift: added to the environment map's coordinates. `environment`:
 // the tracer's.

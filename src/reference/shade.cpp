@@ -42,7 +42,7 @@ class RayMover {
     }
     void move(Ray& ray, double scale) {
         if (!moves()) return;
-        if (jitter_.formulas) ray.noise = {state_, step_};
+        ray.noise = {state_, step_, jitter_.formulas};
         for (int i = 0; i < 3; ++i) ray.origin[i] += shift(scale);
         turn(ray.direction, ray.directionScale);
     }

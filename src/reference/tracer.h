@@ -24,10 +24,12 @@
 
 namespace glint::reference {
 
-// Random error within the bound of a textbook sphere test's formula (primitives/sphere.cpp); none for step 0.
-struct FormulaNoise {
+// Random error of what fp32 computes along a ray: the alpha of a hit (holeAt), and with `formulas` a textbook
+// sphere test (primitives/sphere.cpp). None for step 0.
+struct RayNoise {
     uint64_t seed = 0;
     double step = 0;
+    bool formulas = false;
 };
 
 // Points origin + t direction with tMin < t <= tMax (t = 0 is excluded). The direction need not be unit
@@ -42,7 +44,7 @@ struct Ray {
     // hence Jitter, scales with them.
     double originScale = 0;
     double directionScale = 1;
-    FormulaNoise noise = {};
+    RayNoise noise = {};
     // True for rays of an image: among surfaces that coincide within fp32's error the lowest id is hit.
     bool ties = false;
     // Scale of the arithmetic part of that error, see slipOfFlat: 1 is the rule.
@@ -93,10 +95,11 @@ struct Surface {
 // it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24, of a camera
 // ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
 // cone, and each contribution before it is compared with the least that is followed. Texture coordinates
-// move by up to `ulps` * 2^-24 * max(1, Surface::uvScale), points looked up in a solid checker as origins do.
+// move by up to `ulps` * 2^-24 * max(1, Surface::uvScale), points looked up in a solid checker as origins do,
+// and the alpha of masks by the rounding of its lookup (holeAt).
 // seed 0 and ulps 0: no jitter. Deterministic for a seed.
 // `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more
-// than fp32 does (FormulaNoise).
+// than fp32 does (RayNoise).
 // `clears`: besides, rays begin `ulps` times as far from the surface that they leave as the device's do
 // (rounding.h). This is the sum of the bounds on their point's errors, which rounding seldom reaches.
 // `slips`: no movement. fp32's own errors in the rule for surfaces in one place, as parts of their bound:

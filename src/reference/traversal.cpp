@@ -150,7 +150,7 @@ class Search {
                    idInInstance(space.idBase, one.id),
                    space.instance,
                    space.ray.ties ? root.slip : 0};
-            const bool hole = scene_.alphaMask && holeAt(scene_, tracer_.surfaceAt(ray_, hit));
+            const bool hole = scene_.alphaMask && holeAt(scene_, tracer_.surfaceAt(ray_, hit), ray_.noise);
             if (!hole && !all) return true;
             if (!hole) all->insert(all->end(), root.twice ? 2 : 1, hit);
             // Search again behind a root, for surfaces that are hit more than once.

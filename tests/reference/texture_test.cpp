@@ -253,9 +253,31 @@ TEST(Texture, MaterialIsMultipliedWithTexturesAndVertexColors) {
     EXPECT_EQ(result.specular, dvec3(0.5));
     EXPECT_EQ(result.mirror, dvec3(1.5, 0, 0));
     scene.materials[0].alphaCutoff = 0.18f;  // alpha there is 3/16 = 0.1875
-    EXPECT_FALSE(holeAt(widened(scene), surface));
+    EXPECT_FALSE(holeAt(widened(scene), surface, {}));
     scene.materials[0].alphaCutoff = 0.19f;
-    EXPECT_TRUE(holeAt(widened(scene), surface));
+    EXPECT_TRUE(holeAt(widened(scene), surface, {}));
+}
+
+// In the middle the alpha is 2.5/16. The coordinates err by 4.5 units, each of which moves 2 texels, of
+// slopes 1/16 and 2/16. Without filtering the alpha, 3/16, is exact.
+TEST(Texture, NoiseOpensMasksWithinTheirRounding) {
+    PackedScene scene = quadScene(wraps(shared::kTextureWrapClamp));
+    scene.materials.emplace_back().diffuseTexture = 1;
+    const auto holesOf100 = [&](const dvec2& uv, double cutoff) {
+        scene.materials[0].alphaCutoff = static_cast<float>(cutoff);
+        const Model model = widened(scene);
+        Surface surface;
+        surface.uv = uv;
+        int holes = 0;
+        for (uint64_t seed = 1; seed <= 100; ++seed) holes += holeAt(model, surface, {seed, 0x1p-24});
+        return holes;
+    };
+    constexpr double kError = (7 * 2.5 / 16 + 1 + 2 * 4.5 * 3 / 16) * 0x1p-24;
+    EXPECT_EQ(holesOf100(dvec2(0.5), 2.5 / 16 - kError), 0);
+    EXPECT_NEAR(holesOf100(dvec2(0.5), 2.5 / 16), 50, 30);
+    EXPECT_EQ(holesOf100(dvec2(0.5), 2.5 / 16 + kError), 100);
+    scene.textures[0].flags |= shared::kTextureNearest;
+    EXPECT_EQ(holesOf100(dvec2(0.25), 3.0 / 16), 0);
 }
 
 }  // namespace glint::reference::test::texture_test

@@ -351,6 +351,23 @@ TEST_F(MaskTest, ThousandsOfHolesAreAllPassed) {
     }
 }
 
+// On the cap v is the last float before 1, where the rows' weights are equal and alpha is 1/2 up to rounding.
+TEST_F(MaskTest, AlphaAtTheCutoffIsAnOpenDecision) {
+    auto image = std::make_shared<Image>(8, 8, 4, 1.0f);
+    for (int i = 0; i < 64; ++i) image->at(i % 8, i / 8, 3) = static_cast<float>((i % 8 + i / 8) % 2);
+    Scene scene = emptyScene();
+    const uint32_t mask = addTextured(scene, {ImageTexture{"q", std::move(image)}});
+    scene.materials[mask].alphaCutoff = 0.5;
+    scene.background = Color(0.3);
+    addObject(scene, CylinderShape{{0, -1, 0}, {0, 1, 0}, 1, true}, mask);
+    aim(scene.camera, {0, 2, -4}, {0, 1, -1}, {0.1, 1, 0.05});
+    scene.camera.fovY = 0.05;
+    const verify::Report report = verified(makeCase(scene, 48, 48));
+    EXPECT_EQ(report.unexplained, 0u);
+    EXPECT_GT(report.explained(), 100u) << "the scene should have some";
+    EXPECT_TRUE(report.passed());
+}
+
 // Verify excuses pixels whose rays meet a checker's edge to within rounding, and no others.
 TEST_F(TextureTest, CheckerEdgesAreExplained) {
     Scene scene = emptyScene();

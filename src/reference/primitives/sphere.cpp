@@ -60,7 +60,7 @@ struct TextbookError {
 
     TextbookError(const rows::Sphere& sphere, const RayTest& test) {
         const PreparedRay& ray = test.ray;
-        if (ray.noise.step == 0 || test.methods.spheres == SphereMethod::Robust) return;
+        if (!ray.noise.formulas || test.methods.spheres == SphereMethod::Robust) return;
         uint64_t state = ray.noise.seed ^ sphere.id;
         const auto upTo = [&](double roundings) {
             return std::min(ray.noise.step, roundings * kFloatUnit) * uniform(state);
