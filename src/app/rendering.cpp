@@ -92,7 +92,7 @@ AnimatedScene::Change AnimatedScene::moveTo(double time) {
     if (change == Change::Camera) {
         const Camera& camera = reader_->scene().camera;
         if (keepsArrays(loaded_.packed, loaded_.scene, camera)) {
-            setEye(loaded_.packed, camera.eye);
+            setEye(loaded_.packed, camera);
             loaded_.scene.camera = camera;
             return change;
         }
@@ -249,7 +249,9 @@ bool Drawing::fallBack(const Error& error) {
 
 void Drawing::reload(const Request& expected, bool cameraAlone) {
     if (!cameraAlone) return load(*loaded_, expected);
-    if (truth_) reference::setEye(*truth_, loaded_->scene.camera.eye);
+    if (!truth_) return;
+    const glm::dvec3& origin = loaded_->packed.origin;
+    reference::setEye(*truth_, reference::truthCamera(loaded_->scene.camera, 1, 1, origin).eye);
 }
 
 Picture Drawing::draw(const Request& request) {

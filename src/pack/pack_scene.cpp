@@ -92,9 +92,10 @@ void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, PackedScene
     checkLimit("planes", packed.planes.size(), shared::kMaxPlanes);
 }
 
-void setEye(PackedScene& packed, const glm::dvec3& eye) {
+void setEye(PackedScene& packed, const Camera& camera) {
     if (!packed.features.transmission) return;
-    const glm::uvec4 media = mediaAt(packed, eye - packed.origin);
+    const glm::vec3 eye = packCamera(camera, 1, 1, packed.origin).eye;
+    const glm::uvec4 media = mediaAt(packed, glm::dvec3(eye));
     shared::Environment& environment = packed.environment;
     environment.eyeMedium0 = media.x;
     environment.eyeMedium1 = media.y;
@@ -149,7 +150,7 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
     packTextures(scene, materials, packed, context);
     packed.features = featuresOf(packed, materials, context);
     if (packed.features.transmission) {
-        setEye(packed, scene.camera.eye);
+        setEye(packed, scene.camera);
         packed.features.coloredShadows =
             scene.transmissiveShadows == TransmissiveShadows::Colored && !packed.lights.empty();
     } else {

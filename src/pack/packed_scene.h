@@ -114,8 +114,8 @@ PackedScene packScene(const Scene& scene, const PackOptions& options = {}, const
 // placed (scene/placement.h): the camera determines the local origin and the anchors of planes and of huge
 // spheres and quadrics next to the eye. May be false for equal arrays.
 bool keepsArrays(const PackedScene& packed, const Scene& scene, const Camera& camera);
-// Sets the part of the arrays that depends on the eye: the media around it.
-void setEye(PackedScene& packed, const glm::dvec3& eye);
+// Sets the part of the arrays that depends on the eye: the media around it as rounded (packCamera).
+void setEye(PackedScene& packed, const Camera& camera);
 
 // A valid light, rounded, relative to `origin`.
 shared::Light packLight(const Light& light, const glm::dvec3& origin);

@@ -93,9 +93,10 @@ void RepresentationCheck::compare(int x, int y, uint32_t sample, const reference
 
 // Traces all doubtful pixels in a scene with moved numbers, and removes those that it explains.
 void RepresentationCheck::draw(uint64_t seed, std::vector<Doubt*>& open) const {
-    const auto moved = std::make_shared<const reference::Model>(reference::disturbed(*model_, seed, 1));
-    const reference::Tracer tracer(moved, options_, radianceBound_);
     const reference::rows::Camera camera = reference::disturbed(camera_, seed, 1);
+    const auto moved = std::make_shared<reference::Model>(reference::disturbed(*model_, seed, 1));
+    reference::setEye(*moved, camera.eye);  // it may lie on the other side of a glass surface
+    const reference::Tracer tracer(moved, options_, radianceBound_);
     parallelFor(Context{}, open.size(), [&](size_t i) {
         Doubt& doubt = *open[i];
         const reference::Ray ray = rayOf(tracer, camera, doubt);

@@ -75,6 +75,21 @@ TEST_F(CameraTest, CancellationIsExplained) {
     }
 }
 
+// Camera rays start in the media around the middle of the window; the eye is in air.
+TEST_F(CameraTest, MediaAreThoseAroundTheMiddleOfTheWindow) {
+    Scene scene = orthographicScene();
+    scene.background = Color(0.5);
+    scene.camera.window = ViewWindow{4, 6, -1, 1};
+    const uint32_t glass = addMaterial(scene, Color(0.2));
+    scene.materials[glass].transmission = Color(0.8);
+    addSphere(scene, {7, 1, 7}, 2, glass);
+    addSphere(scene, {7, 1, 0}, 1, glass);
+    const Case c = makeCase(scene, kWidth, kHeight);
+    EXPECT_NE(c.packed.environment.eyeMedium0, 0u);
+    const verify::Report report = verifiedAsRead(c);
+    EXPECT_TRUE(report.passed()) << report.unexplained << " unexplained";
+}
+
 // The pipeline of a perspective scene has no code for it, and says so.
 TEST_F(CameraTest, AParallelCameraNeedsAPipelineWithOne) {
     Scene scene = emptyScene();

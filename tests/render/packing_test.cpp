@@ -226,6 +226,21 @@ TEST_F(RenderTest, TheTruthMeasuresFromTheAnchorsOfPacking) {
     }
 }
 
+// Rounding decides on which side of the glass the eye lies, and so in which media camera rays start.
+TEST_F(RenderTest, RoundingExplainsAnEyeInAPlaneOfGlass) {
+    Case c = textCase(R"({
+  "camera": {"eye": [0.3, 0.27, 0], "target": [0, 1, -5], "fovY": 60}, "background": [0.2, 0.3, 0.5],
+  "materials": {"water": {"transmission": 0.95, "ior": 1.3, "attenuation": [0.3, 0.1, 0.2]}, "red": {"ambient": [1, 0, 0]}},
+  "objects": [{"type": "plane", "point": [0, 0.3, 0], "normal": [0.1, 1, 0.3], "material": "water"},
+              {"type": "sphere", "center": [0, 1, -5], "radius": 1, "material": "red"}]
+})",
+                      48, 48);
+    const verify::Report report = verifiedAsRead(c);
+    EXPECT_TRUE(report.passed()) << report.representation->unexplained << " unexplained";
+    c.packed.environment.eyeMedium0 = 1 - c.packed.environment.eyeMedium0;
+    EXPECT_GT(verifiedAsRead(c).representation->unexplained, 0u) << "media of the other side";
+}
+
 // Seen from afar, its corners' last places are a thousandth of a face, whose normal they turn; at an edge few
 // of the moved scenes take the packed one's path.
 TEST_F(RenderTest, RoundingExplainsAKnotFarAway) {

@@ -364,7 +364,7 @@ class MediaAround {
 
 void setEye(Model& model, const glm::dvec3& eye) {
     if (model.optics.empty()) return;
-    const std::vector<uint32_t> media = truth::MediaAround(eye - model.origin, model).find();
+    const std::vector<uint32_t> media = truth::MediaAround(eye, model).find();
     rows::Environment& e = model.environment;
     uint32_t* const places[] = {&e.eyeMedium0, &e.eyeMedium1, &e.eyeMedium2, &e.eyeMedium3};
     for (size_t i = 0; i < shared::kMaxMedia; ++i) *places[i] = i < media.size() ? media[i] : 0;

@@ -50,7 +50,7 @@ class Maker {
         for (rows::Instance& instance : model_.instances) instance.root = roots[instance.root];
         model_.nodes = std::make_shared<const std::vector<rows::Node>>(std::move(nodes));
         addShading(scene_, used_, model_);
-        setEye(model_, scene_.camera.eye);
+        setEye(model_, truthCamera(scene_.camera, 1, 1, model_.origin).eye);
         return std::move(model_);
     }
 

@@ -17,7 +17,7 @@ namespace glint::reference {
 using Anchors = std::map<uint32_t, glm::dvec3>;
 Model truthOf(const Scene& scene, const glm::dvec3& origin, const Anchors& anchors = {});
 
-// Media around a camera's eye, in the world, once all primitives are there (docs/reference/shading.md).
+// Sets the media around a camera's local eye, once all primitives are there (docs/reference/shading.md).
 void setEye(Model& model, const glm::dvec3& eye);
 
 // The camera of a picture of width x height pixels.
