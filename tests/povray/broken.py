@@ -2,25 +2,22 @@
 import copy
 
 
-def scale(pointer, factor):
-    """Multiplies the numbers at a JSON pointer."""
+def change(pointer, new):
+    """Replaces the value at a JSON pointer by new(value)."""
     def edit(scene):
-        *way, last = pointer.split("/")[1:]
+        *way, last = [int(step) if step.isdigit() else step for step in pointer.split("/")[1:]]
         for step in way:
-            scene = scene[int(step) if isinstance(scene, list) else step]
-        last = int(last) if isinstance(scene, list) else last
-        value = scene[last]
-        scene[last] = [x * factor for x in value] if isinstance(value, list) else value * factor
+            scene = scene[step]
+        scene[last] = new(scene.get(last) if isinstance(scene, dict) else scene[last])
     return edit
+
+
+def scale(pointer, factor):
+    return change(pointer, lambda value: [x * factor for x in value] if isinstance(value, list) else value * factor)
 
 
 def put(pointer, value):
-    def edit(scene):
-        *way, last = pointer.split("/")[1:]
-        for step in way:
-            scene = scene[int(step) if isinstance(scene, list) else step]
-        scene[int(last) if isinstance(scene, list) else last] = value
-    return edit
+    return change(pointer, lambda _: value)
 
 
 def exchange_lights(scene):

@@ -1,16 +1,13 @@
-"""Triangles of OBJ and PLY files, read with no code of glint's: what a translation to another renderer takes of them."""
+"""Triangles of OBJ and PLY files, read without code of glint, for a translation to another renderer."""
 import dataclasses
 import functools
-import pathlib
 import struct
 
 
 @dataclasses.dataclass
 class Mesh:
     vertices: list
-    faces: list  # (three indices of vertices, three of normals or None, three of texture coordinates or None, name of a material)
-    normals: list = dataclasses.field(default_factory=list)
-    coordinates: list = dataclasses.field(default_factory=list)
+    faces: list  # (three indices of vertices, name of a material or None)
     materials: dict = dataclasses.field(default_factory=dict)
 
 
@@ -33,7 +30,7 @@ def read_ply(path):
         else:
             vertices = [tuple(map(float, file.readline().split()[:3])) for _ in range(counts["vertex"])]
             faces = [tuple(map(int, file.readline().split()[1:4])) for _ in range(counts["face"])]
-    return Mesh(vertices, [(face, None, None, None) for face in faces])
+    return Mesh(vertices, [(face, None) for face in faces])
 
 
 def read_mtl(path):
@@ -58,31 +55,23 @@ def read_mtl(path):
     return read
 
 
-def read_obj(path):
+@functools.lru_cache
+def read(path):
+    if path.suffix == ".ply":
+        return read_ply(path)
     mesh, material = Mesh([], []), None
     for line in path.read_text().splitlines():
         key, *rest = line.split() or [""]
-        if key == "v" and len(rest) > 3:
-            raise ValueError(f"{path}: colours of vertices: not read")
-        if key in ("v", "vn", "vt"):
-            {"v": mesh.vertices, "vn": mesh.normals, "vt": mesh.coordinates}[key].append(tuple(map(float, rest[:2 if key == "vt" else 3])))
+        if key in ("vn", "vt") or (key == "v" and len(rest) > 3):
+            raise ValueError(f"{path}: {line}: not read")
+        if key == "v":
+            mesh.vertices.append(tuple(map(float, rest)))
         elif key == "usemtl":
             material = rest[0]
         elif key == "mtllib":
             mesh.materials.update(read_mtl(path.parent / rest[0]))
         elif key == "f":
-            corners = [[int(i) - 1 if i else None for i in (corner + "//").split("/")[:3]] for corner in rest]
+            corners = [int(corner) - 1 for corner in rest]
             # A fan: right for the convex faces that these files have.
-            for i in range(1, len(corners) - 1):
-                v, t, n = zip(corners[0], corners[i], corners[i + 1])
-                mesh.faces.append((v, None if None in n else n, None if None in t else t, material))
+            mesh.faces += [((corners[0], *corners[i:i + 2]), material) for i in range(1, len(corners) - 1)]
     return mesh
-
-
-@functools.lru_cache
-def read(path):
-    path = pathlib.Path(path)
-    readers = {".obj": read_obj, ".ply": read_ply}
-    if path.suffix not in readers:
-        raise ValueError(f"{path}: no .obj or .ply")
-    return readers[path.suffix](path)

@@ -132,27 +132,14 @@ def box(o):
     return f"box {{ {vector(o['min'])}, {vector(o['max'])}", None
 
 
-def mesh_text(translation, o, named, placed, unit_of):
+def mesh_text(translation, o, named, unit_of):
     mesh = translation.mesh(o["mesh"])
-    if mesh.normals:
-        # glint carries vertex normals through the transform before it interpolates, POV-Ray after: alike where nothing is stretched.
-        stretch = placed[:3, :3].T @ placed[:3, :3]
-        if not numpy.allclose(stretch, stretch[0, 0] * numpy.eye(3), rtol=0, atol=1e-12 * stretch[0, 0]):
-            raise Refused("vertex normals under a transform that stretches")
-    names = sorted({face[3] for face in mesh.faces if face[3]}) if not named else []
-    lists = [("vertex_vectors", [[unit_of * x for x in v] for v in mesh.vertices]), ("normal_vectors", mesh.normals), ("uv_vectors", mesh.coordinates)]
-    out = ["mesh2 {"] + [f"{key} {{ {len(values)},\n" + ",\n".join(map(vector, values)) + " }\n" for key, values in lists if values]
+    names = sorted({name for _, name in mesh.faces if name}) if not named else []
+    out = [f"mesh2 {{vertex_vectors {{ {len(mesh.vertices)},\n" + ",\n".join(vector(unit_of * array(v)) for v in mesh.vertices) + " }\n"]
     if names:
-        out.append(f"texture_list {{ {len(names)}, " + " ".join(texture(translation, mesh.materials[n], "mesh") for n in names) + " }\n")
-    index = {name: i for i, name in enumerate(names)}
-    def triple(corners, after=""):
-        return "<{},{},{}>".format(*corners) + after
-    out.append(f"face_indices {{ {len(mesh.faces)},\n" + ",\n".join(triple(f[0], f", {index[f[3]]}" if names else "") for f in mesh.faces) + " }\n")
-    for place, key, values in ((1, "normal_indices", mesh.normals), (2, "uv_indices", mesh.coordinates)):
-        if values:
-            if any(f[place] is None for f in mesh.faces):
-                raise Refused(f"a mesh with {key} at some faces only")
-            out.append(f"{key} {{ {len(mesh.faces)},\n" + ",\n".join(triple(f[place]) for f in mesh.faces) + " }\n")
+        out.append(f"texture_list {{ {len(names)}, " + " ".join(texture(translation, mesh.materials[n], None) for n in names) + " }\n")
+    faces = ["<{},{},{}>".format(*corners) + (f", {names.index(name)}" if names else "") for corners, name in mesh.faces]
+    out.append(f"face_indices {{ {len(faces)},\n" + ",\n".join(faces) + " }\n")
     return "".join(out), bool(names)
 
 
@@ -165,7 +152,7 @@ def shape(translation, o, named, material, placed):
         # POV-Ray transforms rays for a mesh, 6 % of a picture's time; a power of two may as well be multiplied in.
         if (placed == numpy.eye(4)).all() and not any(isinstance(value, dict) for value in material.values()):
             scaled = ""
-        (geometry, textured), where = mesh_text(translation, o, named, placed, 1.0 if scaled else SCALE), "mesh"
+        (geometry, textured), where = mesh_text(translation, o, named, 1.0 if scaled else SCALE), None
     elif o["type"] in KINDS:
         geometry, where = KINDS[o["type"]](o)
     else:

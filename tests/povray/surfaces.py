@@ -1,7 +1,7 @@
 """Materials of glint's scenes as textures of POV-Ray's.
 
-`where` says how (u, v) lie on an object: a 3x4 matrix that takes points of the object to (u, v, height above the surface) for what is flat,
-("sphere", center), "mesh" for coordinates of vertices, or None for objects whose (u, v) POV-Ray does not have.
+`where` places (u, v) on an object: a 3x4 matrix that takes points of a flat object to (u, v, height above the surface),
+("sphere", center), or None for meshes and for objects whose (u, v) POV-Ray does not have.
 """
 import math
 
@@ -36,8 +36,6 @@ def to_pattern(where, texture, even):
             raise Refused("a texture whose ends do not meet round a sphere")
         turned = array([[-1, 0, 0, 0.75], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
         return "uv_mapping ", numpy.linalg.inv(scaled @ turned)
-    if where == "mesh":
-        return "uv_mapping ", numpy.linalg.inv(scaled)
     raise Refused("a texture on this kind of object")
 
 
@@ -108,7 +106,7 @@ def interior(translation, material):
 
 
 def ambient(translation, material, diffuse):
-    """What POV-Ray's pigment, the diffuse colour, is multiplied with for the ambient light."""
+    """The factor of POV-Ray's pigment, the diffuse colour, in the ambient light."""
     light = translation.ambient
     if "ambient" not in material or material["ambient"] == material.get("diffuse"):
         return light
