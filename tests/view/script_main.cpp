@@ -11,7 +11,9 @@ int main(int argc, char** argv) {
         return 2;
     }
     const std::string file = argv[1];
-    const Ran ran = runView({argv + 2, argv + argc}, parseScript(glint::test::readText(file), file));
+    Words words;
+    words.assign(argv + 2, argv + argc);
+    const Ran ran = runView(words, parseScript(glint::test::readText(file), file));
     std::fputs(ran.out.c_str(), stdout);
     std::fputs(ran.err.c_str(), stderr);
     return ran.code;
