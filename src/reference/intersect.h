@@ -86,7 +86,6 @@ struct Place {
     const Hit& hit;
     glm::dvec3 point;  // origin + t direction
 
-    uint32_t index() const { return hit.primitive & shared::kLeafFirstMask; }
     uint32_t part() const { return hit.primitive >> shared::kPartShift & shared::kPartMask; }
 };
 

@@ -229,7 +229,7 @@ std::optional<RoundedColor> PathTracer::lightThrough(const Ray& ray, const Inter
         const Surface surface = tracer_.surfaceAt(ray, hit);
         const uint32_t medium = scene_.materials[surface.material].medium;
         left *= transmissionAt(scene_, medium, surface);
-        // Twice the same: a line that touches, where the cosine's sign is rounding's.
+        // The same hit twice is a tangent, where rounding decides the cosine's sign.
         const bool again = i > 0 && hit == hits[i - 1];
         leaves = again ? !leaves : glm::dot(surface.geometricNormal, ray.direction) > 0;
         const dvec3 change = (leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium);
@@ -242,7 +242,7 @@ std::optional<RoundedColor> PathTracer::lightThrough(const Ray& ray, const Inter
                         exponentialRoundings(terms, ends));
 }
 
-// Nothing of a light that is occluded, nor of one that lies on the surface or shines elsewhere.
+// Returns no light if the light is occluded, lies on the surface or shines elsewhere.
 RoundedColor PathTracer::shadeLight(const Interaction& at, size_t index, bool first) {
     const rows::Light& light = tracer_.lights()[index];
     const LightSample sample = sampleLight(light, at.position);
@@ -299,7 +299,7 @@ bool PathTracer::isFollowed(const Branch& next) {
     return false;
 }
 
-// The one on the outer side comes first.
+// The branch on the outer side comes first.
 std::vector<Branch> PathTracer::branchesOf(const Branch& branch, const Interaction& at,
                                            const RoundedColor& throughput) {
     const Scattering s = scatteringAt(scene_, at);
@@ -379,7 +379,7 @@ std::vector<Branch> PathTracer::visit(const Branch& branch) {
 
 void PathTracer::addLight(const RoundedColor& light) {
     record_.color += light.value;
-    // Called before the rays that follow from the one at hand.
+    // Called before the branches of this hit are followed.
     if (keepPath_) record_.path.back().light += light.value;
     record_.rounding += light.error;
     ++contributions_;

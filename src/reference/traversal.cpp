@@ -29,7 +29,7 @@ constexpr double kCullPad = 1 + 0x1p-30;
 
 // Entry t into the box of a child (0 or 1) of a node; NaN-free. A comparison with NaN is false, so a plane
 // that a parallel ray runs in (0 * inf) constrains nothing: boxes are closed.
-inline double enterBox(const rows::Node& node, int child, const PreparedRay& ray, double limit) {
+inline double enterBox(const rows::Node& node, int child, const PreparedRay& ray) {
     const glm::dvec3 &lo = loOf(node, child), &hi = hiOf(node, child);
     double tNear = ray.tMin * (2 - kCullPad), tFar = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
@@ -39,7 +39,7 @@ inline double enterBox(const rows::Node& node, int child, const PreparedRay& ray
         tNear = t0 > tNear ? t0 : tNear;
         tFar = t1 < tFar ? t1 : tFar;
     }
-    return tNear <= tFar * kFarPad && tNear <= limit ? tNear : kNotEntered;
+    return tNear <= tFar * kFarPad ? tNear : kNotEntered;
 }
 
 // One query: the closest hit, or any.
@@ -80,7 +80,7 @@ class Search {
             *scene_.nodes, root,
             [&](const rows::Node& node, int child) {
                 ++cost_;
-                return enterBox(node, child, space.ray, limit_);
+                return enterBox(node, child, space.ray);
             },
             [&] { return limit_; }, [&](const Leaf& leaf, double) { return testLeaf(space, leaf); });
     }

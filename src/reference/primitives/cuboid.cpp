@@ -1,4 +1,4 @@
-// Ray against box. Not the shader's way: each of the six faces by itself is a parallelogram.
+// Ray against box. Unlike the shader, it tests each of the six faces as a parallelogram.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@ namespace {
 
 using glm::dvec3;
 
-// An edge belongs to both of its faces, though the point that is found there errs by some roundings.
+// Widens each face, so that an edge belongs to both of its faces despite rounding.
 constexpr double kEdgeSlack = 0x1p-58;
 
 // A ray in distances from the box's point along the normals of its faces.
@@ -73,7 +73,8 @@ void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
     surface.error = errorBox(surface.position - c.point, c.point);
     surface.scale = greatestMagnitude(reachFrom(glm::abs(c.point), c));
     surface.geometricNormal = upper ? normal : -normal;
-    // How far along x, y and z the point is. On the sides v goes up and u to the right as seen from outside.
+    // The point's fractions of the box along x, y and z. Seen from outside, v goes up the sides and u goes to
+    // the right.
     dvec3 share;
     for (int i = 0; i < 3; ++i)
         share[i] = (glm::dot(normals[i], surface.position - c.point) - c.lo[i]) / (c.hi[i] - c.lo[i]);

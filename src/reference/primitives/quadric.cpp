@@ -79,7 +79,7 @@ struct Equation {
 // c have one sign, each of them greater than its error. Most misses are proven so, in a small part of the
 // time that extended precision takes.
 bool lineIsOutside(const rows::Quadric& quadric, const PreparedRay& ray) {
-    // Beside numbers as small as this double has too few digits to prove anything.
+    // Bounds below this prove nothing: products of such terms lose their digits.
     constexpr double kLeastProof = 0x1p-900;
     const HomogeneousForm<double> form(quadric);
     const Equation<double> e(form, LocalRay<double>(quadric, ray));
@@ -222,8 +222,8 @@ bool intersect(const rows::Quadric& quadric, const RayTest& test, Root& root) {
 
 namespace {
 
-// The left side of the equation, of terms that add up to `terms` in magnitude, is off by gamma_12 of that,
-// and by gamma_5 of what the local coordinates are sums of; as a way along the gradient.
+// The error of the equation's left side, as a distance along the gradient: gamma_12 of `terms`, the sum of
+// the magnitudes that it adds, and gamma_5 of those that the local coordinates add.
 double errorAlong(double terms, const dvec3& slope, const dmat3& rows, const dvec3& offset,
                   double steepness) {
     const dvec3 away = glm::abs(offset);

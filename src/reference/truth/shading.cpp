@@ -127,12 +127,6 @@ uint32_t numberOf(uint32_t texture) {
     return texture == Material::kNoTexture ? 0 : texture + 1;
 }
 
-bool hasTexture(const Material& m) {
-    constexpr uint32_t none = Material::kNoTexture;
-    return m.ambientTexture != none || m.diffuseTexture != none || m.specularTexture != none ||
-           m.mirrorTexture != none || m.transmissionTexture != none;
-}
-
 void addMaterial(const Scene& scene, const Material& m, Model& model) {
     rows::Material row;
     row.ambient = m.ambient;
@@ -287,9 +281,11 @@ void addShading(const Scene& scene, const std::vector<bool>& used, Model& model)
     for (const Texture& texture : scene.textures) model.textures.push_back(textureRow(texture, images));
     bool textured = false, transmits = false;
     for (size_t i = 0; i < scene.materials.size(); ++i) {
-        textured = textured || (used[i] && hasTexture(scene.materials[i]));
-        transmits = transmits || (used[i] && scene.materials[i].transmission != Color(0));
-        model.alphaMask = model.alphaMask || (used[i] && model.materials[i].alphaCutoff > 0);
+        if (!used[i]) continue;
+        for (const auto texture : kMaterialTextures)
+            textured = textured || scene.materials[i].*texture != Material::kNoTexture;
+        transmits = transmits || scene.materials[i].transmission != Color(0);
+        model.alphaMask = model.alphaMask || model.materials[i].alphaCutoff > 0;
     }
     if (textured)
         for (const Object& object : scene.objects)
