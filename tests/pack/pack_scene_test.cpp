@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -207,19 +208,32 @@ TEST(PackScene, DropsWhatCannotBeHit) {
     EXPECT_TRUE(glm::all(glm::lessThan(glm::abs(packed.boundsHi), glm::vec3(3))));
 }
 
-// Area in double, none in fp32: at 2^24 its spacing is 2, so a height of 0.5 rounds away.
+// T26, T74: the spacing of fp32 is 2 at 2^24, so a height of 0.5 rounds away. The ball before the eye keeps
+// the origin at 0.
 TEST(PackScene, AreaIsJudgedAfterRounding) {
     const double far = 16777216;
-    Scene scene;
-    scene.camera.eye = {0, 0, 0};
-    addObject(scene, TriangleShape{{{far, far, 0}, {far + 8, far, 0}, {far + 4, far + 0.5, 0}}});
-    addObject(scene, TriangleShape{{{far, far, 0}, {far + 8, far, 0}, {far + 4, far + 4, 0}}});
-    addObject(scene, SphereShape{{0, 0, -3}, 1});  // what the eye sees keeps the origin at 0
-    const PackedScene packed = packScene(scene);
-    EXPECT_EQ(packed.origin, glm::dvec3(0));
-    EXPECT_EQ(packed.statistics.droppedZeroArea, 1u);
-    ASSERT_EQ(packed.triangles.size(), 1u);
-    EXPECT_EQ(packed.triangles[0].id, 1u);
+    const auto shapesOf = [&](double height) {
+        const glm::dvec3 a(far, far, 0), b(far + 8, far, 0), c(far + 8, far + height, 0),
+            d(far, far + height, 0);
+        return std::array<Shape, 3>{TriangleShape{{a, b, c}}, PolygonShape{{a, b, c, d}},
+                                    BoxShape{a, c + glm::dvec3(0, 0, 1)}};
+    };
+    const char* const kinds[] = {"triangles", "polygons", "boxes"};
+    for (size_t kind = 0; kind < 3; ++kind) {
+        Scene scene;
+        scene.camera.eye = {0, 0, 0};
+        addObject(scene, shapesOf(0.5)[kind]);
+        addObject(scene, shapesOf(4)[kind]);
+        addObject(scene, SphereShape{{0, 0, -3}, 1});
+        const PackedScene packed = packScene(scene);
+        EXPECT_EQ(packed.origin, glm::dvec3(0));
+        EXPECT_EQ(packed.statistics.droppedZeroArea, 1u) << kinds[kind];
+        ASSERT_EQ(packed.triangles.size() + packed.polygons.size() + packed.cuboids.size(), 1u)
+            << kinds[kind];
+        ASSERT_EQ(packed.warnings.size(), 1u);
+        EXPECT_EQ(packed.warnings[0].find(std::string("/objects/0: 1 of 1 ") + kinds[kind] + " dropped"), 0u)
+            << packed.warnings[0];
+    }
 }
 
 // T30: thin, but with area.

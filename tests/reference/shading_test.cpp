@@ -260,57 +260,11 @@ TEST(ReferencePathHash, CostAddsUp) {
 // Spot lights: docs/reference/shading.md, "Spot light".
 
 constexpr double kDegree = std::numbers::pi / 180;
-// The cosines of the cone's edges are stored to 2^-24 of 1 - cos.
-constexpr double kRounding = 1e-6;
-
-// The colour of a white floor at `theta` degrees from below a lamp of height 2, seen from the side.
-double floorAt(const SceneMaker& maker, double theta) {
-    const dvec3 point(2 * std::tan(theta * kDegree), 0, 0);
-    return SceneTracer(maker).trace(rayTowards(point + dvec3(0, 1, 3), point)).color.x;
-}
-
-SceneMaker lamp(double angle, double penumbra, uint32_t kind = shared::kLightSpot) {
+SceneMaker lamp(double angle, double penumbra) {
     SceneMaker maker;
     maker.plane(vec3(0), {0, 1, 0});
-    maker.spot({0, 2, 0}, {0, -1, 0}, angle, penumbra, kind);
+    maker.spot({0, 2, 0}, {0, -1, 0}, angle, penumbra);
     return maker;
-}
-
-// Lambert's cosine is that of theta too.
-TEST(ReferenceSpot, SmoothstepOfTheCosine) {
-    const SceneMaker maker = lamp(20, 20);
-    for (const double theta : {0.0, 10.0, 19.99})
-        EXPECT_NEAR(floorAt(maker, theta), std::cos(theta * kDegree), kRounding) << theta;
-    const double inner = std::cos(20 * kDegree), outer = std::cos(40 * kDegree);
-    for (const double quarter : {0.25, 0.5, 0.75}) {
-        // 3 x^2 - 2 x^3 at 1/4, 1/2, 3/4: 5/32, 1/2, 27/32.
-        const double factor = quarter == 0.25 ? 5.0 / 32 : quarter == 0.5 ? 0.5 : 27.0 / 32;
-        const double cosine = outer + quarter * (inner - outer);
-        EXPECT_NEAR(floorAt(maker, std::acos(cosine) / kDegree), cosine * factor, kRounding) << quarter;
-    }
-    EXPECT_EQ(floorAt(maker, 40.01), 0);
-    EXPECT_EQ(floorAt(maker, 80), 0);
-}
-
-TEST(ReferenceSpot, WithoutPenumbraAStep) {
-    const SceneMaker maker = lamp(30, 0);
-    EXPECT_NEAR(floorAt(maker, 29.9999), std::cos(29.9999 * kDegree), kRounding);
-    EXPECT_EQ(floorAt(maker, 30.0001), 0);
-}
-
-TEST(ReferenceSpot, InverseSquare) {
-    const SceneMaker maker = lamp(30, 0, shared::kLightSpotInverseSquare);
-    EXPECT_NEAR(floorAt(maker, 0), 1.0 / 4, kRounding);
-    // Distance 2 / cos: cos / (4 / cos^2).
-    EXPECT_NEAR(floorAt(maker, 25), std::pow(std::cos(25 * kDegree), 3) / 4, kRounding);
-}
-
-TEST(ReferenceSpot, FullSphereIsAPointLight) {
-    SceneMaker maker;
-    maker.plane(vec3(0), {0, 1, 0});
-    maker.spot({0, 2, 0}, {0, 1, 0}, 180, 0);  // away from the floor
-    for (const double theta : {0.0, 45.0, 80.0})
-        EXPECT_NEAR(floorAt(maker, theta), std::cos(theta * kDegree), kRounding);
 }
 
 // Outside the cone there is no shadow ray: nothing is tested for it, and nothing is called occluded.

@@ -289,21 +289,6 @@ TEST(ReferenceCuboid, AllHitsAreTwo) {
     EXPECT_EQ(hits[1].t, 8);
 }
 
-// u to the right and v upwards as seen from outside; top and bottom as floor and ceiling.
-TEST(ReferenceCuboid, CoordinatesOfFaces) {
-    const SceneTracer tracer(packed(BoxShape{{0, 0, 0}, {4, 2, 1}}));
-    const auto uvAt = [&](const dvec3& point, const dvec3& out) {
-        const Ray ray{point + out, -out};
-        return tracer.surfaceAt(ray, tracer.closest(ray).value()).uv;
-    };
-    EXPECT_EQ(uvAt({1, 0.5, 1}, {0, 0, 1}), glm::dvec2(0.25, 0.25));
-    EXPECT_EQ(uvAt({1, 0.5, 0}, {0, 0, -1}), glm::dvec2(0.75, 0.25));
-    EXPECT_EQ(uvAt({4, 0.5, 0.25}, {1, 0, 0}), glm::dvec2(0.75, 0.25));
-    EXPECT_EQ(uvAt({0, 0.5, 0.25}, {-1, 0, 0}), glm::dvec2(0.25, 0.25));
-    EXPECT_EQ(uvAt({1, 2, 0.25}, {0, 1, 0}), glm::dvec2(0.25, 0.75));
-    EXPECT_EQ(uvAt({1, 0, 0.25}, {0, -1, 0}), glm::dvec2(0.25, 0.25));
-}
-
 // docs/design/numerics.md, by hand: |a - o| + |t d| is (2, 0, 1), so the height is 1 (4 + 12) + 2 (4) + 4 (4
 // + 6).
 TEST(ReferenceSlip, CountsEachTermOfTheRule) {

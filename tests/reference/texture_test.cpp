@@ -32,9 +32,9 @@ PackedScene quadScene(uint32_t flags = 0) {
     return scene;
 }
 
-dvec4 colorAt(const PackedScene& scene, const dvec2& uv, const dvec3& position = dvec3(0)) {
+dvec4 colorAt(const PackedScene& scene, const dvec2& uv) {
     const Model model = widened(scene);
-    return textureAt(model, model.textures[0], uv, position, 0);
+    return textureAt(model, model.textures[0], uv, dvec3(0), 0);
 }
 
 double redAt(const PackedScene& scene, double u, double v) {
@@ -58,24 +58,6 @@ TEST(Texture, BilinearOfTwoByTwo) {
     EXPECT_EQ(colorAt(scene, {0.5, 0.5}).w, 2.5 / 16);
 }
 
-TEST(Texture, WrapModes) {
-    const PackedScene clamp = quadScene(wraps(shared::kTextureWrapClamp));
-    EXPECT_EQ(redAt(clamp, 0, 1), 1);
-    EXPECT_EQ(redAt(clamp, -3, 0.75), 1);
-    EXPECT_EQ(redAt(clamp, 9, -5), 4);
-    const PackedScene repeat = quadScene(wraps(shared::kTextureWrapRepeat));
-    EXPECT_EQ(redAt(repeat, 0, 0.75), 1.5);  // half way between the last column and the first
-    EXPECT_EQ(redAt(repeat, 1.25, 0.75), 1);
-    EXPECT_EQ(redAt(repeat, -0.75, -0.25), 1);
-    EXPECT_EQ(redAt(repeat, 0.25, 1), 2);
-    const PackedScene mirror = quadScene(wraps(shared::kTextureWrapMirror));
-    EXPECT_EQ(redAt(mirror, 0, 0.75), 1);  // the same texel on both sides of the edge
-    EXPECT_EQ(redAt(mirror, 1.25, 0.75), 2);
-    EXPECT_EQ(redAt(mirror, 1.75, 0.75), 1);
-    EXPECT_EQ(redAt(mirror, -0.25, 0.75), 1);
-    EXPECT_EQ(redAt(mirror, 2.25, -0.25), 3);
-}
-
 TEST(Texture, NearestTakesTheTexelThatHoldsThePoint) {
     const PackedScene scene = quadScene(wraps(shared::kTextureWrapRepeat) | shared::kTextureNearest);
     EXPECT_EQ(redAt(scene, 0.49, 0.51), 1);
@@ -94,39 +76,6 @@ TEST(Texture, WildCoordinatesAreHarmless) {
     for (const double wild :
          {std::numeric_limits<double>::quiet_NaN(), 1e30, -1e30, std::numeric_limits<double>::infinity()})
         EXPECT_EQ(redAt(scene, wild, wild), corner) << wild;
-}
-
-TEST(Texture, CheckersAlternate) {
-    PackedScene scene = quadScene(shared::kTextureChecker);
-    scene.textures[0].colorA = glm::vec3(1, 0, 0);
-    scene.textures[0].colorB = glm::vec3(5, 0, 0);
-    EXPECT_EQ(redAt(scene, 0.5, 0.5), 1);
-    EXPECT_EQ(redAt(scene, 1.5, 0.5), 5);
-    EXPECT_EQ(redAt(scene, 1.5, 1.5), 1);
-    EXPECT_EQ(redAt(scene, -0.5, 0.5), 5);
-    EXPECT_EQ(redAt(scene, -0.5, -0.5), 1);
-    scene.textures[0].scaleU = 2;
-    EXPECT_EQ(redAt(scene, 0.75, 0.5), 5);
-    scene.textures[0].place = glm::vec3(0.6f, 0, 0);
-    EXPECT_EQ(redAt(scene, 0.75, 0.5), 1);  // 1.5 + 0.6 = 2.1
-}
-
-constexpr shared::ObjectFrame kObjectIsLocal{
-    .toObjectX = {1, 0, 0}, .toObjectY = {0, 1, 0}, .toObjectZ = {0, 0, 1}};
-
-// The frame moves local x = 10 to object x = 0.
-TEST(Texture, SolidCheckerLivesInObjectSpace) {
-    PackedScene scene = quadScene(shared::kTextureChecker | shared::kTextureSolid);
-    scene.textures[0].colorA = glm::vec3(1, 0, 0);
-    scene.textures[0].colorB = glm::vec3(5, 0, 0);
-    scene.objectFrames.push_back(kObjectIsLocal);
-    scene.objectFrames[0].offsetX = -10;
-    const auto at = [&](const dvec3& p) { return colorAt(scene, {7, 7}, p).x; };
-    EXPECT_EQ(at({10.5, 0.5, 0.5}), 1);
-    EXPECT_EQ(at({11.5, 0.5, 0.5}), 5);
-    EXPECT_EQ(at({11.5, 0.5, -0.5}), 1);
-    EXPECT_EQ(at({9.5, 0.5, 0.5}), 5);
-    EXPECT_EQ(at({9.5, 1.5, 2.5}), 1);
 }
 
 // A map of 4 x 2 texels numbered by rows from the top; centres of columns at u = 1/8, 3/8, 5/8, 7/8.
@@ -159,32 +108,6 @@ TEST(Texture, EnvironmentDirections) {
     EXPECT_NEAR(seen({1e-9, -1, -1e-9}), 2 + 4, 1e-6);
     scene.textures[0].place.x = 0.25f;  // a quarter turn counter-clockwise: what was along -z is along -x
     EXPECT_NEAR(seen({-1, 0, 0}), 1.5 + 2, 1e-12);
-}
-
-// Object frame the identity: the pole is +y, the middle of the image faces +z, and east, larger u, is to the
-// right seen from outside, where +x is to the right of who looks along -z.
-TEST(Texture, SphereCoordinatesInSixDirections) {
-    SceneMaker maker;
-    maker.sphere({1, 2, 3}, 0.5f);
-    PackedScene scene = maker.finish();
-    scene.objectFrames.push_back(kObjectIsLocal);
-    scene.objectFrames[0].uvKind = shared::kUvNormal;
-    const Tracer tracer(scene);
-    const auto uvFrom = [&](const dvec3& d) {
-        const Ray ray = makeRay(dvec3(1, 2, 3) + 2.0 * d, -d);
-        const auto hit = tracer.closest(ray);
-        EXPECT_TRUE(hit.has_value());
-        return tracer.surfaceAt(ray, *hit).uv;
-    };
-    const auto near = [](const dvec2& a, const dvec2& b) { return glm::length(a - b) < 1e-9; };
-    EXPECT_TRUE(near(uvFrom({0, 0, 1}), {0.5, 0.5}));
-    EXPECT_TRUE(near(uvFrom({1, 0, 0}), {0.75, 0.5}));
-    EXPECT_TRUE(near(uvFrom({-1, 0, 0}), {0.25, 0.5}));
-    EXPECT_NEAR(std::abs(uvFrom({0, 0, -1}).x - 0.5), 0.5, 1e-9);
-    EXPECT_NEAR(uvFrom({0, 1, 0}).y, 1, 1e-7);
-    EXPECT_NEAR(uvFrom({0, -1, 0}).y, 0, 1e-7);
-    EXPECT_TRUE(
-        near(uvFrom(glm::normalize(dvec3(0, 1, std::sqrt(3)))), {0.5, 0.5 + 1.0 / 6}));  // 30 degrees north
 }
 
 // Magnitudes that the coordinates sum; on the axis, where the angle is any, half a turn in units of 2^-24.

@@ -1,7 +1,8 @@
-// Spot lights on the device: the cone by geometry, and what it costs.
+// Spot lights: the cone by geometry, on the device and in the reference.
 #include <cmath>
 #include <numbers>
 
+#include "reference/render.h"
 #include "support.h"
 #include "verify/verify.h"
 
@@ -39,45 +40,53 @@ SpotLight lampAt(double height, double angle, double penumbra) {
 TEST_F(SpotTest, LightsADiscOfTheConesRadius) {
     struct Lamp {
         double height, angle, penumbra, tolerance;
+        Falloff falloff = Falloff::None;
     };
-    for (const Lamp& lamp : {Lamp{4, 30, 10, 2e-5}, Lamp{4, 30, 0, 2e-5}, Lamp{0.25, 0, 60, 2e-5},
-                             Lamp{1e4, 0.01, 0, 2e-5}, Lamp{1e4, 0.005, 0.005, 2e-3}}) {
+    for (const Lamp& lamp :
+         {Lamp{4, 30, 10, 2e-5}, Lamp{4, 30, 0, 2e-5}, Lamp{0.25, 0, 60, 2e-5}, Lamp{1e4, 0.01, 0, 2e-5},
+          Lamp{1e4, 0.005, 0.005, 2e-3}, Lamp{2, 30, 10, 2e-5, Falloff::InverseSquare}}) {
         const double full = lamp.height * std::tan(lamp.angle * kDegree);
         const double none = lamp.height * std::tan((lamp.angle + lamp.penumbra) * kDegree);
         Scene scene = floorFromAbove(2.5 * none);
-        scene.lights.push_back(lampAt(lamp.height, lamp.angle, lamp.penumbra));
-        const Picture picture = draw(device(), makeCase(scene, kSize, kSize));
+        SpotLight spot = lampAt(lamp.height, lamp.angle, lamp.penumbra);
+        spot.falloff = lamp.falloff;
+        scene.lights.push_back(spot);
+        const Case c = makeCase(scene, kSize, kSize);
+        const Picture pictures[] = {draw(device(), c),
+                                    reference::render(c.packed, c.camera, wholeWithData(c))};
         int lit = 0, dark = 0, between = 0;
-        for (int y = 0; y < kSize; ++y) {
-            for (int x = 0; x < kSize; ++x) {
-                const dvec3 point = picture.at(x, y).position;
-                const double radius = std::hypot(point.x, point.z);
-                if (std::min(std::abs(radius - full), std::abs(radius - none)) < 1e-3 * none) continue;
-                const double theta = std::atan(radius / lamp.height);
-                double expected = radius < full ? std::cos(theta) : 0;
-                ++(radius < full ? lit : radius > none ? dark : between);
-                if (radius > full && radius < none) {
-                    const auto oneMinusCosine = [](double a) { return 2 * std::pow(std::sin(a / 2), 2); };
-                    const double outer = oneMinusCosine((lamp.angle + lamp.penumbra) * kDegree);
-                    const double s =
-                        (outer - oneMinusCosine(theta)) / (outer - oneMinusCosine(lamp.angle * kDegree));
-                    expected = std::cos(theta) * s * s * (3 - 2 * s);
-                }
-                if (radius > none) {
-                    EXPECT_EQ(picture.color.at(x, y, 0), 0) << radius;
-                } else {
-                    EXPECT_NEAR(picture.color.at(x, y, 0), expected, lamp.tolerance)
-                        << radius << " of " << full << " " << none;
-                }
+        for (int i = 0; i < 2 * kSize * kSize; ++i) {
+            const Picture& picture = pictures[i % 2];
+            const int x = i / 2 % kSize, y = i / 2 / kSize;
+            const dvec3 point = picture.at(x, y).position;
+            const double radius = std::hypot(point.x, point.z);
+            if (std::min(std::abs(radius - full), std::abs(radius - none)) < 1e-3 * none) continue;
+            const double theta = std::atan(radius / lamp.height);
+            double expected = std::cos(theta);
+            if (lamp.falloff == Falloff::InverseSquare)
+                expected *= std::pow(std::cos(theta) / lamp.height, 2);
+            ++(radius < full ? lit : radius > none ? dark : between);
+            if (radius > full) {
+                const auto oneMinusCosine = [](double a) { return 2 * std::pow(std::sin(a / 2), 2); };
+                const double outer = oneMinusCosine((lamp.angle + lamp.penumbra) * kDegree);
+                const double s =
+                    (outer - oneMinusCosine(theta)) / (outer - oneMinusCosine(lamp.angle * kDegree));
+                expected *= s * s * (3 - 2 * s);
+            }
+            if (radius > none) {
+                EXPECT_EQ(picture.color.at(x, y, 0), 0) << radius;
+            } else {
+                EXPECT_NEAR(picture.color.at(x, y, 0), expected, lamp.tolerance)
+                    << radius << " of " << full << " " << none;
             }
         }
-        EXPECT_GT(dark, kSize * kSize / 3);
+        EXPECT_GT(dark, 2 * kSize * kSize / 3);
         EXPECT_EQ(lit > 0, lamp.angle > 0);
         EXPECT_EQ(between > 0, lamp.penumbra > 0);
     }
 }
 
-// A cone of 180 degrees is a point light, also straight behind, where its light comes at a cosine of -1.
+// A cone of 180 degrees is a point light, also straight behind, at a cosine of -1.
 TEST_F(SpotTest, FullSphereIsAPointLight) {
     for (const Falloff falloff : {Falloff::None, Falloff::InverseSquare}) {
         Scene scene = floorFromAbove(3);
@@ -86,13 +95,15 @@ TEST_F(SpotTest, FullSphereIsAPointLight) {
         lamp.direction = {0, 1, 0};
         lamp.falloff = falloff;
         scene.lights.push_back(lamp);
-        const Picture spot = draw(device(), makeCase(scene, kSize, kSize));
+        const Case c = makeCase(scene, kSize, kSize);
+        const Picture spot = draw(device(), c);
+        EXPECT_EQ(verified(c).unexplained, 0u);
         scene.lights[0] = PointLight{lamp.position, lamp.intensity, falloff};
         EXPECT_TRUE(sameBits(spot, draw(device(), makeCase(scene, kSize, kSize))));
     }
 }
 
-// Sharp cones on a slanted floor, one from far away: verify finds that their rims hang on rounding.
+// Sharp cones on a slanted floor, one from far away: verify explains pixels at their rims by rounding.
 TEST_F(SpotTest, SharpRimsAreExplained) {
     Scene scene = emptyScene();
     scene.ambient = Color(0.1);

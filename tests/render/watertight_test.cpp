@@ -40,34 +40,4 @@ TEST_F(WatertightTest, ClosedFans) {
     }
 }
 
-// Unit squares far from the origin; a second grid opposite keeps the packing from moving it there.
-TEST_F(WatertightTest, DistantGrids) {
-    constexpr uint32_t kSquares = 16;
-    Random random(18);
-    for (const double offset : {0.0, 1e3, 1e6}) {
-        Scene scene = emptyScene();
-        scene.camera.eye = {0, 0, 10};
-        addGrid(scene, kSquares, {offset, offset, 0}, kSquares);
-        addTriangle(scene, {-offset - 1, -offset, -5}, {-offset - 2, -offset, -5},
-                    {-offset - 1, -offset - 1, -5});
-        const PackedScene packed = packScene(scene);
-        ASSERT_EQ(packed.origin, dvec3(0));
-        std::vector<RayInput> rays;
-        for (uint32_t y = 1; y < kSquares; ++y) {
-            for (uint32_t x = 1; x < kSquares; ++x) {
-                const dvec3 vertex(offset + x, offset + y, 0);
-                const dvec3 sides[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
-                for (const dvec3& side : sides) {
-                    for (int i = 0; i < 8; ++i) {
-                        const dvec3 from = vertex + dvec3(random.uniform(-4, 4), random.uniform(-4, 4), 10);
-                        const double along = i == 0 ? 0.5 : random.uniform(0, 0.9375);
-                        rays.push_back(rayTowards(from, vertex + along * side, i % 2));
-                    }
-                }
-            }
-        }
-        EXPECT_EQ(missesOf(packed, rays), 0u) << offset;
-    }
-}
-
 }  // namespace glint::render::test::watertight_test
