@@ -20,22 +20,6 @@ uint32_t count(const std::vector<Access>& bindings, Access access) {
     return static_cast<uint32_t>(std::count(bindings.begin(), bindings.end(), access));
 }
 
-void checkLimit(const std::string& name, const char* what, uint32_t wanted, uint32_t limit) {
-    if (wanted > limit) {
-        throw Error(ErrorKind::Device, label(name) + "needs " + std::to_string(wanted) + " " + what +
-                                           ", but this device has at most " + std::to_string(limit));
-    }
-}
-
-void checkLimits(const KernelOptions& options, const DeviceLimits& limits) {
-    const std::string& name = options.name;
-    checkLimit(name, "bytes of push constants", options.pushConstantBytes, limits.maxPushConstantBytes);
-    checkLimit(name, "storage buffers", count(options.bindings, Access::StorageBuffer),
-               limits.maxStorageBuffersPerStage);
-    checkLimit(name, "texel buffers", count(options.bindings, Access::TexelBuffer),
-               limits.maxStorageImagesPerStage);
-}
-
 void createLayouts(Program& program, const DeviceState& device) {
     const std::vector<Access>& accesses = program.key.bindings;
     std::vector<VkDescriptorSetLayoutBinding> bindings(accesses.size());
@@ -141,7 +125,6 @@ void createSet(KernelState& state, const DeviceState& device) {
 }  // namespace
 
 Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std::make_shared<KernelState>()) {
-    checkLimits(options, device.info().limits);
     DeviceState& owner = device.state();
     state_->device = &owner;
     state_->name = options.name;

@@ -16,10 +16,24 @@ constexpr uint32_t kPushConstantBytes = 128;    // what Vulkan guarantees (table
 // Storage buffers of a kernel that has its arrays together (render/kernels.h).
 constexpr uint32_t kBindings = 4;
 
-int rank(const DeviceInfo& device) {
-    constexpr const char* kOrder[] = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "CPU"};
-    return static_cast<int>(std::find(std::begin(kOrder), std::end(kOrder), device.type) -
-                            std::begin(kOrder));
+struct DeviceType {
+    VkPhysicalDeviceType type;
+    const char* name;
+};
+// By preference.
+constexpr DeviceType kTypes[] = {{VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU, "discrete GPU"},
+                                 {VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU, "integrated GPU"},
+                                 {VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU, "virtual GPU"},
+                                 {VK_PHYSICAL_DEVICE_TYPE_OTHER, "other"},
+                                 {VK_PHYSICAL_DEVICE_TYPE_CPU, "CPU"}};
+
+auto rank(const DeviceInfo& device) {
+    return std::ranges::find_if(kTypes, [&](const DeviceType& type) { return device.type == type.name; });
+}
+
+std::string typeText(VkPhysicalDeviceType type) {
+    const auto* const found = std::ranges::find(kTypes, type, &DeviceType::type);
+    return found != std::end(kTypes) ? found->name : "other";
 }
 
 std::string label(const DeviceInfo& device) {
@@ -166,21 +180,6 @@ std::string versionText(uint32_t version) {
     return std::to_string(VK_API_VERSION_MAJOR(version)) + "." +
            std::to_string(VK_API_VERSION_MINOR(version)) + "." +
            std::to_string(VK_API_VERSION_PATCH(version));
-}
-
-std::string typeText(VkPhysicalDeviceType type) {
-    switch (type) {
-        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-            return "discrete GPU";
-        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-            return "integrated GPU";
-        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-            return "virtual GPU";
-        case VK_PHYSICAL_DEVICE_TYPE_CPU:
-            return "CPU";
-        default:
-            return "other";
-    }
 }
 
 std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice device) {

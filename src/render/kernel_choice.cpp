@@ -13,9 +13,8 @@ namespace glint::render {
 
 namespace {
 
-// Features that packets support or need not know. Any other feature, also one that comes later, is traced one
-// ray per lane.
-constexpr std::string_view kKnown[] = {
+// Features that packets support or can ignore. Scenes with any other feature are traced one ray per lane.
+constexpr std::string_view kSupported[] = {
     "triangles",      "spheres",           "planes",     "cuboids",  "anchoredSpheres", "vertexNormals",
     "pointLights",    "directionalLights", "spotLights", "specular", "mirrors",         "parallelCamera",
     "splitTriangles", "environmentMap",    "thinLens",   "slivers",  "openPlanes",      "texturedGlass"};
@@ -25,20 +24,20 @@ size_t primitivesOfPackets(const PackedScene& scene) {
     return scene.triangles.size() + scene.spheres.size() + scene.cuboids.size();
 }
 
-std::string unknownToPackets(const SceneFeatures& features) {
-    std::string unknown;
-#define GLINT_CHECK(ID, NAME, field)                                             \
-    if (features.field && std::ranges::find(kKnown, #field) == std::end(kKnown)) \
-        unknown += (unknown.empty() ? "" : ", ") + std::string(#field);
+std::string unsupportedByPackets(const SceneFeatures& features) {
+    std::string names;
+#define GLINT_CHECK(ID, NAME, field)                                                     \
+    if (features.field && std::ranges::find(kSupported, #field) == std::end(kSupported)) \
+        names += (names.empty() ? "" : ", ") + std::string(#field);
     GLINT_FEATURES(GLINT_CHECK)
 #undef GLINT_CHECK
-    return unknown;
+    return names;
 }
 
 // A ray seldom takes more than a hundred, and paths are short.
-constexpr uint32_t kFewestTrips = 1500;
-// From where on what packets save pays for their longer start: between 0.7 million rays (scenes/arcade.json)
-// and two.
+constexpr uint32_t kMinTrips = 1500;
+// Rays from which packets repay their longer start: measured between 0.7 million (scenes/arcade.json) and
+// two.
 constexpr uint64_t kManyRays = 1'000'000;
 
 }  // namespace
@@ -67,32 +66,32 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
                                            " lanes: choose the traversal auto or lane");
     }
     if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
-    if (const std::string name = unknownToPackets(scene.features); !name.empty())
+    if (const std::string name = unsupportedByPackets(scene.features); !name.empty())
         return {false, "packets do not support " + name};
     if (methods != Methods{}) return {false, "packets support only the default intersection tests"};
     if (primitivesOfPackets(scene) == 0) return {false, "the scene has no BVH"};
     if (wanted == Traversal::Packet) return {true, "as asked for"};
     if (!device.llvmpipe) return {false, "packets are faster only on llvmpipe"};
-    if (primitivesOfPackets(scene) < kFewestForPackets) return {false, "too few primitives for packets"};
+    if (primitivesOfPackets(scene) < kMinForPackets) return {false, "too few primitives for packets"};
     return {true, "llvmpipe, subgroups of 8 lanes"};
 }
 
-bool wholePathsKnow(const TraceModes& modes) {
+bool wholePathsSupport(const TraceModes& modes) {
     const bool robust = modes.methods.triangles == TriangleMethod::Watertight &&
                         modes.methods.spheres == SphereMethod::Robust;
     return robust && !modes.aovs && !modes.cost && !modes.tally;
 }
 
 bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice, const WholePathsWork& work) {
-    if (!device.llvmpipe || work.tripBudget < kFewestTrips) return false;
+    if (!device.llvmpipe || work.tripBudget < kMinTrips) return false;
     const bool many = work.rays == 0 || work.rays >= kManyRays;
     return !(choice.packets && !work.furtherRays && many);
 }
 
 std::vector<KernelId> kernelsOfSteps(const PackedScene& scene, const Request& request, bool packets) {
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
-    // Packets trace camera rays alone. Whether there are others is the scene's to say, not the code's that
-    // the pipeline happens to hold: kernels for later bounces that never come would double a cold start.
+    // Packets trace camera rays alone. The scene decides whether there are others, not the features of the
+    // kernels: unused kernels for later bounces would double a cold start.
     const bool goesOn = goesOnAfterHits(scene.features, environmentOf(scene, request));
     const bool hasLights = !lightsOf(scene, request).empty();
     for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {

@@ -143,19 +143,13 @@ uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes,
     return first + (modes.ledger ? shared::kLedgerRows : 0);
 }
 
-uint64_t PathRoom::bytes() const {
-    return static_cast<uint64_t>(paths) * rows * sizeof(RowEntry);
-}
-
-PathRoom roomFor(const gpu::DeviceInfo& device, gpu::Access access, const SceneFeatures& features,
-                 const TraceModes& modes, const shared::Environment& environment, const Region& region,
-                 uint32_t most) {
-    const uint32_t rows = pathRows(features, modes, environment);
+uint32_t slicePaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t rows, const Region& region,
+                    uint32_t most) {
     const uint32_t limit = fittingPaths(device, access, most > 0 ? most : kMaxSlicePaths, rows);
     const uint32_t wanted =
         std::min({Slice::tilesIn(region), limit / shared::kWorkgroupSize, device.limits.maxWorkgroupCountX});
     const uint32_t interleave = interleaveOf(device);
-    return {std::max(wanted / interleave, 1u) * interleave * shared::kWorkgroupSize, rows};
+    return std::max(wanted / interleave, 1u) * interleave * shared::kWorkgroupSize;
 }
 
 }  // namespace glint::render

@@ -1,4 +1,4 @@
-// How many paths a slice may have, how many rows each, and how many loop trips a ray may make in a dispatch.
+// Limits of a dispatch: paths of a slice, rows of a path, and loop trips of a ray.
 #pragma once
 
 #include <cstdint>
@@ -11,56 +11,50 @@
 
 namespace glint::render {
 
-// True if paths may have further rays after the camera's: by a pipeline with these features, and by a request
-// with this environment.
+// True if paths may have reflected or refracted rays: by the features, and by the environment of a request
+// too.
 bool goesOnAfterHits(const SceneFeatures& features);
 bool goesOnAfterHits(const SceneFeatures& features, const shared::Environment& environment);
 
-// Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
+// Paths of a slice: `wanted`, or as many as the device can bind and hold in a quarter of its memory.
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows);
 
-// One slice's paths at most; they fill any GPU.
+// Most paths of a slice; they fill any GPU.
 inline constexpr uint32_t kMaxSlicePaths = 1u << 20;
 
-// Tiles of a slice that go side by side.
+// Runs of a slice's tiles (Slice::interleave). llvmpipe gives each of its threads a run of the workgroups.
 inline uint32_t interleaveOf(const gpu::DeviceInfo& device) {
     return device.llvmpipe ? 16 : 1;
 }
 
-// Rays that whole.comp follows of a path after the camera's: all that there can be, or where they are a tree
-// as many as hardly any path has.
+// Most reflected and refracted rays of a path in whole.comp: the limit by depth, and for a tree of rays at
+// most a number that few paths reach.
 uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environment& environment);
 
-// All rays of a path, shadow rays too.
+// All rays of a path, with shadow rays.
 uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment);
 
-// Loop trips that the rays of a path may make in one dispatch of a pipeline with these features.
+// Loop trips of a ray in one dispatch of kernels with these features.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
                           uint32_t polygonTripsPerLeaf = 0);
 
-// Loop trips that all rays of a path may make in whole.comp.
+// Loop trips of all rays of a path in whole.comp.
 uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
                          uint32_t polygonTripsPerLeaf, const shared::Environment& environment);
 
-// Lights that a dispatch of light.comp may go through: few enough that most paths finish in the trips of one
-// ray, and that its planes are not met more often than once each is allowed.
+// Lights of one dispatch of light.comp, so that most paths finish within the trips of one ray, and planes are
+// tested at most kMaxPlanes times.
 uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount);
 
-// Rows of the path state that every picture of these modes has; where those of the tree (kTreeRow...) begin,
-// behind the instances' and the lists'; and all of them.
+// Rows of the path state: those of every image with these modes; the first of the tree (kTreeRow...), after
+// those of instances and lists; and the number of all rows.
 uint32_t commonRows(const TraceModes& modes);
 uint32_t firstTreeRow(const SceneFeatures& features, const TraceModes& modes);
 uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes,
                   const shared::Environment& environment);
 
-// The state of the paths that a picture's slices have room for.
-struct PathRoom {
-    uint32_t paths = 0, rows = 0;
-    uint64_t bytes() const;
-};
-// `most`: paths of a slice, 0: as many as do good.
-PathRoom roomFor(const gpu::DeviceInfo& device, gpu::Access access, const SceneFeatures& features,
-                 const TraceModes& modes, const shared::Environment& environment, const Region& region,
-                 uint32_t most = 0);
+// Paths of the largest slice of a region. most: upper limit, or 0.
+uint32_t slicePaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t rows, const Region& region,
+                    uint32_t most);
 
 }  // namespace glint::render

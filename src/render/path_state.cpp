@@ -44,9 +44,8 @@ uint32_t Slice::groups() const {
 }
 
 bool Slice::pixelOf(uint32_t path, glm::ivec2& pixel) const {
-    const uint32_t group = path / shared::kWorkgroupSize;
     const uint32_t lane = path % shared::kWorkgroupSize;
-    const uint32_t offset = (group % run()) * interleave + group / run();
+    const uint32_t offset = tileOf(path / shared::kWorkgroupSize);
     if (offset >= tileCount) return false;
     const uint32_t tile = firstTile + offset;
     const uint32_t tilesX = divideUp(region.width(), shared::kTileSize);

@@ -12,17 +12,19 @@
 
 namespace glint::render {
 
-// Which tiles of a region a slice covers, and which pixel each of its paths belongs to: the host's side of
-// pixelOf in shaders/storage.glsl.
+// The tiles of a region that a slice covers, and the pixel of each of its paths: the host's side of pixelOf
+// in shaders/storage.glsl. Tiles are dealt to `interleave` runs of workgroups.
 struct Slice {
-    Region region;
+    Region region = {};
     uint32_t firstTile = 0;
     uint32_t tileCount = 0;
     uint32_t interleave = 1;
 
     static uint32_t tilesIn(const Region& region);
-    uint32_t run() const;     // workgroups in each of the `interleave` runs
+    uint32_t run() const;     // workgroups in each run
     uint32_t groups() const;  // workgroups to dispatch, at least tileCount
+    // The tile of a workgroup, counted from firstTile; at least tileCount if it has none.
+    uint32_t tileOf(uint32_t group) const { return group % run() * interleave + group / run(); }
     uint32_t paths() const { return groups() * shared::kWorkgroupSize; }
     // False for a path without a pixel (a tile past the end, or past the region's edge).
     bool pixelOf(uint32_t path, glm::ivec2& pixel) const;

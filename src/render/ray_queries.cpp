@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstring>
 #include <mutex>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -60,19 +61,7 @@ const RowEntry kNoEntry = {.u = {shared::kNone, shared::kNone, shared::kNone, sh
 
 constexpr size_t kBlock = kRayBlock;
 // llvmpipe gives each of its threads an equal run of the workgroups, so blocks are dealt to this many runs.
-constexpr size_t kRuns = 16;
-
-// Positions of a piece's blocks.
-struct Placement {
-    size_t blocks, runs, perRun;
-    Placement(size_t count, bool dealt)
-        : blocks((count + kBlock - 1) / kBlock),
-          runs(dealt ? std::min(kRuns, blocks) : 1),
-          perRun((blocks + runs - 1) / runs) {}
-    size_t places() const { return runs * perRun; }
-    // The block at a place; at least `blocks` if there is none.
-    size_t at(size_t place) const { return place % perRun * runs + place / perRun; }
-};
+constexpr uint32_t kRuns = 16;
 
 // Rows that a ray needs, in the order of the staging buffer.
 constexpr std::array kSlotRows = {shared::kRowOrigin, shared::kRowDirection, shared::kRowHit,
@@ -126,6 +115,11 @@ struct RayQueries::State : DeviceScene {
     unsigned atOnce() const { return inPlace ? 1u : 2u; }
     // Rays of a piece, so that its places fit: all runs are as long as the longest.
     size_t usable() const { return std::max<size_t>(piece / kBlock / kRuns * kRuns, 1) * kBlock; }
+    // The blocks of a piece, dealt as the tiles of a slice.
+    Slice blocksOf(size_t count) const {
+        const auto blocks = static_cast<uint32_t>((count + kBlock - 1) / kBlock);
+        return {.tileCount = blocks, .interleave = inPlace ? std::min(kRuns, blocks) : 1};
+    }
     Context hostContext() const { return inPlace ? device.context() : Context{.threads = 1}; }
 
     // Calls use(slot) with an idle slot; makes one or waits if there is none.
@@ -151,17 +145,25 @@ struct RayQueries::State : DeviceScene {
         use(*held.slot);
     }
 
-    void fill(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& numbers,
-              size_t count) const {
-        parallelFor(hostContext(), placement.places(), [&](size_t place) {
+    // Calls use(at, start, present) for each block of a piece of `count` rays, in parallel: its first entry
+    // in the rows, its first ray, and the number of its rays, which may be 0.
+    template <typename Use>
+    void eachBlock(size_t count, const Use& use) const {
+        const Slice blocks = blocksOf(count);
+        parallelFor(hostContext(), blocks.groups(), [&](size_t place) {
+            const size_t start = std::min(blocks.tileOf(static_cast<uint32_t>(place)) * kBlock, count);
+            use(place * kBlock, start, std::min(kBlock, count - start));
+        });
+    }
+
+    void fill(const Slot& slot, const RayTask& task, const RayNumbers& numbers, size_t count) const {
+        eachBlock(count, [&](size_t at, size_t start, size_t present) {
             std::array<RayInput, kBlock> rays;
-            const size_t start = std::min(placement.at(place) * kBlock, count);
-            const size_t present = std::min(kBlock, count - start);
             if (present > 0) task.fill(numbers.from(start), std::span(rays).first(present));
             for (size_t i = present; i < kBlock; ++i) rays[i] = RayInput{.tMin = shared::kInfinity};
-            RowEntry* const origin = slot.row(0) + place * kBlock;
-            RowEntry* const direction = slot.row(1) + place * kBlock;
-            RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
+            RowEntry* const origin = slot.row(0) + at;
+            RowEntry* const direction = slot.row(1) + at;
+            RowEntry* const hit = slot.row(kHitRow) + at;
             const float noHit = task.query == RayTask::Query::Count ? 0 : std::bit_cast<float>(shared::kNone);
             for (size_t i = 0; i < kBlock; ++i) {
                 const RayInput& ray = rays[i];
@@ -169,11 +171,12 @@ struct RayQueries::State : DeviceScene {
                 direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, ray.tMin}};
                 hit[i] = {{ray.tMax, 0, 0, noHit}};
             }
-            if (features.instances) std::fill_n(slot.row(kInstanceRow) + place * kBlock, kBlock, kNoEntry);
+            if (features.instances) std::fill_n(slot.row(kInstanceRow) + at, kBlock, kNoEntry);
         });
     }
 
-    void trace(Slot& slot, size_t paths, KernelId id, TraceModes modes, bool packets) const {
+    void trace(Slot& slot, size_t count, KernelId id, TraceModes modes, bool packets) const {
+        const size_t paths = blocksOf(count).groups() * kBlock;
         const auto groups = static_cast<uint32_t>(paths / shared::kWorkgroupSize);
         Engine& engine = slot.engine;
         const gpu::Buffer& rows = engine.paths().buffer();
@@ -190,12 +193,10 @@ struct RayQueries::State : DeviceScene {
         });
     }
 
-    void take(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& numbers,
-              size_t count, RowEntry* gathered) const {
-        parallelFor(hostContext(), placement.places(), [&](size_t place) {
-            const size_t start = placement.at(place) * kBlock;
-            if (start >= count) return;
-            const size_t present = std::min(kBlock, count - start), at = place * kBlock;
+    void take(const Slot& slot, const RayTask& task, const RayNumbers& numbers, size_t count,
+              RowEntry* gathered) const {
+        eachBlock(count, [&](size_t at, size_t start, size_t present) {
+            if (present == 0) return;
             if (gathered != nullptr) {
                 const RowEntry* const hits = slot.row(kHitRow) + at;
                 const uint32_t* const order = numbers.order + start;
@@ -215,18 +216,17 @@ struct RayQueries::State : DeviceScene {
     void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets,
                   RowEntry* gathered) {
         withSlot([&](Slot& slot) {
-            const Placement placement(count, inPlace);
-            fill(slot, placement, task, rays, count);
+            fill(slot, task, rays, count);
             const ProcessorWatch processor;
             const Stopwatch watch;
-            trace(slot, placement.places() * kBlock, kernelOf(task.query),
-                  {.leaves = task.leaves, .methods = task.methods}, packets);
+            trace(slot, count, kernelOf(task.query), {.leaves = task.leaves, .methods = task.methods},
+                  packets);
             if (task.kernels) {
                 const std::lock_guard lock(mutex);
                 task.kernels->wall += watch.seconds();
                 task.kernels->processor += processor.seconds();
             }
-            take(slot, placement, task, rays, count, gathered);
+            take(slot, task, rays, count, gathered);
         });
     }
 
@@ -261,18 +261,7 @@ struct RayQueries::State : DeviceScene {
 
     // ---- Lists of crossings ----
 
-    // Checks that the device listed every crossing: others would be read from uninitialized memory.
-    void checkListed(const Slot& slot, std::span<const RowEntry> wanted) const {
-        for (size_t i = 0; i < wanted.size(); ++i) {
-            const uint32_t listed = slot.row(kHitRow)[i].u[1];
-            if (wanted[i].u[1] != 0 && listed != wanted[i].u[1])
-                throw Error(ErrorKind::Device, "of a ray that crosses " + std::to_string(wanted[i].u[1]) +
-                                                   " surfaces the device has listed " +
-                                                   std::to_string(listed));
-        }
-    }
-
-    // The rays from `first` on, whose hits fit into the room for lists.
+    // Lists the crossings of the rays from `first` on, which fit into the room for lists.
     void listPiece(Slot& slot, std::span<const uint32_t> counts, size_t first, const ListFill& fillRays,
                    const ListTake& takeHits) const {
         RayTask task;
@@ -282,29 +271,30 @@ struct RayQueries::State : DeviceScene {
             for (size_t i = 0; i < rays.size(); ++i)
                 if (counts[numbers[i]] == 0) rays[i].tMin = shared::kInfinity;
         };
-        const Placement placement(counts.size(), inPlace);
-        fill(slot, placement, task, {}, counts.size());
-        std::vector<RowEntry> places(placement.places() * kBlock, RowEntry{{0, 0, 0, 0}});
-        std::vector<uint64_t> starts(counts.size());
-        uint64_t sum = 0;
-        for (size_t place = 0; place < placement.places(); ++place) {
-            const size_t start = placement.at(place) * kBlock;
-            for (size_t i = start; i < std::min(start + kBlock, counts.size()); ++i) {
-                RowEntry& entry = places[place * kBlock + (i - start)];
-                entry.u[0] = static_cast<uint32_t>(sum);
-                entry.u[1] = counts[i];
-                starts[i] = sum;
-                sum += counts[i];
-            }
-        }
+        fill(slot, task, {}, counts.size());
+        std::vector<uint32_t> starts(counts.size() + 1);
+        std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
+        std::vector<RowEntry> places(blocksOf(counts.size()).groups() * kBlock, RowEntry{{0, 0, 0, 0}});
+        eachBlock(counts.size(), [&](size_t at, size_t start, size_t present) {
+            for (size_t i = 0; i < present; ++i)
+                places[at + i] = {.u = {starts[start + i], counts[start + i]}};
+        });
         slot.engine.paths().writeRow(shared::kRowThroughput, places);
-        trace(slot, placement.places() * kBlock, KernelId::Count, {.list = true}, false);
-        checkListed(slot, places);
-        const std::vector<RowEntry> found = slot.engine.paths().readRow(rowCount - kCrossingRows, 2 * sum);
+        trace(slot, counts.size(), KernelId::Count, {.list = true}, false);
+        // An unlisted crossing would be read from uninitialized memory.
+        for (size_t i = 0; i < places.size(); ++i) {
+            const uint32_t listed = slot.row(kHitRow)[i].u[1], wanted = places[i].u[1];
+            if (wanted != 0 && listed != wanted)
+                throw Error(ErrorKind::Device, "of a ray that crosses " + std::to_string(wanted) +
+                                                   " surfaces the device has listed " +
+                                                   std::to_string(listed));
+        }
+        const std::vector<RowEntry> found =
+            slot.engine.paths().readRow(rowCount - kCrossingRows, 2 * size_t{starts.back()});
         std::vector<FoundHit> hits;
         for (size_t i = 0; i < counts.size(); ++i) {
             hits.clear();
-            for (uint64_t k = starts[i]; k < starts[i] + counts[i]; ++k) {
+            for (size_t k = starts[i]; k < starts[i + 1]; ++k) {
                 const RowEntry& hit = found[2 * k];
                 hits.push_back({hit.f[0], hit.f[1], hit.f[2], hit.u[3], found[2 * k + 1].u[0]});
             }
@@ -348,7 +338,7 @@ void RayQueries::prepare() {
 bool RayQueries::update() {
     // The kernels are specialized for the scene's features.
     if (state_->features != hitFeatures(state_->scene.features)) return false;
-    state_->buffers.update(state_->device, state_->scene);
+    state_->buffers.update(state_->scene);
     return true;
 }
 

@@ -70,7 +70,7 @@ struct Renderer::State : DeviceScene {
 
     // Auto excludes what whole.comp lacks: times of each step, packets, and the caller's kernels.
     bool drawsWholePaths() const {
-        if (options.wholePaths == WholePaths::Off || wholePathsGivenUp || !wholePathsKnow(modes))
+        if (options.wholePaths == WholePaths::Off || wholePathsGivenUp || !wholePathsSupport(modes))
             return false;
         if (options.wholePaths == WholePaths::On) return true;
         const bool free = options.traversal != Traversal::Packet && !options.profile && !options.kernels;
@@ -273,18 +273,19 @@ struct Renderer::State : DeviceScene {
 
         const uint32_t tiles = Slice::tilesIn(picture.region);
         const uint32_t interleave = interleaveOf(device.info());
-        const PathRoom room = roomFor(device.info(), access, features, modes, environment, picture.region,
-                                      options.maxSlicePixels);
-        const bool grown = buffers.setSamples(device, wanted.samples.rows);
-        engine.reserve(room.paths, room.rows, grown);
-        buffers.setView(device, camera, environment, lightsOf(scene, wanted));
+        const uint32_t rows = pathRows(features, modes, environment);
+        const uint32_t paths =
+            slicePaths(device.info(), access, rows, picture.region, options.maxSlicePixels);
+        const bool grown = buffers.setSamples(wanted.samples.rows);
+        engine.reserve(paths, rows, grown);
+        buffers.setView(camera, environment, lightsOf(scene, wanted));
         compile();
 
         const uint64_t before = times.pathRays;
         const RayCounts counted = rayCounts;
         if (!modes.adaptive) times.pathRays += pixels * wanted.samples.count();
         for (uint32_t first = 0; first < tiles;) {
-            const uint32_t most = std::clamp(sliceTiles, interleave, room.paths / shared::kWorkgroupSize);
+            const uint32_t most = std::clamp(sliceTiles, interleave, paths / shared::kWorkgroupSize);
             const Slice slice = {picture.region, first, std::min(most, tiles - first), interleave};
             first = slice.firstTile + slice.tileCount;
             const double from = static_cast<double>(slice.firstTile) / tiles;

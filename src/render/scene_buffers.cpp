@@ -101,7 +101,7 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, const ArraySizes& sizes)
 
 SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
                            const TraversalChoice& traversal)
-    : access_(access) {
+    : device_(&device), access_(access) {
     Others others;
     if (traversal.packets) others.packetCorners = packetTree(scene.nodes, &packetSlots_, device.context());
     zeros_ = gpu::Buffer(device, "zeros", kZeroBytes, access, gpu::MemoryKind::Device);
@@ -111,28 +111,28 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
         visitArrays(scene, others, [&](uint32_t binding, const char*, std::span<const std::byte> data) {
             sizes[binding] = data.size();
         });
-        placeTogether(device, sizes);
+        placeTogether(sizes);
     }
     visitArrays(scene, others, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
         if (data.empty()) return;
         if (access == gpu::Access::TexelBuffer)
             buffers_[binding] = gpu::Buffer(device, name, data.size() + overrunOf(binding, traversal.packets),
                                             access, gpu::MemoryKind::Device);
-        write(device, binding, data);
+        write(binding, data);
     });
 }
 
-void SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
+void SceneBuffers::update(const PackedScene& scene) {
     if (!packetSlots_.empty()) {
         if (packetCorners_.empty()) {
             packetCorners_.resize(2 * packetSlots_.size());
-            gpu::download(device, buffers_[packetCornersBinding],
+            gpu::download(*device_, buffers_[packetCornersBinding],
                           std::as_writable_bytes(std::span(packetCorners_)));
         }
-        refitPacketTree(scene.nodes, packetSlots_, packetCorners_, device.context());
+        refitPacketTree(scene.nodes, packetSlots_, packetCorners_, device_->context());
     }
     const auto rewrite = [&](uint32_t binding, const auto& array) {
-        if (!array.empty()) write(device, binding, std::as_bytes(std::span(array)));
+        if (!array.empty()) write(binding, std::as_bytes(std::span(array)));
     };
     rewrite(trianglesBinding, scene.triangles);
     rewrite(triangleSurfacesBinding, scene.triangleSurfaces);
@@ -142,11 +142,10 @@ void SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
     rewrite(planesBinding, scene.planes);
     rewrite(instancesBinding, scene.instances);
     rewrite(lightsBinding, scene.lights);
-    write(device, environmentBinding, gpu::bytesOf(scene.environment));
+    write(environmentBinding, gpu::bytesOf(scene.environment));
 }
 
-void SceneBuffers::placeTogether(const gpu::Device& device,
-                                 const std::array<uint64_t, GLINT_BINDING_COUNT>& sizes) {
+void SceneBuffers::placeTogether(const std::array<uint64_t, GLINT_BINDING_COUNT>& sizes) {
     uint64_t bytes = kHeadBytes;
     for (uint32_t binding = 0; binding < GLINT_BINDING_COUNT; ++binding) {
         first_[binding] = static_cast<uint32_t>(bytes / kTexelBytes);
@@ -156,32 +155,31 @@ void SceneBuffers::placeTogether(const gpu::Device& device,
     for (uint32_t binding = 0; binding < GLINT_BINDING_COUNT; ++binding)
         if (sizes[binding] == 0) first_[binding] = static_cast<uint32_t>(bytes / kTexelBytes);
     static_assert(kZeroBytes >= std::max(kPacketOverrun, kAttributeOverrun));
-    buffers_[kTogether] = gpu::Buffer(device, "all arrays together", bytes + kZeroBytes,
+    buffers_[kTogether] = gpu::Buffer(*device_, "all arrays together", bytes + kZeroBytes,
                                       gpu::Access::StorageBuffer, gpu::MemoryKind::Device);
-    gpu::upload(device, buffers_[kTogether], std::as_bytes(std::span(first_)));
-    gpu::upload(device, buffers_[kTogether], kZeros, bytes);
+    gpu::upload(*device_, buffers_[kTogether], std::as_bytes(std::span(first_)));
+    gpu::upload(*device_, buffers_[kTogether], kZeros, bytes);
 }
 
-void SceneBuffers::write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const {
+void SceneBuffers::write(uint32_t binding, std::span<const std::byte> data) const {
     const bool together = access_ == gpu::Access::StorageBuffer && binding != samplesBinding;
-    gpu::upload(device, buffers_[together ? kTogether : binding], data,
+    gpu::upload(*device_, buffers_[together ? kTogether : binding], data,
                 together ? first_[binding] * kTexelBytes : 0);
 }
 
-void SceneBuffers::setView(const gpu::Device& device, const shared::Camera& camera,
-                           const shared::Environment& environment,
+void SceneBuffers::setView(const shared::Camera& camera, const shared::Environment& environment,
                            std::span<const shared::Light> lights) const {
-    write(device, cameraBinding, gpu::bytesOf(camera));
-    write(device, environmentBinding, gpu::bytesOf(environment));
-    if (!lights.empty()) write(device, lightsBinding, std::as_bytes(lights));
+    write(cameraBinding, gpu::bytesOf(camera));
+    write(environmentBinding, gpu::bytesOf(environment));
+    if (!lights.empty()) write(lightsBinding, std::as_bytes(lights));
 }
 
-bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared::Sample> rows) {
+bool SceneBuffers::setSamples(std::span<const shared::Sample> rows) {
     if (rows.empty()) return false;
     gpu::Buffer& buffer = buffers_[samplesBinding];
     const bool grows = !buffer || buffer.size() < rows.size_bytes();
-    if (grows) buffer = gpu::Buffer(device, "samples", rows.size_bytes(), access_, gpu::MemoryKind::Device);
-    gpu::upload(device, buffer, std::as_bytes(rows));
+    if (grows) buffer = gpu::Buffer(*device_, "samples", rows.size_bytes(), access_, gpu::MemoryKind::Device);
+    gpu::upload(*device_, buffer, std::as_bytes(rows));
     return grows;
 }
 

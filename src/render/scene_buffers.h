@@ -33,22 +33,23 @@ class SceneBuffers {
 
     // The arrays of a scene that differs from the one at construction in numbers alone: as many of
     // everything, and the same children of each node.
-    void update(const gpu::Device& device, const PackedScene& scene);
+    void update(const PackedScene& scene);
 
     // Lights: at most as many as there were at construction.
-    void setView(const gpu::Device& device, const shared::Camera& camera,
-                 const shared::Environment& environment, std::span<const shared::Light> lights) const;
+    void setView(const shared::Camera& camera, const shared::Environment& environment,
+                 std::span<const shared::Light> lights) const;
     // True if the array had to grow: bind it again. Does nothing without rows.
-    bool setSamples(const gpu::Device& device, std::span<const shared::Sample> rows);
+    bool setSamples(std::span<const shared::Sample> rows);
     // Buffer to bind at `binding` (2 and up).
     const gpu::Buffer& at(uint32_t binding) const;
     uint64_t bytes() const;
 
   private:
-    void placeTogether(const gpu::Device& device, const std::array<uint64_t, GLINT_BINDING_COUNT>& sizes);
+    void placeTogether(const std::array<uint64_t, GLINT_BINDING_COUNT>& sizes);
     // Into the array of that binding.
-    void write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const;
+    void write(uint32_t binding, std::span<const std::byte> data) const;
 
+    const gpu::Device* device_ = nullptr;
     gpu::Access access_ = gpu::Access::TexelBuffer;
     std::vector<uint32_t> packetSlots_;                // see packetTree
     std::vector<shared::PacketCorner> packetCorners_;  // as on the device, from the first update() on

@@ -86,26 +86,6 @@ TEST_F(OneKernelTest, CompilesAgainWhereProgramsAreNotKept) {
     EXPECT_NE(first.state().program, emptyKernel(device).state().program);
 }
 
-TEST_F(OneKernelTest, LimitsAreChecked) {
-    DeviceLimits& limits = device_.state().physical.info.limits;
-    const DeviceLimits real = limits;
-    KernelOptions options;
-    options.name = "big";
-    options.bindings = {Access::TexelBuffer, Access::TexelBuffer, Access::StorageBuffer,
-                        Access::StorageBuffer};
-    options.pushConstantBytes = 64;
-
-    const auto message = [&] { return errorOf([&] { Kernel(device_, options); }); };
-    limits.maxPushConstantBytes = 60;
-    EXPECT_EQ(message(), "kernel \"big\": needs 64 bytes of push constants, but this device has at most 60");
-    limits = real;
-    limits.maxStorageBuffersPerStage = 1;
-    EXPECT_EQ(message(), "kernel \"big\": needs 2 storage buffers, but this device has at most 1");
-    limits = real;
-    limits.maxStorageImagesPerStage = 1;
-    EXPECT_EQ(message(), "kernel \"big\": needs 2 texel buffers, but this device has at most 1");
-}
-
 // The source of this kernel, GLSL without its calls and variables, is C++ too.
 namespace twists {
 using uint = uint32_t;

@@ -39,14 +39,14 @@ TEST(WholePathsRuleTest, TreesAreFollowedUpToALimit) {
 }
 
 TEST(WholePathsRuleTest, DataTakeAKernelForEachStep) {
-    EXPECT_TRUE(wholePathsKnow({}));
-    EXPECT_TRUE(wholePathsKnow({.ledger = true, .scattered = true, .adaptive = true}));
-    EXPECT_FALSE(wholePathsKnow({.aovs = true}));
-    EXPECT_FALSE(wholePathsKnow({.cost = true}));
-    EXPECT_FALSE(wholePathsKnow({.tally = true}));
-    EXPECT_FALSE(wholePathsKnow({.methods = {.triangles = TriangleMethod::Planar3d}}));
-    EXPECT_FALSE(wholePathsKnow({.methods = {.spheres = SphereMethod::Algebraic}}));
-    EXPECT_TRUE(wholePathsKnow({.methods = {.slabs = SlabPad::None}}));
+    EXPECT_TRUE(wholePathsSupport({}));
+    EXPECT_TRUE(wholePathsSupport({.ledger = true, .scattered = true, .adaptive = true}));
+    EXPECT_FALSE(wholePathsSupport({.aovs = true}));
+    EXPECT_FALSE(wholePathsSupport({.cost = true}));
+    EXPECT_FALSE(wholePathsSupport({.tally = true}));
+    EXPECT_FALSE(wholePathsSupport({.methods = {.triangles = TriangleMethod::Planar3d}}));
+    EXPECT_FALSE(wholePathsSupport({.methods = {.spheres = SphereMethod::Algebraic}}));
+    EXPECT_TRUE(wholePathsSupport({.methods = {.slabs = SlabPad::None}}));
 }
 
 TEST(WholePathsRuleTest, PacketsKeepPicturesOfManyRaysWithoutFurtherOnes) {
