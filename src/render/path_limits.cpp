@@ -8,15 +8,14 @@ namespace glint::render {
 
 namespace {
 
-// lavapipe ends all loops of a subgroup after this many trips in all (LP_MAX_TGSI_LOOP_ITERATIONS,
+// lavapipe ends all loops of a subgroup after this many trips in total (LP_MAX_TGSI_LOOP_ITERATIONS,
 // lp_bld_limits.h of Mesa 22.3).
 constexpr uint32_t kLlvmpipeTrips = 65535;
-// Memory of the path state: 2^20 paths of 176 bytes (208 with mirrors), or fewer if each path keeps a tree of
-// branches.
+// Memory of the path state: 2^20 paths of 176 bytes (208 with mirrors), or fewer with trees of branches.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
 
-// See budgetOf: the loop of the nodes, those of the kinds that a pipeline knows, and one for the compiler's
-// own.
+// Inner loops: over nodes, over each kind of primitive with code, over polygons' edges and quadrics' further
+// hits, and one for the compiler.
 uint32_t loopsOf(const SceneFeatures& features) {
     uint32_t sum = 2 + features.polygons + features.quadrics - features.planes;
 #define GLINT_ADD(number, Kind, KINDS, kinds, one, many) sum += features.kinds;
@@ -25,21 +24,8 @@ uint32_t loopsOf(const SceneFeatures& features) {
     return sum;
 }
 
-// Loop trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which
-// some lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack is
-// what one pass of the outer loop can add after the last check, and the way back into an instance before the
-// first: for each leaf 2 (1 + kQuadricHits) kMaxLeafSize, then 4 + polygonTripsPerLeaf. (Also where lanes
-// leave loops together: those that are through count nothing, but the trip is there for one that does.)
-// Besides, lavapipe enters each inner loop once in every trip of the one around it even with no lane live.
-// - Where the loops of the nodes and of each kind in leaves stand in the outer loop, its trips are those of
-//   its longest lane: L (B + 2) more, where L counts them (of polygons also their edges', of quadrics their
-//   further hits').
-// - Where rays wait for each other before instances, they stand in a middle loop, whose trips, each with a
-//   live lane, enter all of them. These count tripsOfPass each, and those of the outer loop one more, so that
-//   all is in the lanes' own B; slack is larger by two and one. Stackless traversals of the same scene are of
-//   the first sort, and whole.comp has none: the lesser of both budgets.
-// The loop of the rays, to all lights (and in whole.comp of all bounces), enters each once more for each of
-// its trips. What no lane counts comes on top: the planes' loop, for all rays together `uncounted`.
+// Loop trips of a lane so that its subgroup stays within kLlvmpipeTrips; docs/design/traversal.md derives the
+// formula. rays: that a path traces one after the other. uncounted: trips that no lane counts.
 enum class Kernels { Any, Whole };
 uint32_t budgetOf(Kernels kernels, const gpu::DeviceInfo& device, const SceneFeatures& features,
                   uint32_t polygonTripsPerLeaf, uint64_t rays, uint64_t uncounted) {
@@ -47,7 +33,7 @@ uint32_t budgetOf(Kernels kernels, const gpu::DeviceInfo& device, const SceneFea
     const uint64_t leaves = kernels == Kernels::Any ? shared::kCountLeaves : 1;
     const uint64_t slack =
         2 * (1 + shared::kQuadricHits) * shared::kMaxLeafSize * leaves + 4 + polygonTripsPerLeaf;
-    // pass: of the middle loop for each of its trips, like tripsOfPass in shaders/traversal/leaf.glsl.
+    // pass: trips for each one of the middle loop, like tripsOfPass in shaders/traversal/leaf.glsl.
     const uint64_t loops = loopsOf(features), pass = loops + 1;
     const auto left = [](uint64_t fixed, uint64_t each) {
         return fixed < kLlvmpipeTrips ? static_cast<uint32_t>((kLlvmpipeTrips - fixed) / each) : 1;
@@ -58,15 +44,15 @@ uint32_t budgetOf(Kernels kernels, const gpu::DeviceInfo& device, const SceneFea
     return features.instances ? std::min(outer, waiting) : outer;
 }
 
-// scenes/glass.json follows up to 82.
+// Most rays of a tree; scenes/glass.json follows up to 82.
 constexpr uint32_t kMostOfTree = 200;
 constexpr uint32_t kTripsElsewhere = 1u << 16;
-// In whole.comp: of the loop over a material's textures and of that over bounces, for a ray at most; and of
-// what makes a sample of a pixel (shading/camera.glsl), for a path.
+// In whole.comp: most trips for a ray over a material's textures and over bounces, and for a path in
+// shading/camera.glsl.
 constexpr uint32_t kTripsOfShading = 5;
 constexpr uint32_t kTripsOfSample = 64;
 
-// kPacketTurns packets, one after the other, have the trips of a subgroup together.
+// kPacketTurns consecutive packets share the trips of a subgroup.
 constexpr uint32_t kMostTrips = 3000;
 // Lights share a dispatch's trips: 8 lights at lavapipe's full budget, where 11 are no faster (knot with 400
 // lights), 174 elsewhere. A shadow ray seldom takes as many.

@@ -14,17 +14,17 @@ namespace glint::render {
 
 namespace {
 
-// Rays that are put in order together: the more, the nearer are neighbours; 16 MB.
+// Rays that are sorted together (16 MB). More rays would make neighbours more similar.
 constexpr size_t kWindow = size_t{1} << 20;
-// Fewer are not worth looking at.
-constexpr size_t kFewest = 4096;
+// Fewer rays keep the caller's order.
+constexpr size_t kMinRays = 4096;
 constexpr size_t kReadBlock = 1024;
 
-// ---- Rows of a picture
+// ---- Rows of an image
 
 constexpr size_t kLongestRow = 8192, kBlockWidth = 8, kBlockHeight = 4;
 
-// How far a ray is from another, squared: of directions as an angle, of origins in diagonals of the space.
+// Squared distance of two rays: of directions as an angle, of origins in diagonals of the space.
 float apart(const RayInput& a, const RayInput& b, float diagonal) {
     const glm::vec3 turn = glm::normalize(a.direction) - glm::normalize(b.direction);
     const glm::vec3 way = (a.origin - b.origin) / diagonal;
@@ -61,7 +61,7 @@ size_t rowLength(const ReadRays& read, const RayNumbers& numbers, size_t count, 
     return row;
 }
 
-// Four rows at a time, in blocks from left to right.
+// Orders four rows at a time, in blocks from left to right.
 std::unique_ptr<uint32_t[]> blocksOf(const Context& context, size_t row, size_t count) {
     auto numbers = std::make_unique_for_overwrite<uint32_t[]>(count);
     parallelFor(context, count / (kBlockHeight * row), [&](size_t strip) {
@@ -76,12 +76,12 @@ std::unique_ptr<uint32_t[]> blocksOf(const Context& context, size_t row, size_t 
     return numbers;
 }
 
-// ---- Whether packets pay
+// ---- Coherence
 
 // True if most sampled packets have rays with nearby origins and directions.
 bool isCoherent(const ReadRays& read, const RayNumbers& numbers, size_t count, float diagonal) {
     constexpr size_t kPacket = 32, kLooks = 32;
-    // Squared. 32 rays that are so far apart take packets and single rays the same time in meshes of 10^5
+    // Squared. For 32 rays at this distance, packets and single rays take the same time in meshes of 10^5
     // triangles (docs/lab/library.md).
     constexpr float kApart = 0.002f;
     size_t coherent = 0;
@@ -105,8 +105,8 @@ uint32_t spread(uint32_t x) {
     return (x & 1u) | (x & 2u) << 5 | (x & 4u) << 10 | (x & 8u) << 15 | (x & 16u) << 20;
 }
 
-// The cells of the space in which the ray enters and leaves it, their bits in turns (Morton order). Where it
-// starts inside it enters there.
+// The cells in which the ray enters and leaves the space, with interleaved bits (Morton order). A ray that
+// starts inside enters there.
 uint32_t keyOf(const RayInput& ray, const Space& space, const glm::vec3& scale) {
     constexpr float kCells = 1 << kAxisBits;
     float enters = 0, leaves = shared::kInfinity;
@@ -131,7 +131,7 @@ uint32_t keyOf(const RayInput& ray, const Space& space, const glm::vec3& scale) 
     return key;
 }
 
-// Keys stand above the rays' numbers, which are in order, so that those that are equal stay as they were.
+// An entry is a key above the ray's number, so that rays with equal keys keep their order.
 constexpr uint32_t kDigitBits = 10, kHighDigit = 2;
 constexpr size_t kDigits = size_t{1} << kDigitBits;
 static_assert(6 * kAxisBits == (kHighDigit + 1) * kDigitBits);
@@ -174,8 +174,8 @@ void dealRun(std::span<const uint64_t> from, uint64_t* to, uint32_t digit) {
     for (const uint64_t entry : from) to[places[digitOf(entry, digit)]++] = entry;
 }
 
-// Sorts entries with the same high digit, some thousand of a million rays. Two radix passes take 10 ms for a
-// million rays, std::sort 34.
+// Sorts entries with the same high digit, about a thousand. Two radix passes take 10 ms for a million rays,
+// std::sort 34.
 void sortRun(std::span<uint64_t> run, uint64_t* spare) {
     if (run.size() < kDigits / 8) {
         std::sort(run.begin(), run.end());
@@ -218,7 +218,7 @@ RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Spa
     RayOrder order;
     order.count = std::min(count, kWindow);
     order.coherent = told;
-    if (order.count < kFewest) return order;
+    if (order.count < kMinRays) return order;
     const float diagonal = glm::length(space.upper - space.lower);
     const RayNumbers given{first, nullptr};
     if (const size_t row = rowLength(read, given, order.count, diagonal); row != 0) {

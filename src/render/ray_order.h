@@ -1,6 +1,5 @@
-// Rays that the host brings instead of a camera, as the kernels read them, and the order in which a batch's
-// rays go to the device. Rays that go about the same way side by side keep its lanes together; no answer
-// depends on it.
+// A caller's rays as the kernels read them, and their order on the device. Similar rays side by side make the
+// lanes coherent; the order does not affect answers.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +16,7 @@
 
 namespace glint::render {
 
-// A ray as the kernels read it: local and fp32. Nothing is done to it on the way.
+// A ray as the kernels read it: local and fp32.
 struct RayInput {
     glm::vec3 origin{0};
     glm::vec3 direction{0, 0, -1};
@@ -25,7 +24,7 @@ struct RayInput {
     float tMax = shared::kInfinity;
 };
 
-// Rays that are read, written and put in order at a time.
+// Rays that callbacks receive at a time.
 inline constexpr size_t kRayBlock = 1024;
 
 // The ray as the kernels read it. t that fp32 cannot hold becomes kInfinity; NaN stays NaN and misses. tMin
@@ -39,11 +38,11 @@ inline RayInput roundedRay(const LocalRay& ray) {
             bound(ray.tMax)};
 }
 
-// Which rays of a batch some are, one after the other.
+// The numbers of consecutive rays on the device in the caller's batch.
 struct RayNumbers {
     uint64_t first = 0;
-    const uint32_t* order = nullptr;  // counted from `first`; null: as they are given
-    // So many rays of `order` at a time, from its beginning on, follow each other as they are given, too.
+    const uint32_t* order = nullptr;  // counted from `first`; null: the caller's order
+    // Each run of this many rays of `order`, from its beginning, is consecutive in the caller's order.
     size_t run = 1;
 
     uint64_t operator[](size_t i) const { return first + (order != nullptr ? order[i] : i); }
@@ -55,10 +54,9 @@ struct RayNumbers {
 using ReadRays = std::function<void(const RayNumbers&, std::span<RayInput>)>;
 
 struct RayOrder {
-    size_t count = 0;       // rays that it is of, the first ones of those it was made for
-    bool coherent = false;  // packets pay
-    // A permutation of them; null: as they are given. Not a vector, which would be zeroed first, by one
-    // thread.
+    size_t count = 0;       // of leading rays that it covers
+    bool coherent = false;  // packets are faster
+    // A permutation of the rays; null: the caller's order. Not a vector, which one thread would zero first.
     std::unique_ptr<uint32_t[]> numbers;
     size_t run = 1;  // RayNumbers::run
 
@@ -71,8 +69,8 @@ struct Space {
 };
 
 // Order of rays `first` to `first + count - 1`, or of a leading part of them. Rows of an image become blocks
-// of 8 x 4, which packets trace. Rays unrelated to their neighbours are sorted by where they enter and leave
-// the space. told: the caller declares the rays coherent. Reads from several threads.
+// of 8 x 4, which packets trace. Incoherent rays are sorted by the cells in which they enter and leave the
+// space. told: the caller declares the rays coherent. Reads from several threads.
 RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Space& space, bool told,
                    const Context& context = {});
 

@@ -1,5 +1,4 @@
-// Renders a packed scene on a device: uploads what the scene has, builds pipelines of what it uses,
-// dispatches slices bounded by measured time.
+// Renders images of a packed scene on a device, in slices bounded by measured time.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +11,20 @@
 
 namespace glint::render {
 
-// Seconds of the device, between timestamps around what each kernel was submitted for (wall time without
-// timestamps), further dispatches for unfinished rays included. `primary` holds `generate` too unless
-// Options::profile; `shadow` is the kernel that also shades what its light reaches; `secondary`: reflected
-// and refracted rays together; `mirrored` and `refracted`: apart, each in dispatches of its own, of pictures
-// with Request::tally whose pipeline knows transmission. `whole`: all of those that one kernel draws.
+// Seconds of the device for each kernel, resume dispatches included: between timestamps, or wall time on
+// devices without them.
+// - `primary` includes `generate` unless Options::profile is set.
+// - `shadow` includes shading by the lights.
+// - `secondary` counts reflected and refracted rays together. Images with Request::tally and transmission
+// trace
+//   them in separate dispatches instead: `mirrored` and `refracted`.
+// - `whole` is whole.comp.
 struct KernelTimes {
     double generate = 0, primary = 0, shadow = 0, secondary = 0, shade = 0, adapt = 0, whole = 0;
     double mirrored = 0, refracted = 0;
 };
 
-// Rays that were cast, of complete pictures with Request::tally.
+// Rays of complete images with Request::tally.
 struct RayCounts {
     uint64_t primary = 0, shadow = 0, mirrored = 0, refracted = 0;
 };
@@ -34,27 +36,26 @@ struct StageTimes {
     double longestSubmission = 0;
     uint64_t submissions = 0, slices = 0, resumes = 0;
     uint64_t pathRays = 0;  // camera, mirrored and refracted rays
-    // Paths of the dispatches that these were traced in, resume dispatches aside: those that have ended and
-    // the rest of the last workgroup too. Those of whole.comp once a sample.
+    // Invocations that traced pathRays, without resume dispatches. Ended paths and the rest of the last
+    // workgroup count; whole.comp counts once a sample.
     uint64_t invocations = 0;
     KernelTimes kernels;
 };
 
 class Renderer {
   public:
-    // Keeps references to `device` and `scene`. Throws Error(Device) for arrays that do not fit, naming array
-    // and both sizes.
+    // Keeps references to `device` and `scene`. Throws Error(Device) for an array that does not fit, with its
+    // name and both sizes.
     Renderer(const gpu::Device& device, const PackedScene& scene, const Options& options = {});
 
-    // A cancelled render returns with complete = false and what was finished by then. Throws
-    // std::invalid_argument for a parallel camera if the pipeline leaves it out: neither the scene's features
-    // nor Options::also have it.
-    // trails: becomes the rays that the device follows from the eye and from surfaces, by pixel of the
-    // region, for requests with one sample and layers.
+    // A cancelled render returns the finished part with complete = false. Throws std::invalid_argument for a
+    // parallel camera that neither the scene's features nor Options::also have.
+    // trails: receives the camera, reflected and refracted rays of each pixel of the region, for requests
+    // with one sample and layers.
     Picture render(const shared::Camera& camera, const Request& request,
                    std::vector<Trail>* trails = nullptr);
 
-    // Data at the centre of pixel (x, y) of the requested image, as the device computes it.
+    // The layers at the centre of pixel (x, y) of the requested image.
     PixelData pixel(const shared::Camera& camera, Request request, int x, int y);
 
     const StageTimes& times() const;  // of construction and all renders since

@@ -13,11 +13,11 @@ namespace {
 GLINT_SCENE_ARRAYS(GLINT_NAME_BINDING)
 #undef GLINT_NAME_BINDING
 
-// A packet's 8 lanes load as many texels from a triangle on, which has three itself (packet/packet.glsl): so
-// many bytes behind the last one must be there. What they hold is not used.
+// Bytes after the last triangle. A packet's 8 lanes load 8 texels from a triangle on, which has three; the
+// rest is unused (packet/packet.glsl).
 constexpr size_t kPacketOverrun = 5 * sizeof(glm::vec4);
-// A triangle's colours stand behind its texture coordinates, where it has both (primitives/triangle.glsl): of
-// the last one without colours the same rows are loaded, and not used.
+// Bytes after the last attribute. Colours follow a triangle's texture coordinates, and their rows are loaded
+// even for a triangle without colours (primitives/triangle.glsl).
 constexpr size_t kAttributeOverrun = 3 * sizeof(shared::VertexAttribute);
 
 // Place of the storage buffer that holds all arrays.
@@ -38,14 +38,14 @@ constexpr size_t kZeroBytes = [] {
 #undef GLINT_LARGER_STRUCT
 constexpr std::array<std::byte, kZeroBytes> kZeros{};
 
-// Arrays that are not the scene's. The camera's contents come later, by setView, samples by setSamples.
+// Arrays that the scene lacks. setView fills the camera, setSamples the samples.
 struct Others {
     shared::Camera camera;
     std::vector<shared::PacketCorner> packetCorners;
     std::vector<shared::Sample> samples;
 };
 
-// Calls visit(binding, name, bytes) for each array. A template, so that `requires` may ask who has it.
+// Calls visit(binding, name, bytes) for each array. A template, so that `requires` finds the array's owner.
 template <typename Packed, typename More, typename Visit>
 void visitArrays(const Packed& scene, const More& others, const Visit& visit) {
     const auto bytesOf = [](const auto& array) {
@@ -64,9 +64,8 @@ void visitArrays(const Packed& scene, const More& others, const Visit& visit) {
 #undef GLINT_VISIT
 }
 
-// True if the device can bind the arrays as texel buffers (GLINT_BINDING_COUNT of them, each at most
-// `largest`), or as one storage buffer of `sum`. Every Vulkan device binds the 4 storage buffers that this
-// needs.
+// True if the device can bind the arrays as texel buffers (GLINT_BINDING_COUNT, each at most `largest`), or
+// as one storage buffer of `sum`. Every Vulkan device binds 4 storage buffers, as many as this needs.
 bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, const ArraySizes& sizes) {
     if (access == gpu::Access::StorageBuffer) return gpu::fits(sizes.sum, access, device.limits);
     return device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT &&

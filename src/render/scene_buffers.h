@@ -1,7 +1,6 @@
-// The arrays of a packed scene on the device. An array that the scene does not have is not uploaded: in its
-// place is one of zeros, which has no texture, no medium and nothing else, for kernels that look up number 0
-// of everything where they have no work. With Access::StorageBuffer one buffer holds all arrays but the
-// samples. It begins with a table: word `binding` is the number of the first texel of that array.
+// The arrays of a packed scene on the device. Zeros stand in for an array that the scene lacks, because lanes
+// without work load element 0 of every array. With Access::StorageBuffer one buffer holds all arrays except
+// the samples. It begins with a table: word `binding` is the number of the first texel of that array.
 #pragma once
 
 #include <array>
@@ -20,25 +19,24 @@ struct ArraySizes {
 };
 ArraySizes arraySizes(const PackedScene& scene);
 
-// Texel buffers on llvmpipe, where they load five times faster, and where one storage buffer is too small for
-// all arrays; one storage buffer otherwise.
+// Texel buffers on llvmpipe, where they load five times faster, and if all arrays exceed one storage buffer;
+// otherwise one storage buffer.
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, const ArraySizes& sizes);
 
 class SceneBuffers {
   public:
     SceneBuffers() = default;
-    // Makes what further trees `traversal` needs.
+    // Also builds the 8-wide BVH if `traversal` has packets.
     SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
                  const TraversalChoice& traversal);
 
-    // The arrays of a scene that differs from the one at construction in numbers alone: as many of
-    // everything, and the same children of each node.
+    // Uploads the arrays of a scene with the counts and the topology of the one at construction.
     void update(const PackedScene& scene);
 
-    // Lights: at most as many as there were at construction.
+    // lights: at most as many as at construction.
     void setView(const shared::Camera& camera, const shared::Environment& environment,
                  std::span<const shared::Light> lights) const;
-    // True if the array had to grow: bind it again. Does nothing without rows.
+    // True if the array had to grow: bind again. Does nothing without rows.
     bool setSamples(std::span<const shared::Sample> rows);
     // Buffer to bind at `binding` (2 and up).
     const gpu::Buffer& at(uint32_t binding) const;
@@ -46,7 +44,7 @@ class SceneBuffers {
 
   private:
     void placeTogether(const std::array<uint64_t, GLINT_BINDING_COUNT>& sizes);
-    // Into the array of that binding.
+    // Writes the array of that binding.
     void write(uint32_t binding, std::span<const std::byte> data) const;
 
     const gpu::Device* device_ = nullptr;
