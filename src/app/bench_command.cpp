@@ -21,7 +21,6 @@ namespace {
 struct BenchCommand {
     std::vector<std::filesystem::path> scenes;
     SceneOptions common;
-    Backend backend = Backend::Gpu;
     DeviceChoice device;
     bench::Options options;  // the values on the command line
     bool full = false;       // the code of every feature
@@ -31,11 +30,11 @@ struct BenchCommand {
 };
 
 void declare(OptionTable& table, BenchCommand& c) {
-    addScenes(table, c.scenes, c.common.allowOutside);
+    addScenes(table, c.scenes, c.common);
     addSceneOverrides(table, c.common);
     addMethods(table, c.common);
     addMinContribution(table, c.common);
-    addBackend(table, c.backend);
+    addBackend(table, c.device);
     addDevice(table, c.device);
     table.read("--traversal", alternatives<render::Traversal>() + "|all",
                "one ray per lane (lane) or 32 rays together (packet); all: also measure each",
@@ -83,16 +82,16 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
 }
 
 ExitCode run(const BenchCommand& command, std::ostream& out, std::ostream& err) {
-    checkDeviceOptions(command.backend, command.device);
-    requireGpu(command.backend, {{command.options.everyWalk, "--traversal"},
-                                 {command.full, "--full"},
-                                 {command.options.renderer.also != SceneFeatures{}, "--with"},
-                                 {command.wholePaths, "--whole-paths"}});
+    checkDeviceOptions(command.device);
+    requireGpu(command.device, {{command.options.everyWalk, "--traversal"},
+                                {command.full, "--full"},
+                                {command.options.renderer.also != SceneFeatures{}, "--with"},
+                                {command.wholePaths, "--whole-paths"}});
     switchShaderCachesOff();
     installInterruptHandler();
     std::optional<gpu::Device> device;
     double openSeconds = 0;
-    if (command.backend == Backend::Gpu) {
+    if (command.device.backend == Backend::Gpu) {
         const Stopwatch watch;
         device.emplace(openDevice(command.device, true, false));
         openSeconds = watch.seconds();

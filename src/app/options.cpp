@@ -23,8 +23,6 @@ namespace glint::app {
 
 namespace {
 
-constexpr const char* kAllowOutside = "allow files outside the scene's folder";
-
 // Numbers too large for 64 bits become the largest one, so that range checks see them.
 std::optional<int64_t> wholeNumber(std::string_view text) {
     int64_t value = 0;
@@ -126,10 +124,18 @@ AdaptiveSampling parseAdaptive(const std::string& text) {
     return {static_cast<int>(*most), *threshold};
 }
 
+void addAllowOutside(OptionTable& table, SceneOptions& options) {
+    table.flag("--allow-outside", "allow files outside the scene's folder", options.loading.allowOutside);
+}
+
 }  // namespace
 
 void refuse(const std::string& wanted, const std::string& text) {
     throw Error(ErrorKind::Argument, "expected " + wanted + ", got " + quoted(text));
+}
+
+void refuseIf(bool wrong, const std::string& line) {
+    if (wrong) throw Error(ErrorKind::Argument, line);
 }
 
 int parseWhole(const std::string& text, int least, int greatest) {
@@ -177,8 +183,8 @@ std::vector<Aov> parseAovs(const std::string& text) {
     std::vector<Aov> aovs;
     for (const std::string& name : namesIn(text, "layer", kEnumNames<Aov>)) {
         const Aov aov = named<Aov>(name).value();
-        if (std::find(aovs.begin(), aovs.end(), aov) != aovs.end())
-            throw Error(ErrorKind::Argument, "the layer " + quoted(name) + " is given twice");
+        refuseIf(std::find(aovs.begin(), aovs.end(), aov) != aovs.end(),
+                 "the layer " + quoted(name) + " is given twice");
         aovs.push_back(aov);
     }
     return aovs;
@@ -221,7 +227,7 @@ double parseReal(const std::string& text, double least, double greatest) {
 }
 
 const std::string& parseName(const std::string& text) {
-    if (text.empty()) throw Error(ErrorKind::Argument, "the name is empty");
+    refuseIf(text.empty(), "the name is empty");
     return text;
 }
 
@@ -243,8 +249,7 @@ void OptionTable::read(const std::string& names, const std::string& form, const 
 void OptionTable::files(const std::string& name, const std::string& help,
                         std::vector<std::filesystem::path>& target) {
     const auto use = [name, &target](const std::vector<std::string>& list) {
-        for (const std::string& text : list)
-            if (text.empty()) throw Error(ErrorKind::Argument, name + ": the name is empty");
+        for (const std::string& text : list) refuseIf(text.empty(), name + ": the name is empty");
         target.assign(list.begin(), list.end());
     };
     command_.add_option_function<std::vector<std::string>>(name, use, help)->type_name("")->required();
@@ -265,7 +270,7 @@ void OptionTable::exclude(const std::string& option, const std::string& other, c
     const CLI::Option& first = optionNamed(option);
     optionNamed(other).check(
         [&first, line = option + " excludes " + other + ": " + remedy](const std::string&) {
-            if (first.count() > 0) throw Error(ErrorKind::Argument, line);
+            refuseIf(first.count() > 0, line);
             return std::string();
         });
 }
@@ -281,12 +286,12 @@ void addScene(OptionTable& table, SceneOptions& options) {
     table.name("SCENE", "",
                "scene (.json .gltf .glb .nff) or model (.obj .ply .stl); - reads JSON from standard input",
                options.scene, OptionTable::Need::Required);
-    table.flag("--allow-outside", kAllowOutside, options.allowOutside);
+    addAllowOutside(table, options);
 }
 
-void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes, bool& allowOutside) {
+void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes, SceneOptions& options) {
     table.files("SCENE", "scenes or models", scenes);
-    table.flag("--allow-outside", kAllowOutside, allowOutside);
+    addAllowOutside(table, options);
 }
 
 void addSceneOverrides(OptionTable& table, SceneOptions& options) {
@@ -302,13 +307,14 @@ void addSceneOverrides(OptionTable& table, SceneOptions& options) {
                 options.time, parseNotNegative);
 }
 
-void addCamera(OptionTable& table, std::string& name) {
-    table.name("--camera", "NAME", "camera of the scene (glint info lists them)", name);
+void addCameraName(OptionTable& table, SceneOptions& options) {
+    table.name("--camera", "NAME", "camera of the scene (glint info lists them)", options.loading.camera);
 }
 
 void addCamera(OptionTable& table, SceneOptions& options) {
-    addCamera(table, options.camera);
-    table.choice<UpAxis>("--up", "axis that points up in a model without a camera (default y)", options.up);
+    addCameraName(table, options);
+    table.choice<UpAxis>("--up", "axis that points up in a model without a camera (default y)",
+                         options.loading.up);
 }
 
 void addMethods(OptionTable& table, SceneOptions& options) {
@@ -353,9 +359,9 @@ void addError(OptionTable& table, converge::Target& target) {
     table.require("--error", {"--confidence", "--within-depth"});
 }
 
-void addBackend(OptionTable& table, Backend& backend) {
-    table.choice<Backend>("--backend",
-                          "gpu (default), or cpu: the double-precision reference, without Vulkan", backend);
+void addBackend(OptionTable& table, DeviceChoice& device) {
+    table.choice<Backend>(
+        "--backend", "gpu (default), or cpu: the double-precision reference, without Vulkan", device.backend);
 }
 
 void addDevice(OptionTable& table, DeviceChoice& device) {
@@ -386,21 +392,19 @@ void addStats(OptionTable& table, const std::string& help, bool& json) {
     });
 }
 
-void requireGpu(Backend backend, std::initializer_list<std::pair<bool, const char*>> options) {
+void requireGpu(const DeviceChoice& device, std::initializer_list<std::pair<bool, const char*>> options) {
     for (const auto& [given, option] : options)
-        if (given && backend != Backend::Gpu)
-            throw Error(ErrorKind::Argument, std::string(option) + ": needs --backend gpu");
+        refuseIf(given && device.backend != Backend::Gpu, std::string(option) + ": needs --backend gpu");
 }
 
-void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
-    if (device.validation && device.fallback != Fallback::None)
-        throw Error(ErrorKind::Argument,
-                    "--fallback excludes --validation: leave out --fallback to see the device fail");
-    requireGpu(backend, {{device.fallback != Fallback::None, "--fallback"},
-                         {!device.selector.empty(), "--device"},
-                         {device.validation, "--validation"},
-                         {device.traversal != render::Traversal::Auto, "--traversal"},
-                         {device.reproducible, "--reproducible"}});
+void checkDeviceOptions(const DeviceChoice& device) {
+    refuseIf(device.validation && device.fallback != Fallback::None,
+             "--fallback excludes --validation: leave out --fallback to see the device fail");
+    requireGpu(device, {{device.fallback != Fallback::None, "--fallback"},
+                        {!device.selector.empty(), "--device"},
+                        {device.validation, "--validation"},
+                        {device.traversal != render::Traversal::Auto, "--traversal"},
+                        {device.reproducible, "--reproducible"}});
 }
 
 }  // namespace glint::app

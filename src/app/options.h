@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,10 +14,9 @@
 #include "converge/converge.h"
 #include "core/enum_names.h"
 #include "core/progress.h"
-#include "core/text_file.h"
+#include "import/scene_files.h"
 #include "pack/packed_scene.h"
 #include "render/kernel_choice.h"
-#include "scene/frame_model.h"
 #include "scene/scene.h"
 #include "trace/methods.h"
 #include "trace/picture.h"
@@ -68,6 +66,9 @@ SceneFeatures parseFeatures(const std::string& text);   // by the names that `gl
 const std::string& parseName(const std::string& text);  // not empty
 
 [[noreturn]] void refuse(const std::string& wanted, const std::string& text);
+
+// Throws Error(Argument) with this line if the command line is `wrong`.
+void refuseIf(bool wrong, const std::string& line);
 
 template <NamedEnum E>
 E parseNamed(const std::string& text) {
@@ -148,9 +149,7 @@ class OptionTable {
 // The scene, and the wishes of the command line.
 struct SceneOptions {
     std::filesystem::path scene;
-    bool allowOutside = false;  // files outside the scene's folder may be read
-    std::string camera;         // by its name; empty: the scene's own
-    std::optional<UpAxis> up;   // of a file without a camera
+    LoadOptions loading;  // its memory is what is available
     std::optional<Size> size;
     std::optional<int> spp;
     BuildQuality buildQuality = BuildQuality::Default;
@@ -160,11 +159,11 @@ struct SceneOptions {
     std::optional<FilterChoice> filter;
     std::optional<uint32_t> seed;
     std::optional<AdaptiveSampling> adaptive;
-    std::optional<double> time;         // of the animation, seconds; empty: the scene as its file says it
-    std::shared_ptr<FileSource> files;  // that the scene is read from; empty: the file system's
+    std::optional<double> time;  // of the animation, seconds; empty: the scene as its file says it
 };
 
 struct DeviceChoice {
+    Backend backend = Backend::Gpu;  // the other members are the device's
     std::string selector;
     bool validation = false;
     render::Traversal traversal = render::Traversal::Auto;
@@ -173,18 +172,18 @@ struct DeviceChoice {
 };
 
 // Options that several commands share, with the same names, texts and values in each.
-void addScene(OptionTable& table, SceneOptions& options);                       // one SCENE
-void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes,  // one or more
-               bool& allowOutside);
+void addScene(OptionTable& table, SceneOptions& options);  // one SCENE
+// One or more; `options` are those of each.
+void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes, SceneOptions& options);
 // --size, --spp, --max-depth, --build-quality, --camera, --up, --time
 void addSceneOverrides(OptionTable& table, SceneOptions& options);
-void addCamera(OptionTable& table, SceneOptions& options);  // --camera, --up
-void addCamera(OptionTable& table, std::string& name);
-void addMethods(OptionTable& table, SceneOptions& options);  // --intersector, --sphere
+void addCamera(OptionTable& table, SceneOptions& options);      // --camera, --up
+void addCameraName(OptionTable& table, SceneOptions& options);  // --camera
+void addMethods(OptionTable& table, SceneOptions& options);     // --intersector, --sphere
 void addMinContribution(OptionTable& table, SceneOptions& options);
 void addSampling(OptionTable& table, SceneOptions& options);  // --sampler, --filter, --seed, --adaptive
 void addExposure(OptionTable& table, std::optional<double>& stops);
-void addBackend(OptionTable& table, Backend& backend);
+void addBackend(OptionTable& table, DeviceChoice& device);
 void addDevice(OptionTable& table, DeviceChoice& device);  // --device, --validation, --threads
 void addTraversal(OptionTable& table, DeviceChoice& device);
 void addProgress(OptionTable& table, ProgressMode& mode);
@@ -195,8 +194,8 @@ void addStats(OptionTable& table, const std::string& help, bool& json);
 void addError(OptionTable& table, converge::Target& target);
 
 // Throws Error(Argument) for an option that is given though --backend cpu would ignore it.
-void requireGpu(Backend backend, std::initializer_list<std::pair<bool, const char*>> options);
-// The same for options of a device.
-void checkDeviceOptions(Backend backend, const DeviceChoice& device);
+void requireGpu(const DeviceChoice& device, std::initializer_list<std::pair<bool, const char*>> options);
+// Applies requireGpu() to the options of the device.
+void checkDeviceOptions(const DeviceChoice& device);
 
 }  // namespace glint::app

@@ -5,7 +5,6 @@
 #include <ostream>
 
 #include "app/commands.h"
-#include "core/error.h"
 #include "core/file_io.h"
 #include "core/text_file.h"
 

@@ -62,9 +62,8 @@ uint64_t bytesPerPixel(const RenderCommand& command) {
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded) {
     Request request = requestOf(loaded, command.scene, command.target.error > 0);
     request.region = command.crop.value_or(Region{0, 0, request.width, request.height});
-    if (request.region.x1 > request.width || request.region.y1 > request.height)
-        throw Error(ErrorKind::Argument, format("--crop: reaches beyond the image of %dx%d pixels",
-                                                request.width, request.height));
+    refuseIf(request.region.x1 > request.width || request.region.y1 > request.height,
+             format("--crop: reaches beyond the image of %dx%d pixels", request.width, request.height));
     request.data = needsData(command.aovs);
     request.cost = std::find(command.aovs.begin(), command.aovs.end(), Aov::Cost) != command.aovs.end();
     request.ledger = loaded.packed.features.transmission || command.json;
@@ -99,7 +98,7 @@ void declare(OptionTable& table, RenderCommand& c) {
     addMethods(table, c.scene);
     addMinContribution(table, c.scene);
     addSampling(table, c.scene);
-    addBackend(table, c.backend);
+    addBackend(table, c.device);
     addDevice(table, c.device);
     addTraversal(table, c.device);
     table.choice<Fallback>("--fallback",
@@ -154,10 +153,7 @@ void checkComplete(const Outcome& outcome) {
 }
 
 void check(const RenderCommand& command, const std::ostream& out) {
-    const auto refuseIf = [](bool wrong, const char* line) {
-        if (wrong) throw Error(ErrorKind::Argument, line);
-    };
-    checkDeviceOptions(command.backend, command.device);
+    checkDeviceOptions(command.device);
     const bool untilError = command.target.error > 0;
     const bool errorLayer = std::count(command.aovs.begin(), command.aovs.end(), Aov::Error) > 0;
     refuseIf(errorLayer && !untilError, "--aov: the layer error requires --error");
@@ -214,7 +210,7 @@ int bandRowsOf(const RenderCommand& command, const fs::path& output, const Regio
 ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     if (command.output != "-") checkPicturePath(outputOf(command));
-    Drawing drawing(command.backend, command.device, err);
+    Drawing drawing(command.device, err);
     const LoadedScene loaded = loadAndPack(command.scene, err);
     Request request = requestOf(command, loaded);
     const fs::path output = outputOf(command, loaded.scene);
@@ -223,7 +219,7 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
     PictureFile file(output, request.region, command.aovs, command.exposure, bandRows > 0);
     Progress progress = progressOf("render", command.progress, err);
     request.progress = [&](double fraction) { progress.update(fraction); };
-    const std::optional<converge::Job> job = jobOf(command.target, loaded, command.backend, request);
+    const std::optional<converge::Job> job = jobOf(command.target, loaded, command.device.backend, request);
     // The number of samples for an error target is unknown.
     drawing.load(loaded, request, job ? 0 : cameraRaysOf(request));
     Outcome outcome = drawInto(file, drawing, command, loaded, request, job,
@@ -257,11 +253,10 @@ fs::path numbered(const fs::path& pattern, int frame) {
 void checkFrames(const RenderCommand& command) {
     const FrameRange& frames = *command.frames;
     const fs::path output = outputOf(command);
-    if (frames.first != frames.last && output.filename().string().find('#') == std::string::npos)
-        throw Error(ErrorKind::Argument,
-                    output.string() +
-                        ": the name of several frames has # in the place of each digit of "
-                        "their number, such as frame.####.png");
+    refuseIf(frames.first != frames.last && output.filename().string().find('#') == std::string::npos,
+             output.string() +
+                 ": the name of several frames has # in the place of each digit of their "
+                 "number, such as frame.####.png");
     checkPicturePath(numbered(output, frames.first));
 }
 
@@ -288,7 +283,7 @@ class FrameRenderer {
           err_(err),
           frames_(framesToDraw(command)),
           there_(static_cast<size_t>(command.frames->last - command.frames->first + 1) - frames_.size()),
-          drawing_(command.backend, command.device, err) {}
+          drawing_(command.device, err) {}
 
     ExitCode run() {
         const bool complete = frames_.empty() || drawAll();
@@ -345,7 +340,8 @@ class FrameRenderer {
         const Change change = first ? Change::Scene : scene_->moveTo(time);
         Request request = requestOf(command_, loaded);
         request.progress = show;
-        const std::optional<converge::Job> job = jobOf(command_.target, loaded, command_.backend, request);
+        const std::optional<converge::Job> job =
+            jobOf(command_.target, loaded, command_.device.backend, request);
         if (first)
             drawing_.load(loaded, request);
         else if (change != Change::Nothing)

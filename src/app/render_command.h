@@ -26,7 +26,6 @@ struct RenderCommand {
     SceneOptions scene;
     std::filesystem::path output;    // empty: the scene's name with .png, in the current folder; "-"
     std::optional<double> exposure;  // stops
-    Backend backend = Backend::Gpu;
     DeviceChoice device;
     std::vector<Aov> aovs = {Aov::Radiance};
     std::optional<Region> crop;

@@ -27,7 +27,7 @@ nlohmann::json errorJson(const converge::Target& target, const converge::Result&
     return {{"asked", target.error},
             {"confidence", target.confidence},
             {"reached", result.reached()},
-            {"stopped", nameOf(result.stop)},
+            {"stopped", nameOf(*result.stop)},
             {"bound", budget.total()},
             {"sampling", budget.sampling},
             {"estimate", result.estimate},
@@ -64,7 +64,7 @@ void warnAboutError(const converge::Target& target, const converge::Result& resu
     const bool bounded = std::isfinite(result.budget.total());
     err << start << format("target %.3g not reached: ", target.error)
         << (bounded ? format("error is at most %.3g", result.budget.total()) : "the error has no bound")
-        << " after " << counted(result.samplesPerPixel, "sample") << " per pixel (" << helpOf(result.stop)
+        << " after " << counted(result.samplesPerPixel, "sample") << " per pixel (" << helpOf(*result.stop)
         << (bounded ? ")" : "); too few pixels show any error") << '\n';
 }
 
@@ -269,9 +269,8 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
 float scaleOf(const std::filesystem::path& output, std::optional<double> exposure) {
     if (output == "-" || lowerExtension(output) == ".png")
         return static_cast<float>(std::exp2(exposure.value_or(0)));
-    if (exposure && isWritableImagePath(output))
-        throw Error(ErrorKind::Argument,
-                    "--exposure: " + output.string() + " holds linear floats, which need none; use .png");
+    refuseIf(exposure && isWritableImagePath(output),
+             "--exposure: " + output.string() + " holds linear floats, which need none; use .png");
     return 0;
 }
 
@@ -284,9 +283,8 @@ std::vector<std::string> namesOf(const std::vector<Aov>& aovs) {
 bool goesByRows(const std::filesystem::path& output, const std::vector<Aov>& aovs, const Region& region,
                 uint64_t bytesPerPixel, uint64_t further, bool wanted) {
     const bool able = output != "-" && canWriteRows(output, namesOf(aovs));
-    if (wanted && !able)
-        throw Error(ErrorKind::Argument,
-                    output.string() + ": bands go into .png (layers color and alpha alone), .exr and .pfm");
+    refuseIf(wanted && !able,
+             output.string() + ": bands go into .png (layers color and alpha alone), .exr and .pfm");
     const uint64_t available = availableMemory();
     if (!wanted && region.pixels() * bytesPerPixel + further <= available) return false;
     if (!able) checkMemory(region.width(), region.height(), bytesPerPixel, available);

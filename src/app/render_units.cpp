@@ -104,7 +104,7 @@ farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loade
     add("glint", std::string(GLINT_VERSION) + " of commit " + builtCommit());
     add("scene", command.scene.scene.filename().string());
     for (const SourceFile& file : scene.sources) add("file " + file.name, hashText(file.hash));
-    if (!command.scene.camera.empty()) add("camera", command.scene.camera);
+    if (const std::string& camera = command.scene.loading.camera; !camera.empty()) add("camera", camera);
     if (command.scene.time) add("time", describe(*command.scene.time));
     add("size", std::to_string(request.width) + "x" + std::to_string(request.height));
     add("crop", regionText(regionOf(request)));
@@ -114,7 +114,7 @@ farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loade
     add("intersector", std::string(nameOf(command.scene.methods.triangles)));
     add("sphere", std::string(nameOf(command.scene.methods.spheres)));
     add("layers", joined(namesOf(command.aovs), ","));
-    add("backend", std::string(nameOf(command.backend)));
+    add("backend", std::string(nameOf(command.device.backend)));
     add("traversal", std::string(nameOf(command.device.traversal)));
     add("build-quality", std::string(nameOf(command.scene.buildQuality)));
     return identity;
@@ -126,7 +126,7 @@ class UnitRenderer {
     UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts = 1)
         : command_(command),
           err_(err),
-          drawing_(command.backend, command.device, err),
+          drawing_(command.device, err),
           loaded_(loadAndPack(command.scene, err)),
           request_(requestOf(command, loaded_)) {
         constexpr int kLikelyParts = 64;  // to know how many before they are cut
@@ -211,10 +211,8 @@ std::filesystem::path partPath(const RenderCommand& command) {
     if (path.empty())
         path = command.scene.scene.stem().string() + "." + std::to_string(command.part->number) + "-of-" +
                std::to_string(command.part->of) + farm::kPartExtension;
-    if (path.extension() != farm::kPartExtension)
-        throw Error(
-            ErrorKind::Argument,
-            path.string() + ": the name of a part ends in .part; glint merge makes an image from the parts");
+    refuseIf(path.extension() != farm::kPartExtension,
+             path.string() + ": the name of a part ends in .part; glint merge makes an image from the parts");
     checkOutputPath(path);
     return path;
 }
@@ -254,7 +252,7 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
     std::optional<UnitPicture> picture;
     farm::FirstRank ranks(transport);
     RenderCommand mine = command;
-    mine.scene.files = ranks.files();
+    mine.scene.loading.source = ranks.files();
     units.emplace(mine, 0, err, leastUnits(transport));
     const farm::UnitHeader& header = units->header();
     const uint64_t unit = units->mostBytes();
@@ -283,7 +281,7 @@ ExitCode renderAsFirst(const RenderCommand& command, farm::Transport& transport,
 ExitCode renderAsOther(const RenderCommand& command, farm::Transport& transport) {
     farm::OtherRank rank(transport);
     RenderCommand mine = command;
-    mine.scene.files = rank.files();
+    mine.scene.loading.source = rank.files();
     installInterruptHandler();
     try {
         std::ostream silence(nullptr);
@@ -366,11 +364,9 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
 bool isInUnits(const RenderCommand& command) {
     if (command.part || !command.checkpoint.empty()) return true;
     if (!farm::launchedRank()) return false;
-    if (command.frames)
-        throw Error(ErrorKind::Argument,
-                    "--frames: mpirun's processes share one image; give each machine frames of its own");
-    if (command.target.error > 0)
-        throw Error(ErrorKind::Argument, "mpirun: --error chooses the samples of the whole image; use --spp");
+    refuseIf(command.frames.has_value(),
+             "--frames: mpirun's processes share one image; give each machine frames of its own");
+    refuseIf(command.target.error > 0, "mpirun: --error chooses the samples of the whole image; use --spp");
     return true;
 }
 

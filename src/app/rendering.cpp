@@ -4,7 +4,6 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
-#include <utility>
 
 #include "app/commands.h"
 #include "core/available_memory.h"
@@ -45,14 +44,13 @@ class StandardInput : public FileSource {
 AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err)
     : options_(options), err_(err) {
     const Stopwatch watch;
-    std::shared_ptr<FileSource> files = options.files;
+    LoadOptions loading = options.loading;
+    loading.memory = availableMemory();
     if (options.scene == "-")
-        files = std::make_shared<StandardInput>();
-    else if (!files)
+        loading.source = std::make_shared<StandardInput>();
+    else if (!loading.source)
         checkScene(options.scene);
-    reader_.emplace(options.scene,
-                    LoadOptions{options.allowOutside, availableMemory(), options.camera, options.up, files},
-                    time);
+    reader_.emplace(options.scene, loading, time);
     loaded_.scene = reader_->scene();
     loaded_.loadSeconds = watch.seconds();
     pack();
@@ -147,8 +145,8 @@ Request requestOf(const LoadedScene& loaded, const SceneOptions& options, bool u
     // --error ignores the scene's number of samples.
     if (untilError)
         image.samplesPerPixel = std::max(image.samplesPerPixel, static_cast<int>(leastSamples(image.filter)));
-    if (const std::string wrong = samplingConflict(image); !wrong.empty())
-        throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);
+    const std::string conflict = samplingConflict(image);
+    refuseIf(!conflict.empty(), options.scene.string() + ": " + conflict);
     Request request = requestOf(image, loaded.scene.camera.lensRadius > 0);
     request.methods = options.methods;
     request.limits = options.limits;
@@ -188,12 +186,10 @@ void checkValidation(const gpu::Device& device, const DeviceChoice& choice) {
 std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedScene& loaded, Backend backend,
                                    Request& request) {
     if (target.error == 0) return std::nullopt;
-    if (target.depthCounts && converge::missesReflections(loaded.scene, depthOf(loaded.packed, request)))
-        throw Error(ErrorKind::Argument,
-                    "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
-    if (regionOf(request).pixels() == 1)
-        throw Error(ErrorKind::Argument,
-                    "--error cannot bound the error of a single pixel: use a larger --crop");
+    refuseIf(target.depthCounts && converge::missesReflections(loaded.scene, depthOf(loaded.packed, request)),
+             "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
+    refuseIf(regionOf(request).pixels() == 1,
+             "--error cannot bound the error of a single pixel: use a larger --crop");
     converge::Job job = converge::jobFor(loaded.packed, request, target);
     request = job.request;
     job.radianceBound =
@@ -206,9 +202,9 @@ std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedS
     return job;
 }
 
-Drawing::Drawing(Backend backend, const DeviceChoice& choice, std::ostream& warnings)
-    : backend_(backend), choice_(choice), warnings_(warnings) {
-    if (backend == Backend::Cpu) return;
+Drawing::Drawing(const DeviceChoice& choice, std::ostream& warnings)
+    : backend_(choice.backend), choice_(choice), warnings_(warnings) {
+    if (backend_ == Backend::Cpu) return;
     opening_ = std::async(std::launch::async | std::launch::deferred, [&choice] {
         gpu::Device device = openDevice(choice, true);
         device.arithmetic();  // a few milliseconds the first time

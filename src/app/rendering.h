@@ -103,7 +103,7 @@ class Drawing {
     // Starts to open the device, which needs nothing of the scene (50 ms for lavapipe, whose libraries are
     // large). What is wrong with it is thrown by load(), so that faults of the scene come first. `choice`
     // must outlive the object. `warnings`: gets one if the reference takes over, see whole().
-    Drawing(Backend backend, const DeviceChoice& choice, std::ostream& warnings);
+    Drawing(const DeviceChoice& choice, std::ostream& warnings);
 
     // Uploads the scene, which must outlive its images, and translates kernels for `expected`. `cameraRays`:
     // as in render::Options.

@@ -26,8 +26,7 @@ constexpr int kSecondsForScene = 60;
 
 struct ReportCommand {
     std::vector<fs::path> scenes;
-    bool allowOutside = false;
-    std::string camera;  // by its name; empty: each scene's own
+    SceneOptions common;
     report::Options options;
     std::optional<int> budget;  // seconds
     DeviceChoice device;
@@ -39,14 +38,14 @@ constexpr const char* kReferenceName = "cpu";  // among --devices
 
 std::vector<std::string> parseDevices(const std::string& text) {
     const std::vector<std::string> names = split(text, ',');
-    if (std::find(names.begin(), names.end(), "") != names.end())
-        throw Error(ErrorKind::Argument, "a device's name is empty in " + quoted(text));
+    refuseIf(std::find(names.begin(), names.end(), "") != names.end(),
+             "a device's name is empty in " + quoted(text));
     return names;
 }
 
 void declare(OptionTable& table, ReportCommand& c) {
-    addScenes(table, c.scenes, c.allowOutside);
-    addCamera(table, c.camera);
+    addScenes(table, c.scenes, c.common);
+    addCameraName(table, c.common);
     table.name("-o,--output", "FOLDER", "folder for report.html, report.csv, report.json and the diagrams",
                c.options.folder, OptionTable::Need::Required);
     table.whole("--size", "WIDTH", "width of the images in pixels (default 256)", 4, 4096, c.options.width);
@@ -107,8 +106,8 @@ OpenDevices openDevices(const ReportCommand& command) {
 ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     const std::vector<std::string>& only = command.options.only;
-    if (std::find(only.begin(), only.end(), "device") != only.end() && command.devices.empty())
-        throw Error(ErrorKind::Argument, "--only device requires --devices");
+    refuseIf(std::find(only.begin(), only.end(), "device") != only.end() && command.devices.empty(),
+             "--only device requires --devices");
     for (const fs::path& scene : command.scenes) checkScene(scene);
     const OpenDevices devices = openDevices(command);
     const gpu::Device& device = devices.open.front();
@@ -125,11 +124,9 @@ ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err)
     if (!warning.empty()) err << "glint: warning: " << warning << '\n';
     std::vector<report::Subject> subjects;
     for (const fs::path& path : command.scenes) {
-        SceneOptions scene;
+        SceneOptions scene = command.common;
         scene.scene = path;
-        scene.allowOutside = command.allowOutside;
-        scene.camera = command.camera;
-        subjects.push_back({path, command.camera, loadAndPack(scene, err)});
+        subjects.push_back({path, scene.loading.camera, loadAndPack(scene, err)});
     }
     Progress progress = progressOf("report", command.progress, err);
     options.progress = [&](double fraction) {

@@ -4,7 +4,6 @@
 #include "app/commands.h"
 #include "app/ray_file.h"
 #include "app/rendering.h"
-#include "core/error.h"
 #include "core/format.h"
 #include "reference/render.h"
 #include "reference/truth/truth.h"
@@ -21,7 +20,6 @@ struct TraceCommand {
     std::string rays;  // a file, "-" for standard input, empty for --pixel
     std::optional<std::pair<int, int>> pixel;
     bool any = false;
-    Backend backend = Backend::Gpu;
     DeviceChoice device;
 };
 
@@ -36,7 +34,7 @@ void declare(OptionTable& table, TraceCommand& c) {
     table.value("--size", "WxH", "image size for --pixel (default: the scene's)", c.scene.size, parseSize);
     addCamera(table, c.scene);
     addMethods(table, c.scene);
-    addBackend(table, c.backend);
+    addBackend(table, c.device);
     addDevice(table, c.device);
     addTraversal(table, c.device);
 }
@@ -80,22 +78,20 @@ std::vector<WorldHit> traceOnHost(const TraceCommand& command, const LoadedScene
 
 void checkPixel(const Request& image, std::pair<int, int> pixel) {
     const auto [x, y] = pixel;
-    if (x < 0 || y < 0 || x >= image.width || y >= image.height)
-        throw Error(ErrorKind::Argument, format("--pixel: %d,%d is outside the image of %dx%d pixels", x, y,
-                                                image.width, image.height));
+    refuseIf(x < 0 || y < 0 || x >= image.width || y >= image.height,
+             format("--pixel: %d,%d is outside the image of %dx%d pixels", x, y, image.width, image.height));
 }
 
 ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) {
-    if (command.rays.empty() && !command.pixel)
-        throw Error(ErrorKind::Argument, "trace: give either --rays FILE.csv or --pixel x,y");
-    if (command.rays == "-" && command.scene.scene == "-")
-        throw Error(ErrorKind::Argument, "--rays -: SCENE reads standard input; read the rays from a file");
-    checkDeviceOptions(command.backend, command.device);
+    refuseIf(command.rays.empty() && !command.pixel, "trace: give either --rays FILE.csv or --pixel x,y");
+    refuseIf(command.rays == "-" && command.scene.scene == "-",
+             "--rays -: SCENE reads standard input; read the rays from a file");
+    checkDeviceOptions(command.device);
     const LoadedScene loaded = loadAndPack(command.scene, err);
     const Request request = command.pixel ? requestOf(loaded, command.scene) : Request();
     if (command.pixel) checkPixel(request, *command.pixel);
     std::optional<gpu::Device> device;
-    if (command.backend == Backend::Gpu) device.emplace(openDevice(command.device, true));
+    if (command.device.backend == Backend::Gpu) device.emplace(openDevice(command.device, true));
     const std::vector<WorldHit> hits = device ? traceOnDevice(command, loaded, request, *device, err)
                                               : traceOnHost(command, loaded, request, err);
     out << kHitCsvHeading;

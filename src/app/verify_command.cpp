@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 #include <ostream>
 #include <sstream>
 #include <utility>
@@ -255,7 +254,7 @@ struct VerifyCommand {
 };
 
 void declare(OptionTable& table, VerifyCommand& c) {
-    addScenes(table, c.scenes, c.common.allowOutside);
+    addScenes(table, c.scenes, c.common);
     table.name("--artifacts", "FOLDER",
                "write NAME.device.png, NAME.reference.png, NAME.difference.png of scenes that fail",
                c.artifacts);
@@ -337,8 +336,8 @@ void print(const VerifyCommand& command, const SceneResult& result, std::ostream
 }
 
 void checkFiles(const VerifyCommand& command) {
-    if (!command.jsonFile.empty() && command.jsonFile == command.junitFile)
-        throw Error(ErrorKind::Argument, "--junit: --json writes this file; name another one");
+    refuseIf(!command.jsonFile.empty() && command.jsonFile == command.junitFile,
+             "--junit: --json writes this file; name another one");
     if (!command.artifacts.empty()) makeFolder(command.artifacts);
     if (!command.jsonFile.empty() && !command.printsJson()) checkOutputPath(command.jsonFile);
     if (!command.junitFile.empty()) checkOutputPath(command.junitFile);

@@ -1,7 +1,6 @@
 // Results of `glint verify`: text for people, JSON and JUnit files for programs, images of scenes that fail.
 #pragma once
 
-#include <filesystem>
 #include <iosfwd>
 #include <nlohmann/json.hpp>
 #include <string>

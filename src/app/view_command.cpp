@@ -39,28 +39,22 @@ void declare(OptionTable& table, ViewCommand& c) {
 
 #ifdef GLINT_WINDOW
 ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
-    if (command.scene.scene == "-")
-        throw Error(
-            ErrorKind::Argument,
-            "SCENE: the window needs a file, which it watches for changes; save standard input to one");
+    refuseIf(command.scene.scene == "-",
+             "SCENE: the window needs a file, which it watches for changes; save standard input to one");
     const SceneOptions& scene = command.scene;
-    const view::Options options = {.scene = scene.scene,
-                                   .loading = {.allowOutside = scene.allowOutside,
-                                               .camera = scene.camera,
-                                               .up = scene.up,
-                                               .depth = scene.limits.depth,
-                                               .samplesPerPixel = scene.spp,
-                                               .quality = scene.buildQuality},
-                                   .until = command.target,
-                                   .time = scene.time,
-                                   .width = scene.size.value_or(Size()).width,
-                                   .height = scene.size.value_or(Size()).height,
-                                   .scale = command.scale,
-                                   .device = command.device.selector,
-                                   .validation = command.device.validation,
-                                   .frames = static_cast<uint64_t>(command.frames),
-                                   .presentMode = command.present,
-                                   .targetSeconds = command.pace * 1e-3};
+    const view::Options options = {
+        .scene = scene.scene,
+        .loading = {scene.loading, scene.limits.depth, scene.spp, scene.buildQuality},
+        .until = command.target,
+        .time = scene.time,
+        .width = scene.size.value_or(Size()).width,
+        .height = scene.size.value_or(Size()).height,
+        .scale = command.scale,
+        .device = command.device.selector,
+        .validation = command.device.validation,
+        .frames = static_cast<uint64_t>(command.frames),
+        .presentMode = command.present,
+        .targetSeconds = command.pace * 1e-3};
     view::view(options, out, err);
     return interrupted() ? ExitCode::Interrupted : ExitCode::Done;
 }

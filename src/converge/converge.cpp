@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include "converge/replicates.h"
 #include "core/stopwatch.h"
@@ -22,55 +22,53 @@ class Loop {
     }
 
     Result run() {
-        const uint32_t least = leastSamples(job_.request.image.filter);
-        for (uint32_t count = least;; count = std::max(least, both_.looks.next() - both_.first.count())) {
-            if (const auto stop = limit(count)) return finished(*stop);
-            if (!take(count)) return finished(Stop::Interrupted);
-            const bool reached = look();
-            if (state_.rounds == 1) checkReachable(draw_, job_, state_.budget);
-            if (reached) return finished(Stop::Reached);
-            if (state_.budget.fixed() >= job_.target.error) return finished(Stop::Fixed);
+        while (!state_.stop) {
+            const uint32_t count = nextCount();
+            if (count == 0)
+                state_.stop = Stop::Seconds;
+            else if (!take(count))
+                state_.stop = Stop::Interrupted;
+            else
+                look();
         }
+        return result();
     }
 
   private:
-    // The reason not to begin a round of `count` more samples; reduces `count` to the samples that are left.
-    std::optional<Stop> limit(uint32_t& count) const {
-        if (state_.rounds == 0) return std::nullopt;
+    // Samples of each replicate in the next round; 0 if no time is left for a round.
+    uint32_t nextCount() const {
         const uint32_t least = leastSamples(job_.request.image.filter);
+        uint32_t count = std::max(least, both_.looks.next() - both_.first.count);
+        if (state_.rounds == 0) return count;
         count = std::min(count, (job_.target.maxSamples - state_.samplesPerPixel) / 2);
-        if (count < least) return Stop::Samples;
-        const double each = watch_.seconds() / both_.first.count();
+        const double each = watch_.seconds() / both_.first.count;
         const double time = job_.target.maxSeconds - watch_.seconds();
-        if (count * each > time) {
-            count = time > 0 ? static_cast<uint32_t>(time / each) : 0;
-            if (count < least) return Stop::Seconds;
-        }
-        return std::nullopt;
+        if (count * each > time) count = time > 0 ? static_cast<uint32_t>(time / each) : 0;
+        return count < least ? 0 : count;
     }
 
     // Takes `count` more samples of both replicates, so that both weigh the same. AOVs come from the first
     // image.
     bool take(uint32_t count) {
-        const Draw counted = [&](const Request& request) {
+        for (int replicate = 0; replicate < 2; ++replicate) {
+            Request request = job_.request;
+            request.samples = both_.begin(count);
+            if (state_.rounds > 0 || replicate > 0) request.data = request.cost = false;
             Picture picture = draw_(request);
-            if (picture.complete) both_.ledger.add(picture, count);
-            return picture;
-        };
-        Request request = job_.request;
-        if (state_.rounds > 0) request.data = request.cost = false;
-        if (!both_.first.take(counted, request, count)) return false;
-        request.data = request.cost = false;
-        return both_.second.take(counted, request, count);
+            if (!picture.complete) return false;
+            both_.add(picture, picture.region);
+            both_.end();
+            if (data_.empty()) data_ = std::move(picture.data);
+        }
+        return true;
     }
 
-    bool look() {
-        const bool reached = both_.look(job_.target, job_.rounding, state_);
-        state_.unseen =
-            job_.radianceBound *
-            unseenBound(both_.first.means().size(), 2.0 * both_.first.count(), 1 - job_.target.confidence);
+    void look() {
+        both_.look(job_.rounding);
+        state_.unseen = job_.radianceBound * unseenBound(both_.first.means.size(), 2.0 * both_.first.count,
+                                                         1 - job_.target.confidence);
         report();
-        return reached;
+        if (state_.rounds == 1) checkReachable(draw_, job_, state_.budget);
     }
 
     // Work grows with about the error's -5/3rd power. The bound is far from the error at first.
@@ -81,17 +79,16 @@ class Loop {
         if (progress_) progress_(done_);
     }
 
-    Result finished(Stop stop) const {
+    Result result() const {
         Result result;
         static_cast<State&>(result) = state_;
-        result.stop = stop;
         result.picture = blankPicture(job_.request);
         Picture& picture = result.picture;
         picture.complete = state_.rounds > 0;
         if (state_.rounds == 0) return result;
         std::fill(picture.done.begin(), picture.done.end(), uint8_t{1});
         picture.samplesPerPixel = state_.samplesPerPixel;
-        both_.ledger.writeTo(picture);
+        picture.data = data_;
         both_.writeTo(picture);
         return result;
     }
@@ -101,7 +98,8 @@ class Loop {
     std::function<void(double)> progress_;
     double done_ = 0;
     Replicates both_{job_.request.image, job_.target};
-    State state_;
+    State& state_ = both_.state;
+    std::vector<PixelData> data_;
     Stopwatch watch_;
 };
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include "core/enum_names.h"
 #include "scene/scene.h"
@@ -62,13 +63,13 @@ struct State {
     // The error, with the confidence, of one detail as bright as the scene allows that all samples of its
     // pixel missed. The budget's sampling part allows for full scale only.
     double unseen = std::numeric_limits<double>::infinity();
+    std::optional<Stop> stop;  // empty while samples are taken
+    bool reached() const { return stop == Stop::Reached; }
 };
 
 struct Result : State {
     // All samples together. `errors`: each pixel's standard error from its two replicates (a map, no bound).
     Picture picture;
-    Stop stop = Stop::Reached;
-    bool reached() const { return stop == Stop::Reached; }
 };
 
 // A tracer. It must honour Request::samples, region, ledger and cancelled.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/format.h"
@@ -43,10 +44,17 @@ std::string number(double value) {
     return format("%.2g", value);
 }
 
+// The first `count` samples of a replicate.
+PackedSamples samplesOf(const ImageSettings& image, uint32_t number, uint32_t count) {
+    return SampleSequence(settingsOf(image, number)).next(count);
+}
+
 // Finds a depth that leaves out less than `allowed`, by one sample of each pixel.
 std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
     const Stopwatch watch;
     Request request = job.request;
+    const uint32_t count = leastSamples(request.image.filter);
+    request.samples = samplesOf(request.image, 0, count);
     request.data = request.cost = false;
     request.cancelled = [&] {
         return watch.seconds() > kAdviceSeconds || (job.request.cancelled && job.request.cancelled());
@@ -55,15 +63,10 @@ std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
     while (depth < kDeepestAdvice) {
         depth = std::min<uint32_t>(2 * depth + 1, kDeepestAdvice);
         request.limits.depth = depth;
+        const Picture picture = draw(request);
+        if (!picture.complete) return "maxDepth " + std::to_string(depth) + " takes too long to try";
         Ledger ledger;
-        const uint32_t count = leastSamples(job.request.image.filter);
-        const Draw counted = [&](const Request& r) {
-            Picture picture = draw(r);
-            ledger.add(picture, count);
-            return picture;
-        };
-        if (!Replicate(job.request.image, 0).take(counted, request, count))
-            return "maxDepth " + std::to_string(depth) + " takes too long to try";
+        ledger.add(picture, picture.done.size(), count);
         if (ledger.depth() < allowed) return "--max-depth " + std::to_string(depth) + " would do";
     }
     return "no maxDepth up to " + std::to_string(kDeepestAdvice) + " would do";
@@ -81,110 +84,122 @@ std::string roundingAdvice(const Job& job, double rounding) {
 
 }  // namespace
 
-PackedSamples samplesOf(const ImageSettings& image, uint32_t number, uint32_t count) {
-    return SampleSequence(settingsOf(image, number)).next(count);
-}
+Replicates::Replicates(const ImageSettings& image, const Target& target, bool knowsDepth)
+    : first{SampleSequence(settingsOf(image, 0))},
+      second{SampleSequence(settingsOf(image, 1))},
+      looks(target),
+      image_(image),
+      target_(target),
+      knowsDepth_(knowsDepth) {}
 
-Replicate::Replicate(const ImageSettings& image, uint32_t number) : sequence_(settingsOf(image, number)) {}
-
-PackedSamples Replicate::begin(uint32_t count) {
+PackedSamples Replicates::begin(uint32_t count) {
     taking_ = count;
-    return sequence_.next(count);
+    flaws_ = {};
+    return fewer().sequence.next(count);
 }
 
-void Replicate::add(const Picture& part, const Region& whole) {
-    const uint64_t pixels = whole.pixels();
-    means_.resize(pixels, glm::dvec3(0));
-    alphas_.resize(pixels, 0.0);
-    const double share = static_cast<double>(taking_) / static_cast<double>(count_ + taking_);
+void Replicates::add(const Picture& part, const Region& whole) {
+    Replicate& replicate = fewer();
+    replicate.means.resize(whole.pixels(), glm::dvec3(0));
+    replicate.alphas.resize(whole.pixels(), 0.0);
+    const double share = static_cast<double>(taking_) / static_cast<double>(replicate.count + taking_);
     const float* pixel = part.color.pixels.data();
     for (int y = part.region.y0; y < part.region.y1; ++y) {
         size_t at = static_cast<size_t>(y - whole.y0) * static_cast<size_t>(whole.width()) +
                     static_cast<size_t>(part.region.x0 - whole.x0);
         for (int x = part.region.x0; x < part.region.x1; ++x, ++at, pixel += 4) {
-            means_[at] += share * (glm::dvec3(pixel[0], pixel[1], pixel[2]) - means_[at]);
-            alphas_[at] += share * (pixel[3] - alphas_[at]);
+            glm::dvec3& mean = replicate.means[at];
+            mean += share * (glm::dvec3(pixel[0], pixel[1], pixel[2]) - mean);
+            replicate.alphas[at] += share * (pixel[3] - replicate.alphas[at]);
         }
     }
+    flaws_.add(part);
 }
 
-void Replicate::end() {
-    count_ += taking_;
-    taking_ = 0;
+void Replicates::end() {
+    Replicate& replicate = fewer();
+    ledger.add(flaws_, replicate.means.size(), taking_);
+    replicate.count += taking_;
 }
 
-bool Replicate::take(const Draw& draw, const Request& request, uint32_t count) {
-    Request batch = request;
-    batch.samples = begin(count);
-    const Picture picture = draw(batch);
-    if (!picture.complete) return false;
-    add(picture, picture.region);
-    end();
-    return true;
+// Each row of samples has its own seed, so that two sequences can stand one behind the other.
+PackedSamples Replicates::taken() const {
+    PackedSamples all;
+    for (uint32_t number = 0; number < 2; ++number) {
+        const uint32_t count = (number == 0 ? first : second).count;
+        if (count == 0) continue;
+        const PackedSamples part = samplesOf(image_, number, count);
+        all.rows.insert(all.rows.end(), part.rows.begin() + (all.rows.empty() ? 0 : shared::kFirstSample),
+                        part.rows.end());
+    }
+    all.round = all.count();
+    return all;
 }
 
-bool Replicates::look(const Target& target, double rounding, State& state) {
+void Replicates::look(double rounding) {
     ++state.rounds;
-    state.samplesPerPixel = 2 * first.count();
-    state.budget.rounding = rounding;
-    state.budget.depthCounts = target.depthCounts;
-    ledger.writeTo(state.budget);
+    state.samplesPerPixel = 2 * first.count;
+    ErrorBudget& budget = state.budget;
+    budget.rounding = rounding;
+    budget.depthCounts = target_.depthCounts;
+    ledger.writeTo(budget);
+    if (!knowsDepth_) budget.depth = std::numeric_limits<double>::infinity();
     // Slightly less, so that the rounded sum of all parts is at most the target.
-    const double allowed = (target.error - state.budget.fixed()) * (1 - 1e-15);
-    const bool reached = looks.look(meanSquareOf(first.means(), second.means()), first.count(), allowed);
-    state.budget.sampling = looks.bound();
+    const double allowed = (target_.error - budget.fixed()) * (1 - 1e-15);
+    const bool reached = looks.look(meanSquareOf(first.means, second.means), first.count, allowed);
+    budget.sampling = looks.bound();
     state.estimate = looks.estimate();
-    return reached;
+    if (reached)
+        state.stop = Stop::Reached;
+    else if (budget.fixed() >= target_.error)
+        state.stop = Stop::Fixed;
+    else if (state.samplesPerPixel + 2 * leastSamples(image_.filter) > target_.maxSamples)
+        state.stop = Stop::Samples;
 }
 
 void Replicates::writeTo(Picture& picture) const {
-    picture.samples.assign(picture.done.size(), first.count() + second.count());
+    static_cast<PictureFlaws&>(picture) = ledger.flaws();
+    picture.samples.assign(picture.done.size(), first.count + second.count);
     picture.errors.resize(picture.done.size());
     // After an interrupt the second replicate may have fewer samples than the first.
     for (size_t i = 0; i < picture.done.size(); ++i) {
-        const glm::dvec3 a = first.means()[i], b = second.means()[i], error = glm::abs(a - b) / 2.0;
+        const glm::dvec3 a = first.means[i], b = second.means[i], error = glm::abs(a - b) / 2.0;
         for (int c = 0; c < 3; ++c) picture.color.pixels[4 * i + c] = static_cast<float>((a[c] + b[c]) / 2);
-        picture.color.pixels[4 * i + 3] = static_cast<float>((first.alphas()[i] + second.alphas()[i]) / 2);
+        picture.color.pixels[4 * i + 3] = static_cast<float>((first.alphas[i] + second.alphas[i]) / 2);
         picture.errors[i] = static_cast<float>(std::max({error.x, error.y, error.z}));
     }
 }
 
-void Ledger::add(const TreeLosses& losses, size_t pixels, uint32_t count) {
+void Ledger::add(const PictureFlaws& flaws, size_t pixels, uint32_t count) {
     const double weight = count;
-    addWeighted(losses_.cut, losses.cut, weight);
-    addWeighted(losses_.depth, losses.depth, weight);
-    addWeighted(losses_.room, losses.room, weight);
-    losses_.crowdedMedia += losses.crowdedMedia;
+    addWeighted(flaws_.losses.cut, flaws.losses.cut, weight);
+    addWeighted(flaws_.losses.depth, flaws.losses.depth, weight);
+    addWeighted(flaws_.losses.room, flaws.losses.room, weight);
+    flaws_.losses.crowdedMedia += flaws.losses.crowdedMedia;
+    flaws_.notFinite = std::max(flaws_.notFinite, flaws.notFinite);
+    if (flaws_.firstNotFinite.x < 0) flaws_.firstNotFinite = flaws.firstNotFinite;
     samples_ += count;
     pixels_ = pixels;
 }
 
-void Ledger::add(const Picture& picture, uint32_t count) {
-    add(picture.losses, picture.done.size(), count);
-    notFinite_ = std::max(notFinite_, picture.notFinite);
-    if (firstNotFinite_.x < 0) firstNotFinite_ = picture.firstNotFinite;
-    if (data_.empty()) data_ = picture.data;
-}
-
 double Ledger::depth() const {
-    return boundOf(losses_.depth, pixels_, samples_);
+    return boundOf(flaws_.losses.depth, pixels_, samples_);
 }
 
 void Ledger::writeTo(ErrorBudget& budget) const {
     budget.depth = depth();
-    budget.cut = boundOf(losses_.cut, pixels_, samples_) + boundOf(losses_.room, pixels_, samples_);
+    budget.cut =
+        boundOf(flaws_.losses.cut, pixels_, samples_) + boundOf(flaws_.losses.room, pixels_, samples_);
 }
 
-void Ledger::writeTo(Picture& picture) const {
+PictureFlaws Ledger::flaws() const {
     const double taken = static_cast<double>(std::max<uint64_t>(samples_, 1));
-    picture.losses = losses_;
-    for (LostBranches* lost : {&picture.losses.cut, &picture.losses.depth, &picture.losses.room}) {
+    PictureFlaws mean = flaws_;
+    for (LostBranches* lost : {&mean.losses.cut, &mean.losses.depth, &mean.losses.room}) {
         lost->sum /= taken;
         lost->greatest /= taken;
     }
-    picture.notFinite = notFinite_;
-    picture.firstNotFinite = firstNotFinite_;
-    picture.data = data_;
+    return mean;
 }
 
 void checkReachable(const Draw& draw, const Job& job, const ErrorBudget& budget) {

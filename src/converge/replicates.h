@@ -1,4 +1,4 @@
-// Running sums of an image. A replicate is a sequence of samples with a seed of its own.
+// Two replicates of an image, sequences of samples with a seed each, and the decision to stop.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,66 +10,64 @@
 
 namespace glint::converge {
 
-// The first `count` samples of a replicate.
-PackedSamples samplesOf(const ImageSettings& image, uint32_t number, uint32_t count);
-
-class Replicate {
-  public:
-    Replicate(const ImageSettings& image, uint32_t number);
-
-    // Takes `count` more samples of every pixel. If the tracer was cancelled, adds nothing and returns false.
-    bool take(const Draw& draw, const Request& request, uint32_t count);
-    // The same in three steps: begin() returns the samples to take, add() is called until it has had each
-    // pixel of `whole` once, and end() counts them.
-    PackedSamples begin(uint32_t count);
-    void add(const Picture& part, const Region& whole);
-    void end();
-
-    uint32_t count() const { return count_; }
-    const std::vector<glm::dvec3>& means() const { return means_; }  // of all samples so far, by pixel
-    const std::vector<double>& alphas() const { return alphas_; }
-
-  private:
-    SampleSequence sequence_;
-    uint32_t count_ = 0, taking_ = 0;
-    std::vector<glm::dvec3> means_;
-    std::vector<double> alphas_;
+struct Replicate {
+    SampleSequence sequence;
+    uint32_t count = 0;                  // samples so far
+    std::vector<glm::dvec3> means = {};  // of all samples so far, by pixel
+    std::vector<double> alphas = {};
 };
 
-// Losses and faults of all batches, and the AOVs of the first batch.
+// Losses and faults of all batches.
 class Ledger {
   public:
-    void add(const Picture& picture, uint32_t count);
-    void add(const TreeLosses& losses, size_t pixels, uint32_t count);
+    // The flaws of an image of so many pixels, each with `count` samples.
+    void add(const PictureFlaws& flaws, size_t pixels, uint32_t count);
     // Root mean squares of the losses.
     void writeTo(ErrorBudget& budget) const;
-    // All but the color.
-    void writeTo(Picture& picture) const;
+    // Those of one sample per pixel.
+    PictureFlaws flaws() const;
     double depth() const;
 
   private:
-    TreeLosses losses_;  // sums weighted by samples
+    PictureFlaws flaws_;  // losses: sums weighted by samples
     uint64_t samples_ = 0;
-    uint64_t notFinite_ = 0;
-    glm::ivec2 firstNotFinite_{-1};
     size_t pixels_ = 0;
-    std::vector<PixelData> data_;
 };
 
-// The two replicates of an image, its losses, and the decision to stop.
-struct Replicates {
-    Replicates(const ImageSettings& image, const Target& target)
-        : first(image, 0), second(image, 1), looks(target) {}
+class Replicates {
+  public:
+    // `knowsDepth`: false if the losses lack branches beyond the depth, see missesReflections().
+    Replicates(const ImageSettings& image, const Target& target, bool knowsDepth = true);
 
-    // Call with equal counts of both replicates: writes budget, estimate, rounds and samples into the state.
-    // True if the target is reached. `rounding`: ErrorBudget::rounding.
-    bool look(const Target& target, double rounding, State& state);
-    // Writes colors, alpha, errors and samples.
+    // Takes a batch of samples, for the replicate that has fewer: begin() returns `count` of them, add() is
+    // called until it has had each pixel of `whole` once, and end() counts them.
+    PackedSamples begin(uint32_t count);
+    void add(const Picture& part, const Region& whole);
+    void end();
+    // The samples of all batches.
+    PackedSamples taken() const;
+
+    // True if both replicates have as many samples as the next look is worth.
+    bool isDue() const { return first.count == second.count && first.count >= looks.next(); }
+    // Call with equal counts of both replicates: writes all of the state but `unseen`. `rounding`:
+    // ErrorBudget::rounding.
+    void look(double rounding);
+    // Writes colors, alpha, errors, samples and flaws.
     void writeTo(Picture& picture) const;
 
+    State state;
     Replicate first, second;
     Ledger ledger;
     Looks looks;
+
+  private:
+    Replicate& fewer() { return second.count < first.count ? second : first; }
+
+    const ImageSettings image_;
+    const Target target_;
+    const bool knowsDepth_;
+    uint32_t taking_ = 0;  // samples of the batch at hand
+    PictureFlaws flaws_;   // of its parts so far
 };
 
 // Throws if the fixed parts leave nothing of the target; tries greater depths by `draw` for the advice.

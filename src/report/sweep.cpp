@@ -261,7 +261,7 @@ bool SceneSweep::judgeArithmetic(const Setting& s, Measured& m) {
     m.arithmetic = measureArithmetic(picture.color, pathsOf(picture), same->colors, same->paths);
     if (s.limits.depth || s.limits.minContribution > 0) {
         converge::Ledger ledger;
-        ledger.add(picture, 1);  // its losses are already those of one sample
+        ledger.add(picture, picture.done.size(), 1);  // its losses are already those of one sample
         converge::ErrorBudget budget;
         ledger.writeTo(budget);
         m.bound = budget.depth + budget.cut;

@@ -3,10 +3,8 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <cmath>
 #include <ostream>
 #include <string_view>
-#include <utility>
 
 #include "core/content_hash.h"
 #include "core/error.h"

@@ -1,10 +1,8 @@
 #include "view/display.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "core/parallel.h"
 #include "core/quantize.h"

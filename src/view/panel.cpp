@@ -391,11 +391,10 @@ std::pair<double, std::string> progressOf(const Model& m) {
         return {0, format("moving: %d x %d, depth %d", facts.width, facts.height, facts.depth)};
     }
     if (error > 0) {
-        const GoalFacts facts = session.goal();
-        const double estimate = facts.state.estimate;
+        const converge::State state = session.goal();
         // Samples grow with about the -5/3rd power of the error.
-        const double part = estimate > error ? std::pow(error / estimate, 5.0 / 3) : 0.99;
-        return {facts.stop ? 1 : facts.state.rounds == 0 ? 0 : part, inWords(facts, error)};
+        const double part = state.estimate > error ? std::pow(error / state.estimate, 5.0 / 3) : 0.99;
+        return {state.stop ? 1 : state.rounds == 0 ? 0 : part, inWords(state, error)};
     }
     const int samples = session.samples(), all = m.settings.sampleLimit;
     if (session.finished()) return {1, "done: " + counted(static_cast<uint64_t>(samples), "sample")};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/format.h"
@@ -67,67 +66,15 @@ int Pace::depth(int full, double fullPixels, bool glass) const {
     return std::min(full, glass ? std::max(bound, kGlassDepth) : bound);
 }
 
-// ---- the error ----
+// ---- the image ----
 
-ErrorGoal::ErrorGoal(const converge::Target& target, const ImageSettings& image, const Region& region,
-                     bool knowsDepth)
-    : target_(target), image_(image), region_(region), knowsDepth_(knowsDepth), both_(image_, target_) {}
-
-PackedSamples ErrorGoal::begin() {
-    turn_ = both_.first.count() > both_.second.count() ? &both_.second : &both_.first;
-    losses_ = {};
-    return turn_->begin(leastSamples(image_.filter));
-}
-
-void ErrorGoal::add(const Picture& band) {
-    turn_->add(band, region_);
-    losses_.add(band.losses);
-}
-
-void ErrorGoal::end() {
-    const uint32_t before = turn_->count();
-    turn_->end();
-    both_.ledger.add(losses_, turn_->means().size(), turn_->count() - before);
-}
-
-bool ErrorGoal::looks() const {
-    return !over() && both_.first.count() == both_.second.count() &&
-           both_.first.count() >= both_.looks.next();
-}
-
-void ErrorGoal::look(double rounding) {
-    converge::State& state = facts_.state;
-    const bool reached = both_.look(target_, rounding, state);
-    if (!knowsDepth_) state.budget.depth = std::numeric_limits<double>::infinity();
-    if (state.budget.fixed() >= target_.error)
-        facts_.stop = converge::Stop::Fixed;
-    else if (reached)
-        facts_.stop = converge::Stop::Reached;
-    else if (state.samplesPerPixel >= target_.maxSamples)
-        facts_.stop = converge::Stop::Samples;
-}
-
-// Each row of samples has its own seed, so that two sequences can stand one behind the other.
-PackedSamples ErrorGoal::taken() const {
-    PackedSamples all;
-    for (uint32_t number = 0; number < 2; ++number) {
-        const uint32_t count = (number == 0 ? both_.first : both_.second).count();
-        if (count == 0) continue;
-        const PackedSamples part = converge::samplesOf(image_, number, count);
-        all.rows.insert(all.rows.end(), part.rows.begin() + (all.rows.empty() ? 0 : shared::kFirstSample),
-                        part.rows.end());
-    }
-    all.round = all.count();
-    return all;
-}
-
-std::string inWords(const GoalFacts& facts, double error) {
-    const converge::ErrorBudget& budget = facts.state.budget;
-    const uint32_t samples = facts.state.samplesPerPixel;
+std::string inWords(const converge::State& state, double error) {
+    const converge::ErrorBudget& budget = state.budget;
+    const uint32_t samples = state.samplesPerPixel;
     const double other = budget.rounding + budget.cut;
-    if (facts.state.rounds == 0) return format("error not known yet; until %.3g", error);
-    if (!facts.stop) return format("error <= %.3g after %u; until %.3g", budget.total(), samples, error);
-    if (facts.stop != converge::Stop::Fixed)
+    if (state.rounds == 0) return format("error not known yet; until %.3g", error);
+    if (!state.stop) return format("error <= %.3g after %u; until %.3g", budget.total(), samples, error);
+    if (state.stop != converge::Stop::Fixed)
         return format("error <= %.3g, ", budget.total()) + counted(samples, "sample");
     if (budget.depthCounts && !std::isfinite(budget.depth))
         return "out of reach: with depth 0 no bound on reflections is known";
@@ -135,8 +82,6 @@ std::string inWords(const GoalFacts& facts, double error) {
         return format("out of reach: beyond the depth there may be %.2g", budget.depth);
     return format("out of reach: rounding and cuts may take %.2g", other);
 }
-
-// ---- the image ----
 
 render::Options windowOptions(const ViewScene& scene) {
     render::Options options;
@@ -265,7 +210,7 @@ bool Session::finished() const {
 }
 
 bool Session::enough() const {
-    if (settings_.until.error > 0) return goal_ && goal_->over();
+    if (settings_.until.error > 0) return goal_ && goal_->state.stop;
     return samples_ >= std::max(settings_.sampleLimit, 1);
 }
 
@@ -287,11 +232,12 @@ void Session::beginPass() {
         sum_.assign(full_.color.pixels.size(), 0);
         sequence_ = sequence();
         if (settings_.until.error > 0)
-            goal_.emplace(settings_.until, progressiveSampling(), full_.region,
+            goal_.emplace(progressiveSampling(), settings_.until,
                           !converge::missesReflections(scene_->scene, settings_.depth()));
     }
-    colorPass_ = goal_       ? goal_->begin()
-                 : sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
+    const uint32_t least = leastSamples(settings_.sampling.filter);
+    colorPass_ = goal_       ? goal_->begin(least)
+                 : sequence_ ? sequence_->next(least)
                              : PackedSamples::fixed({progressiveOffset(samples_)});
 }
 
@@ -358,9 +304,9 @@ void Session::askForRounding() {
 }
 
 bool Session::lookAtError(double seconds) {
-    if (!goal_ || goal_->over()) return false;
+    if (!goal_ || goal_->state.stop) return false;
     askForRounding();
-    if (!goal_->looks()) return false;
+    if (!goal_->isDue()) return false;
     if (!rounding_) {
         findsRounding_.wait_for(std::chrono::duration<double>(seconds));
         return true;
@@ -394,7 +340,7 @@ void Session::addBand(const Picture& band) {
         std::copy(band.data.begin(), band.data.end(), full_.data.begin() + static_cast<long>(first));
         return;
     }
-    if (goal_) goal_->add(band);
+    if (goal_) goal_->add(band, full_.region);
     const auto count = static_cast<float>(colorPass_.count());
     const float scale = 1.0f / (static_cast<float>(samples_) + count);
     for (size_t i = 0; i < band.color.pixels.size(); ++i) {

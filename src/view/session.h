@@ -43,49 +43,8 @@ class Pace {
     double other_ = 0;
 };
 
-// ---- until the error is small enough: `glint render --error`, a sample at a time ----
-
-// Progress of the goal, for the panel.
-struct GoalFacts {
-    converge::State state;               // of the last look; without rounds before the first
-    std::optional<converge::Stop> stop;  // Reached, Fixed or Samples; empty: it goes on
-};
-
-class ErrorGoal {
-  public:
-    // `image`: sampler (no grid), filter and seed; `region`: the whole image.
-    // `knowsDepth`: the pictures tell what lies beyond the depth.
-    ErrorGoal(const converge::Target& target, const ImageSettings& image, const Region& region,
-              bool knowsDepth);
-
-    // Samples of the next pass over the picture, which goes to the two replicates in turns; its bands, each
-    // once; its end.
-    PackedSamples begin();
-    void add(const Picture& band);
-    void end();
-
-    // The replicates have as many samples as the next look is worth, which needs ErrorBudget::rounding.
-    bool looks() const;
-    void look(double rounding);
-
-    // All samples of both replicates.
-    PackedSamples taken() const;
-    const GoalFacts& facts() const { return facts_; }
-    bool over() const { return facts_.stop.has_value(); }
-
-  private:
-    converge::Target target_;
-    ImageSettings image_;
-    Region region_;
-    bool knowsDepth_;
-    converge::Replicates both_;
-    converge::Replicate* turn_ = nullptr;  // that takes the pass at hand
-    TreeLosses losses_;                    // of the pass at hand
-    GoalFacts facts_;
-};
-
 // One line for the panel: "error <= 0.012, 24 samples; until 0.003".
-std::string inWords(const GoalFacts& facts, double error);
+std::string inWords(const converge::State& state, double error);
 
 // ---- the image ----
 
@@ -137,8 +96,8 @@ class Session {
     bool hasData() const { return hasData_; }  // of every pixel, for all layers but the colour
     int samples() const { return samples_; }   // complete ones, of the colour
     double progress() const;                   // of the pass at hand, 0..1
-    // Progress towards the error of the settings.
-    GoalFacts goal() const { return goal_ ? goal_->facts() : GoalFacts(); }
+    // The state of the error target; without rounds before the first look, and always without `unseen`.
+    converge::State goal() const { return goal_ ? goal_->state : converge::State(); }
 
     // The image to show, of the view's size. `version` grows whenever that changes.
     Canvas canvas(const Display& display) const;
@@ -183,11 +142,11 @@ class Session {
     bool coarseIsCurrent_ = false;
     Picture full_;  // mean of `samples_` samples, of those at hand too above nextRow_
     std::vector<float> sum_;
-    std::optional<SampleSequence> sequence_;  // of samples that differ from pixel to pixel
-    PackedSamples colorPass_;                 // samples of the colour's pass at hand
-    std::optional<ErrorGoal> goal_;           // of the picture at hand
-    std::optional<double> rounding_;          // ErrorBudget::rounding of the view
-    std::future<double> findsRounding_;       // of the view that had this number
+    std::optional<SampleSequence> sequence_;    // of samples that differ from pixel to pixel
+    PackedSamples colorPass_;                   // samples of the colour's pass at hand
+    std::optional<converge::Replicates> goal_;  // of the image at hand, with an error in the settings
+    std::optional<double> rounding_;            // ErrorBudget::rounding of the view
+    std::future<double> findsRounding_;         // of the view that had this number
     uint64_t roundingView_ = 0, view_ = 0;
     int samples_ = 0, nextRow_ = 0;
     bool hasData_ = false, colorBegun_ = false;

@@ -101,17 +101,6 @@ void PictureSettings::follow(const PictureSettings& before, const PictureSetting
     }
 }
 
-bool SceneEdits::operator==(const SceneEdits& other) const {
-    return transmissiveShadows == other.transmissiveShadows &&
-           std::equal(materials.begin(), materials.end(), other.materials.begin(), other.materials.end(),
-                      [](const Material& a, const Material& b) {
-                          bool equal = a.name == b.name;
-                          forFields(a,
-                                    [&](const char*, auto field) { equal = equal && a.*field == b.*field; });
-                          return equal;
-                      });
-}
-
 SceneEdits SceneEdits::of(const Scene& scene) {
     return {scene.materials, scene.transmissiveShadows};
 }

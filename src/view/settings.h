@@ -4,7 +4,6 @@
 
 #include <glm/glm.hpp>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +25,7 @@ struct LightSetting {
 struct SceneEdits {
     std::vector<Material> materials;  // as in Scene::materials
     TransmissiveShadows transmissiveShadows = TransmissiveShadows::Colored;
-    bool operator==(const SceneEdits& other) const;
+    bool operator==(const SceneEdits&) const = default;
 
     static SceneEdits of(const Scene& scene);
     // After the file has changed, as PictureSettings::follow. Materials are told apart by their place.

@@ -12,16 +12,13 @@
 #include "bvh/bvh.h"
 #include "core/available_memory.h"
 #include "gpu/swapchain.h"
-#include "scene/frame_model.h"
+#include "import/scene_files.h"
 #include "view/settings.h"
 
 namespace glint::view {
 
 // How scenes are loaded, the first one and all later.
-struct Loading {
-    bool allowOutside = false;      // files outside the scene's folder may be read
-    std::string camera;             // by its name; empty: the scene's own
-    std::optional<UpAxis> up;       // of a file without a camera
+struct Loading : LoadOptions {      // its memory is what is available
     std::optional<uint32_t> depth;  // PathLimits::depth
     std::optional<int> samplesPerPixel;
     BuildQuality quality = BuildQuality::Default;

@@ -21,6 +21,11 @@ Scene withOverrides(Scene scene, const Loading& loading) {
     return scene;
 }
 
+Loading withMemory(Loading loading) {
+    loading.memory = availableMemory();
+    return loading;
+}
+
 // Calls ball(centre, radius) for what `object` is made of. Of an instance there is nothing here.
 void visitBalls(const PackedScene& p, uint32_t object, const KindPacker::VisitBall& ball) {
     visitPrimitiveArrays(p, [&](shared::PrimitiveKind kind, const auto& array) {
@@ -79,8 +84,8 @@ Ball boundsOf(const ViewScene& scene, uint32_t object, const glm::dvec3& hit, do
 
 Moments::Moments(const std::filesystem::path& path, const Loading& loading, std::optional<double> time)
     : path_(path),
-      loading_(loading),
-      reader_(path, {loading.allowOutside, availableMemory(), loading.camera, loading.up}, time),
+      loading_(withMemory(loading)),
+      reader_(path, loading_, time),
       time_(time),
       remembers_(reader_.scene().animation.has_value()) {}
 

@@ -4,7 +4,6 @@
 #include "view/window.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/error.h"

@@ -10,41 +10,41 @@ namespace glint::view::test::session_test {
 using converge::kSide;
 
 // In bands of ten rows, as the window draws.
-void passOver(ErrorGoal& goal, const converge::Film& film, double depth = 0) {
+void passOver(converge::Replicates& goal, const converge::Film& film, double depth = 0) {
     Request request;
     request.width = request.height = kSide;
-    request.samples = goal.begin();
+    request.samples = goal.begin(1);
     for (int y = 0; y < kSide; y += 10) {
         request.region = Region{0, y, kSide, y + 10};
         Picture band = converge::drawn(film, request);
         if (depth > 0) band.losses.depth.add(1, depth);
-        goal.add(band);
+        goal.add(band, {0, 0, kSide, kSide});
     }
     goal.end();
 }
 
-ErrorGoal goalOf(double error, uint32_t seed = 0, bool knowsDepth = true) {
-    return {{.error = error}, converge::jobOf(error, seed).request.image, {0, 0, kSide, kSide}, knowsDepth};
+converge::Replicates goalOf(double error, uint32_t seed = 0, bool knowsDepth = true) {
+    return {converge::jobOf(error, seed).request.image, {.error = error}, knowsDepth};
 }
 
 TEST(ErrorGoal, EndsWhereRenderDoes) {
     const converge::Film film = converge::edgeFilm();
     for (uint32_t seed = 0; seed < 5; ++seed) {
-        ErrorGoal goal = goalOf(0.02, seed);
-        const GoalFacts& facts = goal.facts();
+        converge::Replicates goal = goalOf(0.02, seed);
+        const converge::State& state = goal.state;
         double first = 0;
-        while (!goal.over()) {
+        while (!state.stop) {
             passOver(goal, film);
-            if (goal.looks()) goal.look(0);
-            if (facts.state.rounds == 1 && first == 0) first = facts.state.budget.total();
+            if (goal.isDue()) goal.look(0);
+            if (state.rounds == 1 && first == 0) first = state.budget.total();
         }
         const converge::Result result =
             converge::converge(converge::drawOf(film), converge::jobOf(0.02, seed));
-        EXPECT_EQ(facts.stop, converge::Stop::Reached);
-        EXPECT_EQ(facts.state.samplesPerPixel, result.samplesPerPixel);
-        EXPECT_EQ(facts.state.rounds, result.rounds);
-        EXPECT_LE(facts.state.budget.total(), 0.02);
-        EXPECT_LT(facts.state.budget.total(), first / 3);
+        EXPECT_EQ(state.stop, converge::Stop::Reached);
+        EXPECT_EQ(state.samplesPerPixel, result.samplesPerPixel);
+        EXPECT_EQ(state.rounds, result.rounds);
+        EXPECT_LE(state.budget.total(), 0.02);
+        EXPECT_LT(state.budget.total(), first / 3);
         // All of its samples at once draw the same picture.
         Request request;
         request.width = request.height = kSide;
@@ -58,28 +58,28 @@ TEST(ErrorGoal, EndsWhereRenderDoes) {
 
 TEST(ErrorGoal, SaysWhatNoSampleMends) {
     const converge::Film film = converge::edgeFilm();
-    ErrorGoal rounded = goalOf(0.02);
-    EXPECT_EQ(inWords(rounded.facts(), 0.02), "error not known yet; until 0.02");
-    const auto twice = [&](ErrorGoal& goal, double depth) {
+    converge::Replicates rounded = goalOf(0.02);
+    EXPECT_EQ(inWords(rounded.state, 0.02), "error not known yet; until 0.02");
+    const auto twice = [&](converge::Replicates& goal, double depth) {
         for (int i = 0; i < 2; ++i) passOver(goal, film, depth);
-        ASSERT_TRUE(goal.looks());
+        ASSERT_TRUE(goal.isDue());
     };
     twice(rounded, 0);
     rounded.look(0.03);
-    EXPECT_EQ(rounded.facts().stop, converge::Stop::Fixed);
-    EXPECT_EQ(inWords(rounded.facts(), 0.02), "out of reach: rounding and cuts may take 0.03");
+    EXPECT_EQ(rounded.state.stop, converge::Stop::Fixed);
+    EXPECT_EQ(inWords(rounded.state, 0.02), "out of reach: rounding and cuts may take 0.03");
 
     // One branch of 8 in each of the four bands: sqrt(8 x 32 / 1600).
-    ErrorGoal cut = goalOf(0.02);
+    converge::Replicates cut = goalOf(0.02);
     twice(cut, 8);
     cut.look(0);
-    EXPECT_EQ(inWords(cut.facts(), 0.02), "out of reach: beyond the depth there may be 0.4");
+    EXPECT_EQ(inWords(cut.state, 0.02), "out of reach: beyond the depth there may be 0.4");
 
-    ErrorGoal flat = goalOf(0.02, 0, false);
+    converge::Replicates flat = goalOf(0.02, 0, false);
     twice(flat, 0);
     flat.look(0);
-    EXPECT_EQ(flat.facts().stop, converge::Stop::Fixed);
-    EXPECT_HAS(inWords(flat.facts(), 0.02), "with depth 0");
+    EXPECT_EQ(flat.state.stop, converge::Stop::Fixed);
+    EXPECT_HAS(inWords(flat.state, 0.02), "with depth 0");
 }
 
 // ---- pace ----
