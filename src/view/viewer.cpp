@@ -43,14 +43,6 @@ PixelSize sizeOf(const Options& options, const Scene& scene) {
 
 // ---- mouse and keyboard ----
 
-// Keeps only the last of several movements of the mouse.
-void Input::push(const Event& event) {
-    if (event.type == Event::Type::Cursor && !queue_.empty() && queue_.back().type == Event::Type::Cursor)
-        queue_.back() = event;
-    else
-        queue_.push_back(event);
-}
-
 bool Input::waits() const {
     return std::any_of(queue_.begin(), queue_.end(), [&](const Event& e) {
         return e.type != Event::Type::Redraw && (e.type != Event::Type::Cursor || dragging_.has_value());
@@ -191,7 +183,7 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
       model_(options, out, err),
       window_(sizeOf(options, *model_.file), "glint: " + options.scene.filename().string()),
       gui_(options.scale > 0 ? static_cast<float>(options.scale) : window_.scale(), window_),
-      input_(model_, gui_),
+      input_(model_, gui_, window_.events),
       pace_(kGpuTarget),
       restless_(options.frames > 0) {
     model_.window = &window_;
@@ -244,12 +236,8 @@ void Viewer::recover(const gpu::DeviceLost& lost) {
     model_.say("the device was lost and opened again", ToastKind::Error);
 }
 
-void Viewer::gatherEvents() {
-    for (const Event& event : window_.poll()) input_.push(event);
-}
-
 bool Viewer::hasWork() const {
-    return restless_ || !input_.queue().empty() || model_.dirty > 0 || model_.moving() || input_.flies() ||
+    return restless_ || !window_.events.empty() || model_.dirty > 0 || model_.moving() || input_.flies() ||
            model_.timeline.playing() || !model_.session->finished();
 }
 
@@ -272,7 +260,7 @@ bool Viewer::work() {
     showView();
     if (model_.moving()) return renderMoving();
     const auto cancelled = [&] {
-        gatherEvents();
+        Window::poll();
         return input_.waits();
     };
     const uint64_t version = model_.session->version();
@@ -330,7 +318,7 @@ void Viewer::takePanel() {
 
 void Viewer::round() {
     if (!hasWork()) window_.wait(model_.busy() ? kJobSeconds : kPollSeconds);
-    gatherEvents();
+    Window::poll();
     input_.handle();
     input_.flyOn(roundWatch_.seconds());
     roundWatch_.restart();
@@ -344,7 +332,7 @@ void Viewer::round() {
     if (model_.toasts.expire(model_.clock.seconds())) model_.redraw(2);
     if (flashChanged(model_)) model_.redraw(1);
     const bool worked = work();
-    const bool due = model_.moving() || !input_.queue().empty() || frameWatch_.seconds() > kRestFrameSeconds;
+    const bool due = model_.moving() || !window_.events.empty() || frameWatch_.seconds() > kRestFrameSeconds;
     const bool draws = restless_ || (model_.dirty > 0 && due);
     if (draws) drawFrame();
     if (!draws && !worked) window_.wait(kBreathSeconds);

@@ -19,10 +19,8 @@ namespace glint::view {
 // Mouse and keyboard: turns events into commands and movements of the camera.
 class Input {
   public:
-    Input(Model& model, Gui& gui) : m_(model), gui_(gui) {}
+    Input(Model& model, Gui& gui, std::deque<Event>& queue) : m_(model), gui_(gui), queue_(queue) {}
 
-    void push(const Event& event);
-    const std::deque<Event>& queue() const { return queue_; }
     // An event is in the queue that ends a piece of tracing early.
     bool waits() const;
     // Handles the queue, up to an event that the panel must see a frame of its own for.
@@ -44,7 +42,7 @@ class Input {
 
     Model& m_;
     Gui& gui_;
-    std::deque<Event> queue_;
+    std::deque<Event>& queue_;            // the window's
     glm::dvec2 cursor_{-1}, pressed_{0};  // pixels of the image
     std::optional<int> dragging_;         // button
     bool dragged_ = false, draggingWipe_ = false;
@@ -66,7 +64,7 @@ class Viewer {
 
     // For programs that drive the window (tests/view/driver.h).
     Model& model() { return model_; }
-    Input& input() { return input_; }
+    const Input& input() const { return input_; }
     Window& window() { return window_; }
     const Gui& gui() const { return gui_; }
     const Canvas& frame() const { return frame_; }  // the last one, with the panel
@@ -80,7 +78,6 @@ class Viewer {
     void openDevice();
     void checkRoom(PixelSize size) const;
     void round();
-    void gatherEvents();
     bool hasWork() const;
     void showView();
     bool work();

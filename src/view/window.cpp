@@ -4,7 +4,6 @@
 #include "view/window.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/error.h"
 
@@ -23,8 +22,8 @@ void keepError(int /*code*/, const char* text) {
                                        "; glint render SCENE draws to a file and needs no window");
 }
 
-std::vector<Event>& eventsOf(GLFWwindow* window) {
-    return static_cast<Window*>(glfwGetWindowUserPointer(window))->events;
+void push(GLFWwindow* window, const Event& event) {
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->push(event);
 }
 
 double pixelsPerUnit(GLFWwindow* window) {
@@ -35,50 +34,48 @@ double pixelsPerUnit(GLFWwindow* window) {
 }
 
 template <Event::Type kType, typename... Arguments>
-void push(GLFWwindow* window, Arguments...) {
-    eventsOf(window).push_back({.type = kType});
+void pushType(GLFWwindow* window, Arguments...) {
+    push(window, {.type = kType});
 }
 
 void installCallbacks(GLFWwindow* window) {
     glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
         const double ratio = pixelsPerUnit(w);
-        eventsOf(w).push_back({.type = Event::Type::Cursor, .x = x * ratio, .y = y * ratio});
+        push(w, {.type = Event::Type::Cursor, .x = x * ratio, .y = y * ratio});
     });
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
         if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
-        eventsOf(w).push_back(
-            {.type = Event::Type::Button, .code = button, .mods = mods, .down = action == GLFW_PRESS});
+        push(w, {.type = Event::Type::Button, .code = button, .mods = mods, .down = action == GLFW_PRESS});
     });
     glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) {
-        eventsOf(w).push_back({.type = Event::Type::Wheel, .x = x, .y = y});
+        push(w, {.type = Event::Type::Wheel, .x = x, .y = y});
     });
     glfwSetKeyCallback(window, [](GLFWwindow* w, int code, int /*scancode*/, int action, int mods) {
         if (code < 0) return;
-        eventsOf(w).push_back({.type = Event::Type::Key,
-                               .code = code,
-                               .mods = mods,
-                               .down = action != GLFW_RELEASE,
-                               .repeat = action == GLFW_REPEAT});
+        push(w, {.type = Event::Type::Key,
+                 .code = code,
+                 .mods = mods,
+                 .down = action != GLFW_RELEASE,
+                 .repeat = action == GLFW_REPEAT});
     });
     glfwSetCharCallback(window, [](GLFWwindow* w, unsigned point) {
-        eventsOf(w).push_back({.type = Event::Type::Text, .code = static_cast<int>(point)});
+        push(w, {.type = Event::Type::Text, .code = static_cast<int>(point)});
     });
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-        eventsOf(w).push_back({.type = Event::Type::Drop, .files = {paths, paths + count}});
+        push(w, {.type = Event::Type::Drop, .files = {paths, paths + count}});
     });
-    glfwSetFramebufferSizeCallback(window, push<Event::Type::Resize, int, int>);
-    glfwSetWindowRefreshCallback(window, push<Event::Type::Redraw>);
-    glfwSetWindowIconifyCallback(window, push<Event::Type::Redraw, int>);
-    glfwSetWindowCloseCallback(window, push<Event::Type::Close>);
+    glfwSetFramebufferSizeCallback(window, pushType<Event::Type::Resize, int, int>);
+    glfwSetWindowRefreshCallback(window, pushType<Event::Type::Redraw>);
+    glfwSetWindowIconifyCallback(window, pushType<Event::Type::Redraw, int>);
+    glfwSetWindowCloseCallback(window, pushType<Event::Type::Close>);
     // Keys held while the focus goes are never released for this window.
     glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int focused) {
         if (focused == GLFW_FALSE) {
             for (int code = 0; code <= GLFW_KEY_LAST; ++code)
-                eventsOf(w).push_back({.type = Event::Type::Key, .code = code});
-            for (int button = 0; button < 3; ++button)
-                eventsOf(w).push_back({.type = Event::Type::Button, .code = button});
+                push(w, {.type = Event::Type::Key, .code = code});
+            for (int button = 0; button < 3; ++button) push(w, {.type = Event::Type::Button, .code = button});
         }
-        eventsOf(w).push_back({.type = Event::Type::Redraw});
+        push(w, {.type = Event::Type::Redraw});
     });
 }
 
@@ -128,9 +125,14 @@ gpu::WindowSystem Window::system() {
     return result;
 }
 
-std::vector<Event> Window::poll() {
+void Window::poll() {
     glfwPollEvents();
-    return std::exchange(events, {});
+}
+
+void Window::push(const Event& event) {
+    constexpr auto kCursor = Event::Type::Cursor;
+    if (event.type == kCursor && !events.empty() && events.back().type == kCursor) events.pop_back();
+    events.push_back(event);
 }
 
 void Window::wait(double seconds) {

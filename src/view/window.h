@@ -4,6 +4,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -39,9 +40,9 @@ class Window {
 
     gpu::WindowSystem system();
 
-    // Events since the last call. wait(): sleeps until something does, wake() is called, or
-    // `seconds` are over.
-    std::vector<Event> poll();
+    // Adds new events to the queue. wait(): sleeps until an event comes, wake() is called, or `seconds` are
+    // over.
+    static void poll();
     void wait(double seconds);
     static void wake();  // from any thread
 
@@ -53,7 +54,9 @@ class Window {
     void toggleFullscreen();
     GLFWwindow* handle() const { return window_; }
 
-    std::vector<Event> events;  // filled by GLFW's callbacks
+    // Keeps only the last of several movements of the mouse.
+    void push(const Event& event);
+    std::deque<Event> events;  // that wait to be handled
 
   private:
     GLFWwindow* window_ = nullptr;

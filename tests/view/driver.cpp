@@ -52,6 +52,7 @@ Driver::Driver(Viewer& viewer, std::vector<ScriptCommand> script, std::ostream& 
     : viewer_(viewer),
       m_(viewer.model()),
       input_(viewer.input()),
+      window_(viewer.window()),
       out_(out),
       script_(std::move(script)),
       stays_(stays) {}
@@ -109,7 +110,7 @@ void Driver::run() {
         advance();
         const bool scripted = wait_ || next_ < script_.size();
         viewer_.setRestless(!idles_ && (scripted || script_.empty()));
-        if (!scripted && !stays_ && !std::exchange(closed, true)) input_.push({.type = Event::Type::Close});
+        if (!scripted && !stays_ && !std::exchange(closed, true)) window_.push({.type = Event::Type::Close});
         ++rounds_;
     } while (viewer_.step());
     viewer_.close();
@@ -123,7 +124,7 @@ void Driver::advance() {
         return (event.type == Event::Type::Key && event.repeat) ||
                (event.type == Event::Type::Text && input_.flies());
     };
-    if (!std::all_of(input_.queue().begin(), input_.queue().end(), repeats)) return;
+    if (!std::all_of(window_.events.begin(), window_.events.end(), repeats)) return;
     if (wait_ && !wait_()) return;
     wait_ = nullptr;
     if (next_ < script_.size()) start(script_[next_++]);
@@ -138,15 +139,15 @@ void Driver::start(const ScriptCommand& command) {
         wait_ = [this] { return settled(m_); };
     } else if (name == "resize") {
         const PixelSize wanted = {wholeOf(command, 0), wholeOf(command, 1)};
-        glfwSetWindowSize(viewer_.window().handle(), wanted.width, wanted.height);  // X11: units are pixels
+        glfwSetWindowSize(window_.handle(), wanted.width, wanted.height);  // X11: units are pixels
         wait_ = [this, wanted] {
-            return viewer_.window().size() == wanted && m_.session->width() == wanted.width - m_.left;
+            return window_.size() == wanted && m_.session->width() == wanted.width - m_.left;
         };
     } else if (name == "minimise") {
-        glfwIconifyWindow(viewer_.window().handle());
+        glfwIconifyWindow(window_.handle());
         wait_ = [this, left = wholeOf(command, 0)]() mutable {
             if (left-- > 0) return false;
-            glfwRestoreWindow(viewer_.window().handle());
+            glfwRestoreWindow(window_.handle());
             return true;
         };
     } else if (name == "aov") {
@@ -171,26 +172,26 @@ bool Driver::startInput(const ScriptCommand& command) {
     const std::string& name = command.name;
     const double x = m_.left + m_.session->width() / 2, y = m_.session->height() / 2;
     if (name == "orbit") {
-        input_.push(cursorAt(x, y));
-        input_.push(press(true));
-        input_.push(cursorAt(x + numberOf(command, 0), y + numberOf(command, 1)));
-        input_.push(press(false));
+        window_.push(cursorAt(x, y));
+        window_.push(press(true));
+        window_.push(cursorAt(x + numberOf(command, 0), y + numberOf(command, 1)));
+        window_.push(press(false));
     } else if (name == "key") {
-        input_.push(keyEvent(keyNamed(command.arguments.at(0)).value(), true));
-        input_.push(keyEvent(keyNamed(command.arguments.at(0)).value(), false));
+        window_.push(keyEvent(keyNamed(command.arguments.at(0)).value(), true));
+        window_.push(keyEvent(keyNamed(command.arguments.at(0)).value(), false));
     } else if (name == "click") {
-        input_.push(cursorAt(m_.left + wholeOf(command, 0), wholeOf(command, 1)));
-        input_.push(press(true));
-        input_.push(press(false));
+        window_.push(cursorAt(m_.left + wholeOf(command, 0), wholeOf(command, 1)));
+        window_.push(press(true));
+        window_.push(press(false));
     } else if (name == "press") {
         const glm::dvec2 place = placeOf(command, "@" + command.arguments[0]);
-        input_.push(cursorAt(place.x, place.y));
-        input_.push({.type = Event::Type::Redraw});
-        input_.push(press(true));
-        input_.push(press(false));
+        window_.push(cursorAt(place.x, place.y));
+        window_.push({.type = Event::Type::Redraw});
+        window_.push(press(true));
+        window_.push(press(false));
         waitFrames(4);
     } else if (name == "drop") {
-        drop(viewer_.window().handle(), command.arguments);
+        drop(window_.handle(), command.arguments);
     } else if (name == "hand") {
         startHand(command);
     } else {
@@ -220,7 +221,7 @@ void Driver::startHand(const ScriptCommand& command) {
         }
         const glm::dvec2 place = placeOf(command, word);
         int left = 0, top = 0;
-        glfwGetWindowPos(viewer_.window().handle(), &left, &top);
+        glfwGetWindowPos(window_.handle(), &left, &top);
         words +=
             std::to_string(left + std::lround(place.x)) + " " + std::to_string(top + std::lround(place.y));
     }

@@ -83,7 +83,8 @@ class Driver {
 
     Viewer& viewer_;
     Model& m_;
-    Input& input_;
+    const Input& input_;
+    Window& window_;
     std::ostream& out_;
     std::vector<ScriptCommand> script_;
     size_t next_ = 0;

@@ -76,7 +76,7 @@ std::string Driver::stateOf(const ScriptCommand& command) const {
     const Camera& camera = m_.control.camera();
     const std::optional<Pick>& pick = m_.pick;
     const Session& session = *m_.session;
-    const PixelSize size = viewer_.window().size();
+    const PixelSize size = window_.size();
     const double error = m_.settings.until.error;
     const std::map<std::string, std::function<std::string()>> states = {
         {"aim", [&] { return format("%g", 1e3 * m_.targetSeconds); }},
