@@ -228,7 +228,7 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     tSlip = best.slip;
     if (kSlips && isHit && best.part == kPartSide)
         tSlip = slipOfSide(ray, frame, q, offset, o, along, best.t);
-    hit = Hit(best.t, kTellsSides ? best.side : 0.0, 0.0, primitive | (best.part << kPartShift), kNone, q.id);
+    hit = Hit(best.t, best.side, 0.0, primitive | (best.part << kPartShift), kNone, q.id);
     precise float near = best.t - tSlip;
     return isHit && near <= ray.tMax;
 }
@@ -248,10 +248,9 @@ QuadricNormal normalOf(Quadric q, vec3 slope) {
     return QuadricNormal(quotient(scaled, size), steepest, size);
 }
 
-// Normal at a point where a line touches the side, like towardsRayAtLimb for spheres. If A of the equation is
-// positive, the line is outside and arrives at the surface; if negative, it is inside and leaves, with
-// respect to the normal at `offset`, where a line that passes by within rounding is moved to. A ray that
-// starts on the side may leave through it.
+// Normal at a point where a line touches the side, like towardsRayAtLimb for spheres. hit.u, the side of the
+// hit's root, decides whether the line enters or leaves, with respect to the normal at `offset`, where a line
+// that passes by within rounding is moved to. A ray that starts on the side may leave through it.
 vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 normal) {
     uint kindAndIndex = ~(kPartMask << kPartShift);
     if ((ray.source & kindAndIndex) == (hit.primitive & kindAndIndex)) return normal;
@@ -265,11 +264,10 @@ vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 nor
     QuadricNormal there = normalOf(q, bilinear(q.squares, q.products, moved.y) + moved.linear);
     if (there.steepest <= 1e-30) return normal;
     float away = dot(there.unit, ray.direction);
-    float A = dot(along, bilinear(q.squares, q.products, along));
     // A dot product errs by gamma_3: the result exceeds that, so that its sign is certain.
     float square = dot(ray.direction, ray.direction);
     float clear = larger(abs(away), gammaBound(8.0) * squareRoot(square));
-    float wanted = A < 0.0 ? clear : (A > 0.0 ? -clear : away);
+    float wanted = hit.u == kLeaves ? clear : -clear;
     return there.unit + quotient(wanted - away, square) * ray.direction;
 }
 

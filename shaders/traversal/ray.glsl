@@ -217,7 +217,7 @@ void setOwner(uint object, uint primitive, uint material, inout Surface surface)
 
 // If a line hits two surfaces at one t, kernels that count surfaces must keep both. The same holds for
 // kernels that decide per surface whether light enters or leaves a medium. The normal does not distinguish
-// them if rounding decides its sign. In these kernels round primitives therefore return the side in Hit.u.
+// them if rounding decides its sign. Hit.u is the side: of spheres in these kernels, of quadrics in all.
 #ifndef GLINT_CROSSINGS
 #define GLINT_CROSSINGS false
 #endif

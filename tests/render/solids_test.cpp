@@ -125,6 +125,25 @@ TEST_F(QuadricTest, ALineThatTouchesANeckIsInside) {
     }
 }
 
+// Beside the apex rounding decides the sign of the normal, and of the equation where the eye lies on the
+// mirrored cone. Every hit from outside enters.
+TEST_F(QuadricTest, ALineAlongAConeThroughItsApexEnters) {
+    const PackedScene packed = packScene(sceneOf(ConeShape{{0, -1, 0}, {0, 1, 0}, 1, 0, true}));
+    std::vector<RayInput> rays;
+    for (int i = -30; i <= 30; ++i)
+        for (int j = -30; j <= 30; ++j)
+            rays.push_back(rayOf({0, 3, 1}, glm::normalize(vec3(dvec3(4e-6 * i, -2 + 3e-6 * j, -1)))));
+    const std::vector<RayHit> hits = hitsOf(packed, rays);
+    size_t entered = 0, left = 0;
+    for (size_t i = 0; i < hits.size(); ++i) {
+        if (!hits[i].hit) continue;
+        const bool enters = glm::dot(hits[i].data.geometricNormal, rays[i].direction) < 0;
+        ++(enters ? entered : left);
+    }
+    EXPECT_GT(entered, 500u);
+    EXPECT_EQ(left, 0u);
+}
+
 // Radius 1e6 and an eye 1 above: t within 1e-6 of 1, as for spheres.
 TEST_F(QuadricTest, HugeCylinderUnderTheEye) {
     Scene scene = sceneOf(CylinderShape{{-1e6, -1e6, 0}, {1e6, -1e6, 0}, 1e6});
