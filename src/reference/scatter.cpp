@@ -80,13 +80,13 @@ double fresnel(double incidence, double refraction, double ratio) {
     return (across * across + along * along) / 2;
 }
 
-Split splitAbout(const dvec3& d, const dvec3& m, double ratio) {
+Split splitAbout(const dvec3& d, const dvec3& m, double ratio, double sway) {
     const double depth = -glm::dot(d, m);
     const dvec3 across = d + depth * m;  // the part of d in the surface
     const double sine = glm::length(across);
     Split result;
     result.reflected = glm::normalize(across + depth * m);
-    const double sineAfter = ratio * sine;
+    const double sineAfter = ratio * sine * (1 + sway);
     result.total = sineAfter >= 1;
     if (result.total) {
         result.reflectance = 1;
@@ -100,11 +100,11 @@ Split splitAbout(const dvec3& d, const dvec3& m, double ratio) {
 
 }  // namespace
 
-Split splitAt(const dvec3& d, const dvec3& n, const dvec3& s, double ratio) {
-    Split result = splitAbout(d, s, ratio);
+Split splitAt(const dvec3& d, const dvec3& n, const dvec3& s, double ratio, double sway) {
+    Split result = splitAbout(d, s, ratio, sway);
     const bool sound = glm::dot(d, s) < 0 && glm::dot(result.reflected, n) > 0 &&
                        (result.total || glm::dot(result.refracted, n) < 0);
-    return sound ? result : splitAbout(d, n, ratio);
+    return sound ? result : splitAbout(d, n, ratio, sway);
 }
 
 // ---- Lights
@@ -182,7 +182,9 @@ Reflection evaluate(const Interaction& at, const dvec3& l, double turn) {
     return result;
 }
 
-Scattering scatteringAt(const Model& scene, const Interaction& at) {
+// sin^2 of the refracted angle, e^2 (1 - c) (1 + c), rounds seven times, and errs by 2 c e^2 times the error
+// of the cosine c; the sine errs by half of both. This decides where total reflection begins.
+Scattering scatteringAt(const Model& scene, const Interaction& at, double noise) {
     const bool dielectric = at.material.medium != 0;
     const auto iorOf = [&](uint32_t medium) { return medium == 0 ? 1.0 : scene.optics[medium - 1].ior; };
     const double ratio = iorOf(at.crossing.mediumBefore) / iorOf(at.crossing.mediumAfter);
@@ -193,7 +195,9 @@ Scattering scatteringAt(const Model& scene, const Interaction& at) {
     // About the shading normal, or about the geometric one where that would lead below the surface.
     split.reflected = glm::reflect(d, at.s);
     if (glm::dot(split.reflected, at.n) <= 0) split.reflected = glm::reflect(d, at.n);
-    if (splits) split = splitAt(d, at.n, at.s, ratio);
+    const double roundings =
+        3.5 + ratio * ratio * std::abs(glm::dot(d, at.s)) * cosineError(0, at.normalError);
+    if (splits) split = splitAt(d, at.n, at.s, ratio, noise * roundings);
     const double error = splits && !split.total ? kReflectanceError : 0;
     const auto weigh = [&](const dvec3& weight) -> RoundedColor {
         return {weight, kProductRoundings * weight + error};

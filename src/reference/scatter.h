@@ -40,7 +40,8 @@ struct Split {
 
 // d: unit; n: geometric, s: shading normal, unit, against d; ratio: the refractive index on d's side over
 // that behind the surface.
-Split splitAt(const glm::dvec3& d, const glm::dvec3& n, const glm::dvec3& s, double ratio);
+// sway: relative error of the sine of the refracted angle.
+Split splitAt(const glm::dvec3& d, const glm::dvec3& n, const glm::dvec3& s, double ratio, double sway = 0);
 
 // ---- Lights, without shadows
 
@@ -105,6 +106,7 @@ struct Scattering {
     glm::dvec3 reflected{0}, refracted{0};
     RoundedColor reflectedWeight, refractedWeight;
 };
-Scattering scatteringAt(const Model& scene, const Interaction& at);
+// noise: rounding error of refraction, as a part of its bound, times 2^-24.
+Scattering scatteringAt(const Model& scene, const Interaction& at, double noise);
 
 }  // namespace glint::reference

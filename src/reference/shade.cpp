@@ -302,7 +302,7 @@ bool PathTracer::isFollowed(const Branch& next) {
 // The branch on the outer side comes first.
 std::vector<Branch> PathTracer::branchesOf(const Branch& branch, const Interaction& at,
                                            const RoundedColor& throughput) {
-    const Scattering s = scatteringAt(scene_, at);
+    const Scattering s = scatteringAt(scene_, at, at.material.medium == 0 ? 0 : mover_.shift(1));
     std::vector<Branch> next;
     const auto add = [&](RayClass kind, const RoundedColor& weight, const dvec3& direction,
                          const Media& media) {

@@ -101,6 +101,30 @@ TEST(OpticsTest, SlabShiftsARay) {
     EXPECT_EQ(record.lost.depth.count, 2u);  // both branches where the last one meets the upper face
 }
 
+// At the critical angle of so weak a glass a unit in the ray's direction is a 70th of a unit in the sine. The
+// formula's own rounding, 7 units of the sine's square, decides.
+TEST(OpticsTest, RoundingDecidesWhereTotalReflectionBegins) {
+    SceneMaker maker;
+    maker.plane({0, 0, 0}, {0, 0, 1});
+    PackedScene scene = maker.finish();
+    addGlass(scene, 0, 1.0001f, 0, glm::vec3(0));
+    const Tracer tracer(std::make_shared<const Model>(widened(scene)), {.limits = {.depth = 1}}, 1);
+    // units: by which the square of the refracted angle's sine exceeds 1
+    const auto totalOf100 = [&](double units) {
+        const double sine = std::sqrt(1 + units * 0x1p-24) / double{1.0001f};
+        const Ray ray = makeRay({0, 0, -1}, {sine, 0, std::sqrt(1 - sine * sine)});
+        int total = 0;
+        for (uint64_t seed = 1; seed <= 100; ++seed)
+            total += tracer.trace(ray, {.seed = seed, .ulps = 1}).bounces == 1;
+        return total;
+    };
+    EXPECT_EQ(totalOf100(-8), 0);
+    EXPECT_NEAR(totalOf100(0), 50, 30);
+    EXPECT_GT(totalOf100(-4), 0);
+    EXPECT_LT(totalOf100(4), 100);
+    EXPECT_EQ(totalOf100(8), 100);
+}
+
 // One ray follows either way, and misses: of a split the weak reflection is cut.
 TEST(OpticsTest, KindsOfRaysAreDecisions) {
     SceneMaker maker;
