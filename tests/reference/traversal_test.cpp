@@ -100,17 +100,6 @@ TEST(ReferenceBoxes, EmptyBoxIsNeverEntered) {
     }
 }
 
-TEST(ReferenceTraversal, EmptySceneAndPlanesAlone) {
-    SceneMaker maker;
-    const PackedScene empty = maker.finish();
-    EXPECT_FALSE(Tracer(empty).closest(makeRay({0, 1, 0}, {0, -1, 0})));
-    maker.plane(vec3(0), {0, 1, 0});
-    const PackedScene plane = maker.finish();
-    uint64_t cost = 0;
-    EXPECT_TRUE(Tracer(plane).closest(makeRay({0, 1, 0}, {0, -1, 0}), shared::kNone, &cost));
-    EXPECT_EQ(cost, 1u);
-}
-
 TEST(ReferenceTraversal, NotFiniteRaysMissAtOnce) {
     SceneMaker maker;
     Random random(45);

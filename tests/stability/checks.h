@@ -18,6 +18,7 @@ constexpr double kUnit = 0x1p-24;
 // before rounding, so that it includes the rounding of the inputs.
 struct Judged {
     oracle::Tally arithmetic, withInputs;
+    size_t wrongEnds = 0;  // device only, see countWrongEnds
     std::string text() const;
 };
 
@@ -88,7 +89,7 @@ struct QuadricFamily {
     double size = 1, distance = 3;
 };
 struct QuadricCount {
-    size_t rays = 0, hits = 0, inBand = 0, wrong = 0, beyond = 0;
+    size_t rays = 0, hits = 0, inBand = 0, wrong = 0, beyond = 0, wrongEnds = 0;
     double worst = 0;
 };
 QuadricCount judgeQuadric(const Subject& subject, const QuadricFamily& family, size_t count, uint32_t seed);

@@ -55,6 +55,7 @@ Judged judge(const Subject& subject, const std::vector<Pair>& pairs, const Truth
     for (const Pair& pair : pairs) rays.push_back(pair.rounded);
     const std::vector<Answer> answers = probe(subject, rays, arrays...);
     Judged judged;
+    if (subject.device) judged.wrongEnds = countWrongEnds(subject, rays, answers, arrays...);
     for (size_t i = 0; i < pairs.size(); ++i) {
         const auto& [hit, t, u, v] = answers[i];
         const Truths truths = truthsOf(i);

@@ -23,6 +23,7 @@ class PrimitiveTest : public render::test::RenderTest, public testing::WithParam
         const oracle::Tally& a = judged.arithmetic;
         EXPECT_EQ(a.falseHits, 0u) << what;
         EXPECT_EQ(a.falseMisses, 0u) << what;
+        EXPECT_EQ(judged.wrongEnds, 0u) << what;
         // The reference also decides exact zeros.
         if (!onDevice()) {
             EXPECT_EQ(a.wrongInBand, 0u) << what;
@@ -199,6 +200,7 @@ TEST_P(PrimitiveTest, QuadricsFromAnyDistance) {
                           << " wrong outside it, t within " << text(count.worst) << " of its bound\n";
                 EXPECT_EQ(count.wrong, 0u) << where;
                 EXPECT_EQ(count.beyond, 0u) << where;
+                EXPECT_EQ(count.wrongEnds, 0u) << where;
                 EXPECT_GT(count.hits, count.rays / 10) << where;
                 // 1e5 sizes away rounding moves the ray by several hundredths of the size.
                 if (distance < 1e5) {

@@ -52,6 +52,23 @@ template <class Primitive>
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<Primitive>& primitives,
                           const std::vector<shared::PolygonVertex>& vertices = {});
+// Device only. Intervals are open at tMin and closed at tMax, so that a ray that continues from a hit misses
+// it: counts hits that a ray up to their t does not repeat, and hits at or before t by rays from there.
+// Beyond tMax hits within the bound of t's error are right; the traversal keeps the end of a caller's ray
+// (AnalyticTest.IntervalIsOpenBelowAndClosedAbove).
+template <class... Arrays>
+size_t countWrongEnds(const Subject& subject, const std::vector<FloatRay>& rays,
+                      const std::vector<Answer>& hits, const Arrays&... arrays) {
+    std::vector<FloatRay> to = rays, from = rays;
+    for (size_t i = 0; i < rays.size(); ++i)
+        if (hits[i].hit) to[i].tMax = from[i].tMin = static_cast<float>(hits[i].t);
+    const std::vector<Answer> closed = probe(subject, to, arrays...), open = probe(subject, from, arrays...);
+    size_t wrong = 0;
+    for (size_t i = 0; i < rays.size(); ++i)
+        if (hits[i].hit)
+            wrong += !closed[i].hit || closed[i].t != hits[i].t || (open[i].hit && open[i].t <= hits[i].t);
+    return wrong;
+}
 // Device only: what rays that leave a surface are taken to meet, less triangles that lie behind them.
 std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
                                const std::vector<shared::Triangle>& triangles);

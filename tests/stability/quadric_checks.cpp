@@ -188,6 +188,9 @@ QuadricCount judgeQuadric(const Subject& subject, const QuadricFamily& family, s
     Random random(seed);
     const std::vector<FloatRay> rays = raysAt(family, form, packed.origin, count, random);
     const std::vector<Answer> answers = answersOf(subject, packed, rays);
+    if (subject.device)
+        found.wrongEnds = countWrongEnds(subject, rays, answers,
+                                         std::vector<shared::Quadric>(rays.size(), packed.quadrics[0]));
     // The local ray of this file is good to double; the reference may be no better.
     const Rounding rounding = subject.device ? Rounding{} : Rounding{0x1p-52, true};
     for (size_t i = 0; i < count; ++i) {

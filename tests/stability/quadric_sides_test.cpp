@@ -1,5 +1,5 @@
-// Rays that start on a quadric's side, near it, or touch it, where only rounding could say what they meet: by
-// the exact numbers that the device was given.
+// Rays that start on a quadric's side, near it, or are tangent, where the exact values of the device's inputs
+// decide.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -201,8 +201,30 @@ TEST_F(QuadricSideTest, NearHitsHaveAllTheirDigits) {
     EXPECT_LE(worst, 12);
 }
 
-// From nearby, where the equation is measured from a point of the surface, in all octants: a ray that comes
-// in from outside sees the outside, however nearly it only touches.
+// Ellipsoids, pipes and hyperboloids of one and of two sheets, clipped by boxes, half of them capped.
+TEST_F(QuadricSideTest, IntervalsAreOpenBelowAndClosedAbove) {
+    Random random(731);
+    std::vector<FloatRay> rays(kCount);
+    std::vector<shared::Quadric> quadrics;
+    for (size_t i = 0; i < kCount; ++i) {
+        const dvec3 origin = random.uniform(2, 5) * random.direction();
+        rays[i].origin = vec3(origin);
+        rays[i].direction = vec3(random.uniform(0.3, 3) * (random.box(0.4) - origin));
+        shared::Quadric& q = quadrics.emplace_back(quadricOf(dmat3(1)));
+        q.point = vec3(random.box(0.2));
+        q.squares = {1, 1, random.uniform(-1, 1)};
+        q.constant = static_cast<float>(random.uniform(-0.5, 0.1));
+        q.lo = vec3(-1);
+        q.hi = vec3(1);
+        q.caps = i % 2 == 0 ? shared::kCapLower | shared::kCapUpper : 0;
+    }
+    const std::vector<Answer> hits = probe(subject(), rays, quadrics);
+    EXPECT_GT(std::count_if(hits.begin(), hits.end(), [](const Answer& a) { return a.hit; }), kCount / 10.0);
+    EXPECT_EQ(countWrongEnds(subject(), rays, hits, quadrics), 0u);
+}
+
+// From nearby, where the equation is measured from a point of the surface, in all octants: a ray from outside
+// hits the outside, also where it is nearly tangent.
 TEST_F(QuadricSideTest, WhoeverComesInSeesTheOutside) {
     for (uint32_t octant = 0; octant < 8; ++octant) {
         const dvec3 from = glm::normalize(dvec3((octant & 1) != 0 ? -1 : 1, (octant & 2) != 0 ? -0.8 : 0.8,
