@@ -27,9 +27,10 @@ TEST_F(Part, NamesAndSummary) {
     EXPECT_EQ(merged.code, 0);
     EXPECT_STARTS(merged.out, "wrote a.png (64x48)\ndevice: CPU reference (double precision)\nhash: ");
     const nlohmann::json whole = jsonOf("render a.json --backend cpu --stats json -o b.png");
-    const nlohmann::json json = jsonOf("merge a.2-of-2.part a.1-of-2.part --stats json");
+    const nlohmann::json json = jsonOf("merge a.2-of-2.part a.1-of-2.part --in-bands --stats json");
     EXPECT_EQ(json["hash"], whole["hash"]);
     EXPECT_EQ(json["parts"], 2);
+    EXPECT_EQ(json["inBands"], true);
     EXPECT_EQ(readBytes("a.png"), readBytes("b.png"));
 }
 
@@ -52,7 +53,7 @@ TEST_F(Part, OptionsThatMakeNoSense) {
     EXPECT_EQ(names(), (std::set<std::string>{"a.json"}));
 }
 
-// What does not belong together is told apart by name.
+// Parts of different renders are told apart by name.
 TEST_F(Part, ForeignPartsAreNamed) {
     ASSERT_EQ(part("1/2", "-q").code, 0);
     const auto expectDifference = [](const std::string& which, const Words& options,

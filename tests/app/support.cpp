@@ -70,10 +70,12 @@ void expectPartsAreTheWhole(const std::string& scene, const Words& options, int 
         ASSERT_EQ(runGlint(render + name + "--part" + part + options).code, 0);
         merge += name;
     }
-    const Ran merged = runGlint(merge);
-    EXPECT_EQ(merged.code, 0);
-    EXPECT_EQ(merged.out + merged.err, "");
-    EXPECT_EQ(readBytes("all.exr"), readBytes("whole.exr")) << scene << ' ' << parts;
+    for (const char* how : {"", "--in-bands"}) {
+        const Ran merged = runGlint(merge + how);
+        EXPECT_EQ(merged.code, 0);
+        EXPECT_EQ(merged.out + merged.err, "");
+        EXPECT_EQ(readBytes("all.exr"), readBytes("whole.exr")) << scene << ' ' << parts << how;
+    }
 }
 
 bool hasPackets() {

@@ -16,7 +16,7 @@ std::vector<int> coverage(const std::vector<std::vector<Region>>& cut, const Reg
     return times;
 }
 
-TEST(Cut, EveryPixelIsInOnePartWhateverTheNumber) {
+TEST(Cut, EveryPixelIsInOnePartOfAnyNumber) {
     for (const Region whole : {Region{0, 0, 61, 47}, Region{13, 5, 14, 6}, Region{3, 7, 203, 15}}) {
         CostMap map(whole);
         for (size_t i = 0; i < map.costs.size(); ++i) map.costs[i] = 1 + (i * 37) % 101;
@@ -61,8 +61,8 @@ uint64_t testsIn(const Picture& picture, const std::vector<Region>& regions) {
     return tests;
 }
 
-// The dearest part decides when the picture is done. What is estimated from some 1,800 rays is held
-// against the cost of all.
+// The dearest part decides when the picture is done. The estimate from some 1,800 rays is compared with the
+// cost of all.
 TEST(Cut, TheEstimateBalancesAnUnevenPicture) {
     Request request = requestFor(400, 300);
     request.cost = true;
