@@ -154,6 +154,8 @@ void ChildTest::expectFinishedPart(Child& child, int signal, int width, int heig
     child.send(signal);
     EXPECT_EQ(child.wait(), 130);
     EXPECT_HAS(child.err(), "glint: interrupted: out.png holds the ");
+    EXPECT_STARTS(child.out(), "wrote out.png");
+    EXPECT_LACKS(child.out(), "%");
     const Image image = readImage("out.png");
     ASSERT_EQ(std::pair(image.width, image.height), std::pair(width, height));
     // The sky above and below the objects is bright: a row is black if and only if it was not reached.

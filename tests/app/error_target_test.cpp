@@ -53,7 +53,7 @@ TEST_F(ErrorTarget, SummaryNamesTheParts) {
     EXPECT_HAS(ran.out, "(not counted)");
 }
 
-// 1 is no probability that anything is promised with.
+// Rounded to 1 it would be a certainty, which no sample gives.
 TEST_F(ErrorTarget, SummaryDoesNotRoundTheConfidence) {
     for (const std::string confidence : {"0.95", "0.999999999"}) {
         const Ran ran = render({"--error", "0.5", "--within-depth", "--confidence", confidence});
@@ -68,8 +68,8 @@ TEST_F(ErrorTarget, FiltersTakeTheSamplesThatTheyNeed) {
     EXPECT_GE(stats["error"]["samplesPerPixel"], 8) << "two replicates of 4";
 }
 
-// Two replicates of one pixel that errs have no quantile.
-TEST_F(ErrorTarget, OfTooFewPixelsNothingIsPromised) {
+// Two replicates of one pixel with an error have no quantile.
+TEST_F(ErrorTarget, TooFewPixelsHaveNoBound) {
     const Ran one = render("--error 0.01 --crop 16,12,17,13");
     EXPECT_EQ(one.code, 2);
     EXPECT_HAS(one.err, "--error cannot bound the error of a single pixel");
@@ -82,8 +82,8 @@ TEST_F(ErrorTarget, OfTooFewPixelsNothingIsPromised) {
                "too few pixels");
 }
 
-// What all samples may have missed is counted up to full scale, and told beyond it.
-TEST_F(ErrorTarget, HighlightsThatNobodySawAreTold) {
+// A highlight that all samples may have missed counts up to full scale and is told beyond it.
+TEST_F(ErrorTarget, UnseenHighlightsAreTold) {
     // Nothing but sky.
     const auto argsFor = [](const std::string& sky) {
         writeText("a.json", sceneText(32, 24, R"("background": )" + sky + R"(, "objects": [
@@ -114,7 +114,7 @@ TEST_F(ErrorTarget, LayersHoldSamplesAndErrors) {
     EXPECT_TRUE(differs);
 }
 
-TEST_F(ErrorTarget, WhatIsNotReachedIsSaidAndStrictFails) {
+TEST_F(ErrorTarget, AMissedTargetIsSaidAndStrictFails) {
     const Words few = "--error 0.0001 --max-spp 8 --within-depth";
     const Ran lenient = render(few);
     EXPECT_EQ(lenient.code, 0);
@@ -124,27 +124,19 @@ TEST_F(ErrorTarget, WhatIsNotReachedIsSaidAndStrictFails) {
 }
 
 TEST_F(ErrorTarget, OptionsThatContradictAreRefused) {
-    const std::vector<Words> wrong = {"--error 0.01 --confidence 1",
-                                      "--error 0.01 --confidence 0.4",
-                                      "--error 0.01 --sampler grid",
-                                      "--error 0.01 --measure rmse",
-                                      "--error 0.01 --max-seconds 0",
-                                      "--confidence 0.9",
-                                      "--max-spp 9",
-                                      "--max-seconds 9",
-                                      "--within-depth",
-                                      "--strict",
-                                      "--aov error"};
-    for (const auto& options : wrong) {
-        const Ran ran = render(options);
-        EXPECT_EQ(ran.code, 2) << options.front();
+    for (const std::string options :
+         {"--error 0.01 --confidence 1", "--error 0.01 --confidence 0.4", "--error 0.01 --sampler grid",
+          "--error 0.01 --measure rmse", "--error 0.01 --max-seconds 0", "--confidence 0.9", "--max-spp 9",
+          "--max-seconds 9", "--within-depth", "--strict", "--aov error"}) {
+        const Ran ran = render(options.c_str());
+        EXPECT_EQ(ran.code, 2) << options;
         EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
         EXPECT_FALSE(std::filesystem::exists("a.png"));
     }
 }
 
 // Two mirrors that face each other.
-TEST_F(ErrorTarget, WhatNoSampleMendsIsRefused) {
+TEST_F(ErrorTarget, ErrorsThatNoSampleMendsAreRefused) {
     writeText("a.json", sceneText(32, 24, R"(
         "maxDepth": 2,
         "materials": {"m": {"mirror": [0.5, 0.5, 0.5], "diffuse": [0.5, 0.5, 0.5]}},

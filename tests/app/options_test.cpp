@@ -97,16 +97,6 @@ TEST(Options, ToleranceIsAFiniteNumberFromZeroUp) {
     EXPECT_EQ(parseNotNegative("1e-3"), 1e-3);
 }
 
-TEST(Options, ValuesArrive) {
-    EXPECT_EQ(parseSize("640x480").width, 640);
-    EXPECT_EQ(parseSize("640x480").height, 480);
-    const Region crop = parseCrop("1,2,30,40");
-    EXPECT_EQ(std::vector({crop.x0, crop.y0, crop.x1, crop.y1}), std::vector({1, 2, 30, 40}));
-    EXPECT_EQ(parsePixel("7,-8"), std::pair(7, -8));
-    EXPECT_EQ(parseAovs("color, depth ,cost"), (std::vector<Aov>{Aov::Radiance, Aov::Depth, Aov::Cost}));
-    EXPECT_EQ(parseWhole("12", 1, 16), 12);
-}
-
 TEST(Options, TextInMessagesIsOneShortLine) {
     EXPECT_EQ(quoted("a\nb\t\x7f"), "\"a?b??\"");
     EXPECT_EQ(quoted(std::string(100, 'x')), "\"" + std::string(60, 'x') + "...\"");

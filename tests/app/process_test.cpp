@@ -45,7 +45,7 @@ int shell(const std::string& text) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-// What nobody can read is found out before the work, and a picture does not go to where results should.
+// A closed stream is found before the work, and a picture does not go to where results should.
 TEST_F(Process, ClosedStandardOutput) {
     const std::string render = std::string("'" GLINT_PROGRAM "' render a.json --backend cpu ");
     for (const std::string to : {">&-", "> /dev/full"}) {
@@ -54,7 +54,7 @@ TEST_F(Process, ClosedStandardOutput) {
         EXPECT_EQ(names(), (std::set<std::string>{"a.json", "err.txt"}));
         EXPECT_EQ(shell(render + "--stats json -q " + to + " 2> err.txt"), 1);
         EXPECT_EQ(names(), (std::set<std::string>{"a.json", "err.txt"}));
-        // Who wants no output need not have one.
+        // Without output no stream is needed.
         EXPECT_EQ(shell(render + "-q " + to + " 2> err.txt"), 0);
         EXPECT_EQ(readText("err.txt"), "");
         EXPECT_EQ(readImage("a.png").width, 64);
@@ -79,13 +79,13 @@ TEST_F(Process, StandardStreams) {
               (std::set<std::string>{"a.json", "a.png", "b.png", "err.txt", "out.txt", "stdin.png"}));
 }
 
-TEST_F(Process, BashAsksForCompletions) {
-    writeText("ask.sh",
+TEST_F(Process, BashGetsCompletions) {
+    writeText("complete.sh",
               "source bash-completion/completions/glint\n"
               "COMP_WORDS=('" GLINT_PROGRAM
               "' render a.json --backend '')\nCOMP_CWORD=4\n_glint\n"
               "echo \"${COMPREPLY[*]}\"\n");
-    EXPECT_EQ(shell("'" GLINT_PROGRAM "' pages . > list.txt && bash ask.sh > out.txt 2>&1"), 0);
+    EXPECT_EQ(shell("'" GLINT_PROGRAM "' pages . > list.txt && bash complete.sh > out.txt 2>&1"), 0);
     EXPECT_EQ(readText("out.txt"), "gpu cpu\n");
 }
 
@@ -153,8 +153,8 @@ TEST_F(Process, InterruptSavesTheFinishedPart) {
     }
 }
 
-// Whoever looks sees a whole picture, of one of them, also where one dies in the middle; nothing else is
-// left.
+// At any time the file is a whole picture of one writer, also where one dies in the middle, and no other
+// is left.
 TEST_F(Process, SeveralWritersOfOneFileLeaveAWholeOne) {
     const auto wholeOrNone = [] {
         if (!std::filesystem::exists("out.exr")) return;
@@ -214,17 +214,7 @@ TEST_F(Process, RaysFromStandardInput) {
     EXPECT_HAS(child.err(), "1,4,0,0,0,0,0,0,1,0,0,1");
 }
 
-TEST_F(Process, PlainProgressGoesToStandardError) {
-    Child child(kLong + "--progress plain");
-    ASSERT_TRUE(child.waitForPercent(0));
-    child.send(SIGINT);
-    child.wait();
-    EXPECT_STARTS(child.err(), "render");
-    EXPECT_EQ(child.out().find('%'), std::string::npos) << child.out();
-    EXPECT_STARTS(child.out(), "wrote out.png");
-}
-
-TEST_F(Process, NoProgressUnlessAskedForOrOnATerminal) {
+TEST_F(Process, NoProgressWithoutAnOptionOrATerminal) {
     for (const char* options : {"", "--progress none", "-q --progress plain"}) {
         Child child(kLong + options);
         ASSERT_TRUE(child.waitForWork(0.1));

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "core/image_io.h"
 #include "import/load.h"
@@ -17,16 +16,6 @@ ImportedMesh import(const std::string& bytes) {
 
 std::string error(const std::string& bytes) {
     return OneFile("m.ply").error(bytes);
-}
-
-template <typename T>
-void put(std::string& bytes, T value, bool bigEndian) {
-    char raw[sizeof(T)];
-    std::memcpy(raw, &value, sizeof(T));
-    if (bigEndian)
-        std::reverse(raw,
-                     raw + sizeof(T));  // the test's machine is little-endian, as every one glint runs on
-    bytes.append(raw, sizeof(T));
 }
 
 std::string header(const std::string& format, const std::string& rest) {

@@ -14,6 +14,9 @@ namespace glint::polygon_split_test {
 using Points = std::vector<glm::dvec3>;
 using Triangles = std::vector<std::array<uint32_t, 3>>;
 
+const Points kPentagram = {{0, 1, 0}, {-0.59, -0.81, 0}, {0.95, 0.31, 0}, {-0.95, 0.31, 0}, {0.59, -0.81, 0}};
+const Points kBowTie = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
+
 Triangles split(const Points& points) {
     Triangles triangles;
     splitPolygon(points, triangles);
@@ -108,7 +111,7 @@ TEST(PolygonSplit, CornersOnStraightEdges) {
 }
 
 TEST(PolygonSplit, HoleWithABridge) {
-    // A square ring cut open: corners 0 and 4 are walked twice.
+    // A square ring cut open: corners 0 and 4 stand there twice.
     expectTiling({{0, 0, 0},
                   {4, 0, 0},
                   {4, 4, 0},
@@ -158,13 +161,10 @@ TEST(PolygonSplit, ScaleDoesNotMatter) {
 TEST(PolygonSplit, BadPolygonsEndAndCoverSomething) {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
                  inf = std::numeric_limits<double>::infinity();
-    const Points pentagram = {
-        {0, 1, 0}, {-0.59, -0.81, 0}, {0.95, 0.31, 0}, {-0.95, 0.31, 0}, {0.59, -0.81, 0}};
-    const Points bowTie = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
     const Points line = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {1.5, 0, 0}};
     const Points point(6, glm::dvec3(1));
     const Points notFinite = {{0, 0, 0}, {nan, 0, 0}, {1, 1, 0}, {inf, 1, 0}, {0, 1, 0}};
-    for (const Points& points : {pentagram, bowTie, line, point, notFinite}) {
+    for (const Points& points : {kPentagram, kBowTie, line, point, notFinite}) {
         const Triangles triangles = split(points);
         EXPECT_EQ(triangles.size(), points.size() - 2);
         for (const auto& t : triangles)
@@ -177,11 +177,8 @@ TEST(PolygonSplit, BadPolygonsEndAndCoverSomething) {
 
 // Bow ties with halves of equal area, of which Newell's sum is zero, and of others; in any plane.
 TEST(PolygonSplit, PolygonsThatCrossThemselvesAreNoticed) {
-    const Points pentagram = {
-        {0, 1, 0}, {-0.59, -0.81, 0}, {0.95, 0.31, 0}, {-0.95, 0.31, 0}, {0.59, -0.81, 0}};
-    const Points bowTie = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
     const Points uneven = {{0, 0, 0}, {3, 1, 0}, {3, 0, 0}, {0, 0.1, 0}};
-    for (const Points& flat : {pentagram, bowTie, uneven})
+    for (const Points& flat : {kPentagram, kBowTie, uneven})
         for (int axis = 0; axis < 3; axis++) {
             Points points;
             for (const glm::dvec3& p : flat) {

@@ -166,14 +166,15 @@ TEST_F(SceneFolder, MemoryIsAskedFor) {
 class Load : public FolderTest {};
 
 TEST_F(Load, FilesThatCannotBeRead) {
-    for (const std::string name : {"gone.json", "gone.obj", "gone.ply", "gone.xyz"}) {
+    for (const std::string name : {"gone.json", "gone/a.json", "gone.obj", "gone.ply", "gone.xyz"}) {
         const auto path = file(name);
         EXPECT_EQ(errorOf([&] { loadScene(path); }), path.string() + ": no such file");
     }
     std::filesystem::create_directory(file("folder.json"));
     const auto directory = file("folder.json");
     EXPECT_EQ(errorOf([&] { loadScene(directory); }), directory.string() + ": is a folder, not a file");
-    EXPECT_EQ(errorOf([&] { loadScene(folder_); }), folder_.string() + ": is a folder, not a file");
+    for (const auto& folder : {folder_, file("folder.json/")})
+        EXPECT_EQ(errorOf([&] { loadScene(folder); }), folder.string() + ": is a folder, not a file");
     for (const std::string kind : {"json", "gltf", "glb", "obj", "ply", "stl", "nff"}) {
         const auto path = write("empty." + kind, "");
         EXPECT_EQ(errorOf([&] { loadScene(path); }), path.string() + ": the file is empty");

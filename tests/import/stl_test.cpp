@@ -1,5 +1,4 @@
 // STL files written byte by byte.
-#include <cstring>
 #include <map>
 
 #include "import/load.h"
@@ -8,13 +7,6 @@
 namespace glint::test::stl_test {
 
 using glm::dvec3;
-
-template <typename T>
-void put(std::string& bytes, T value) {  // the tests run on little-endian machines
-    char raw[sizeof(T)];
-    std::memcpy(raw, &value, sizeof(T));
-    bytes.append(raw, sizeof(T));
-}
 
 struct Facet {
     dvec3 normal, a, b, c;

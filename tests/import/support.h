@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
 
@@ -41,6 +42,15 @@ class OneFile {
     TemporaryFolder folder_;
     std::filesystem::path path_;
 };
+
+// Appends a value; the tests run on little-endian machines.
+template <typename T>
+void put(std::string& bytes, T value, bool bigEndian = false) {
+    const auto* const first = reinterpret_cast<const char*>(&value);
+    const size_t begin = bytes.size();
+    bytes.append(first, sizeof(T));
+    if (bigEndian) std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(begin), bytes.end());
+}
 
 // A cube [0,1]^3 with outward winding as OBJ text: 8 vertices, 6 quads.
 extern const char* const kCubeObj;

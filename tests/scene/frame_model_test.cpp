@@ -1,4 +1,4 @@
-// What frameModel promises, checked by projecting the geometry with the camera it made.
+// frameModel, checked by projecting the geometry with its camera.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -123,21 +123,6 @@ TEST(FrameModel, SpheresAndTrianglesCountPlanesDoNot) {
     expectFits(scene, points);
 }
 
-TEST(FrameModel, DiscsCount) {
-    Scene scene;
-    scene.materials.emplace_back();
-    const dvec3 normal(0.42, 0.40, 1);  // towards the eye
-    scene.objects = {{"a", DiscShape{{5, 0, 0}, normal, 2}, 0}};
-    frameModel(scene);
-    const dvec3 a = glm::normalize(dvec3(1, 0, -0.42)), b = glm::cross(glm::normalize(normal), a);
-    std::vector<dvec3> rim;
-    for (int i = 0; i < 64; i++) {
-        const double angle = i * std::numbers::pi / 32;
-        rim.push_back(dvec3(5, 0, 0) + 2.0 * (std::cos(angle) * a + std::sin(angle) * b));
-    }
-    expectFits(scene, rim);
-}
-
 // Every shape under a transform that turns, stretches and moves it: points of its surface fit.
 TEST(FrameModel, AllShapesUnderATransformCount) {
     const Affine transform{{{2, 0.3, 0}, {-0.5, 1, 0.2}, {0, 0.1, 0.5}}, {100, -20, 7}};
@@ -187,7 +172,7 @@ TEST(FrameModel, MeshesInSeveralPlacesCount) {
     expectFits(scene, points);
 }
 
-TEST(FrameModel, WhatIsNotFiniteOrNotUsedIsLeftOut) {
+TEST(FrameModel, UnusedAndNonFiniteVerticesAreLeftOut) {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
                  inf = std::numeric_limits<double>::infinity();
     Scene scene = withTriangles(boxCorners({0, 0, 0}, {1, 1, 1}));

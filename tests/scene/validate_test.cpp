@@ -199,17 +199,11 @@ TEST(Validate, Indices) {
               "s: /objects/3: triangle 0 of the mesh uses vertex 3, there are 3");
     EXPECT_EQ(withMesh([](Mesh& m) { m.materials = {1}; }),
               "s: /objects/3: triangle 0 of the mesh uses material 1, there are 1");
-    EXPECT_EQ(withMesh([](Mesh& m) {
-                  m.materials = {0, 0};
-              }),
+    EXPECT_EQ(withMesh([](Mesh& m) { m.materials.resize(2); }),
               "s: /objects/3: the mesh has 2 material indices for 1 triangles");
-    EXPECT_EQ(withMesh([](Mesh& m) {
-                  m.faces = {0, 0};
-              }),
+    EXPECT_EQ(withMesh([](Mesh& m) { m.faces.resize(2); }),
               "s: /objects/3: the mesh has 2 face indices for 1 triangles");
-    EXPECT_EQ(withMesh([](Mesh& m) {
-                  m.normalCorners = {{0, 0, 0}};
-              }),
+    EXPECT_EQ(withMesh([](Mesh& m) { m.normalCorners.emplace_back(0, 0, 0); }),
               "s: /objects/3: triangle 0 of the mesh uses normal 0, there are 0");
     EXPECT_EQ(withMesh([](Mesh& m) { m.normalCorners = {glm::uvec3(Mesh::kNoIndex)}; }), "no error");
 }
