@@ -2,6 +2,7 @@
 
 GLINT_LIBRARY says where libglint.so.0 is, GLINT_SOURCE where scenes/ is.
 """
+import concurrent.futures
 import os
 import pathlib
 import signal
@@ -395,16 +396,9 @@ def test_threads_share_a_scene(cube):
     random = numpy.random.default_rng(2)
     rays = numpy.hstack([5 * _unit(random, 3000), random.normal(size=(3000, 3))])
     expected = cube.cast(rays).t
-    answers = [None] * 4
-
-    def ask(number):
-        answers[number] = cube.cast(rays).t
-    threads = [threading.Thread(target=ask, args=(number,)) for number in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert all(numpy.array_equal(answer, expected) for answer in answers)
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        for answer in pool.map(lambda _: cube.cast(rays).t, range(4)):
+            assert numpy.array_equal(answer, expected)
 
 
 def test_others_run_meanwhile(device):
