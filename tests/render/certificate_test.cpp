@@ -329,10 +329,10 @@ TEST_F(VerifyTest, RaysThatBeginClearOfMirrorsArePredicted) {
     EXPECT_GT(report.explained(), 100u);
 }
 
-// The middle column lies where a light begins to graze: rounding decides for each of its pixels whether the
-// surface hides that light, which changes the layer and hardly the colour.
+// In the middle column a light's cosine is kLeastCosine within rounding. Rounding decides for each pixel
+// whether a shadow ray is traced, which changes the layer of hidden lights and hardly the colour.
 TEST_F(VerifyTest, LightsThatRoundingHidesArePredicted) {
-    const Case c = fileCase("../tests/mutation/scenes/terminators", 53, 41);
+    const Case c = fileCase("../tests/mutation/scenes/terminators", 53, 81);
     const Report report = verified(c);
     EXPECT_TRUE(report.passed()) << report.explained() << ' ' << report.allowedExplained();
     EXPECT_GT(report.explained(), 20u);
