@@ -123,7 +123,7 @@ void declareProgram(CLI::App& app, Run& chosen) {
 
 namespace {
 
-// `unknown option "--siez" (did you mean "--size"?)`, or `unexpected argument "x"` for what is no option.
+// `unknown option "--siez" (did you mean "--size"?)`, or `unexpected argument "x"` for other words.
 std::string unexpected(const CLI::App& command, const std::string& argument) {
     const std::string name = argument.substr(0, argument.find('='));
     if (name.size() < 2 || name[0] != '-' || command.get_option_no_throw(name))
@@ -179,7 +179,7 @@ std::string parseErrorLine(const CLI::App& app, const CLI::ParseError& error) {
     const CLI::App& command = *chosen.front();
     const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
     const std::vector<std::string> extras = app.remaining(true);
-    // A mistyped option is the likelier reason for whatever else is missing.
+    // A mistyped option is the likelier reason if something else is missing too.
     const auto option =
         std::find_if(extras.begin(), extras.end(), [](const std::string& s) { return s.starts_with("-"); });
     if (option != extras.end())
@@ -225,8 +225,8 @@ ExitCode parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostr
 
 int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err) {
     const auto failed = [&](ExitCode code, const std::string& message) {
-        out.flush();  // results come before the error, whoever reads both
-        // All processes of mpirun have the same command line; rank 0 reports what is wrong with it.
+        out.flush();  // results come before the error, if both go to one place
+        // All processes of mpirun have the same command line; rank 0 alone reports its errors.
         if (code == ExitCode::Usage && rankOfLauncher() > 0) {
             // mpirun ends all processes when the first one leaves; rank 0 must have printed the error.
             std::this_thread::sleep_for(std::chrono::seconds(2));

@@ -13,8 +13,8 @@ namespace glint::app {
 enum class ExitCode : int {
     Done = 0,
     Failed = 1,        // could not render or write
-    Usage = 2,         // the command line is at fault
-    Scene = 3,         // the scene or a file it names is at fault
+    Usage = 2,         // the command line is invalid
+    Scene = 3,         // the scene or a file that it names is faulty
     Device = 4,        // no usable device, or a Vulkan call failed
     Difference = 5,    // diff or verify found a difference, render --strict an error
     Interrupted = 130  // Ctrl-C; the finished part has been saved
@@ -40,8 +40,8 @@ constexpr ExitCode exitCodeOf(ErrorKind kind) {
 // errors to `err`.
 int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err);
 
-// The commit that the program was built from, as git describes it ("unknown" outside a repository, unless its
-// archive says it).
+// The commit that the program was built from, as git describes it ("unknown" outside a repository, except in
+// an archive that names it).
 const char* builtCommit();
 
 }  // namespace glint::app

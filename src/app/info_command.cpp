@@ -221,7 +221,7 @@ ExitCode printDevices(std::ostream& out) {
         devices = gpu::listDevices();
         chosen = gpu::chooseDevice(devices, "").index;
     } catch (const Error& e) {
-        // The list below says more about each device; the error comes after it.
+        // The list below gives the details of each device; the error comes after it.
         refusal = devices.empty() ? withAdvice(e).what()
                                   : "no usable Vulkan device (reasons above); --backend cpu needs none";
     }

@@ -24,8 +24,8 @@ void quitOn(int signal) {
     if (std::signal(signal, quit) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
-// A stream that the caller has closed would be the next file that is opened, an image say. Where it was,
-// what is written fails like on a full disk.
+// The next file that is opened, an image for example, would take the place of a stream that the caller has
+// closed. With this, writing to that stream fails as on a full disk.
 void fillClosedStreams() {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd) {
         if (::fcntl(fd, F_GETFD) >= 0) continue;

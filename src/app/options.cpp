@@ -23,7 +23,7 @@ namespace glint::app {
 
 namespace {
 
-// Numbers too large for 64 bits become the largest one, so that range checks see them.
+// Numbers too large for 64 bits become the largest one, so that range checks refuse them.
 std::optional<int64_t> wholeNumber(std::string_view text) {
     int64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -126,7 +126,7 @@ class OptionTable {
     // Takes no value: `target` becomes `value`.
     void flag(const std::string& names, const std::string& help, bool& target, bool value = true);
 
-    // One or more files known by their place.
+    // One or more files without an option's name.
     void files(const std::string& name, const std::string& help, std::vector<std::filesystem::path>& target);
 
     // An option whose text goes to a function.
@@ -135,8 +135,7 @@ class OptionTable {
 
     // Each of `options`, all of them declared before, requires `needed`.
     void require(const std::string& needed, const std::vector<std::string>& options);
-    // `other` must not be given together with `option`; both are declared before. `remedy` says what to do
-    // instead.
+    // Refuses `other` together with `option`; both are declared before. `remedy` names the alternative.
     void exclude(const std::string& option, const std::string& other, const std::string& remedy);
 
   private:
@@ -149,7 +148,7 @@ class OptionTable {
 // The scene, and the wishes of the command line.
 struct SceneOptions {
     std::filesystem::path scene;
-    LoadOptions loading;  // its memory is what is available
+    LoadOptions loading;  // its memory is the available one
     std::optional<Size> size;
     std::optional<int> spp;
     BuildQuality buildQuality = BuildQuality::Default;
@@ -187,7 +186,7 @@ void addBackend(OptionTable& table, DeviceChoice& device);
 void addDevice(OptionTable& table, DeviceChoice& device);  // --device, --validation, --threads
 void addTraversal(OptionTable& table, DeviceChoice& device);
 void addProgress(OptionTable& table, ProgressMode& mode);
-// --stats json; `help` tells what it prints.
+// --stats json; `help` lists its contents.
 void addStats(OptionTable& table, const std::string& help, bool& json);
 
 // --error, --confidence, --within-depth; the last two require the first.

@@ -128,7 +128,7 @@ bool looksLikeBackground(const Picture& picture, const Scene& scene) {
     return true;
 }
 
-// A plane through the eye, which is seen edge-on: a floor at y = 0 by the default camera.
+// A plane through the eye is edge-on: for example a floor at y = 0 by the default camera.
 std::optional<std::string> planeThroughEye(const Scene& scene) {
     for (const Object& object : scene.objects) {
         const auto* plane = std::get_if<PlaneShape>(&object.shape);

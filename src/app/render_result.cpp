@@ -68,8 +68,8 @@ void warnAboutError(const converge::Target& target, const converge::Result& resu
         << (bounded ? ")" : "); too few pixels show any error") << '\n';
 }
 
-// Below half a step of an 8-bit image nothing is seen; with the sRGB curve's slope of up to 12.92 the steps
-// of dark colours are smaller, but there a loss of this size is one of a bright branch.
+// A loss below half a step of an 8-bit image is invisible. The sRGB curve's slope of up to 12.92 makes the
+// steps of dark colours smaller, but a loss of this size there comes from a bright branch.
 constexpr double kVisible = 1.0 / 255;
 
 double meanOf(const LostBranches& lost, const Region& region) {

@@ -94,7 +94,7 @@ std::vector<std::vector<Region>> cutToHold(const farm::CostMap& costs, int parts
     return cut;
 }
 
-// Version, files, settings; not the device, nor where files lie. `request` is the whole image's.
+// Version, files and settings, without the device and the files' folders. `request` is the whole image's.
 farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loaded, const Request& request) {
     const Scene& scene = loaded.scene;
     farm::Identity identity;
@@ -129,7 +129,7 @@ class UnitRenderer {
           drawing_(command.device, err),
           loaded_(loadAndPack(command.scene, err)),
           request_(requestOf(command, loaded_)) {
-        constexpr int kLikelyParts = 64;  // to know how many before they are cut
+        constexpr int kLikelyParts = 64;  // assumed before the image is cut
         const auto costs = farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_,
                                                parts > 0 ? parts : kLikelyParts);
         cut_ = parts > 0 ? farm::cutPicture(costs, parts)
@@ -197,7 +197,7 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function
                               cut_[static_cast<size_t>(part) - 1], command_.aovs);
     });
     if (!result) return result;
-    // Losses are told where an image drawn at once would tell them.
+    // Losses are reported in the same cases as for an image without units.
     if (!loaded_.packed.features.transmission && command_.scene.limits.minContribution == 0)
         result->losses = {};
     const DrawingFacts facts = drawing_.facts();

@@ -25,7 +25,7 @@ namespace glint::app {
 
 namespace {
 
-// The file "-" beside all others.
+// The file "-" in addition to all others.
 class StandardInput : public FileSource {
   public:
     std::string read(const std::filesystem::path& path, const Context& context) override {

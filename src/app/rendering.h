@@ -67,8 +67,8 @@ Request requestOf(const LoadedScene& loaded, const SceneOptions& options, bool u
 // Features that a request needs of a device though the scene's own depth does without them.
 SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request);
 
-// Opens the device that was chosen. If none was named and `hostWould` do the same work, an error advises to
-// use it. Throws Error(Device) too if the validation layer was asked for and is not there.
+// Opens the chosen device. If none was named and `hostWould` do the same work, an error advises to use it.
+// Throws Error(Device) too if the requested validation layer is missing.
 gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms = true);
 
 // The error with the advice to use --backend cpu.
@@ -101,8 +101,8 @@ std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedS
 class Drawing {
   public:
     // Starts to open the device, which needs nothing of the scene (50 ms for lavapipe, whose libraries are
-    // large). What is wrong with it is thrown by load(), so that faults of the scene come first. `choice`
-    // must outlive the object. `warnings`: gets one if the reference takes over, see whole().
+    // large). load() throws the device's errors, so that the scene's errors come first. `choice` must outlive
+    // the object. `warnings`: gets one if the reference takes over, see whole().
     Drawing(const DeviceChoice& choice, std::ostream& warnings);
 
     // Uploads the scene, which must outlive its images, and translates kernels for `expected`. `cameraRays`:

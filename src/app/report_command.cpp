@@ -71,7 +71,7 @@ void declare(OptionTable& table, ReportCommand& c) {
 // The report's own device, and those that it is compared with.
 struct OpenDevices {
     std::deque<gpu::Device> open;              // the report's own first
-    std::vector<report::DeviceBeside> beside;  // empty unless --devices asks
+    std::vector<report::DeviceBeside> beside;  // empty without --devices
 };
 
 OpenDevices openDevices(const ReportCommand& command) {

@@ -10,8 +10,8 @@
 
 namespace glint::app {
 
-// The verdict on a scene, the numbers behind it, and the worst pixels with what device and reference have
-// seen there; `manySamples`: and their samples.
+// The verdict on a scene, its figures, and the worst pixels with the answers of device and reference;
+// `manySamples`: and their samples.
 void printReport(const std::string& scene, const verify::Report& report, bool manySamples, std::ostream& out);
 
 // The same verdict and numbers, and the differing pixels that the report keeps.

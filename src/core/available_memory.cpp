@@ -32,7 +32,7 @@ uint64_t numberIn(const fs::path& file, const std::string& key, uint64_t fallbac
 struct GroupFiles {
     const char* limit;
     const char* usage;
-    const char* cache;  // the key in memory.stat of pages of files, which the kernel gives up when asked
+    const char* cache;  // the key in memory.stat of pages of files, which the kernel frees under pressure
 };
 
 constexpr GroupFiles kVersion1 = {"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"};

@@ -88,12 +88,12 @@ std::unique_ptr<RowEncoder> pfmRows(ByteSink& sink, int width, int height, const
 // Pixels along a side of the largest image that is decoded.
 inline constexpr uint64_t kMostPictureSide = 65536;
 
-// For decoders, before memory is taken: refuses a size of nothing, beyond the limits above, or of which the
-// file's bytes, each of which stands for at most `pixelsPerByte` pixels, cannot hold the pixels.
+// For decoders, before they take memory: refuses an empty image, a size beyond the limits above, and one that
+// the file is too short for, if each byte stands for at most `pixelsPerByte` pixels.
 void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double pixelsPerByte,
                        uint64_t mostPixels);
 
-// Memory that is taken only as rows arrive: a file that ends early costs what it held.
+// Takes memory only as rows arrive: a file that ends early costs only the rows that it held.
 class RowCollector {
   public:
     // The context must outlive it.
@@ -113,7 +113,7 @@ std::vector<float> linearOfCodes(size_t count);
 
 // By libpng. 1 to 16 bits, grey, RGB or palette, with or without alpha; grey with alpha becomes RGBA.
 Image decodePng(ByteView file, uint64_t mostPixels = kMostPixels, const Context& context = {});
-// By libjpeg-turbo. Grey, or RGB of whatever colour space.
+// By libjpeg-turbo. Grey, or RGB from any colour space.
 Image decodeJpeg(ByteView file, uint64_t mostPixels = kMostPixels, const Context& context = {});
 Image decodeHdr(ByteView file, uint64_t mostPixels = kMostPixels, const Context& context = {});
 // By libwebp: sRGB, with or without alpha, no animations. Refused in builds without it.

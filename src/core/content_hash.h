@@ -21,7 +21,7 @@ std::string hashText(uint64_t hash);
 
 // XXH3, 64 bits, seed 0 (Y. Collet, https://xxhash.com), as 16 hexadecimal digits: of red, green and blue of
 // all pixels, rows from the top, as 32-bit floats, lowest byte first. Equal for images of the same bits; it
-// tells apart what differs, not what is forged. `image`: at least three channels; further ones do not count.
+// detects differences, not forgeries. `image`: at least three channels; further ones do not count.
 std::string pictureHash(const Image& image);
 
 // The same of an image whose rows arrive from the top.

@@ -1,4 +1,4 @@
-// Errors that reach the user: one line that says where and what to do, and of what kind the failure is.
+// Errors that reach the user: one line that names the place and the remedy, and the kind of failure.
 #pragma once
 
 #include <stdexcept>
@@ -9,10 +9,10 @@ namespace glint {
 // Kind of an error. The command line maps kinds to exit codes (app/cli.h).
 enum class ErrorKind {
     Failed,      // could not render or write
-    Argument,    // what the caller asked for is at fault
-    Scene,       // the scene or a file it names is at fault
+    Argument,    // the caller's request is invalid
+    Scene,       // the scene or a file that it names is faulty
     Device,      // no usable device, or a Vulkan call failed
-    Interrupted  // by the user; what was finished has been saved
+    Interrupted  // by the user; finished work has been saved
 };
 
 // Thrown for every failure that a user can cause or must hear of. `what()` is the single line to print.

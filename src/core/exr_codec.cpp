@@ -43,7 +43,7 @@ constexpr double kMostBytesPerByte = 1032 * 4.0 / 3;
 constexpr double kNoBound = 1e30;
 constexpr double kMostChunkBytes = 512.0 * 1024 * 1024;
 constexpr size_t kFirstHeader = 8;  // behind magic number and version
-constexpr int kBand = 64;           // rows that are asked for at once
+constexpr int kBand = 64;           // rows in one request to the library
 
 // The library makes its pool of threads, which has none, when it first hands out a task. Where memory runs
 // out just then, it waits for that task for ever (3.1.5); so the pool is made before there are any.
@@ -116,16 +116,15 @@ bool isWhole(std::string_view type, ByteView value) {
     } else if (type == "stringvector") {
         while (!in.atEnd()) in.next(in.word());
     } else {
-        return true;  // as long as is said, which the library keeps to
+        return true;  // of the announced length, which the library keeps to
     }
     return in.atEnd();
 }
 
-// Throws CodecError for attributes that do not have the size that their type has, or that is said: the
-// library goes by the one, or takes memory by the other, whatever the file holds.
-//
-// A header is a list of name, type, size and value that an empty name ends; several parts have as many, and
-// an empty one at the end (OpenEXR, "File Layout").
+// Throws CodecError for attributes whose size differs from that of their type or from the announced one. The
+// library relies on the one and takes memory by the other, even beyond the file's length.
+// A header is a list of name, type, size and value that an empty name ends. A file of several parts has
+// several headers, and an empty one at the end (OpenEXR, "File Layout").
 void checkAttributes(ByteView file, bool severalParts) {
     Bounded in(file.subspan(kFirstHeader));
     for (size_t parts = 0; parts < kMostParts; ++parts) {
@@ -378,7 +377,7 @@ class ExrRows : public RowEncoder {
         for (const ExrChannel& channel : exrChannels(rows)) {
             const size_t xStride = static_cast<size_t>(channel.image->channels) * sizeof(float);
             const size_t yStride = xStride * static_cast<size_t>(width_);
-            // The library asks for row y of the image at base + y * stride.
+            // The library stores row y of the image at base + y * stride.
             const auto first = reinterpret_cast<intptr_t>(channel.image->pixels.data() + channel.index);
             const auto base = first - written_ * static_cast<intptr_t>(yStride);
             source.insert(channel.name,

@@ -43,8 +43,8 @@ bool writeBytes(int file, std::span<const uint8_t> bytes, const uint64_t* offset
     return true;
 }
 
-// To the disk, so that a name never stands for what a power cut has kept from being written. Some file
-// systems know no such thing.
+// Flushes a file to the disk, so that no name refers to contents that a power cut has lost. Some file systems
+// do not support it.
 bool sync(int file) {
     return ::fsync(file) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
 }
@@ -83,7 +83,7 @@ StagedFile::~StagedFile() {
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
-// A file without a name goes away with the process, whatever ends it (Linux 3.11; not every file system). It
+// A file without a name vanishes with the process, even if it crashes (Linux 3.11; not every file system). It
 // gets a name by way of /proc, which a bare chroot may lack.
 void StagedFile::makeTemporary(const struct stat& status) {
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
@@ -147,8 +147,8 @@ bool StagedFile::close() {
     return file_ < 0 || ::close(std::exchange(file_, -1)) == 0;
 }
 
-// Calls make(name) with names beside the target until there is no such file yet; `temporary_` is then the
-// name. Less than 0, with errno set, if that fails.
+// Calls make(name) with names beside the target until one is free; `temporary_` is then that name. Less than
+// 0, with errno set, if that fails.
 template <typename Make>
 int StagedFile::tryNames(Make make) {
     static std::atomic<unsigned> counter{0};
@@ -157,7 +157,8 @@ int StagedFile::tryNames(Make make) {
     stem += target_.filename().string().substr(0, 200);
     stem += '.' + std::to_string(::getpid());
     for (;;) {
-        // Kept first: once the file is there, nothing may fail before its name is known to the destructor.
+        // Stored first, so that the destructor can remove the file even if something fails after its
+        // creation.
         temporary_ = target_.parent_path() / (stem + "." + std::to_string(counter++) + ".tmp");
         const int made = make(temporary_);
         if (made >= 0) return made;

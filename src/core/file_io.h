@@ -17,12 +17,12 @@ struct OutputFile {
     std::vector<uint8_t> bytes;
 };
 
-// Writes every file whole before the first gets its name, and renames them then: a reader sees the old file
-// or the new one. Where the file system can (O_TMPFILE) the files have no name while they are written, so
-// that nothing stays behind whatever ends the process. If anything fails, the temporary files are removed,
-// new files of this call are removed again, and Error(Failed) is thrown, e.g. "out/x.png: cannot write: there
-// is no folder out". A link is followed, even where there is no file yet; a device or pipe (/dev/null)
-// is written to and stays what it is; a file without write permission is not replaced.
+// Writes every file whole before the first gets its name, and then renames them: a reader finds the old file
+// or the new one. If the file system supports O_TMPFILE, the files have no name while they are written, so
+// that nothing stays behind if the process dies. If anything fails, the temporary files are removed, new
+// files of this call are removed again, and Error(Failed) is thrown, e.g. "out/x.png: cannot write: there is
+// no folder out". A link is followed, even to a file that does not exist yet. A device or pipe (/dev/null) is
+// written to and stays what it is. A file without write permission is not replaced.
 void writeFiles(const std::vector<OutputFile>& files);
 
 // The same for one file, whose bytes are not copied.

@@ -43,10 +43,10 @@ Image differenceImage(const Image& a, const Image& b, float gain = 1.0f);
 
 // The structural similarity index of Z. Wang, A. C. Bovik, H. R. Sheikh, E. P. Simoncelli, "Image quality
 // assessment: from error visibility to structural similarity", IEEE Transactions on Image Processing 13(4),
-// 2004: 1 for equal images. Of luma (Rec. 601, as there) of the images as a screen shows them,
-// sRGB-encoded and cut off at 0 and 1; windows of 11 x 11 pixels, Gaussian with a deviation of 1.5, that lie
-// inside; K1 = 0.01, K2 = 0.03. Samples that are not finite count as 0. NaN for images of which a side is
-// shorter than a window. Throws Error(Failed) if the sizes differ.
+// 2004: 1 for equal images. It compares the luma (Rec. 601, as there) of the images as displayed,
+// sRGB-encoded and cut off at 0 and 1. Its windows have 11 x 11 pixels, a Gaussian with a deviation of 1.5,
+// and lie inside the image; K1 = 0.01, K2 = 0.03. Samples that are not finite count as 0. NaN for images with
+// a side shorter than a window. Throws Error(Failed) if the sizes differ.
 double structuralSimilarity(const Image& a, const Image& b);
 
 }  // namespace glint

@@ -3,9 +3,9 @@
 
 namespace glint {
 
-// From now on SIGINT and SIGTERM only set a flag; long loops ask for it with interrupted(). A second SIGINT
-// ends the process at once with exit code 130. Signals that the parent process has set to be ignored stay
-// ignored (nohup, and background jobs of a shell script). Calling it again has no further effect.
+// From this call on, SIGINT and SIGTERM only set a flag; long loops query it by interrupted(). A second
+// SIGINT ends the process at once with exit code 130. Signals that the parent process ignores stay ignored
+// (nohup, and background jobs of a shell script). A second call has no further effect.
 void installInterruptHandler();
 
 // True once SIGINT or SIGTERM has arrived. Cheap enough for an inner loop; callable from any thread.

@@ -40,8 +40,8 @@ Failure& failureOf(j_common_ptr info) {
     std::longjmp(failureOf(info).back, 1);
 }
 
-// Level -1 is a warning. Of a file that is damaged an image remains, of which some part is wrong: refused.
-// What real files are warned of, a colour marker or bytes between segments that mean nothing, is let pass.
+// Level -1 is a warning. libjpeg decodes a damaged file to an image with wrong parts: refused. Two harmless
+// warnings are common in real files and let pass: a colour marker, and meaningless bytes between segments.
 void onMessage(j_common_ptr info, int level) {
     if (level >= 0) return;
     switch (info->err->msg_code) {

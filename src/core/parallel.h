@@ -9,7 +9,7 @@
 
 namespace glint {
 
-// Threads used when a caller asks for 0: the number of processors this process may run on, at least 1.
+// Threads if a caller requests 0: the number of processors that this process may run on, at least 1.
 unsigned defaultThreadCount();
 
 // Calls body(i) once for every i in [0, count), from up to context.threads threads, handing out indices one

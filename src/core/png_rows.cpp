@@ -104,7 +104,7 @@ class PngRows : public RowEncoder {
         sink_.write(bytes, position_);
         position_ += bytes.size();
     }
-    // Appends what is compressed to `packed_`.
+    // Appends the compressed bytes to `packed_`.
     void compress(ByteView bytes, int flush) {
         if (!bytes.empty()) sum_ = adler32_z(sum_, bytes.data(), bytes.size());
         z_stream& stream = deflater_.stream;
@@ -133,7 +133,7 @@ class PngRows : public RowEncoder {
     size_t rowBytes_;
     Bytes above_, filtered_;
     Deflater deflater_;
-    Bytes packed_ = {0x78, 0x01};  // zlib's header; then what is compressed and not written yet
+    Bytes packed_ = {0x78, 0x01};  // zlib's header; then compressed bytes that are not written yet
     uLong sum_ = 1;                // Adler-32 of all bytes before compression
 };
 

@@ -11,7 +11,7 @@ namespace glint {
 namespace {
 
 constexpr double kSilence = 1.0;     // seconds at the start
-constexpr double kRedraw = 0.1;      // seconds between two looks at what is to be shown
+constexpr double kRedraw = 0.1;      // seconds between two updates of the display
 constexpr double kLineTime = 2.0;    // seconds between two plain lines
 constexpr double kLineParts = 10.0;  // or whenever a part of this many is done
 constexpr int kBarWidth = 20;

@@ -36,7 +36,7 @@ class Progress {
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    // The part that is done, in [0, 1]; what is shown never goes back. Returns at once if nothing is due.
+    // The finished part, in [0, 1]; the display never goes back. Returns at once if nothing is due.
     void update(double fraction);
 
     // Clears the bar; nothing is shown any more. Called by the destructor.

@@ -1,4 +1,4 @@
-// The quartiles of what was measured several times.
+// The quartiles of repeated measurements.
 #pragma once
 
 #include <algorithm>

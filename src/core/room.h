@@ -7,8 +7,8 @@
 
 namespace glint {
 
-// For `count` more. reserve() takes what it is asked for and no more: where it is asked for each of many
-// small pieces, everything is copied for each.
+// For `count` more. reserve() takes exactly the requested size: repeated for many small pieces, it would copy
+// everything for each.
 template <class T>
 void reserveMore(std::vector<T>& values, size_t count) {
     const size_t needed = values.size() + count;

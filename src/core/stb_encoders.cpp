@@ -1,6 +1,6 @@
-// PNG and Radiance HDR are written by stb_image_write (Sean Barrett and others, public domain). It is
-// compiled here, and static: other libraries in the process (Assimp, say) export copies of their own. Files
-// that come from elsewhere are read by png_decoder.cpp and hdr_decoder.cpp.
+// stb_image_write (Sean Barrett and others, public domain) writes PNG and Radiance HDR. It is compiled here,
+// and static: other libraries in the process (Assimp, say) export copies of their own. png_decoder.cpp and
+// hdr_decoder.cpp read these formats.
 #include <zlib.h>
 
 #include <algorithm>

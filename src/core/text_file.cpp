@@ -45,8 +45,8 @@ class FileSystem : public FileSource {
 
 constexpr size_t kLongestMessage = 4096;  // bytes
 
-// Characters that break lines, steer terminals or turn the direction of writing: U+0080 to U+009F are
-// controls too, of which U+009B begins a sequence as escape and [ do.
+// Characters that break lines, control terminals or change the direction of writing. U+0080 to U+009F are
+// controls too; U+009B begins a sequence as escape and [ do.
 bool steers(uint32_t code) {
     return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e || code == 0x200f ||
            (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);

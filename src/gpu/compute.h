@@ -13,8 +13,8 @@
 
 namespace glint::gpu {
 
-// How shaders see a buffer: as a storage buffer of uvec4, or as a storage texel buffer of format rgba32ui.
-// On lavapipe an imageLoad from the latter costs a fifth of a storage buffer load.
+// A buffer's type in shaders: a storage buffer of uvec4, or a storage texel buffer of format rgba32ui. On
+// lavapipe an imageLoad from the latter costs a fifth of a storage buffer load.
 enum class Access { StorageBuffer, TexelBuffer };
 constexpr auto entriesOf(Access) {
     return std::to_array<EnumEntry<Access>>(
@@ -89,9 +89,9 @@ class Kernel {
 
 struct SubmissionState;
 
-// Records dispatches, submits them as one batch, waits. Dispatches see what earlier ones in the batch wrote
-// (a memory barrier stands between any two), and the host sees Host buffers afterwards. Reusable after
-// submit(). Copies are the same submission.
+// Records dispatches, submits them as one batch, waits. A memory barrier between any two dispatches makes the
+// writes of one visible to the next, and the host can read Host buffers afterwards. Reusable after submit().
+// Copies are the same submission.
 class Submission {
   public:
     explicit Submission(const Device& device);

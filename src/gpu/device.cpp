@@ -48,7 +48,8 @@ std::vector<DeviceInfo> listDevices() {
 
 DeviceState::~DeviceState() {
     if (abandoned) {
-        // The device lives on, so what it refers to must; reachable, so that a leak checker understands.
+        // The device lives on, and so must the objects that it refers to. They stay reachable, so that leak
+        // checkers do not report them.
         static auto& kept = *new std::vector<std::pair<std::unique_ptr<Instance>, decltype(log)>>;
         kept.emplace_back(std::move(instance), log);
         return;

@@ -67,7 +67,7 @@ class DeviceLost : public Error {
 };
 
 // Every device, in the loader's order. Throws Error(Device) if there is no Vulkan loader (naming the Debian
-// packages that bring one) ; an empty list if the loader knows no device.
+// packages that bring one); an empty list if the loader finds no device.
 std::vector<DeviceInfo> listDevices();
 
 // The device that `selector` means. Empty: discrete before integrated before virtual before CPU, then the
@@ -103,8 +103,8 @@ class Device {
 
     const DeviceInfo& info() const;
     const Context& context() const;
-    // Computes 2^16 cases the first time that a device of this name and driver is asked: milliseconds.
-    // Throws Error(Device) as any kernel may.
+    // Computes 2^16 cases at the first call for a device of this name and driver: milliseconds. Throws
+    // Error(Device) as any kernel may.
     const Arithmetic& arithmetic() const;
     // Errors and warnings of the validation layer so far; none without DeviceOptions::validation.
     std::vector<std::string> validationMessages() const;

@@ -49,8 +49,8 @@ Info infoOf(VkStructureType type) {
 struct DeviceContext {
     VkDevice device = VK_NULL_HANDLE;
     VolkDeviceTable vk{};  // one table a device: two devices may belong to different drivers
-    // Set when a submission hangs: waiting for it would hang too, and destroying what it uses is undefined,
-    // so everything leaks until the process ends.
+    // Set when a submission hangs: waiting for it would hang too, and destroying its objects is undefined, so
+    // everything leaks until the process ends.
     bool abandoned = false;
 };
 
@@ -155,10 +155,10 @@ inline bool isMappable(VkMemoryPropertyFlags flags) {
     return (flags & kMappable) == kMappable;
 }
 
-// The memory type among `allowedTypes` (a bit for each). Device: device-local; `unified` says that the host
-// reaches such memory at no cost, so visible types come first there and last elsewhere, where they are a
-// scarce window (256 MiB BAR). Host: visible and coherent, cached if there is such a type, because results
-// are read back from it.
+// The memory type among `allowedTypes` (a bit for each). Device: device-local. If the host reaches such
+// memory at no cost (`unified`), visible types come first, else last, because they are then a scarce window
+// (256 MiB BAR). Host: visible and coherent, cached if there is such a type, because results are read back
+// from it.
 std::optional<uint32_t> chooseMemoryType(const VkPhysicalDeviceMemoryProperties& memory,
                                          uint32_t allowedTypes, MemoryKind kind, bool unified);
 

@@ -72,7 +72,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL collect(VkDebugUtilsMessageSeverityFlagBitsEXT /*
     return VK_FALSE;
 }
 
-// The type GENERAL stays out: there the loader reports what it thinks of the machine's other drivers.
+// The type GENERAL is left out: with it the loader reports on the machine's other drivers.
 VkDebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog* log) {
     auto info =
         infoOf<VkDebugUtilsMessengerCreateInfoEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT);

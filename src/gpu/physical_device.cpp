@@ -221,7 +221,7 @@ void queryVulkan11(PhysicalDevice& device, const std::vector<VkExtensionProperti
     device.info.limits.subgroupShuffle =
         (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT) != 0 &&
         (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
-    // Only queried: the validation layer's best practices ask for it before vkCreateDevice.
+    // Only queried: the validation layer's best practices require it before vkCreateDevice.
     auto features = infoOf<VkPhysicalDeviceFeatures2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2);
     vkGetPhysicalDeviceFeatures2(device.handle, &features);
     if (knowsDriver) {

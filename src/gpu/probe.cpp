@@ -102,8 +102,8 @@ bool same(float a, float b) {
     return std::bit_cast<uint32_t>(a) == std::bit_cast<uint32_t>(b) || (std::isnan(a) && std::isnan(b));
 }
 
-// The host's floats are IEEE 754's, its sums and products are not fused: through volatile memory each is
-// rounded by itself, whatever the compiler's options.
+// The host's floats are IEEE 754's, and its sums and products are not fused: volatile memory makes the
+// compiler round each by itself, with any options.
 struct Verdict {
     Arithmetic normal{true, true, true, true};
     bool tinyQuotients = true, tinyRoots = true;  // of results or operands that are no normal numbers
@@ -175,7 +175,7 @@ std::string Arithmetic::text() const {
     return "glint rounds its " + what + end;
 }
 
-// A device of the same name and driver computes the same, so one of them is asked in a process.
+// Devices of the same name and driver compute the same, so a process probes one of them.
 const Arithmetic& Device::arithmetic() const {
     static std::mutex mutex;
     static auto& known = *new std::map<std::array<std::string, 3>, Arithmetic>;

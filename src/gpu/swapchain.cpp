@@ -80,7 +80,8 @@ SwapchainState::~SwapchainState() {
         state.queue);  // a lost device has nothing to wait for; the result does not matter
 }
 
-// A fence tells when the copy is done, but nothing tells when the window system has waited for its semaphore.
+// A fence signals the end of the copy, but nothing signals that the window system has waited for its
+// semaphore.
 void SwapchainState::waitUntilIdle() {
     const std::lock_guard lock(state.queueMutex);
     check(state.vk.vkQueueWaitIdle(state.queue), "vkQueueWaitIdle");

@@ -46,8 +46,8 @@ void CameraControl::setLens(double radius, double focusDistance) {
     camera_.focusDistance = std::clamp(focusDistance, 0.0, kGreatestReach * radius_);
 }
 
-// The film lies at unit distance along the view direction, and what it shows is sharp at focusDistance times
-// as far from the eye (scene.h): so many times the film's own distance along its normal.
+// The film lies at unit distance along the view direction. The plane in focus lies focusDistance times as far
+// from the eye along the film's normal (scene.h).
 bool CameraControl::focusAt(const glm::dvec3& point) {
     const CameraFrame frame = cameraFrame(camera_);
     const double distance = glm::dot(point - camera_.eye, frame.w) / glm::dot(frame.view, frame.w);

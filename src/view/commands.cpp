@@ -112,7 +112,8 @@ void writeCameras(Model& m) {
     }
 }
 
-// Lights and materials into a copy of the scene's file, beside it unless the user gives another folder.
+// Writes lights and materials into a copy of the scene's file, in the same folder unless the user gives
+// another.
 void writeScene(Model& m) {
     const std::filesystem::path target = m.scene->path.parent_path() / m.sceneName;
     try {

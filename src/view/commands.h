@@ -41,7 +41,7 @@ void open(Model& m, const std::filesystem::path& file);
 void reload(Model& m);
 void writeCameras(Model& m);
 void writeScene(Model& m);
-// With the scene's own sampling, or if `seen` as shown.
+// With the scene's own sampling, or if `seen` with that of the display.
 void save(Model& m, const std::filesystem::path& file, bool seen);
 void saveNumbered(Model& m, const char* extension, bool seen);  // under the next free name
 void saveNamed(Model& m);                                       // under the name of the dialog
@@ -49,7 +49,7 @@ void keepImage(Model& m);
 void nextComparison(Model& m);
 void verify(Model& m);
 void traceReference(Model& m);
-// Closes after the save at hand; at once if asked twice.
+// Closes after the current save; the second time at once.
 void askToClose(Model& m);
 
 // ---- the loop ----

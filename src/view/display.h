@@ -73,7 +73,7 @@ Image toImage(const Canvas& canvas);
 
 // In the order of the panel and of the key L.
 enum class ViewLayer { Color, Depth, Normal, Uv, Object, Primitive, Material, Bounces, Cost };
-// Named as `glint render --aov` names them; the help says what their colors mean.
+// Named as by `glint render --aov`; the help states what their colors mean.
 constexpr auto entriesOf(ViewLayer) {
     return std::to_array<EnumEntry<ViewLayer>>(
         {{ViewLayer::Color, "color", "radiance"},
@@ -103,7 +103,7 @@ inline bool needsData(ViewLayer layer) {
 // Color of a layer of numbers, 0 to 1 in its range, as the screen's own numbers: grey for depth, else heat.
 glm::dvec3 rangeColor(ViewLayer layer, ToneMap toneMap, double x);
 
-// Range of values that a layer's colors span; one range for the whole image, in whatever parts it is shown.
+// Range of values that a layer's colors span: one range for all parts of the image.
 struct LayerRange {
     double lo = 0, hi = 1;
 };
@@ -128,9 +128,9 @@ constexpr auto entriesOf(CompareMode) {
 
 // The other image, and how it is shown.
 struct Comparison {
-    std::string name;             // what it is: "reference", "kept", a file's name
+    std::string name;             // "reference", "kept", or a file's name
     std::optional<Image> linear;  // its colors, 3 or 4 channels, linear
-    Canvas canvas;                // what was seen, if it was no color
+    Canvas canvas;                // the layer, if it was no color
     CompareMode mode = CompareMode::Off;
     double wipe = 0.5;  // the line's place, 0..1 of the width
     double gain = 16;   // of the difference

@@ -128,7 +128,7 @@ void Remembered::add(const std::string& line) {
     if (lines_.size() > kMost) lines_.resize(kMost);
     if (file_.empty()) return;
     std::error_code error;
-    if (!fs::exists(file_.parent_path(), error)) {  // for the owner alone, as the specification asks
+    if (!fs::exists(file_.parent_path(), error)) {  // for the owner alone, as the specification requires
         fs::create_directories(file_.parent_path(), error);
         fs::permissions(file_.parent_path(), fs::perms::owner_all, error);
     }

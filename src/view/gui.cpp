@@ -155,7 +155,7 @@ Gui::Gui(float scale, const Window& window) : window_(window.handle()) {
     style.ItemSpacing = ImVec2(6, 3);
     style.FramePadding = ImVec2(4, 2);
     style.ScaleAllSizes(scale);
-    // An empty box must be seen on a dark picture, and a number under a slider's grip.
+    // An empty box must stand out against a dark image, and a number from a slider's grip.
     style.FrameBorderSize = 1;
     style.Colors[ImGuiCol_Border] = ImVec4(0.45f, 0.5f, 0.6f, 0.6f);
     style.Colors[ImGuiCol_SliderGrab].w = 0.6f;
@@ -203,7 +203,7 @@ bool Gui::covers(double x, double y, bool inert) const {
            });
 }
 
-// An item is active from the frame on that has seen the click, one before ImGui says that it wants text.
+// An item is active from the frame of the click on, one frame before ImGui's WantTextInput.
 bool Gui::wantsKeys() const {
     return ImGui::GetIO().WantTextInput || ImGui::IsAnyItemActive();
 }

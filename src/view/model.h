@@ -31,7 +31,7 @@
 
 namespace glint::view {
 
-// ---- a picked pixel: what was hit, the tree of rays behind its color, and where they are in the image ----
+// ---- a picked pixel: its hit, the tree of rays behind its color, and their positions in the image ----
 
 // One ray of the tree that makes a pixel's colour, as the reference follows it.
 struct PickRay {
@@ -86,7 +86,7 @@ class Toasts {
     std::deque<Toast> toasts_;
 };
 
-// ---- work beside the window, a thread for each job ----
+// ---- work in the background, a thread for each job ----
 
 struct JobControl {
     std::atomic<double> progress{0};
@@ -186,7 +186,7 @@ struct Model {
     RecentFiles recent;
     std::vector<std::string> warnings;  // of the scene's files, until Esc
 
-    // ---- jobs beside the window ----
+    // ---- jobs in the background ----
     Job saving{"saving"}, verifying{"verifying"}, referring{"tracing the reference"},
         loading{"loading the scene"}, packing{""};
     const std::array<Job*, 5> jobs = {&saving, &verifying, &referring, &loading, &packing};
@@ -245,7 +245,7 @@ struct Model {
     bool edited() const {
         return settings.lights != fileSettings.lights || settings.edits != fileSettings.edits;
     }
-    // While a comparison cannot be shown yet: what it waits for; else empty.
+    // The reason why a comparison cannot be shown yet; else empty.
     std::string waitingComparison() const;
 
     // The file's cameras, then the bookmarks.
@@ -254,7 +254,7 @@ struct Model {
     // Keeps this camera as a bookmark.
     void keepCamera();
 
-    // The state that undo restores; whether it differs from the one that the history has seen.
+    // The state that undo restores. changed(): it differs from the latest in the history.
     Undoable undoable() const { return {control.camera(), settings, fileSettings}; }
     bool changed() const;
     void restore(const Undoable& state);

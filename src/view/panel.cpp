@@ -308,7 +308,7 @@ void drawLegend(const Model& m) {
     });
 }
 
-// In the corner that neither the panel nor a pick uses.
+// In the corner that is free of the panel and of picks.
 void drawHints(Model& m) {
     bool open = true;
     const float below = m.left > 0 ? 0 : m.timelineHeight;

@@ -23,8 +23,8 @@ inline const ImVec4 kRed(1.0f, 0.45f, 0.4f, 1.0f), kGreen(0.5f, 0.95f, 0.55f, 1.
 // Width in pixels of a docked panel in a window of this width: half of it at most.
 int dockWidth(const Gui& gui, int window);
 
-// Draws all of it, between Gui::begin and Gui::end. Changes the model; Model::wish holds what a button asks
-// for.
+// Draws all of it, between Gui::begin and Gui::end. Changes the model; Model::wish holds the action of a
+// button.
 void drawPanel(Model& model);
 
 // ---- parts of it, for panel*.cpp ----

@@ -103,7 +103,7 @@ void drawLight(Kind& light, double reach) {
     }
 }
 
-// In a small window all groups are closed at first, so that the image is seen.
+// In a small window all groups are closed at first, to leave room for the image.
 bool opensWide() {
     return ImGui::GetIO().DisplaySize.y >= 50 * ImGui::GetFontSize();
 }

@@ -33,7 +33,7 @@ double radicalInverse(int k, int base) {
     return result;
 }
 
-// Equal but for what is shown of the image, how much of it, and edits, which need the scene packed again.
+// Equal but for the display of the image, the visible part, and edits, which need the scene packed again.
 bool tracesAlike(const PictureSettings& a, const PictureSettings& b) {
     PictureSettings same = a;
     same.layer = b.layer;
@@ -285,7 +285,7 @@ Request Session::nextPiece(double seconds) const {
     return request;
 }
 
-// The reference traces some thousand pixels for it, beside the window.
+// The reference traces some thousand pixels for it, in the background.
 void Session::askForRounding() {
     if (!rounding_ && findsRounding_.valid()) {
         if (findsRounding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;

@@ -55,8 +55,8 @@ struct FrameFacts {
     double raysPerSecond = 0;   // camera and mirrored rays, while tracing
 };
 
-// Submissions of the window are short, so that a click waits for no more than one, and the work beside it
-// takes turns with it on the device's queue.
+// Submissions of the window are short, so that a click waits for at most one, and background work takes turns
+// with it on the device's queue.
 render::Options windowOptions(const ViewScene& scene);
 
 class Session {
@@ -67,7 +67,7 @@ class Session {
     const gpu::Device& device() const { return device_; }
     const std::shared_ptr<const ViewScene>& scene() const { return scene_; }
     const PictureSettings& settings() const { return settings_; }
-    // Keeps what is traced already where the change does not concern it.
+    // Keeps the traced samples if the change does not concern them.
     void apply(const PictureSettings& settings);
     void setView(const Camera& camera, int width, int height);
 

@@ -28,7 +28,7 @@ struct SceneEdits {
     bool operator==(const SceneEdits&) const = default;
 
     static SceneEdits of(const Scene& scene);
-    // After the file has changed, as PictureSettings::follow. Materials are told apart by their place.
+    // After the file has changed, as PictureSettings::follow. A material is identified by its place.
     void follow(const SceneEdits& before, const SceneEdits& now);
 };
 
@@ -53,7 +53,8 @@ struct PictureSettings : PathSettings {
     // The settings of the file.
     static PictureSettings of(const Scene& scene);
     uint32_t depth() const { return reflections ? static_cast<uint32_t>(maxDepth) : 0u; }
-    // After the file has changed: what was as in `before` is now as in `now`; what the user has moved stays.
+    // After the file has changed: values that are as in `before` become those of `now`; the user's own values
+    // stay.
     void follow(const PictureSettings& before, const PictureSettings& now);
 };
 

@@ -18,7 +18,7 @@
 namespace glint::view {
 
 // How scenes are loaded, the first one and all later.
-struct Loading : LoadOptions {      // its memory is what is available
+struct Loading : LoadOptions {      // its memory is the available one
     std::optional<uint32_t> depth;  // PathLimits::depth
     std::optional<int> samplesPerPixel;
     BuildQuality quality = BuildQuality::Default;

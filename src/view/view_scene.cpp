@@ -59,7 +59,7 @@ Ball boundsOf(const ViewScene& scene) {
     const PackedScene& p = scene.packed;
     if (p.environment.root != shared::kNone) {
         const glm::dvec3 lo(p.boundsLo), hi(p.boundsHi);
-        // A single point still needs a distance to be seen from.
+        // Even a single point needs a distance for the eye.
         return {p.origin + 0.5 * (lo + hi), std::max(0.5 * glm::length(hi - lo), 1e-6)};
     }
     const Camera& c = scene.scene.camera;

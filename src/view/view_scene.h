@@ -46,9 +46,9 @@ class Moments {
     // Reads the file. Throws Error(Scene) as loadScene does.
     Moments(const std::filesystem::path& path, const Loading& loading, std::optional<double> time);
 
-    // The scene as it is now, or at a time, with those of `edits` that differ from the file as it was,
+    // The scene as it is now, or at a time, with those of `edits` that differ from the file's earlier state,
     // `before`. Geometry that has not moved keeps its tree; if only the camera moves, nothing is packed.
-    // Throws Error(Scene) where the animation comes to what is no scene; then the moment before stays.
+    // Throws Error(Scene) if the animation leads to an invalid scene; then the moment before stays.
     Moment show(std::optional<double> time = {}, const SceneEdits& edits = {}, const SceneEdits& before = {});
 
     uint64_t treesBuilt() const { return memory_.built(); }

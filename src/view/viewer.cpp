@@ -29,8 +29,8 @@ constexpr double kJobSeconds = 0.1;         // and at jobs
 constexpr PixelSize kLeastSize{1280, 800};
 constexpr double kPanelWidth = 245;  // docked, at scale 1
 
-// Without a size from the user: at least kLeastSize, and wide enough that the image beside the panel shows
-// all that an image of the scene's proportions shows, if the screen allows.
+// Without a size from the user: at least kLeastSize, and wide enough for the panel and a full image of the
+// scene's proportions, if the screen allows.
 PixelSize sizeOf(const Options& options, const Scene& scene) {
     if (options.width > 0) return {options.width, options.height};
     const int height = std::max(scene.image.height, kLeastSize.height);
@@ -81,7 +81,7 @@ bool Input::handle(const Event& event) {
         }
         case Event::Type::Button:
             press(event);
-            return false;  // ImGui sees a press and its release in two frames
+            return false;  // ImGui needs a press and its release in different frames
         case Event::Type::Wheel:
             if (covered()) return false;
             m_.control.dolly(std::pow(kWheelStep, event.y));
@@ -218,7 +218,7 @@ void Viewer::openDevice() {
     showView();
 }
 
-// Throws Error(Failed) if there is no memory for a window of this size, beside what the present size holds.
+// Throws Error(Failed) if there is no memory for a window of this size while the present one is held.
 void Viewer::checkRoom(PixelSize size) const {
     const uint64_t free = options_.memory();
     const Session* session = model_.session.get();

@@ -23,7 +23,7 @@ class Input {
 
     // An event is in the queue that ends a piece of tracing early.
     bool waits() const;
-    // Handles the queue, up to an event that the panel must see a frame of its own for.
+    // Handles the queue, up to an event that needs a frame of the panel of its own.
     void handle();
 
     bool flies() const { return !held_.empty(); }

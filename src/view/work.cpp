@@ -82,8 +82,8 @@ std::string saveRendered(const View& view, const std::filesystem::path& file, co
     return "samples per pixel: " + std::to_string(sampling.samplesPerPixel);
 }
 
-// Saves every layer as EXR: the colour of `samples` samples as seen, all else from one in the middle of each
-// pixel, and the colour too before the first sample.
+// Saves every layer as EXR. The colour has `samples` samples as displayed, all other layers one in the middle
+// of each pixel; before the first sample the colour, too.
 std::string saveLayers(const View& view, const std::filesystem::path& file, Image color, int samples,
                        JobControl& control) {
     Request wanted = view.requestOf(control);
