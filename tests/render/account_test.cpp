@@ -66,7 +66,7 @@ TEST(AccountTest, WhatNoBranchLosesIsNothing) {
     EXPECT_FALSE(account.agrees(device, 5));
 }
 
-// Of a path of two bounces that met other things, three hits, up to six branches.
+// For a path of two bounces with other hits: three hits, up to six branches.
 TEST(AccountTest, PixelsOfOtherPathsMayLoseWhatTheirHitsCan) {
     Account account(1);
     account.addOther(2, 1);
@@ -82,7 +82,7 @@ TEST(AccountTest, PixelsOfOtherPathsMayLoseWhatTheirHitsCan) {
     EXPECT_FALSE(account.agrees(device, 0));
 }
 
-// Near the greatest floats the device says infinity, and so do scenes of which no bound is known.
+// Near the greatest floats the device returns infinity. A scene without a bound has infinity, too.
 TEST(AccountTest, EndlessBoundsAreNotJudged) {
     Account account(1e38);
     account.addAlike(lossesOf(4, 0, 0, 0), 1);

@@ -1,5 +1,5 @@
-// Rays whose hits are known by hand, from textbooks or from other projects' tests (TRTC: J. Buck, The Ray
-// Tracer Challenge), on the device and in the reference.
+// Rays with known hits, by hand, from textbooks or from other projects' tests (TRTC: J. Buck, The Ray Tracer
+// Challenge), on the device and in the reference.
 #include <array>
 #include <cmath>
 

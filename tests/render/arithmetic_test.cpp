@@ -67,7 +67,7 @@ double uniform(std::mt19937& random, double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
 }
 
-// In units of the last place of what is true.
+// In units of the true value's last place.
 double ulps(float found, double truth) {
     const float nearest = std::fabs(static_cast<float>(truth));
     const double ulp = static_cast<double>(std::nextafter(nearest, 1e38f)) - static_cast<double>(nearest);
@@ -78,8 +78,8 @@ bool sameBits(float a, float b) {
     return std::bit_cast<uint32_t>(a) == std::bit_cast<uint32_t>(b) || (std::isnan(a) && std::isnan(b));
 }
 
-// Quotients a 2^-24th of themselves below a whole number of units of which the first guess is three too many
-// or too few, so that it has to be put right by one more: one in 3,000 of those with such a remainder.
+// Quotients a 2^-24th of themselves below a whole number of units. The first guess is three too many or too
+// few, so that one more correction is needed: one in 3,000 of those with such a remainder.
 constexpr struct {
     float a, b;
 } kJustBelow[] = {{22307366, 11186941}, {20900360, 11186997}, {19631214, 11187005}, {21134126, 11188597},
@@ -130,7 +130,7 @@ bool isLarge(float x) {
     return x == 0 || !(std::fabs(x) < 0x1p-126f);
 }
 
-// Where the device's own are not, the probe must have said so.
+// If the device's own results are not correctly rounded, the probe must have found it.
 TEST_F(ArithmeticTest, QuotientsAndRootsAreCorrectlyRounded) {
     const std::vector<Operands> cases = hardOperands();
     for (const bool own : {true, false}) {

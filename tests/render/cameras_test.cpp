@@ -1,4 +1,4 @@
-// Parallel and oblique cameras: what each pixel must see, by geometry.
+// Parallel and oblique cameras: geometry gives the hit of each pixel.
 #include <algorithm>
 #include <functional>
 #include <stdexcept>
@@ -52,8 +52,8 @@ void addKnifeEdges(Scene& scene, int width, int height, double distance) {
     }
 }
 
-// Where the device's sums cancel, its rays are off by much: those that leave an oblique camera far from the
-// normal of its plane, and those that start near 0, far from the middle of the film. verify knows that.
+// The device's rays have large errors if its sums cancel: far from the normal of an oblique camera's plane,
+// and near 0 if the film's middle is far away. verify must allow for this.
 TEST_F(CameraTest, CancellationIsExplained) {
     Scene oblique = emptyScene(), parallel = emptyScene();
     oblique.camera.eye = {0, 0, 0};  // view + u U is 0.004 long at u = -1, that far from the middle
@@ -90,7 +90,7 @@ TEST_F(CameraTest, MediaAreThoseAroundTheMiddleOfTheWindow) {
     EXPECT_TRUE(report.passed()) << report.unexplained << " unexplained";
 }
 
-// The pipeline of a perspective scene has no code for it, and says so.
+// The pipeline of a perspective scene has no code for it, and throws.
 TEST_F(CameraTest, AParallelCameraNeedsAPipelineWithOne) {
     Scene scene = emptyScene();
     addPlane(scene, {0, 0, -3}, {0, 0, 1});

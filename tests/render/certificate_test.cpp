@@ -1,4 +1,4 @@
-// How verify tells rounding from a defect.
+// verify must distinguish rounding from defects.
 #include "verify/certificate.h"
 #include "scene/sampling.h"
 
@@ -28,7 +28,7 @@ reference::Ray rayAt(const Case& c, const dvec3& target) {
     return ray;
 }
 
-// What the device would report had it seen `record`.
+// The report of a device that traced `record`.
 SeenPath seenAs(const reference::PixelRecord& record, const Trail& trail) {
     SeenPath seen;
     seen.trail = &trail;
@@ -44,7 +44,7 @@ Certificate certificateOf(const PackedScene& scene, const reference::Ray& ray,
 
 class CertificateTest : public testing::Test {
   protected:
-    // The reference looks at `target`, the device claims what the ray at `claimed` sees.
+    // The reference's ray goes to `target`; the device reports the hit of the ray to `claimed`.
     Certificate certificate(const dvec3& target, const dvec3& claimed) const {
         const auto device = reference::Tracer(case_.packed).trace(rayAt(case_, claimed), {}, true);
         return certificateOf(case_.packed, rayAt(case_, target), device, trailOf(device));
@@ -67,7 +67,7 @@ TEST_F(CertificateTest, OtherSideOfAnEdgeHolds) {
     EXPECT_EQ(certificate({1 + tiny, 0.3, 0}, {1 - tiny, 0.3, 0}).verdict, Verdict::Holds);
 }
 
-// The device's ray is judged from where it is, and a camera ray must start as the reference's.
+// A certificate starts from the device's own ray, and a camera ray must start as the reference's.
 TEST_F(CertificateTest, CameraRaysMayTurnByAFewUnits) {
     const double unit = 5 * 0x1p-24;  // one unit of direction, seen 5 away
     EXPECT_EQ(certificate({1 - 12 * unit, 0.3, 0}, {1 + 0.1 * unit, 0.3, 0}).verdict, Verdict::Holds);
@@ -313,8 +313,8 @@ TEST_F(VerifyTest, SensitiveScenesAreJudgedByTheirPrediction) {
     EXPECT_EQ(bad.allowedExplained(), good.allowedExplained());  // a defect cannot raise its own limit
 }
 
-// Inside an ellipsoid that mirrors, 100 large, rays begin some 2000 units of 2^-24 from its side, where their
-// points are off by a hundred: seen by six mirrors that moves the squares of the floor more than all
+// Inside a mirroring ellipsoid of size 100, rays begin some 2000 units of 2^-24 from its side, where their
+// points err by a hundred units. After six mirrors that moves the squares of the floor by more than all
 // rounding.
 TEST_F(VerifyTest, RaysThatBeginClearOfMirrorsArePredicted) {
     const Case c = textCase(R"({

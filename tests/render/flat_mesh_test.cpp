@@ -1,5 +1,5 @@
-// T81 for neighbours: rays that start on a face of a flat mesh do not meet the faces beside it. A point's
-// rounding may take it over an edge, and in a plane through the origin of coordinates no error bound lifts it
+// T81 for neighbours: rays that start on a face of a flat mesh do not hit the neighbouring faces. A point's
+// rounding may move it over an edge, and in a plane through the origin of coordinates no error bound lifts it
 // off.
 #include <cmath>
 
@@ -18,9 +18,9 @@ std::shared_ptr<const Mesh> flatGrid(uint32_t count, double cell, const dvec3& f
 
 enum class Made { OneMesh, Tiles };
 
-// A mirror floor of 60 x 60 at the given height, so far out that a coordinate's last place is a thousandth of
-// a cell, seen from above, and from so far that coordinates are not counted from its middle; else there is
-// nothing.
+// A mirror floor of 60 x 60 at the given height. It is so far away that a coordinate's last place is a
+// thousandth of a cell. The camera is above it, far enough that coordinates are not counted from the floor's
+// middle; there is nothing else.
 Case floorCase(Made made, double height) {
     constexpr double kCell = 0.1, kSize = 60;
     const dvec3 middle(1000, height, 700);
@@ -77,9 +77,9 @@ TEST_F(FlatMeshTest, FacesDoNotMeetTheirNeighbours) {
     }
 }
 
-// A strip of 20 by 0.005, two needles that share its diagonal, which crosses the picture, lit at 0.9 degrees.
-// Rays that leave one of them beside the diagonal are found to meet the other, by a t that is off by
-// thousands of times the way there.
+// A strip of 20 by 0.005 of two needles that share its diagonal, which crosses the picture, lit at 0.9
+// degrees. Rays that leave one needle beside the diagonal hit the other one within rounding, at a t that is
+// wrong by thousands of times the distance.
 TEST_F(FlatMeshTest, NeedlesDoNotShadeTheirNeighbours) {
     Scene scene = emptyScene();
     scene.background = Color(0);
@@ -101,8 +101,8 @@ TEST_F(FlatMeshTest, NeedlesDoNotShadeTheirNeighbours) {
     EXPECT_EQ(verifiedBy(c).unexplained, 0u);
 }
 
-// And verify knows that rounding is no excuse for it: the mutant counts hits whose interval reaches behind
-// the origin, so that rays meet the faces around their start.
+// verify must not excuse it by rounding: the mutant counts hits whose interval reaches behind the origin, so
+// that rays hit the faces around their start.
 TEST_F(FlatMeshTest, NeighboursThatAreMetAreUnexplained) {
     const Case c = floorCase(Made::OneMesh, 0);
     const verify::Report sound = verifiedBy(c);

@@ -162,9 +162,8 @@ TEST_F(InstanceTest, ExtremeScalesKeepTheirNormals) {
     }
 }
 
-// T79. Two ellipsoids 2e7 apart, so that no local frame helps: seen from near by, the hit's position and its
-// normal are within 2 ulp(1e7) = 2 of where they belong; in a local frame, where 1e7 - 1e7 is exact, within
-// 1e-5.
+// T79. Two ellipsoids 2e7 apart, so that no local frame helps: for a near eye, the hit's position and its
+// normal are right within 2 ulp(1e7) = 2; in a local frame, where 1e7 - 1e7 is exact, within 1e-5.
 TEST_F(InstanceTest, T79translatedFarAway) {
     const Affine shape = scaling({3, 2, 1});
     for (const bool both : {true, false}) {
@@ -200,8 +199,8 @@ TEST_F(InstanceTest, T79translatedFarAway) {
 }
 
 // T80. Rigid motions: t is that of a copy whose vertices were moved in double, within 8 ulp of the ray's
-// length to it. Rays that meet the surface at less than 30 degrees are left out: there the rounding of the
-// vertices moves t by more.
+// length to it. Rays at less than 30 degrees to the surface are left out, as the rounding of the vertices
+// moves their t by more.
 TEST_F(InstanceTest, T80rigidMotion) {
     Scene scene = emptyScene();
     const auto ball = bumpyBall();
@@ -257,9 +256,8 @@ TEST_F(InstanceTest, OrderIsIrrelevant) {
     EXPECT_EQ(draw(device(), one).color.pixels, draw(device(), other).color.pixels);
 }
 
-// The corners of triangles are exchanged in a mirrored instance, and with them the place in a texture: light
-// that passes coloured glass on its way to a lamp is asked for it in another place than light on its way to
-// the eye.
+// The corners of triangles are exchanged in a mirrored instance, and with them the texture coordinates: a
+// shadow ray through coloured glass would look its colour up at another place than a camera ray.
 TEST_F(InstanceTest, ShadowsOfMirroredGlassHaveItsPicture) {
     Scene scene = emptyScene();
     auto sheet = std::make_shared<Mesh>(*bumpyBall());

@@ -70,7 +70,7 @@ TEST(TripBudget, LeavesRoomForEveryLane) {
     }
 }
 
-// The planes that all lights of a dispatch make a ray meet are no more than those of one ray may be.
+// All lights of a dispatch together may make a ray test at most as many planes as one ray may.
 TEST(TripBudget, LightsOfADispatchShareItsTrips) {
     EXPECT_EQ(lightsAtOnce(1, 0), 1u);
     EXPECT_EQ(lightsAtOnce(3000, 0), 8u);

@@ -1,4 +1,4 @@
-// Kernels that run over the list of paths that go on: the rule, what it saves, and the same bits.
+// Kernels over the list of live paths: the rule, the saving, and equal bits.
 #include "render/path_state.h"
 
 #include "render/path_limits.h"
@@ -14,7 +14,8 @@ TEST(PathRowsTest, ScenesWithoutBouncesHaveNoLists) {
     EXPECT_EQ(firstTreeRow(glass, {}), shared::kPathRows + shared::kListRows);
 }
 
-// Kernels are first run over these, whose numbers lanes follow: none may be what was in the memory before.
+// Kernels are first run over these, and lanes follow their numbers: none may be left from earlier contents of
+// the memory.
 TEST_F(RenderTest, EndedPathsHaveNoNumberToFollow) {
     constexpr uint32_t kRows = shared::kPathRows + 6, kGroup = shared::kWorkgroupSize;
     const PathState state(device(), gpu::Access::TexelBuffer, 100, kRows);
@@ -119,7 +120,7 @@ TEST_F(LivePathsImageTest, RaysCountedByClassDrawTheSame) {
     }
 }
 
-// ---- what it saves ----
+// ---- the saving ----
 
 // A parallel camera, a pixel a unit, looks along -z at a mirror that covers the left column of 64 x 64
 // pixels; what it shows is another mirror behind the camera, which shows the first one, and so on. The

@@ -1,6 +1,6 @@
 #version 450
-// Each invocation makes as many trips of a loop as asked and stores the number made. The loop follows a chain
-// in memory, so that no compiler can replace it.
+// Each invocation makes the requested number of trips of a loop and stores the actual number. The loop
+// follows a chain in memory, so that no compiler can replace it.
 layout(local_size_x = 64, local_size_y = 1, local_size_z = 1) in;
 
 const uint kTrips = 100000u;

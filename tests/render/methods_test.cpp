@@ -114,8 +114,8 @@ TEST_F(MethodsTest, OnlyTheRobustSphereIsRoundFromAfar) {
     }
 }
 
-// Seen from outside, whatever a test takes for a hit beyond the limb, its normal does not look away. Rays
-// within a few roundings of the limb; half a unit of 2^-24 for each product of n.d.
+// From outside, the normal of any hit beyond the limb faces the ray. Rays within a few roundings of the limb;
+// half a unit of 2^-24 for each product of n.d.
 TEST_F(MethodsTest, ASphereSeenFromOutsideShowsItsOutside) {
     constexpr double kDistance = 40, kFewRoundings = 4 * kDistance * kDistance * 0x1p-24;
     Scene scene = emptyScene();
@@ -148,7 +148,7 @@ TEST_F(MethodsTest, ASphereSeenFromOutsideShowsItsOutside) {
     }
 }
 
-// Near a sphere of radius 1e6 only the anchored form knows the height.
+// Near a sphere of radius 1e6 only the anchored form resolves the height.
 TEST_F(MethodsTest, OnlyTheRobustSphereHoldsUnderTheEye) {
     Scene scene = emptyScene();
     addSphere(scene, {0, -1e6, 0}, 1e6);

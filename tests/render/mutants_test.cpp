@@ -36,7 +36,7 @@ const char* const kMirrorScene = R"({
               {"type": "plane", "point": [0, -2, 0], "normal": [0, 1, 0]}]
 })";
 
-// Lit by a thousandth of what a picture is usually lit by: a full scale of 1 knows nothing of it.
+// A thousandth of the usual light: differences must not be measured against a full scale of 1.
 const char* const kDimScene = R"({
   "camera": {"eye": [0, 1, 5], "target": [0, 0.5, 0], "fovY": 50}, "background": 0.0005,
   "ambient": 0.0001,
@@ -184,7 +184,7 @@ TEST_F(VerdictTest, MirrorsWithoutDepthAreNoDifference) {
     EXPECT_TRUE(verified(c).passed());
 }
 
-// Who wants the verdict alone gets the same one, and waits for fewer pixels.
+// The verdict alone is the same and examines fewer pixels.
 TEST_F(VerdictTest, TheVerdictAloneIsTheSame) {
     const Case c = fileCase("spheres", 64, 48);
     const KernelCode broken = mutantKernels("sphere_normal");
@@ -210,7 +210,7 @@ TEST_F(VerdictTest, LightTooWeakForFp32IsNoDefect) {
     EXPECT_GT(report.edges, 26u);
 }
 
-// The verdict, and what is counted, do not hang on how bright a picture is.
+// The verdict and its counts do not depend on the brightness of an image.
 TEST_F(VerdictTest, ADarkerPictureGetsTheSameVerdict) {
     verify::Report reports[2];
     for (int dark = 0; dark < 2; ++dark) {
@@ -238,8 +238,8 @@ TEST_F(VerdictTest, ATextbooksSphereFailsWhereItLosesDigits) {
     EXPECT_GT(report.edges + report.roundings, report.allowedExplained());
 }
 
-// Cameras that see nothing but limbs: of a sphere, an anchored one, a cylinder and a disc, a thousandth of a
-// radian of each, straight, by a lens, and in a mirror.
+// Close-ups of limbs: of a sphere, an anchored one, a cylinder and a disc, a thousandth of a radian of each,
+// straight, by a lens, and in a mirror.
 TEST_F(VerdictTest, LimbsAreExplained) {
     const char* const kLimbs = R"({
   "camera": {"eye": [0, 0.3, 9], "target": [%s], "fovY": %s, "up": [0, 0, 1]%s}, "ambient": 0.2,
@@ -270,9 +270,8 @@ TEST_F(VerdictTest, LimbsAreExplained) {
     std::cout << "[ measured ] " << pixels << " rays at limbs, " << explained << " explained\n";
 }
 
-// Open pipes and balls that mirror, tilted at random, each seen by cameras that see nothing but its limb. A
-// line that touches within rounding had any t; its normal looked inside; and what the limb mirrors met it
-// again.
+// Close-ups of the limbs of mirroring open pipes and balls, tilted at random. A line that touches within
+// rounding had any t, its normal pointed inside, and the mirrored ray hit the limb again.
 TEST_F(VerdictTest, LimbsOfTiltedMirrorsAreExplained) {
     Random random(17);
     const glm::dvec3 eye(0, 0.3, 9);

@@ -62,8 +62,7 @@ TEST_F(NearSolidsTest, HitsErrByTheWayAndNotTheSize) {
     }
 }
 
-// A needle of 347 by 0.01, of which the edge functions say where a ray passes it to no more than a
-// ten-thousandth of its length.
+// A needle of 347 by 0.01, whose edge functions resolve the place of a ray to a ten-thousandth of its length.
 TEST_F(NearSolidsTest, Needles) {
     const TriangleShape needle{{{-155.9, -28.2, -16.9}, {122.3, -211.8, 79.4}, {-16.8, -120, 31.24}}};
     Scene scene = emptyScene();

@@ -197,9 +197,9 @@ TEST_F(OpticsTest, ABlackTexelOfGlassBlocksAllLight) {
     EXPECT_EQ(channel(draw(device(), makeCase(scene, 1, 1))), 0);
 }
 
-// Light that comes down through a slab, on points of a grid that meet the slab's diagonals, edges and corners
-// exactly: it crosses two surfaces and 0.75 of glass, or passes the slab. Where both triangles of an edge
-// were counted it was dimmed four times over, and by as much glass more or less.
+// Light that comes down through a slab, on points of a grid exactly at the slab's diagonals, edges and
+// corners: it crosses two surfaces and 0.75 of glass, or passes the slab. If both triangles of an edge
+// counted, the light would be dimmed four times over, and by as much glass more or less.
 TEST_F(OpticsTest, ShadowsCrossAnEdgeOnce) {
     Scene scene = emptyScene();
     scene.materials[0].diffuse = Color(1);
@@ -335,8 +335,8 @@ TEST_F(OpticsTest, NothingIsMadeOfSubnormalThroughput) {
     EXPECT_EQ(expected.lost.cut.sum, 0);
 }
 
-// The eye is in a crystal that absorbs, 4 from a face with corners 300 away. t errs by the
-// corners' last digits, which is more than its own, and what is left of the light by as much.
+// The eye is in a crystal that absorbs, 4 from a face with corners 300 away. t errs by the corners' last
+// digits, which is more than its own, and the light's share errs by as much.
 TEST_F(OpticsTest, LightFadesByAWayThatErrsWithItsFacesCorners) {
     Scene scene = emptyScene();
     scene.ambient = Color(1);

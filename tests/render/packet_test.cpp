@@ -65,8 +65,8 @@ TEST(TraversalRule, PacketsAreRefusedWhereTheDeviceCannot) {
     EXPECT_NE(error.find("\"a device\" has 32 lanes"), std::string::npos) << error;
 }
 
-// packet/packet.glsl: a packet makes no more than 40 trips beyond its budget, one for each of 24 groups,
-// and one to look for the next; before, each of a lane's rays meets all planes.
+// packet/packet.glsl: a packet makes at most 40 trips beyond its budget, one for each of 24 groups, and one
+// to look for the next; before, each of a lane's rays tests all planes.
 TEST(TraversalRule, PacketsInTurnStayBelowTheDriversTrips) {
     const uint32_t walk = deriveTripBudget(deviceOf(true, 8, true), SceneFeatures()) + 40 + 24 + 1;
     EXPECT_LT(shared::kPacketTurns * (walk + shared::kPacketRays * (shared::kMaxPlanes + 1)), 65535u);
@@ -157,7 +157,7 @@ RayCase nestedCase() {
     return result;
 }
 
-// Clusters of small spheres on the diagonal, smaller and smaller towards the origin: what is nearest to it
+// Clusters of small spheres on the diagonal, smaller and smaller towards the origin. The nearest subtree
 // holds all clusters but seven, so that some wait on every level.
 PackedScene outwardScene(int clusters) {
     Scene scene = emptyScene();

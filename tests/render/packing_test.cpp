@@ -256,8 +256,8 @@ TEST_F(RenderTest, RoundingExplainsAKnotFarAway) {
     EXPECT_GT(report.representation->explained, 0u);
 }
 
-// A ball of glass of so many meridians and parallels, whose facets are small: a corner's last place turns one
-// by as much as a ray by dozens of its own, and behind each facet a ray goes on.
+// A glass ball of so many meridians and parallels with small facets: a corner's last place turns a facet as
+// much as dozens of a ray's own units, and behind each facet a ray goes on.
 std::shared_ptr<const Mesh> facettedBall(uint32_t meridians, uint32_t parallels) {
     Mesh mesh;
     for (uint32_t i = 0; i <= parallels; ++i) {

@@ -1,4 +1,5 @@
-// Batches of world-space rays: what a single ray meets, whatever else is in the batch and wherever the scene.
+// Batches of world-space rays: a ray's hit does not depend on the rest of the batch or the position of the
+// scene.
 #include "trace/ray_batch.h"
 
 #include <cmath>
@@ -125,7 +126,7 @@ TEST_F(RayBatchTest, DetailsAreAsManyAsAskedFor) {
     }
 }
 
-// More rays than one piece holds: the pattern goes on over the border.
+// More rays than one piece holds: the pattern continues across the border.
 TEST_F(RayBatchTest, BordersOfPiecesAreNotSeen) {
     Scene scene = emptyScene();
     addSphere(scene, {0, 0, 0}, 1);

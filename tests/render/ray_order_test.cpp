@@ -112,7 +112,7 @@ TEST(RayOrder, OthersAreSorted) {
     EXPECT_EQ(orderOf(rays, true).data(), nullptr);
 }
 
-// Where they start says nothing, and many have the same high digit.
+// All have one origin, and many have the same high digit.
 TEST(RayOrder, RaysFromOnePointAreSorted) {
     std::vector<RayInput> rays = anyhow(20'000);
     for (RayInput& ray : rays) {
@@ -125,7 +125,7 @@ TEST(RayOrder, RaysFromOnePointAreSorted) {
     EXPECT_LT(step(rays, order), 0.3 * step(rays, {rays.size(), false, {}}));
 }
 
-// Not finite, without direction, all alike: an order, whatever it is.
+// Not finite, without direction, all alike: any order will do.
 TEST(RayOrder, OddRays) {
     std::vector<RayInput> rays = anyhow(5000);
     for (size_t i = 0; i < rays.size(); i += 3) rays[i].direction = glm::vec3(0);

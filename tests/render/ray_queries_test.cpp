@@ -75,7 +75,7 @@ class RayQueriesTest : public RenderTest {
     }
 };
 
-// Rays that are sorted, of more than one window of 2^20; and what is finished when they are cancelled.
+// Sorted rays of more than one window of 2^20, and finished answers after cancellation.
 TEST_F(RayQueriesTest, AnswersThatGoToManyPlacesComeInOrder) {
     const PackedScene scene = packScene(sheet(0));
     RayQueries queries(device(), scene);

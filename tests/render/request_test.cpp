@@ -34,7 +34,7 @@ const Wish kWishes[] = {
      }},
 };
 
-// Kernels for later bounces are made where there are later bounces, whatever else the pipeline has code for.
+// Kernels for later bounces are made only for later bounces, even if the pipeline has code for more.
 TEST_F(RequestTest, KernelsOfLaterBouncesAreLeftOut) {
     const Case mirrors = fileCase("shift", 16, 16);
     const auto codeBytes = [&](const Case& c, uint32_t maxDepth, bool withMirrors) {
@@ -54,7 +54,7 @@ TEST_F(RequestTest, KernelsOfLaterBouncesAreLeftOut) {
     EXPECT_LT(codeBytes(matte, 8, true), 1.2 * static_cast<double>(codeBytes(matte, 8, false)));
 }
 
-// A renderer that has drawn other pictures before draws what a new one does, by every walk.
+// A renderer that has drawn other images before draws the same as a new one, by every traversal.
 TEST_F(RequestTest, OneRendererDrawsWhatOneForEachRequestDraws) {
     for (const char* name : {"corridor", "glass"}) {
         const Case c = fileCase(name, 40, 30);
@@ -111,7 +111,7 @@ Tracing toDepth(uint32_t depth) {
     return tracing;
 }
 
-// What the scene's bound says no longer holds with brighter lights, or more bounces than it was made for.
+// The scene's bound does not hold with brighter lights, or more bounces than it was made for.
 TEST_F(RequestTest, RadianceBoundGoesWithTheRequest) {
     Scene scene = fileCase("corridor", 8, 8).scene;
     scene.maxDepth = 1;
@@ -147,7 +147,7 @@ TEST_F(RequestTest, FurtherFeaturesServeFurtherRequests) {
     EXPECT_TRUE(sameBits(able.render(parallel, request), draw(device(), makeCase(scene, 40, 30))));
 }
 
-// The reference knows pictures without shadows too.
+// The reference supports images without shadows, too.
 TEST_F(RequestTest, WithoutShadowsBothTracersAgree) {
     for (const char* name : {"lights", "glass"}) {
         const Case c = fileCase(name, 40, 30);

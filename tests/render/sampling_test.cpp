@@ -73,7 +73,7 @@ TEST_F(Sampling, SlicesCropsAndOrderChangeNothing) {
     }
 }
 
-// A threshold that no pixel with any contrast meets: pixels take all samples, or saw one colour only. Sums
+// No pixel with any contrast reaches this threshold: pixels take all samples, or have a single colour. Sums
 // are added up sample by sample, hence the tolerance: 16 roundings of 2^-24 of the brightest samples, 18.
 TEST_F(Sampling, AdaptiveIsUniformWhereAllIsFlagged) {
     const Case c = fileCase("lens", 64, 48);
@@ -99,9 +99,9 @@ TEST_F(Sampling, AdaptiveIsUniformWhereAllIsFlagged) {
     EXPECT_LT(flagged, adaptive.samples.size());  // the floor has one colour
 }
 
-// Of the device's own samples, drawn one by one, the reference says after every round whether a pixel goes
-// on. The device decides the same at thresholds that users take, but where its fp32 sums may err by as much
-// as the decision hangs on (verify/film.cpp).
+// From the device's own samples, drawn one by one, the reference decides after every round whether a pixel
+// goes on. The device decides the same at usual thresholds, except if its fp32 sums may err by more than the
+// margin (verify/film.cpp).
 TEST_F(Sampling, EveryRoundIsDecidedAsTheReferenceWould) {
     constexpr uint32_t kRound = 4, kMost = 64;
     size_t doubtful = 0, late = 0;

@@ -49,8 +49,8 @@ TEST_F(ShadowTest, WedgeIsDarkInsideAndLitOutside) {
     EXPECT_GT(dark, 100);
 }
 
-// A surface that sends none of a light's light on asks for no shadow ray: with a trip to a dispatch there are
-// as many dispatches as without the light. A highlight asks where it is not zero.
+// A surface that reflects none of a light's light needs no shadow ray: with a trip to a dispatch there are as
+// many dispatches as without the light. A highlight needs one where it is not zero.
 TEST_F(ShadowTest, LightThatAddsNothingTakesNoRay) {
     Scene scene = emptyScene();
     const uint32_t floor = addMaterial(scene, Color(0));
@@ -114,7 +114,7 @@ TEST_F(RayCountsTest, ShadowRaysGoToLightsThatFaceTheSurface) {
     }
 }
 
-// A ball 32 units of the last place large, at negative coordinates: at its limb rounding alone would say
+// A ball 32 units of the last place large, at negative coordinates: at its limb rounding alone would decide
 // whether a ray leaves it. It does, so that each ray is mirrored once, and no light that it faces is hidden.
 TEST_F(RayCountsTest, RaysLeaveABallThatIsAlone) {
     const Case c = textCase(R"({

@@ -14,7 +14,7 @@ constexpr int kSize = 96;
 
 class SpotTest : public RenderTest {};
 
-// A white floor seen from straight above, `height` across.
+// A white floor below the camera, `height` across.
 Scene floorFromAbove(double height) {
     Scene scene = emptyScene();
     scene.camera.projection = Projection::Orthographic;

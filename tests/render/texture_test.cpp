@@ -1,4 +1,5 @@
-// Textures on the device and in the reference: pixels known by hand, and how exact texture coordinates are.
+// Textures on the device and in the reference: pixels with known colours, and the accuracy of texture
+// coordinates.
 #include <cmath>
 #include <numbers>
 
@@ -113,9 +114,9 @@ TEST_F(TextureTest, NearestAndCheckers) {
     expectNear(wall(solid, {{0.25, 0.25}, {0.75, 0.25}}), {5, 1}, 0);
 }
 
-// A corner 25,000 from its object is known to 2 x 10^-3 in fp32, in the object's coordinates or the world's.
-// Each object counts the cubes that it shows itself from near itself, whatever other objects show, and one
-// that shows two checkers of one size those of both. Against the scene as it is read, before any rounding.
+// A corner 25,000 from its object is exact to 2 x 10^-3 in fp32, in the object's coordinates or the world's.
+// Each object counts its cubes from near itself, with any other objects in the scene, and an object with two
+// checkers of one size counts those of both. The scene before any rounding is the measure.
 TEST_F(TextureTest, SolidCheckersKeepTheirCubesWhereverTheirCornerIs) {
     const char* const scenes[] = {
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2, "transform": [{"translate": [3, 5, -7]}], "material": "m"}],

@@ -21,7 +21,7 @@ constexpr uint32_t kPages = 48000;
 
 class TripTest : public RenderTest {
   protected:
-    // Never gives up, and would not say so.
+    // Never gives up, and would not report it.
     static Options naive(const KernelCode& code) {
         Options options = optionsWith(code);
         options.tripBudget = 1u << 30;
@@ -173,8 +173,8 @@ TEST_P(PileTest, LowestIdOfAPileWins) {
 INSTANTIATE_TEST_SUITE_P(All, PileTest, testing::Bool(),
                          [](const auto& p) { return std::string(p.param ? "spheres" : "triangles"); });
 
-// A roof of triangles over a floor, seen from between them. All have the roof's box; all but the last cover
-// its one half, so a shadow ray through the other half must go through all the boxes to find the one that
+// A roof of triangles over a floor, with the camera between them. All have the roof's box; all but the last
+// cover one half of it, so a shadow ray through the other half must pass all boxes to find the triangle that
 // shades.
 Scene roof() {
     Scene scene = emptyScene();
@@ -245,7 +245,7 @@ TEST_F(TripTest, LongOutlinesHitAndMissed) {
 }
 
 // Rays through a corner of the boxes of 40 rings, outside all outlines: 40 x 2048 loop trips to follow them,
-// where lavapipe ends all loops after 65,535. The triangle behind them is met last.
+// where lavapipe ends all loops after 65,535. The triangle behind them is tested last.
 TEST_F(TripTest, MoreEdgesThanLavapipeAllows) {
     constexpr uint32_t kRings = 40;
     Scene scene = emptyScene();

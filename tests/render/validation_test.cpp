@@ -1,4 +1,4 @@
-// The validation layer, with synchronization validation, has nothing to say about a render and a trace.
+// The validation layer, with synchronization validation, reports nothing for a render and a trace.
 #include <cstdlib>
 
 #include "scene/sampling.h"
@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(All, ValidationTest,
                          });
 
 // A triangle with colours alone, and behind it one with texture coordinates alone: both are looked up for
-// both, and GPU-assisted validation sees whether that is past the array's end.
+// both, and GPU-assisted validation reports a read past the array's end.
 TEST(AssistedRenderTest, AttributesOfTheLastTriangleAreInTheArray) {
     Scene scene = emptyScene();
     scene.camera.eye = {0, 0, 4};

@@ -1,5 +1,5 @@
-// Images keep every bit whatever features are left out, however arrays are read, whatever the traversal, the
-// slices, earlier renders and the number of threads.
+// Images keep every bit with any features left out, any access to arrays, any traversal, any slices, earlier
+// renders and any number of threads.
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
