@@ -86,7 +86,7 @@ TEST(Builder, IdenticalCentroidsAreBalanced) {
     }
 }
 
-// Points on a line have boxes without area, whatever the split: halves are best.
+// Points on a line have boxes without area for any split: halves are best.
 TEST(Builder, PointsOnALineAreBalanced) {
     for (const BoxSet& set : hardSets()) {
         if (set.name != "descending line of points" && set.name != "powers of two (T48)") continue;

@@ -39,7 +39,7 @@ void recurse(const Bvh& bvh, uint32_t node, const Enter& enter, std::vector<uint
     recurse(bvh, n.first + 1, enter, firsts);
 }
 
-// The walk without a stack that the escapes are for: an entered inner child leads to its first slot; anything
+// The stackless traversal that uses the escapes: an entered inner child leads to its first slot; anything
 // else to the next slot of the node, or past it.
 std::vector<uint32_t> walk(const std::vector<shared::Node>& nodes, const Enter& enter) {
     std::vector<uint32_t> leaves;

@@ -28,7 +28,7 @@ Leaves leavesOf(const std::vector<shared::Node>& nodes) {
     return leaves;
 }
 
-// Visits the wide tree from its root; counts how often each node is met.
+// Visits the wide tree from its root; counts the visits of each node.
 struct Visit {
     const std::vector<shared::PacketCorner>& corners;
     Leaves leaves = {};
@@ -76,7 +76,7 @@ TEST(PacketTree, HasTheLeavesOfTheBinaryTreeEachOnceInBoxesThatHoldThem) {
     }
 }
 
-// The walk of any-hit packets knows an inner child by its place alone.
+// The any-hit traversal of packets recognizes an inner child by its place alone.
 TEST(PacketTree, InnerChildrenComeFirstAndFollowEachOther) {
     for (const BoxSet& set : hardSets()) {
         if (set.boxes.empty()) continue;

@@ -57,7 +57,7 @@ void expectRefitted(const std::vector<Box>& boxes, const std::vector<Box>& other
         SCOPED_TRACE("node " + std::to_string(i));
         expectSameBoxes(nodes[i], expected[i]);
     }
-    // Leaves that stay are known by what is stored of them.
+    // Leaves that stay are recognized by their stored numbers.
     const auto expectNear = [&](float found, float tight) {
         EXPECT_NEAR(found, tight, stay > 0 ? std::abs(tight) * 0x1p-22f : 0);
     };

@@ -1,4 +1,4 @@
-// Files from elsewhere: all the kinds a reader meets, and damaged ones.
+// Files from other programs: all kinds that a reader supports, and damaged ones.
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
@@ -78,7 +78,7 @@ TEST_F(Decode, PfmHeadersThatMakeNoSense) {
         EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
                   path + ": the PFM header has a size or a scale that makes no sense");
     }
-    // Sizes that would not fit any memory must not be asked for.
+    // Memory must not be requested for sizes that exceed any memory.
     writeBytes(path, textBytes("PF\n2147483647 2147483647\n-1.0\nabcdefghijkl"));
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": the file is truncated");
 }
@@ -108,7 +108,7 @@ template <typename Decoder>
 void expectEveryPrefixRefused(const std::vector<uint8_t>& whole, Decoder decoder) {
     ASSERT_NO_THROW(decoder(ByteView(whole), kMostPixels, {}));
     for (size_t length = 0; length < whole.size(); ++length) {
-        // A copy of its own, so that a sanitizer sees a byte read too many.
+        // A copy of its own, so that a sanitizer detects a read past its end.
         const std::vector<uint8_t> part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
         ASSERT_THROW(decoder(ByteView(part), kMostPixels, {}), CodecError)
             << "cut to " << length << " of " << whole.size();

@@ -203,7 +203,7 @@ class ExrFloats : public ExrKinds {
         return image;
     }
     Image writtenAmongOthers(Imf::Header header, Image& image) {
-        // One that is not asked for, before and behind the others.
+        // One that is not requested, before and after the others.
         std::vector<float> other(image.pixels.size(), 9.0f);
         Imf::FrameBuffer buffer = bufferOf(image);
         for (const char* name : {"A.id", "Z"}) {

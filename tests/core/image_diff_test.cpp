@@ -146,7 +146,7 @@ TEST(DifferenceImage, MarksWhatIsNotFiniteInOneOnly) {
     EXPECT_EQ(difference.pixels, (std::vector<float>{kInfinityF, kInfinityF, kInfinityF, 0, 0, 0}));
 }
 
-// SSIM beside values of another program, and cases that follow by hand.
+// SSIM against values of another program, and cases that follow by hand.
 
 struct Pair {
     Image a, b;

@@ -1,4 +1,4 @@
-// What a waiting person sees, at which time; the clock is the test's own.
+// The display for a waiting person, by time; the clock is the test's own.
 #include "core/progress.h"
 
 #include <atomic>

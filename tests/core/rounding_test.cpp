@@ -1,5 +1,5 @@
-// Does the compiler round where the program says so? GCC 12.2 with -O2 or -O3 does not, unless told
-// -fno-tree-slp-vectorize: of a vector that goes to float and back to double it keeps the unrounded
+// The compiler must round where the program requires it. GCC 12.2 with -O2 or -O3 does not without
+// -fno-tree-slp-vectorize: for a vector that goes to float and back to double it keeps the unrounded
 // components.
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 
 namespace glint::test {
 
-// The lists of names, and that the compiler sees what is missing in one.
+// The lists of names; the compiler must report a value that is missing in one.
 
 namespace {
 

@@ -1,4 +1,4 @@
-// Writing that fails must say why, leave nothing behind and keep what was there before.
+// Writing that fails must state the reason, leave nothing behind and keep the old files.
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -76,7 +76,7 @@ TEST_F(WriteFailure, NoPermission) {
     test::withoutPrivileges(folder_, [&] { expectUnwritable(file("locked/x.png"), "Permission denied"); });
     fs::permissions(file("locked"), fs::perms::owner_all);
 
-    // Renaming would replace a write-protected file; its owner did not want that.
+    // Renaming would replace a write-protected file against its owner's intention.
     const std::string path = file("protected.png").string();
     writeBytes(path, kOld);
     fs::permissions(path, fs::perms::owner_read);

@@ -141,8 +141,8 @@ class Checkpoints : public glint::test::WorkingFolderTest {
     }
 };
 
-// Cut off anywhere, as a process that is killed leaves it, it holds the units that were whole, goes on, and
-// the picture has the bits of one that was never stopped.
+// A checkpoint that is cut off anywhere, as by a killed process, holds its whole units and continues. The
+// image has the same bits as without interruption.
 TEST_F(Checkpoints, GoOnFromWhereverTheyWereCutOff) {
     {
         Checkpoint checkpoint("a.check", header_, nothingFound);

@@ -1,4 +1,5 @@
-// GPU-assisted validation, which tools/test-more runs over whole pictures: that it sees what it is there for.
+// GPU-assisted validation, which tools/test-more runs over whole images, must detect reads and writes past
+// the end.
 #include <cstdlib>
 #include <optional>
 
@@ -15,7 +16,7 @@ class AssistedTest : public testing::TestWithParam<Access> {
         ::unsetenv(kSetting);
     }
 
-    // What the layer says of a shader that reads and writes `touched` texels of a buffer of 16.
+    // The layer's messages for a shader that reads and writes `touched` texels of a buffer of 16.
     std::vector<std::string> messages(uint32_t touched) {
         const Buffer buffer = countingBuffer(*device_, 64, GetParam());
         run(*device_, scaleKernel(*device_, buffer, {2}), 1, bytesOf(ScalePush{touched, 0}));
@@ -29,8 +30,8 @@ class AssistedTest : public testing::TestWithParam<Access> {
 INSTANTIATE_TEST_SUITE_P(All, AssistedTest, testing::Values(Access::StorageBuffer, Access::TexelBuffer),
                          accessName);
 
-// Without the layer nothing comes of it, as devices are opened with robustBufferAccess. tools/test-validated
-// runs this with GPU-assisted validation to see whether that is at work.
+// Without the layer the reads have no effect, as devices are opened with robustBufferAccess.
+// tools/test-validated runs this with GPU-assisted validation to check that it is active.
 TEST(Robust, ReadsPastTheEndHarmNothing) {
     const Device device;
     const Buffer buffer = countingBuffer(device, 64);

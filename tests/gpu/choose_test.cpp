@@ -7,7 +7,7 @@
 
 namespace glint::gpu::choose_test {
 
-// Which device a selector means, and what is said of the others; on lists made up here.
+// The device that a selector chooses, and the messages for the others, on invented lists.
 
 DeviceInfo made(uint32_t index, const std::string& name, const std::string& type,
                 const std::string& refused = "") {

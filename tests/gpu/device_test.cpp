@@ -90,7 +90,7 @@ TEST(Validation, NeedsItsLayer) {
               "vulkan-validationlayers)");
 }
 
-// The other tests rely on silence, so the layer must be known to speak.
+// The other tests rely on the layer's silence, so it must report a known error here.
 TEST(Validation, CollectsWhatTheLayerSays) {
     const Device device(withValidation());
     VkBufferCreateInfo info{};

@@ -1,4 +1,4 @@
-// A device with the validation layer for each test; the test fails if the layer has anything to say.
+// A device with the validation layer for each test; the test fails if the layer reports anything.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The probe of a device's arithmetic: it passes what is IEEE 754's and nothing less.
+// The probe of a device's arithmetic passes IEEE 754's results only.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -17,7 +17,7 @@ float nextBit(float x) {
     return std::bit_cast<float>(std::bit_cast<uint32_t>(x) + 1u);
 }
 
-// What the host computes, `change`d where it is wanted.
+// The host's results, with `change` applied.
 Arithmetic with(const Change& change) {
     std::vector<ProbeCase> cases = probeCases();
     for (ProbeCase& one : cases) {

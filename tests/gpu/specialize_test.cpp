@@ -114,7 +114,7 @@ TEST(Specialize, MarksArithmeticThatGlslLeavesToTheDriver) {
     EXPECT_GT(countsIn(kernel(KernelId::Light)).unmarkedSums, 0u);
 }
 
-// A device whose subgroups do not shuffle takes no module that says it may.
+// A device whose subgroups do not shuffle rejects a module with that capability.
 TEST(Specialize, LeavesOutShufflesWithWhatTheyNeed) {
     constexpr uint32_t kConvergent = 83;
     const auto shuffles = [](KernelId id, auto isOn) {
@@ -129,7 +129,7 @@ TEST(Specialize, LeavesOutShufflesWithWhatTheyNeed) {
     EXPECT_TRUE(shuffles(KernelId::PacketIntersect, none));
 }
 
-// Pairs of set and binding are unique among the variables that a driver sees: one way to load is left.
+// Pairs of set and binding are unique among the variables that the driver gets: one way to load is left.
 TEST(Specialize, LeavesOneVariableForABinding) {
     for (const bool together : {false, true}) {
         for (const KernelId id : render::kKernels) {

@@ -1,10 +1,10 @@
 // The exact hit of a ray. Hit or miss is the sign of exact sums and products of the inputs; t, weights and
-// normals come from 512 binary digits. Give it the fp32 numbers that the shader reads and the difference is
-// arithmetic; give it the doubles of the scene and the rounding of the inputs is in it too.
-//
-// It shares no code, and where there are several no formula, with the shaders or src/reference, both of which
-// it judges. The policies are those of docs/reference/shading.md: t = 0 is excluded, a tangent hits, the rim
-// of a disc and the edges of a triangle belong to it, a ray in the plane of a flat shape misses.
+// normals come from 512 binary digits. With the fp32 numbers that the shader reads, a difference is the
+// shader's arithmetic; with the scene's doubles it includes the rounding of the inputs.
+// The oracle shares no code, and if several formulas exist no formula, with the shaders or src/reference,
+// both of which it judges. The policies are those of docs/reference/shading.md: t = 0 is excluded, a tangent
+// hits, the rim of a disc and the edges of a triangle belong to it, a ray in the plane of a flat shape
+// misses.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -38,9 +38,9 @@ Truth sphere(const glm::dvec3& center, double radius, const Ray& ray);
 Truth anchoredSphere(const glm::dvec3& point, const glm::dvec3& normal, double radius, const Ray& ray);
 Truth plane(const glm::dvec3& point, const glm::dvec3& normal, const Ray& ray);
 Truth disc(const glm::dvec3& center, const glm::dvec3& normal, double radius, const Ray& ray);
-// Even-odd rule on the outline as seen along the ray, t that of the plane. The vertices need not lie in the
-// plane exactly (rounded to float they do not). margin: the distance from the ray to the outline over the
-// outline's size, as seen, along with the plane's.
+// Even-odd rule on the outline in projection along the ray, t that of the plane. The vertices need not lie in
+// the plane exactly (rounded to float they do not). margin: the distance from the ray to the outline over the
+// outline's size, in this projection, along with the plane's.
 Truth polygon(const std::vector<glm::dvec3>& outline, const glm::dvec3& point, const glm::dvec3& normal,
               const Ray& ray);
 

@@ -1,4 +1,4 @@
-// Does the oracle know the answers that others have published?
+// The oracle must give published answers.
 #include "oracle.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Answers judged against the truth, and what came of it.
+// Answers compared with the truth, and the counts.
 #pragma once
 
 #include <string>

@@ -62,7 +62,7 @@ TEST(PackCamera, PixelSteps) {
     }
 }
 
-// Left and right edges of the film at l and r, top and bottom at t and b, whatever the picture's shape.
+// Left and right edges of the film at l and r, top and bottom at t and b, for images of any proportions.
 TEST(PackCamera, WindowSpansTheFilm) {
     Camera camera = lookingDownZ(40);
     camera.window = ViewWindow{-0.5, 1.5, -0.25, 0.125};
@@ -153,7 +153,7 @@ TEST(PackCamera, OrthographicPixelSteps) {
     expectNear(rayOrigin(window, 200, 100), {11, 0, 3}, 1e-6);
 }
 
-// The origin's offset from `origin` is formed in double: next to 1e7 fp32 could not tell the pixels apart.
+// The origin's offset from `origin` is formed in double: next to 1e7 fp32 could not separate the pixels.
 TEST(PackCamera, OrthographicRaysAreRelativeToOrigin) {
     Camera camera;
     camera.projection = Projection::Orthographic;
@@ -164,7 +164,7 @@ TEST(PackCamera, OrthographicRaysAreRelativeToOrigin) {
 }
 
 // Sec. 4.3.1: the plane's normal turns the frame, the view direction stays. In a cabinet projection a point
-// one unit behind the image plane is seen through the one half a unit aside at 45 degrees.
+// one unit behind the image plane appears in place of the one half a unit aside at 45 degrees.
 TEST(PackCamera, ObliqueParallel) {
     Camera camera;
     camera.projection = Projection::Orthographic;

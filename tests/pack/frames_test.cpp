@@ -84,7 +84,7 @@ TEST(Frames, TreesOfInstancesStay) {
     EXPECT_EQ(memory.built(), first + 1);
 }
 
-// Wherever it says that the arrays are kept, they are.
+// If the function reports that the arrays are kept, they are.
 TEST(Frames, CamerasThatKeepTheArrays) {
     int kept = 0, others = 0;
     for (const bool huge : {false, true}) {
@@ -110,7 +110,7 @@ TEST(Frames, CamerasThatKeepTheArrays) {
     EXPECT_GE(others, 3);
 }
 
-// Far from 0 coordinates are counted from the geometry, as long as it is seen from near it.
+// Far from 0 coordinates are counted from the geometry, if the eye is near it.
 TEST(Frames, TheOriginGoesWithTheEye) {
     Scene scene = sceneWith(false);
     for (Object& object : scene.objects) {

@@ -34,7 +34,7 @@ TEST(PackOrigin, ZeroForOrdinaryScenes) {
     EXPECT_EQ(packScene(sceneAt({10, 0, 0})).origin, glm::dvec3(0));
 }
 
-// A triangle of edges 2 around (x, 0, 0), which reaches 1 from there, seen from `away`.
+// A triangle of edges 2 around (x, 0, 0), which reaches 1 from there, with the eye `away`.
 Scene triangleAt(double x, double away) {
     Scene scene;
     scene.camera.eye = {x, 0, away};
@@ -89,7 +89,7 @@ TEST(PackOrigin, OnePlanetAndOneBall) {
     EXPECT_LE(std::max({away.x, away.y, away.z}), 2);
 }
 
-// Of most objects, far from the eye, nothing is seen that is worth the digits of what is near it.
+// Most objects are far from the eye: their details are too small to justify a loss of digits near it.
 TEST(PackOrigin, StaysWhereTheEyeIs) {
     Scene scene;
     scene.camera.eye = {0, 1, 4};
@@ -148,7 +148,7 @@ TEST(PackOrigin, IsNearTheGeometry) {
     }
 }
 
-// Without bounded geometry the eye, what it looks at and the planes below it decide.
+// Without bounded geometry the eye, the target and the planes below it decide.
 TEST(PackOrigin, PlanesAlone) {
     Scene scene;
     aim(scene.camera, {1e7, 1, 0}, {1e7, 1, -4});
@@ -173,7 +173,7 @@ TEST(PackOrigin, IgnoresWhatIsNotFinite) {
     EXPECT_EQ(packScene(scene).statistics.droppedNotFinite, 2u);
 }
 
-// T67's ground given by a far point: what is stored is near the geometry, on the same plane.
+// T67's ground given by a far point: the stored point is near the geometry, on the same plane.
 TEST(PlaneAnchor, FarPointIsReplaced) {
     Scene scene = sceneAt({0, 0, 0});
     addObject(scene, PlaneShape{{1e7, -3, 2e8}, {0, 5, 0}});

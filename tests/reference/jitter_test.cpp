@@ -19,7 +19,7 @@ int countSeeds(const std::function<bool(uint64_t)>& holds) {
 
 class ReferenceJitter : public testing::Test {
   protected:
-    // A triangle over a mirror floor over a lamp; the ids of the whole path and the shadow tell.
+    // A triangle over a mirror floor over a lamp; the ids of the whole path and the shadow identify the path.
     ReferenceJitter() {
         SceneMaker maker;
         const uint32_t mirror = maker.material(vec3(.5f), vec3(0), 1, vec3(.5f));
@@ -62,7 +62,7 @@ TEST_F(ReferenceJitter, AtAnEdgeItDoes) {
     EXPECT_EQ(differing(rayTowards({.5, -3, 5}, {0, -1 + 1e-5, 0}), 4), 0) << "40 times the jitter away";
 }
 
-// The shadow's outline on the triangle: the reference knows it to 1e-15, fp32 does not.
+// The shadow's outline on the triangle: exact to 1e-15 in the reference, not in fp32.
 TEST_F(ReferenceJitter, FindsShadowEdges) {
     SceneMaker maker;
     maker.plane(vec3(0), {0, 1, 0});

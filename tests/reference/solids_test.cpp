@@ -50,7 +50,7 @@ TEST(ReferenceSphere, GiantSphereFromClose) {
     }
 }
 
-// A ray that starts on the sphere meets it again at -2 b / a, however its start was rounded, or never.
+// A ray that starts on the sphere hits it again at -2 b / a for any rounding of its start, or never.
 TEST(ReferenceSphere, SourceHitsOnlyItsOtherSide) {
     SceneMaker maker;
     maker.sphere(vec3(0), 1);
@@ -265,7 +265,7 @@ TEST(ReferenceCuboid, WholeNumbersExactly) {
     EXPECT_GT(touches, 20u) << "edges and corners are among them";
 }
 
-// A ray that starts on a face leaves the box for good, or meets the face where it goes out.
+// A ray that starts on a face leaves the box for good, or hits the face through which it leaves.
 TEST(ReferenceCuboid, TheSourceIsNeverMetAgain) {
     const SceneTracer tracer(packed(BoxShape{{-1, -1, -1}, {1, 1, 1}}));
     const auto hit = tracer.closest({{0.25, 5, 0.5}, {0, -1, 0}});

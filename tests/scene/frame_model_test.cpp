@@ -41,7 +41,7 @@ std::vector<dvec3> boxCorners(const dvec3& low, const dvec3& high) {
     return corners;
 }
 
-// All inside, and something near an edge: the model neither leaves the picture nor gets lost in it.
+// All inside, and something near an edge: the model fits the image and fills it.
 void expectFits(const Scene& scene, const std::vector<dvec3>& points) {
     double greatest = 0;
     for (const dvec3& point : points) {

@@ -141,7 +141,7 @@ TEST(Transform, SpheresTurnMoveAndGrow) {
     EXPECT_DOUBLE_EQ(sphere.radius, 6);
 }
 
-// Round is what is scaled alike in the disc's plane, whatever happens across it.
+// A disc stays round if it is scaled alike in its plane, with any scale across it.
 TEST(Transform, DiscsStayRoundOrAreRefused) {
     const Affine t = then(scaling({-2, 5, 2}), then(rotation({0, 0, 1}, 90), translation({1, 0, 0})));
     const DiscShape disc = transformed(DiscShape{{1, 1, 0}, {0, 3, 0}, 2}, t);
@@ -209,7 +209,7 @@ TEST(Keyframes, EveryComponentByItself) {
     EXPECT_EQ(valueAt(k, 0.5), (Value{2, 3, 6}));
 }
 
-// A cubic polynomial is reproduced from its values and slopes, whatever the length of the segments.
+// A cubic polynomial is reproduced from its values and slopes, with segments of any length.
 TEST(Keyframes, CubicIsHermites) {
     const auto p = [](double t) { return 2 * t * t * t - 3 * t * t + t - 5; };
     const auto slope = [](double t) { return 6 * t * t - 6 * t + 1; };

@@ -1,4 +1,4 @@
-// Scenes built by hand, as by users of the library: validateScene finds what no parser has seen.
+// Scenes built by hand, as by users of the library: validateScene must find what a parser would refuse.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -262,8 +262,8 @@ TEST(PolygonPlane, NoneWithoutArea) {
     EXPECT_FALSE(polygonPlane(std::vector<dvec3>{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}));
 }
 
-// Newell's sum vanishes, or rounding is all that is left of it, or it is so small that its direction says
-// little: the plane is that of three corners all the same.
+// If Newell's sum vanishes, consists of rounding, or is too small for a direction, the plane is still that of
+// three corners.
 TEST(PolygonPlane, BowTies) {
     const std::vector<dvec3> bow = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
     EXPECT_EQ(polygonPlane(bow)->normal, dvec3(0, 0, 1)) << "at its first vertex it turns left";
@@ -291,8 +291,8 @@ TEST(PolygonPlane, BowTies) {
     EXPECT_GT(polygonPlane(skew)->deviation, 0.1);
 }
 
-// A regular ring with one vertex raised by h: its plane is off by no more than h there, and the raised vertex
-// is the farthest one from it.
+// A regular ring with one vertex raised by h: its plane is off by at most h there, and the raised vertex is
+// the farthest one from it.
 TEST(PolygonPlane, DeviationNamesTheVertex) {
     std::vector<dvec3> ring;
     for (int i = 0; i < 12; ++i)

@@ -60,7 +60,7 @@ SettledCount judgeSettled(const Subject& subject, const SliverFamily& family, bo
 // Counts hits of rays that aim at the line of a sliver's longest side, a twentieth to two of its lengths
 // beyond its ends.
 size_t countMetBeyondEnds(const Subject& subject, const SliverFamily& family, size_t count, uint32_t seed);
-// Spheres of this radius seen from `distance` radii, by rays across 1.2 times their disc, or near its rim:
+// Spheres of this radius from `distance` radii away, by rays across 1.2 times their disc, or near its rim:
 // within 1e-3 on the device, 1e-7 in the reference.
 struct SphereFamily {
     double radius = 1, distance = 3, offset = 0;
@@ -69,8 +69,8 @@ struct SphereFamily {
 // The band is 1e-3 of the squared radius (docs/design/numerics.md 2.4). At the limb, and farther than 8000
 // radii away, it is at least 16 u distance / radius: float arithmetic moves o by u distance.
 Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t count, uint32_t seed);
-// A planet of radius 1e6 seen from `height` above its surface, downwards; in the reference half of the rays
-// aim within 1e-6 of the horizon.
+// A planet of radius 1e6, from `height` above its surface downwards; in the reference half of the rays aim
+// within 1e-6 of the horizon.
 Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t seed);
 
 struct FlatFamily {
@@ -80,7 +80,7 @@ Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t coun
 Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed);
 Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed);
 
-// The packed quadric of an object, seen from `distance` sizes by rays that aim in turn anywhere across it,
+// The packed quadric of an object, from `distance` sizes away, by rays that aim in turn anywhere across it,
 // within a thousandth of its silhouette, and at `target` (a cone's apex). beyond: values of t outside their
 // bound, derived in quadric_checks.cpp; worst: the greatest share of the bound.
 struct QuadricFamily {

@@ -14,7 +14,7 @@ inline const char* nameOf(Mesh mesh) {
     return names[static_cast<int>(mesh)];
 }
 
-// Sizes and offsets of which fp32 still tells the mesh's corners apart.
+// Sizes and offsets at which fp32 still separates the mesh's corners.
 inline const LeakCase kClosedMeshes[] = {{Mesh::Icosphere, 1, 0},     {Mesh::Icosphere, 1e-6, 0},
                                          {Mesh::Icosphere, 1e6, 0},   {Mesh::Icosphere, 1, 1e3},
                                          {Mesh::Icosphere, 1e3, 1e6}, {Mesh::Bumpy, 1, 0},

@@ -1,4 +1,4 @@
-// No picture holds NaN or infinity, whatever the scene holds; what does overflow is counted and named.
+// No image holds NaN or infinity, for any scene; overflow is counted and reported.
 #include <gtest/gtest.h>
 
 #include <cmath>

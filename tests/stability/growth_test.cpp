@@ -1,4 +1,5 @@
-// T85: between convex mirrors every bounce multiplies the error of a ray, by as much as their curvature says.
+// T85: between convex mirrors every bounce multiplies the error of a ray by a factor that follows from their
+// curvature.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -66,8 +67,8 @@ std::vector<Step> walk(const Trap& trap) {
     return steps;
 }
 
-// How much the brightness of a lit point changes with the azimuth of its normal, by the light of three that
-// tells most; the lights stand at `turned`, a quarter and five eighths of a turn from there.
+// The greatest derivative of a lit point's brightness by the azimuth of its normal, among three lights, which
+// stand at `turned`, a quarter and five eighths of a turn from there.
 constexpr double kElevation = 50 * std::numbers::pi / 180;  // clear of the other mirrors: 1.5 sin 50 > 1
 constexpr double kBetween[] = {0, std::numbers::pi / 2, 1.25 * std::numbers::pi};
 
@@ -83,7 +84,7 @@ int bestLight(double azimuth, double turned) {
     return best;
 }
 
-// The turn of the lights that tells most about the step that they tell least about.
+// The turn of the lights that maximizes the least of these derivatives.
 double bestTurn(const std::vector<Step>& steps) {
     double best = 0, most = -1;
     for (int i = 0; i < 360; ++i) {

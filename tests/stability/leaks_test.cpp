@@ -36,7 +36,7 @@ TEST_F(LeakTest, ConvexObjectsDoNotShadeThemselves) {
         for (const double offset : {0.0, 1e3, 1e6}) {
             for (const double size : {1e-3, 1.0, 1e3}) {
                 for (const bool moved : {true, false}) {
-                    // Unmoved, fp32 must still be able to tell the object's points apart.
+                    // Unmoved, fp32 must still separate the object's points.
                     if (!moved && (offset == 0 || size < 4e-6 * offset)) continue;
                     const std::string where = "kind " + std::to_string(static_cast<int>(kind)) + " offset " +
                                               std::to_string(offset) + " size " + std::to_string(size) +
@@ -166,8 +166,8 @@ TEST_F(LeakTest, LightsInThePlaneOfAFaceStayOutside) {
     }
 }
 
-// An arch of slivers, one ten-thousandth of a turn from the next, under a lamp that shines along them: of the
-// pixel at (26, 143) the shadow ray was found to meet the sliver beside the one that it leaves.
+// An arch of slivers, one ten-thousandth of a turn from the next, under a lamp that shines along them. At the
+// pixel (26, 143) the shadow ray hit the sliver beside the one that it leaves.
 TEST_F(LeakTest, SliversDoNotShadeTheirNeighbours) {
     const Case c = fileCase("arcade", 800, 450);
     ASSERT_TRUE(c.packed.features.slivers);

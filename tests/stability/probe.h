@@ -15,8 +15,8 @@
 
 namespace glint::stability {
 
-// What a check judges: a device, or without one the double-precision reference. mutant: a name from
-// mutants.cmake, whose kernels then take the place of the sound ones; empty for none.
+// The subject of a check: a device, or without one the double-precision reference. mutant: a name from
+// mutants.cmake, whose kernels then replace the sound ones; empty for none.
 struct Subject {
     const gpu::Device* device = nullptr;
     std::string mutant;
@@ -46,8 +46,8 @@ struct Box {
     glm::vec3 lo, hi;
 };
 
-// `vertices`: of polygons. Quadrics and boxes on the device only: the reference is asked through the packed
-// scene that they come from.
+// `vertices`: of polygons. Quadrics and boxes on the device only: the reference traces the packed scene that
+// they come from.
 template <class Primitive>
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<Primitive>& primitives,
@@ -69,13 +69,13 @@ size_t countWrongEnds(const Subject& subject, const std::vector<FloatRay>& rays,
             wrong += !closed[i].hit || closed[i].t != hits[i].t || (open[i].hit && open[i].t <= hits[i].t);
     return wrong;
 }
-// Device only: what rays that leave a surface are taken to meet, less triangles that lie behind them.
+// Device only: accepted hits of rays that leave a surface, less triangles that lie behind them.
 std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
                                const std::vector<shared::Triangle>& triangles);
 // Device only: hits as they are shaded, slivers settled. exchanged: corners as of a mirrored instance.
 std::vector<Answer> probeSettled(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Triangle>& triangles, bool exchanged);
-// Device only: the normals as t, u, v where rays meet quadrics.
+// Device only: the normals at hits of quadrics, as t, u, v.
 std::vector<Answer> probeNormals(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Quadric>& quadrics);
 // Device only. Answer::hit: the box would be entered, which the reference decides in its own way.

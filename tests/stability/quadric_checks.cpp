@@ -113,7 +113,7 @@ Verdict judge(const Form& form, const shared::Quadric& q, const oracle::Ray& wor
         const dvec3 y = ray.origin + t * ray.direction, slope = form.gradient(y);
         const double place = placeError(form, world, t, rounding),
                      turning = std::abs(glm::dot(slope, ray.direction));
-        // To first order, twice: outside the band the second is no more than the first.
+        // To first order, doubled: outside the band the second order is at most the first.
         const double bound = 2 * formError(form, ray, t, place, rounding) / turning;
         const double room = place + bound * glm::length(ray.direction);
         bool inside = true;

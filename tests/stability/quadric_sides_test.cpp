@@ -73,9 +73,9 @@ constexpr size_t kCount = 20000;
 class QuadricSideTest : public render::test::RenderTest {
   protected:
     Subject subject() const { return {&device(), {}}; }
-    // Of rays along each side that leave it exactly, how many meet it again; of those that go in by a
-    // hundredth, how many do not, or elsewhere than 2 B / A away.
-    // make(quadric, i) completes a turned quadric and returns a point of its side, measured from its own.
+    // Counts the rays along each side that leave it exactly and hit it again, and those that go in by a
+    // hundredth and do not hit it, or not 2 B / A away. make(quadric, i) completes a turned quadric and
+    // returns a point of its side, measured from its own.
     void expectToLeave(const char* what, Random& random,
                        const std::function<dvec3(shared::Quadric&, size_t)>& make) const {
         std::vector<shared::Quadric> quadrics;

@@ -208,7 +208,7 @@ Case bodiesCase(double offset, double size, bool moved) {
     return render::test::makeCase(scene, 128, 64);
 }
 
-// A floor under a lid of two triangles, seen from between them; the light above must not come through.
+// A floor under a lid of two triangles, with the eye between them; the light above must not come through.
 Case lidCase(double height, double gap) {
     Scene scene = render::test::emptyScene();
     const auto square = [&](double half, double y) {

@@ -34,10 +34,10 @@ struct Planar {
     Vector at(long double u, long double v) const { return a + u * e1 + v * e2; }
 };
 
-// How far the point with these weights lies from where the ray meets the plane, and how far its t does, in
-// units of what rounding may take: the corners as seen err by a unit of the way to them, `reach`, and the
-// edge functions by one of reach^2, which over the sliver's longest side is a distance across it; both grow
-// by how flat the ray is, and along the side by how nearly it runs along that.
+// The distance of the point with these weights from the ray's point in the plane, and the error of its t, in
+// units of the rounding bound. The corners relative to the origin err by a unit of the way to them, `reach`,
+// and the edge functions by one of reach^2, which over the sliver's longest side is a distance across it.
+// Both grow with the ray's slant to the plane, and along the side with its slant to the side.
 double offBy(const Planar& plane, const FloatRay& ray, const Answer& answer) {
     const Vector o(ray.origin), d(ray.direction);
     const long double speed = glm::dot(plane.normal, d), length = glm::length(d);

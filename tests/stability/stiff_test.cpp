@@ -50,7 +50,7 @@ TEST_F(PrismTest, TurnsInTheMiddle) {
     const Picture picture = draw(device(), c);
     const double step = 2 * std::tan(0.00225 / 2 * std::numbers::pi / 180) / 240,
                  critical = std::asin(1 / 1.5);
-    // Seen through two faces, and what is reflected within four times, of 0.04 to 0.06 each, at the most.
+    // Transmitted by two faces; reflections inside add at most four terms of 0.04 to 0.06 each.
     const double plateau = picture.color.at(0, 120, 0), through = 0.96 * 0.96 * 0.05;
     EXPECT_GE(plateau, 0.999 * through);
     EXPECT_LE(plateau, through + 30 * 0.04 * 0.04 * 0.06);

@@ -7,7 +7,7 @@
 
 namespace glint::test {
 
-// Sets a variable, or takes it away (value nullptr), and puts back what was there when it ends.
+// Sets or removes (value nullptr) a variable, and restores it at the end of its life.
 class ScopedEnvironment {
   public:
     ScopedEnvironment(const char* name, const char* value) : name_(name) {

@@ -17,12 +17,12 @@ namespace glint::test {
 
 // ---- paths ----
 
-// The path of a file of the repository: sourcePath("scenes/glass.json"). Only support.cpp knows where the
-// repository is, so that a compiler cache serves every checkout.
+// The path of a file of the repository: sourcePath("scenes/glass.json"). Only support.cpp holds the
+// repository's path, so that a compiler cache serves every checkout.
 std::string sourcePath(const std::string& name);
 
 // A third-party model: in the folder that the environment variable GLINT_ASSETS names, or in ../shared/assets
-// beside the repository. Reports a failure if it is not there.
+// next to the repository. Reports a failure if it is not there.
 std::filesystem::path assetPath(const std::string& name);
 
 // ---- files ----
