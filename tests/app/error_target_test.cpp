@@ -70,9 +70,8 @@ TEST_F(ErrorTarget, FiltersTakeTheSamplesThatTheyNeed) {
 
 // Two replicates of one pixel with an error have no quantile.
 TEST_F(ErrorTarget, TooFewPixelsHaveNoBound) {
-    const Ran one = render("--error 0.01 --crop 16,12,17,13");
-    EXPECT_EQ(one.code, 2);
-    EXPECT_HAS(one.err, "--error cannot bound the error of a single pixel");
+    expectError(kRender + "--error 0.01 --crop 16,12,17,13", 2,
+                "--error cannot bound the error of a single pixel: use a larger --crop");
     writeText("a.json", sceneText(2, 1, R"("background": 0.5, "ambient": 1,
         "objects": [{"type": "sphere", "center": [3, 0, 0], "radius": 2}])"));
     const Ran two = runGlint("render a.json --backend cpu --error 0.0001 --max-spp 64");
@@ -147,9 +146,8 @@ TEST_F(ErrorTarget, ErrorsThatNoSampleMendsAreRefused) {
     EXPECT_EQ(ran.code, 2);
     EXPECT_HAS(ran.err, "beyond maxDepth may add");
     EXPECT_HAS(ran.err, "would do; --within-depth");
-    const Ran none = render("--error 0.001 --max-depth 0");
-    EXPECT_EQ(none.code, 2);
-    EXPECT_HAS(none.err, "--error cannot bound reflections at maxDepth 0");
+    expectError(kRender + "--error 0.001 --max-depth 0", 2,
+                "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
 }
 
 }  // namespace glint::app::test::error_target_test

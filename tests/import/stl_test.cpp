@@ -46,9 +46,16 @@ double signedVolume(const Mesh& mesh) {
     return volume;
 }
 
+ImportedMesh import(const std::string& bytes) {
+    return OneFile("m.stl").mesh(bytes);
+}
+
+std::string error(const std::string& bytes) {
+    return OneFile("m.stl").error(bytes);
+}
+
 TEST(Stl, BinaryVerticesAreWelded) {
-    const OneFile f("m.stl");
-    const ImportedMesh imported = f.mesh(binary(kTetrahedron));
+    const ImportedMesh imported = import(binary(kTetrahedron));
     EXPECT_EQ(imported.mesh.corners.size(), 4u);
     EXPECT_EQ(imported.mesh.positions.size(), 4u);
     EXPECT_TRUE(imported.mesh.normals.empty());
@@ -58,15 +65,13 @@ TEST(Stl, BinaryVerticesAreWelded) {
 }
 
 TEST(Stl, BinaryThatStartsWithSolid) {
-    const OneFile f("m.stl");
     EXPECT_EQ(
-        f.mesh(binary(kTetrahedron, "solid things come from ascii files as a rule")).mesh.corners.size(), 4u);
+        import(binary(kTetrahedron, "solid things come from ascii files as a rule")).mesh.corners.size(), 4u);
 }
 
 TEST(Stl, AsciiNumbersAreRead) {
-    const OneFile f("m.stl");
     const ImportedMesh imported =
-        f.mesh("solid a name with facet and vertex in it\n" +
+        import("solid a name with facet and vertex in it\n" +
                asciiFacet("0 0 0", "1.0000000001 +2 -3e-2", "123456.123456789 0 0", "0 1 0") +
                "endsolid a name with facet and vertex in it\n");
     ASSERT_EQ(imported.mesh.positions.size(), 3u);
@@ -76,35 +81,32 @@ TEST(Stl, AsciiNumbersAreRead) {
 }
 
 TEST(Stl, AsciiLayoutIsFree) {
-    const OneFile f("m.stl");
-    EXPECT_EQ(f.mesh("solid\r\nFACET NORMAL 0 0 1 OUTER LOOP VERTEX 0 0 0 VERTEX 1 0 0 VERTEX 0 1 0 ENDLOOP "
+    EXPECT_EQ(import("solid\r\nFACET NORMAL 0 0 1 OUTER LOOP VERTEX 0 0 0 VERTEX 1 0 0 VERTEX 0 1 0 ENDLOOP "
                      "ENDFACET\r\nENDSOLID\r\n")
                   .mesh.corners.size(),
               1u);
 }
 
 TEST(Stl, OddTextIsRead) {
-    const OneFile f("m.stl");
     const std::string text = "solid a\n" + kFacet + "endsolid a\n";
     const std::string odd =
         "solid a\n" + asciiFacet("-1.#IND nan 1,0", "0 0 0", "1 0 0", "0 1 0") + "endsolid\n";
     for (const std::string& bytes :
          {"\xef\xbb\xbf" + text, "; made by x\n# y\n" + text, text + std::string(900, '\0'), odd}) {
-        EXPECT_EQ(f.mesh(bytes).mesh.corners.size(), 1u) << bytes;
-        EXPECT_TRUE(f.mesh(bytes).warnings.empty());
+        EXPECT_EQ(import(bytes).mesh.corners.size(), 1u) << bytes;
+        EXPECT_TRUE(import(bytes).warnings.empty());
     }
     for (const bool big : {false, true}) {
         std::string wide = big ? "\xfe\xff" : "\xff\xfe";
         for (const char c : text) wide += big ? std::string(1, '\0') + c : c + std::string(1, '\0');
-        EXPECT_EQ(f.error(wide), ": is UTF-16 text, save it as UTF-8");
+        EXPECT_EQ(error(wide), ": is UTF-16 text, save it as UTF-8");
     }
-    EXPECT_EQ(f.mesh(binary(kTetrahedron, "\xff\xfe")).mesh.corners.size(), 4u) << "a title of a binary file";
-    EXPECT_EQ(f.mesh(binary(kTetrahedron, "a")).mesh.corners.size(), 4u);
+    EXPECT_EQ(import(binary(kTetrahedron, "\xff\xfe")).mesh.corners.size(), 4u) << "a title of a binary file";
+    EXPECT_EQ(import(binary(kTetrahedron, "a")).mesh.corners.size(), 4u);
 }
 
 TEST(Stl, SeveralSolidsAreOneMesh) {
-    const OneFile f("m.stl");
-    const Mesh mesh = f.mesh("solid a\n" + kFacet + "endsolid a\nsolid b\n" +
+    const Mesh mesh = import("solid a\n" + kFacet + "endsolid a\nsolid b\n" +
                              asciiFacet("0 0 1", "1 0 0", "1 1 0", "0 1 0") + "endsolid\n")
                           .mesh;
     EXPECT_EQ(mesh.corners.size(), 2u);
@@ -112,61 +114,56 @@ TEST(Stl, SeveralSolidsAreOneMesh) {
 }
 
 TEST(Stl, ZerosOfBothSignsAreEqual) {
-    const OneFile f("m.stl");
-    EXPECT_EQ(f.mesh("solid\n" + kFacet + asciiFacet("0 0 1", "-0 0 0", "0 1 -0.0", "-1 0 0") + "endsolid\n")
+    EXPECT_EQ(import("solid\n" + kFacet + asciiFacet("0 0 1", "-0 0 0", "0 1 -0.0", "-1 0 0") + "endsolid\n")
                   .mesh.positions.size(),
               4u);
 }
 
 TEST(Stl, NormalsAgainstTheWindingAreWarnedAbout) {
-    const OneFile f("m.stl");
     std::vector<Facet> facets = kTetrahedron;
     facets[1].normal = -facets[1].normal;
     facets[3].normal = dvec3(0);
     EXPECT_EQ(
-        f.mesh(binary(facets)).warnings,
+        import(binary(facets)).warnings,
         Lines{"the stored normals of 1 facets point against the winding of their vertices, which counts"});
-    EXPECT_DOUBLE_EQ(signedVolume(f.mesh(binary(facets)).mesh), 1.0 / 6);
+    EXPECT_DOUBLE_EQ(signedVolume(import(binary(facets)).mesh), 1.0 / 6);
 }
 
 TEST(Stl, WhatElseIsWarnedAbout) {
-    const OneFile f("m.stl");
     std::vector<Facet> facets = kTetrahedron;
     facets[0].attribute = 0x8123;
     facets[2].attribute = 1;
-    EXPECT_EQ(f.mesh(binary(facets) + "tail").warnings,
+    EXPECT_EQ(import(binary(facets) + "tail").warnings,
               (Lines{"the attribute bytes of 2 facets, in which some programs keep colours, are ignored",
                      "4 bytes after the last triangle are ignored"}));
     facets = kTetrahedron;
     facets.push_back({{0, 0, 1}, {1, 1, 1}, {1, 1, 1}, {2, 2, 2}});
-    EXPECT_EQ(f.mesh(binary(facets)).warnings,
+    EXPECT_EQ(import(binary(facets)).warnings,
               Lines{"1 face with fewer than three different vertices left out"});
 }
 
 TEST(Stl, Errors) {
-    const OneFile f("m.stl");
     const std::string whole = binary(kTetrahedron);
-    EXPECT_EQ(f.error(whole.substr(0, 84 + 3 * 50 + 49)), ": byte 283: the file ends after 3 of 4 triangles");
-    EXPECT_EQ(f.error(whole.substr(0, 83)), ": neither ascii STL (\"solid ...\") nor long enough for binary");
-    EXPECT_EQ(f.error(binary({})), ": holds no faces; points and lines cannot be rendered");
-    EXPECT_EQ(f.error("solid a\nendsolid a\n"), ": holds no faces; points and lines cannot be rendered");
-    EXPECT_EQ(f.error("solid a\n" + kFacet), ":8: the file ends where \"endsolid\" is expected");
-    EXPECT_EQ(f.error("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 x\n"),
+    EXPECT_EQ(error(whole.substr(0, 84 + 3 * 50 + 49)), ": byte 283: the file ends after 3 of 4 triangles");
+    EXPECT_EQ(error(whole.substr(0, 83)), ": neither ascii STL (\"solid ...\") nor long enough for binary");
+    EXPECT_EQ(error(binary({})), ": holds no faces; points and lines cannot be rendered");
+    EXPECT_EQ(error("solid a\nendsolid a\n"), ": holds no faces; points and lines cannot be rendered");
+    EXPECT_EQ(error("solid a\n" + kFacet), ":8: the file ends where \"endsolid\" is expected");
+    EXPECT_EQ(error("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 x\n"),
               ":5: \"x\" is not a number (a vertex needs one)");
-    EXPECT_EQ(f.error("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"),
+    EXPECT_EQ(error("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"),
               ":5: the file ends within a vertex");
-    EXPECT_EQ(f.error("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 "
-                      "1 0\nvertex 0 1 0\nendloop\n"),
+    EXPECT_EQ(error("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 "
+                    "1 0\nvertex 0 1 0\nendloop\n"),
               ":7: expected \"endloop\" (got \"vertex\")");
-    EXPECT_EQ(f.error("solid a\nface normal\n"), ":2: expected \"facet\" or \"endsolid\" (got \"face\")");
+    EXPECT_EQ(error("solid a\nface normal\n"), ":2: expected \"facet\" or \"endsolid\" (got \"face\")");
 }
 
 // Any prefix of a good file is read or refused, never worse.
 TEST(Stl, TruncationsAreRefused) {
-    const OneFile f("m.stl");
     const std::string whole = binary(kTetrahedron), text = "solid a\n" + kFacet + "endsolid\n";
-    for (size_t n = 1; n < whole.size(); n++) EXPECT_NE(f.error(whole.substr(0, n)), "no error") << n;
-    for (size_t n = 1; n + 9 < text.size(); n++) EXPECT_NE(f.error(text.substr(0, n)), "no error") << n;
+    for (size_t n = 1; n < whole.size(); n++) EXPECT_NE(error(whole.substr(0, n)), "no error") << n;
+    for (size_t n = 1; n + 9 < text.size(); n++) EXPECT_NE(error(text.substr(0, n)), "no error") << n;
 }
 
 TEST(Stl, AModelAloneAndAMeshOfASceneFile) {
