@@ -21,6 +21,10 @@ using test::writeBytes;
 
 class Decode : public test::FolderTest {};
 
+std::string readError(const std::filesystem::path& path) {
+    return errorOf(ErrorKind::Failed, [&] { readImage(path); });
+}
+
 std::vector<uint8_t> textBytes(const std::string& text) {
     return {text.begin(), text.end()};
 }
@@ -71,36 +75,31 @@ TEST_F(Decode, PfmByteOrderAndScale) {
 TEST_F(Decode, PfmHeadersThatMakeNoSense) {
     const std::string path = file("a.pfm").string();
     writeBytes(path, textBytes("PF\nx 2\n-1.0\n"));
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
-              path + ": the PFM header has no valid width");
+    EXPECT_EQ(readError(path), path + ": the PFM header has no valid width");
     for (const char* header : {"PF\n0 2\n-1.0\n", "PF\n2 -2\n-1.0\n", "PF\n2 2\n0\n", "PF\n2 2\nnan\n"}) {
         writeBytes(path, textBytes(header));
-        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
-                  path + ": the PFM header has a size or a scale that makes no sense");
+        EXPECT_EQ(readError(path), path + ": the PFM header has a size or a scale that makes no sense");
     }
     // Memory must not be requested for sizes that exceed any memory.
     writeBytes(path, textBytes("PF\n2147483647 2147483647\n-1.0\nabcdefghijkl"));
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": the file is truncated");
+    EXPECT_EQ(readError(path), path + ": the file is truncated");
 }
 
 TEST_F(Decode, FilesThatAreNoPictures) {
     const std::string path = file("a.png").string();
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": no such file");
+    EXPECT_EQ(readError(path), path + ": no such file");
     writeBytes(path, {});
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": the file is empty");
+    EXPECT_EQ(readError(path), path + ": the file is empty");
     writeBytes(path, textBytes("solid cube"));
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
-              path + ": not an image of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)");
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(folder_); }),
-              folder_.string() + ": is a folder, not a file");
+    EXPECT_EQ(readError(path), path + ": not an image of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)");
+    EXPECT_EQ(readError(folder_), folder_.string() + ": is a folder, not a file");
 }
 
 TEST_F(Decode, PipesAndDevicesAreNotWaitedFor) {
     const std::string pipe = file("pipe.png").string();
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(pipe); }), pipe + ": is not a regular file");
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage("/dev/zero"); }),
-              "/dev/zero: is not a regular file");
+    EXPECT_EQ(readError(pipe), pipe + ": is not a regular file");
+    EXPECT_EQ(readError("/dev/zero"), "/dev/zero: is not a regular file");
 }
 
 // Every shortened version of a file must be refused, and none may hang or crash the decoder.

@@ -357,18 +357,15 @@ TEST_F(Layers, HdrOfTwoChannelsIsPadded) {
 }
 
 TEST_F(Layers, LayersThatDoNotFit) {
+    const std::pair<std::vector<Layer>, const char*> cases[] = {
+        {{}, "there is no layer to write"},
+        {{layer("color", 3, 0), {"depth", Image(3, 1, 1)}},
+         "the layers \"color\" and \"depth\" differ in size"},
+        {{layer("alpha", 3, 0)}, "the layer \"alpha\" must have one channel"},
+        {{layer("normal", 4, 0)}, "a layer \"normal\" of 2x1 pixels with 4 channels cannot be written"}};
     const std::string path = file("a.exr").string();
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(path, {}); }),
-              path + ": there is no layer to write");
-    EXPECT_EQ(errorOf(ErrorKind::Failed,
-                      [&] {
-                          writeLayers(path, {layer("color", 3, 0), {"depth", Image(3, 1, 1)}});
-                      }),
-              path + ": the layers \"color\" and \"depth\" differ in size");
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(path, {layer("alpha", 3, 0)}); }),
-              path + ": the layer \"alpha\" must have one channel");
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(path, {layer("normal", 4, 0)}); }),
-              path + ": a layer \"normal\" of 2x1 pixels with 4 channels cannot be written");
+    for (const auto& c : cases)
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(path, c.first); }), path + ": " + c.second);
     EXPECT_TRUE(names().empty());
 }
 
