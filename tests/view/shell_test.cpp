@@ -16,28 +16,13 @@ class Shell : public FolderTest {};
 // ---- the camera goes through unchanged ----
 
 TEST_F(Shell, EveryFieldOfTheCameraGoesThrough) {
-    const std::vector<Json> all = {{{"type", "perspective"},
-                                    {"eye", {0, 1.5, 7}},
-                                    {"target", {0, 0.8, 0}},
-                                    {"up", {0, 1, 0}},
-                                    {"fovY", 45.0},
-                                    {"near", 0.5},
-                                    {"far", 30.0},
-                                    {"lensRadius", 0.15},
-                                    {"focusDistance", 6.25}},
-                                   {{"type", "perspective"},
-                                    {"eye", {0, 1.5, 7}},
-                                    {"target", {0, 0.8, 0}},
-                                    {"up", {0, 1, 0}},
-                                    {"planeNormal", {0, 0.1, 1}},
-                                    {"window", {-0.5, 0.6, -0.4, 0.3}}},
-                                   {{"type", "orthographic"},
-                                    {"eye", {0, 1.5, 7}},
-                                    {"target", {0, 0.8, 0}},
-                                    {"up", {0, 1, 0}},
-                                    {"planeNormal", {0, 0, 1}},
-                                    {"height", 5.0},
-                                    {"near", 1.0}}};
+    const Json all = Json::parse(R"([
+        {"type": "perspective", "eye": [0, 1.5, 7], "target": [0, 0.8, 0], "up": [0, 1, 0], "fovY": 45.0,
+         "near": 0.5, "far": 30.0, "lensRadius": 0.15, "focusDistance": 6.25},
+        {"type": "perspective", "eye": [0, 1.5, 7], "target": [0, 0.8, 0], "up": [0, 1, 0],
+         "planeNormal": [0, 0.1, 1], "window": [-0.5, 0.6, -0.4, 0.3]},
+        {"type": "orthographic", "eye": [0, 1.5, 7], "target": [0, 0.8, 0], "up": [0, 1, 0],
+         "planeNormal": [0, 0, 1], "height": 5.0, "near": 1.0}])");
     for (const Json& camera : all) {
         scene_["camera"] = camera;
         write("scene.json", scene_);
