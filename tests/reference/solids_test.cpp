@@ -182,6 +182,30 @@ TEST(ReferenceQuadric, RaysThatStartOffTheSideEndOnIt) {
     }
 }
 
+// A line at distance h from the axis has the discriminant 1 - h^2, a sum of magnitudes 2: fp32 errs by 18
+// units, and the device takes misses by 18 units for tangents.
+TEST(ReferenceQuadric, NoiseMovesTheLimbWithinItsRounding) {
+    const SceneTracer tracer(packed(CylinderShape{{0, 0, -1}, {0, 0, 1}, 1, true}));
+    // units: by which h^2 exceeds 1
+    const auto hitsOf100 = [&](double units, double step) {
+        Ray ray = makeRay({-5, std::sqrt(1 + units * 0x1p-24), 0}, {1, 0, 0});
+        int hits = 0;
+        for (uint64_t seed = 1; seed <= 100; ++seed) {
+            ray.noise = {seed, step * 0x1p-24};
+            hits += tracer.closest(ray).has_value();
+        }
+        return hits;
+    };
+    EXPECT_EQ(hitsOf100(0.01, 0), 0);
+    for (const double step : {1, 34}) {
+        EXPECT_EQ(hitsOf100(0, step), 100);
+        EXPECT_LT(hitsOf100(9, step), 100);
+        EXPECT_NEAR(hitsOf100(18, step), 50, 30);
+        EXPECT_GT(hitsOf100(27, step), 0);
+        EXPECT_EQ(hitsOf100(36.01, step), 0);
+    }
+}
+
 // The ellipsoid that a sphere becomes is that ellipsoid.
 TEST(ReferenceQuadric, TransformedSphereIsAnEllipsoid) {
     Affine stretch;

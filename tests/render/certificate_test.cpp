@@ -338,6 +338,19 @@ TEST_F(VerifyTest, LightsThatRoundingHidesArePredicted) {
     EXPECT_GT(report.explained(), 20u);
 }
 
+// The limb of a cylinder, in pixels of about half a unit: the device accepts tangents within a bound, so that
+// most of them are too many for the moves of rays alone.
+TEST_F(VerifyTest, LimbsOutsideWithinRoundingArePredicted) {
+    Scene scene = emptyScene();
+    addObject(scene, CylinderShape{{0, -1, 0}, {0, 1, 0}, 1, true});
+    scene.background = {0.2, 0.3, 0.5};
+    aim(scene.camera, {0, 0, 5}, {std::sqrt(0.96), 0, 0.2}, {0.1, 1, 0.05});
+    scene.camera.fovY = 1e-4;
+    const Report report = verified(makeCase(scene, 48, 48));
+    EXPECT_TRUE(report.passed()) << report.explained() << ' ' << report.allowedExplained();
+    EXPECT_GT(report.explained(), 100u);
+}
+
 TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
     const Case c = fileCase("triangles", 40, 30);
     Options options;

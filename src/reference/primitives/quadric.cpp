@@ -75,17 +75,6 @@ struct Equation {
     T bound() const { return disc.bound(64); }
 };
 
-// True if double proves that the form is positive on the whole line: its equation has no root, so that a and
-// c have one sign, each of them greater than its error. Most misses are proven so, in a small part of the
-// time that extended precision takes.
-bool lineIsOutside(const rows::Quadric& quadric, const PreparedRay& ray) {
-    // Bounds below this prove nothing: products of such terms lose their digits.
-    constexpr double kLeastProof = 0x1p-900;
-    const HomogeneousForm<double> form(quadric);
-    const Equation<double> e(form, LocalRay<double>(quadric, ray));
-    return e.bound() > kLeastProof && e.disc.value < -e.bound() && e.a.value > 0;
-}
-
 dmat3 squaresOf(const rows::Quadric& quadric) {
     return symmetric(quadric.squares, quadric.products);
 }
@@ -105,6 +94,41 @@ double termsAt(const rows::Quadric& quadric, const dmat3& squares, const dvec3& 
     return near < far ? here : glm::dot(glm::abs(fromApex), glm::abs(squares * fromApex));
 }
 
+// termsAt() on one side of its bound.
+double termsNear(const rows::Quadric& quadric, const dmat3& squares, const dvec3& y) {
+    const double terms = termsAt(quadric, squares, y);
+    return std::isnan(terms) ? termsAt(quadric, squares, y * (1 + 0x1p-8)) : terms;
+}
+
+// Bound of the device's error in the discriminant, for rays with noise. c is a sum of magnitudes that errs by
+// gamma_9, taken at the line's middle within the bounds. b is about 0 there: the square of its error counts
+// only if `a` is rounding error as well, whose sign the ray's moves change. The device also takes lines that
+// miss within this bound for tangents.
+template <class T>
+double tangentError(const rows::Quadric& quadric, const PreparedRay& ray, const LocalRay<T>& local,
+                    const Equation<T>& e) {
+    if (ray.noise.step == 0 || e.a.value == 0) return 0;
+    const Vec4<T> middle = local.at(-e.b.value / e.a.value);
+    dvec3 y;
+    for (int i = 0; i < 3; ++i)
+        y[i] = std::clamp(static_cast<double>(middle[i].value), quadric.lo[i], quadric.hi[i]);
+    const double error = gammaOf(9) * termsNear(quadric, squaresOf(quadric), y);
+    return std::min(1.0, ray.noise.step / kFloatUnit) * error * std::abs(static_cast<double>(e.a.value));
+}
+
+// True if double proves that the form is positive on the whole line: its equation has no root, so that a and
+// c have one sign, each of them greater than its error. Most misses are proven so, in a small part of the
+// time that extended precision takes.
+bool lineIsOutside(const rows::Quadric& quadric, const PreparedRay& ray) {
+    // Bounds below this prove nothing: products of such terms lose their digits.
+    constexpr double kLeastProof = 0x1p-900;
+    const HomogeneousForm<double> form(quadric);
+    const LocalRay<double> local(quadric, ray);
+    const Equation<double> e(form, local);
+    return e.bound() > kLeastProof && e.a.value > 0 && e.disc.value < -e.bound() &&
+           e.disc.value < -e.bound() - 2 * tangentError(quadric, ray, local, e);
+}
+
 // The rule for the side at t, where the local coordinates are `place`.
 RoundRule ruleAt(const rows::Quadric& quadric, const PreparedRay& ray, double t,
                  const Vec4<Extended>& place) {
@@ -114,9 +138,7 @@ RoundRule ruleAt(const rows::Quadric& quadric, const PreparedRay& ray, double t,
     const dvec3 slope = squares * y + quadric.linear;
     const dvec3 spread =
         glm::abs(slope.x * rows[0]) + glm::abs(slope.y * rows[1]) + glm::abs(slope.z * rows[2]);
-    double terms = termsAt(quadric, squares, y);
-    if (std::isnan(terms)) terms = termsAt(quadric, squares, y * (1 + 0x1p-8));
-    return {ray, rows * slope, spread, quadric.point, t, terms / 2};
+    return {ray, rows * slope, spread, quadric.point, t, termsNear(quadric, squares, y) / 2};
 }
 
 // Tolerance of the clipping planes, so that a plane through the point does not reject it.
@@ -163,7 +185,14 @@ class Search {
             b = static_cast<Extended>(exact.b.value);
             c = static_cast<Extended>(exact.c.value);
         }
-        if (disc < 0) return;
+        if (disc < 0) {
+            const double error = tangentError(quadric_, ray_, local_, e);
+            uint64_t state = ray_.noise.seed ^ quadric_.id;
+            const Extended swayed = disc + error * uniform(state);
+            if (error == 0 || swayed < -error) return;
+            c -= (std::max<Extended>(swayed, 0) - disc) / a;
+            disc = std::max<Extended>(swayed, 0);
+        }
         const auto [count, t] = QuadraticRoots(a, b, c, disc);
         const bool twice = count == 2 && static_cast<double>(t[0]) == static_cast<double>(t[1]);
         for (int i = 0; i < count; ++i) side(t[i], twice);
