@@ -22,36 +22,29 @@ TEST_F(LibraryArrays, EveryOutputOfAKnownHit) {
     addSquare();
     const std::vector<D3> origins = {{0.75, 0.25, 2}, {5, 5, 2}}, directions = {{0, 0, -4}};
     glint_rays rays = raysFrom(origins, directions);
-    std::vector<uint8_t> hit(2, 9);
-    std::vector<double> t(2);
-    std::vector<uint32_t> geometry(2), primitive(2), material(2);
+    Found found;
+    std::vector<uint32_t> material(2);
     std::vector<std::array<float, 2>> uv(2);
-    std::vector<D3> point(2);
     std::vector<F3> normal(2);
-    GLINT_INIT(glint_hits, hits);
-    hits.hit = outOf(hit);
-    hits.t = outOf(t);
-    hits.geometry = outOf(geometry);
-    hits.primitive = outOf(primitive);
+    glint_hits hits = found.outputs(2);
     hits.material = outOf(material);
     hits.uv = outOf(uv);
-    hits.point = outOf(point);
     hits.normal = outOf(normal);
     ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
-    EXPECT_EQ(hit, (std::vector<uint8_t>{1, 0}));
-    EXPECT_EQ(t[0], 0.5);  // in units of the direction
-    EXPECT_EQ(geometry[0], 0u);
-    EXPECT_EQ(primitive[0], 0u);
+    EXPECT_EQ(found.hit, (std::vector<uint8_t>{1, 0}));
+    EXPECT_EQ(found.t[0], 0.5);  // in units of the direction
+    EXPECT_EQ(found.geometry[0], 0u);
+    EXPECT_EQ(found.primitive[0], 0u);
     EXPECT_EQ(material[0], 0u);
     EXPECT_EQ(uv[0], (std::array<float, 2>{0.5f, 0.25f}));  // 1/4 a + 1/2 b + 1/4 c
-    EXPECT_EQ(point[0], (D3{0.75, 0.25, 0}));
+    EXPECT_EQ(found.point[0], (D3{0.75, 0.25, 0}));
     EXPECT_EQ(normal[0], (F3{0, 0, 1}));
-    EXPECT_TRUE(std::isinf(t[1]));
-    EXPECT_EQ(geometry[1], GLINT_NONE);
-    EXPECT_EQ(primitive[1], GLINT_NONE);
+    EXPECT_TRUE(std::isinf(found.t[1]));
+    EXPECT_EQ(found.geometry[1], GLINT_NONE);
+    EXPECT_EQ(found.primitive[1], GLINT_NONE);
     EXPECT_EQ(material[1], GLINT_NONE);
     EXPECT_EQ(uv[1], (std::array<float, 2>{0, 0}));
-    EXPECT_EQ(point[1], (D3{0, 0, 0}));
+    EXPECT_EQ(found.point[1], (D3{0, 0, 0}));
 }
 
 // A caller's structs: strided inputs and outputs, unaligned ones, and an array read backwards.
