@@ -8,7 +8,6 @@ const std::string kRest = R"("ambient": 0.3, "lights": [{"type": "point", "posit
 class CameraOption : public FolderTest {
   protected:
     void SetUp() override {
-        FolderTest::SetUp();
         writeText("two.json",
                   R"({"image": {"width": 32, "height": 24}, "camera": {"eye": [0, 0, 5]}, "cameras": {
             "side": {"eye": [5, 1, 0], "fovY": 30}, "far": {"eye": [0, 0, 50]}}, )" +

@@ -13,7 +13,6 @@ using namespace std::chrono_literals;
 class Checkpoints : public FolderTest {
   protected:
     void SetUp() override {
-        FolderTest::SetUp();
         writeSmallScene("a.json");
         ASSERT_EQ(runGlint(with("-o whole.pfm -q")).code, 0);
         whole_ = readBytes("whole.pfm");

@@ -12,7 +12,6 @@ class Diff : public FolderTest {
     // a is 0 everywhere; b has the sample 0.5 in pixel (1, 0) and 0.25 in pixel (0, 1), both in the green
     // channel.
     void SetUp() override {
-        FolderTest::SetUp();
         Image a(2, 2, 3), b(2, 2, 3);
         b.at(1, 0, 1) = 0.5f;
         b.at(0, 1, 1) = 0.25f;

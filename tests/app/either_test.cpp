@@ -69,7 +69,6 @@ class Trace : public FolderTest {
   protected:
     // A unit sphere at the origin, object 0, and the triangle (2,0,0) (4,0,0) (2,4,0), object 1.
     void SetUp() override {
-        FolderTest::SetUp();
         writeText("a.json",
                   sceneText(3, 3, R"("objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1},
             {"type": "triangle", "vertices": [[2, 0, 0], [4, 0, 0], [2, 4, 0]]}])"));

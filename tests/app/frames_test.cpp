@@ -11,7 +11,6 @@ const char* const kTracks = R"(
 class Frames : public FolderTest {
   protected:
     void SetUp() override {
-        FolderTest::SetUp();
         writeText("a.json", sceneText(32, 24,
                                       std::string(R"("ambient": 0.3,
             "lights": [{"type": "point", "position": [1, 6, 4]}],

@@ -16,7 +16,6 @@ namespace glint::app::test::gpu_report_test {
 class GpuReport : public FolderTest {
   protected:
     void SetUp() override {
-        FolderTest::SetUp();
         // No mirrors and no triangles: few configurations.
         writeText("a.json", sceneText(16, 12, R"("background": 0.5, "ambient": 0.1,
   "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],

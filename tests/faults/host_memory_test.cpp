@@ -20,7 +20,6 @@ constexpr int kFinished = 255;  // the exit code of a child in which nothing fai
 class HostMemory : public FolderTest {
   protected:
     void SetUp() override {
-        FolderTest::SetUp();
         writeSmallScene("a.json");
         writeText(
             "m.obj",

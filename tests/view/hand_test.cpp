@@ -16,10 +16,7 @@
 namespace glint::view::test::hand_test {
 class Hand : public FolderTest {
   protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        size_ = "640x480";
-    }
+    Hand() { size_ = "640x480"; }
 };
 
 glm::dvec3 vectorOf(const Json& json) {

@@ -22,10 +22,7 @@ void setDotsPerInch(int dots) {
 
 class Newcomer : public FolderTest {
   protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        size_ = "640x480";
-    }
+    Newcomer() { size_ = "640x480"; }
 };
 
 // ---- scales ----
