@@ -25,8 +25,8 @@
 namespace glint::reference {
 
 // Random error of what fp32 computes along a ray: the alpha of a hit (holeAt), the discriminant of quadrics
-// that the ray misses (primitives/quadric.cpp), and with `formulas` a textbook sphere test
-// (primitives/sphere.cpp). None for step 0.
+// that the ray misses and the open rims of others (primitives/quadric.cpp), and with `formulas` a textbook
+// sphere test (primitives/sphere.cpp). None for step 0.
 struct RayNoise {
     uint64_t seed = 0;
     double step = 0;
@@ -99,14 +99,15 @@ struct Surface {
 // by up to `ulps` * 2^-24 * max(1, Surface::uvScale), points looked up in a solid checker as origins do, and
 // the alpha of masks by the rounding of its lookup (holeAt). The sine of a refracted angle moves by `ulps`
 // times the rounding of Snell's law (scatteringAt). Rays that miss a quadric within fp32's bound may touch
-// it. seed 0 and ulps 0: no jitter. Deterministic for a seed. `formulas`: besides, a textbook's tests of
-// spheres lose up to `ulps` units of what they sum, and no more than fp32 does (RayNoise). `clears`: besides,
-// rays begin `ulps` times as far from the surface that they leave as the device's do (rounding.h). This is
-// the sum of the bounds on their point's errors, which rounding seldom reaches. `slips`: no movement. fp32's
-// own errors in the rule for surfaces in one place, as parts of their bound: with 0 as few surfaces as
-// possible coincide with the closest one, or with the one that a ray leaves; with kMostSlips as many as
-// possible. kMostSlips also starts rays as far from their surface as the device may. `hit`: id that the first
-// ray hits if the rule lets fp32 hit it (Tracer::possibleHit), else kNone.
+// it, and open rims of quadrics move within that bound. seed 0 and ulps 0: no jitter. Deterministic for a
+// seed. `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no
+// more than fp32 does (RayNoise). `clears`: besides, rays begin `ulps` times as far from the surface that
+// they leave as the device's do (rounding.h). This is the sum of the bounds on their point's errors, which
+// rounding seldom reaches. `slips`: no movement. fp32's own errors in the rule for surfaces in one place, as
+// parts of their bound: with 0 as few surfaces as possible coincide with the closest one, or with the one
+// that a ray leaves; with kMostSlips as many as possible. kMostSlips also starts rays as far from their
+// surface as the device may. `hit`: id that the first ray hits if the rule lets fp32 hit it
+// (Tracer::possibleHit), else kNone.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;

@@ -182,27 +182,56 @@ TEST(ReferenceQuadric, RaysThatStartOffTheSideEndOnIt) {
     }
 }
 
+// Hits of rays with the noise of 100 seeds.
+int hitsOf100(const SceneTracer& tracer, Ray ray, double step) {
+    int hits = 0;
+    for (uint64_t seed = 1; seed <= 100; ++seed) {
+        ray.noise = {seed, step * 0x1p-24};
+        hits += tracer.closest(ray).has_value();
+    }
+    return hits;
+}
+
 // A line at distance h from the axis has the discriminant 1 - h^2, a sum of magnitudes 2: fp32 errs by 18
 // units, and the device takes misses by 18 units for tangents.
 TEST(ReferenceQuadric, NoiseMovesTheLimbWithinItsRounding) {
     const SceneTracer tracer(packed(CylinderShape{{0, 0, -1}, {0, 0, 1}, 1, true}));
     // units: by which h^2 exceeds 1
-    const auto hitsOf100 = [&](double units, double step) {
-        Ray ray = makeRay({-5, std::sqrt(1 + units * 0x1p-24), 0}, {1, 0, 0});
-        int hits = 0;
-        for (uint64_t seed = 1; seed <= 100; ++seed) {
-            ray.noise = {seed, step * 0x1p-24};
-            hits += tracer.closest(ray).has_value();
-        }
-        return hits;
+    const auto hitsAt = [&](double units, double step) {
+        return hitsOf100(tracer, makeRay({-5, std::sqrt(1 + units * 0x1p-24), 0}, {1, 0, 0}), step);
     };
-    EXPECT_EQ(hitsOf100(0.01, 0), 0);
+    EXPECT_EQ(hitsAt(0.01, 0), 0);
     for (const double step : {1, 34}) {
-        EXPECT_EQ(hitsOf100(0, step), 100);
-        EXPECT_LT(hitsOf100(9, step), 100);
-        EXPECT_NEAR(hitsOf100(18, step), 50, 30);
-        EXPECT_GT(hitsOf100(27, step), 0);
-        EXPECT_EQ(hitsOf100(36.01, step), 0);
+        EXPECT_EQ(hitsAt(0, step), 100);
+        EXPECT_LT(hitsAt(9, step), 100);
+        EXPECT_NEAR(hitsAt(18, step), 50, 30);
+        EXPECT_GT(hitsAt(27, step), 0);
+        EXPECT_EQ(hitsAt(36.01, step), 0);
+    }
+}
+
+// From the centre of a unit sphere, the ray hits the side at t = 1 with n.d = 1, and the plane z = 0.5 with
+// d.z = 0.5. The side's t errs by 18 units, the plane by 5: together 14 units of z. The rim of a cap stays
+// closed.
+TEST(ReferenceQuadric, NoiseMovesOpenRimsWithinTheirRounding) {
+    QuadricShape open = generalQuadric({1, 1, 1, 0, 0, 0, 0, 0, 0, -1}, 1);
+    open.hi.z = 0.5;
+    const SceneTracer sphere(packed(open)), cylinder(packed(CylinderShape{{0, 0, -1}, {0, 0, 1}, 1, true}));
+    const auto hitsAt = [](const SceneTracer& tracer, double z, double step) {
+        return hitsOf100(tracer, makeRay({0, 0, 0}, {std::sqrt(1 - z * z), 0, z}), step);
+    };
+    const auto hitsBeyond = [&](double units, double step) {
+        return hitsAt(sphere, 0.5 + units * 0x1p-24, step);
+    };
+    EXPECT_EQ(hitsBeyond(-0.01, 0), 100);
+    EXPECT_EQ(hitsBeyond(0.01, 0), 0);
+    for (const double step : {1, 34}) {
+        EXPECT_EQ(hitsBeyond(-14.1, step), 100);
+        EXPECT_NEAR(hitsBeyond(0, step), 50, 20);
+        EXPECT_NEAR(hitsBeyond(7, step), 25, 20);
+        EXPECT_EQ(hitsBeyond(14.1, step), 0);
+        for (const double units : {-1, 0, 1})
+            EXPECT_EQ(hitsAt(cylinder, std::sqrt(0.5) * (1 + units * 0x1p-24), step), 100);
     }
 }
 

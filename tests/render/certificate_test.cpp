@@ -351,6 +351,19 @@ TEST_F(VerifyTest, LimbsOutsideWithinRoundingArePredicted) {
     EXPECT_GT(report.explained(), 100u);
 }
 
+// The open rim of a sphere cut at 0.9999 of its radius, from inside and in pixels of about half a unit. The
+// side meets the plane at 0.8 degrees, so that rounding of both t moves the rim farther than moved rays do.
+TEST_F(VerifyTest, OpenRimsMovedByRoundingArePredicted) {
+    Scene scene = sceneOf(generalQuadric({1, 1, 1, 0, 0, 0, 0, 0, 0, -1}, 0.9999));
+    scene.background = {0.2, 0.3, 0.5};
+    const double radius = std::sqrt(1 - 0.9999 * 0.9999);
+    aim(scene.camera, {0.1, -0.9, 0.2}, {0.8 * radius, 0.9999, 0.6 * radius}, {1, 0.1, 0});
+    scene.camera.fovY = 1e-3;
+    const Report report = verified(makeCase(scene, 48, 48));
+    EXPECT_TRUE(report.passed()) << report.explained() << ' ' << report.allowedExplained();
+    EXPECT_GT(report.explained(), 400u);
+}
+
 TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
     const Case c = fileCase("triangles", 40, 30);
     Options options;

@@ -200,10 +200,11 @@ class Search {
 
     void side(Extended t, bool twice = false) {
         const Vec4<Extended> y = local_.at(t);
-        const double slip = ray_.ties ? ruleAt(quadric_, ray_, static_cast<double>(t), y).slip(ray_) : 0;
+        const bool rounds = ray_.ties || ray_.noise.step > 0;
+        const double slip = rounds ? ruleAt(quadric_, ray_, static_cast<double>(t), y).slip(ray_) : 0;
         if (!isWithin(ray_, static_cast<double>(t), slip, test_.tMax) || !isFirst(t)) return;
         for (int i = 0; i < 3; ++i) {
-            const Extended slack = slackAt(y, i);
+            const Extended slack = slackAt(y, i) + swayAt(t, slip, i);
             if (!(y[i].value >= quadric_.lo[i] - slack && y[i].value <= quadric_.hi[i] + slack)) return;
         }
         take(t, slip, shared::kPartSide, twice);
@@ -223,6 +224,17 @@ class Search {
 
     Extended slackAt(const Vec4<Extended>& y, int i) const {
         return kClipSlack * (y[i].terms + magnitude<Extended>(quadric_.hi[i] - quadric_.lo[i]));
+    }
+
+    // The ray's noise in the bounds of an open rim: fp32 compares the t of the side and of the plane, which
+    // err by at most their slips. A plane with a cap stays: the device's cap begins where the side ends.
+    Extended swayAt(Extended t, double slip, int i) const {
+        const bool hasCaps = quadric_.caps & (shared::kCapLower | shared::kCapUpper);
+        const Extended speed = magnitude(local_.d[i].value);
+        if (ray_.noise.step == 0 || speed == 0 || (i == 2 && hasCaps)) return 0;
+        uint64_t state = ray_.noise.seed ^ (uint64_t{quadric_.id} << 2 | static_cast<uint64_t>(i + 1));
+        const double most = slip + slipOfFace(quadric_, i, speed, t, ray_);
+        return std::min(1.0, ray_.noise.step / kFloatUnit) * uniform(state) * most * speed;
     }
 
     bool isFirst(Extended t) const { return !found_ || static_cast<double>(t) < root_.t; }
