@@ -274,7 +274,7 @@ vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 nor
 // One Newton step along the gradient from o + t d. The error left along the normal: gamma_12 of the
 // magnitudes that the equation sums, and gamma_5 of those of y, over the gradient's length. At a cone's apex
 // and on a double plane the gradient vanishes: there the surface faces the ray, and an error e of the
-// equation moves it by at most sqrt(e).
+// equation moves it by at most sqrt(e). o + t d itself errs by gamma_8 of its terms along the normal.
 void surfaceOfQuadric(Ray ray, Hit hit, Quadric q, inout Surface surface) {
     uint part = (hit.primitive >> kPartShift) & kPartMask;
     precise vec3 offset = (ray.origin - q.point) + hit.t * ray.direction;
@@ -297,7 +297,9 @@ void surfaceOfQuadric(Ray ray, Hit hit, Quadric q, inout Surface surface) {
         float gradient = there.steepest * there.size;
         float limit = squareRoot(gammaBound(12.0) * magnitude) * quotient(length(slope), gradient);
         precise float newton = quotient(quotient(value, there.steepest), there.size);
-        precise float step = part == kPartSide ? clamp(newton, -limit, limit) : newton;
+        vec3 far = abs(ray.origin - q.point) + abs(hit.t * ray.direction);
+        float most = limit + gammaBound(8.0) * dot(abs(there.unit), far);
+        precise float step = part == kPartSide ? clamp(newton, -most, most) : newton;
         normal = there.unit;
         offset -= step * normal;
         vec3 spread = abs(slope.x * q.toLocal0) + abs(slope.y * q.toLocal1) + abs(slope.z * q.toLocal2);
