@@ -39,11 +39,11 @@ struct Root {
     bool twice = false;  // tangent: the line enters and leaves a round surface at one t
 };
 
-// The rule for rays that meet and leave surfaces (docs/design/numerics.md): t stands for t +- slip, and slip
-// is how far the heights of surfaces in one place may differ in fp32, over the speed n.d at which the ray
-// changes its height. anchor: the point of the plane that heights are measured from; w = anchor - o; n: unit.
-// A part of it is the rounding of coordinates, which makes the planes differ. The rest is the arithmetic of
-// the test; PreparedRay::slips scales it.
+// The rule for rays that hit and leave surfaces (docs/design/numerics.md): t stands for t +- slip. slip is
+// the greatest difference in fp32 between the heights of surfaces in one place, over the speed n.d at which
+// the ray changes its height. anchor: the point of the plane that heights are measured from; w = anchor - o;
+// n: unit. Rounding of coordinates makes the planes differ and is one part of it. The other is the arithmetic
+// of the test; PreparedRay::slips scales it.
 double slipOfFlat(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t);
 // Its height, without what an instance adds: u sum |n_i| (2 |a_i| + 6 |a_i - o_i| + 6 |t d_i|).
 double heightError(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t);

@@ -234,7 +234,7 @@ bool holeAt(const Model& scene, const Surface& surface, const RayNoise& noise) {
 dvec3 surroundings(const Model& scene, const rows::Environment& environment, const dvec3& direction,
                    const dvec2& shift) {
     if (environment.map == 0) return environment.background;
-    // The middle column, which latitudeLongitude has at +z, is seen along -z with +x to its right.
+    // The middle column, which latitudeLongitude has at +z, appears along -z with +x to its right.
     const dvec2 uv = latitudeLongitude({direction.x, direction.y, -direction.z}) + shift;
     return environment.background *
            dvec3(textureAt(scene, scene.textures[environment.map - 1], uv, dvec3(0), 0));

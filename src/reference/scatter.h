@@ -28,7 +28,7 @@ struct Crossing {
     bool crowded = false;  // a medium found no room in the list
 };
 
-// A ray inside `media` meets a surface of `medium` (0: no dielectric).
+// A ray inside `media` hits a surface of `medium` (0: no dielectric).
 Crossing crossingAt(const Model& scene, const Media& media, uint32_t medium, bool entering);
 
 // The two rays that a surface between different media makes of one.
@@ -66,7 +66,7 @@ double spotError(const rows::Light& light, const glm::dvec3& toLight, double par
 
 // ---- Surfaces
 
-// A hit as shading sees it: normals turned against the ray.
+// A hit for shading: normals turned against the ray.
 struct Interaction {
     Source source;
     glm::dvec3 position;
@@ -90,11 +90,12 @@ glm::dvec3 offsetOrigin(const Interaction& at, const glm::dvec3& direction);
 
 // The part of a light's.
 struct Reflection : RoundedColor {
-    bool faces = false;      // the light is on the side that is seen
+    bool faces = false;      // the light is on the ray's side
     bool highlight = false;  // and Blinn's term is not 0
 };
-// Lambert's and Blinn's terms for a light from `toLight`, a unit vector good to `turn` units of 2^-24. Where
-// the light's cosine is too small for its sign to be known, the error is all that the light could bring.
+// Lambert's and Blinn's terms for a light from `toLight`, a unit vector good to `turn` units of 2^-24. If
+// rounding decides whether the light's cosine exceeds kLeastCosine, the error is all that the light could
+// add.
 Reflection evaluate(const Interaction& at, const glm::dvec3& toLight, double turn);
 
 // ---- Rays that go on

@@ -68,13 +68,13 @@ struct Source {
     uint32_t primitive;  // kind and index
     uint32_t instance;
 };
-// A primitive that is not known. (kElsewhere in shaders/traversal/ray.glsl)
+// An unknown primitive. (kElsewhere in shaders/traversal/ray.glsl)
 inline constexpr uint32_t kElsewhere = 0xfffffffe;
 inline Source sourceOf(const Hit& hit) {
     return {hit.primitive, hit.instance};
 }
 
-// A hit as the user sees it.
+// A hit for the user.
 struct Surface {
     uint32_t object = 0;     // index in the scene's object list
     uint32_t primitive = 0;  // face index in the file's order
@@ -84,30 +84,34 @@ struct Surface {
     glm::dvec3 shadingNormal{0};    // interpolated vertex normal, or the geometric one; outward, unit
     glm::dvec2 uv{0};               // texture coordinates (docs/reference/shading.md)
     glm::dvec3 color{1};            // of the vertices, interpolated
-    double scale = 0;       // the greatest coordinate of the position, and of what it is computed from
-    glm::dvec2 uvScale{0};  // the same of u and v, in units of theirs
-    double bend = 0;        // of quadrics: bound on the turn of the normal per unit of distance
-    glm::dvec3 error{0};    // fp32's error of the position on each axis (rounding.h)
+    double scale = 0;               // the greatest coordinate of the position and of its inputs
+    glm::dvec2 uvScale{0};          // the same of u and v, in units of theirs
+    double bend = 0;                // of quadrics: bound on the turn of the normal per unit of distance
+    glm::dvec3 error{0};            // fp32's error of the position on each axis (rounding.h)
 };
 
-// Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray
-// and shadow ray of a path is moved: each component c of its origin by a random amount of up to `ulps` *
-// 2^-24 * scale (scale: the greatest magnitude among the coordinates of origin, and hit point that spawned
-// it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24, of a camera
-// ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
-// cone, and each contribution before it is compared with the least that is followed. Texture coordinates move
-// by up to `ulps` * 2^-24 * max(1, Surface::uvScale), points looked up in a solid checker as origins do, and
-// the alpha of masks by the rounding of its lookup (holeAt). The sine of a refracted angle moves by `ulps`
-// times the rounding of Snell's law (scatteringAt). Rays that miss a quadric within fp32's bound may touch
-// it, and open rims of quadrics move within that bound. seed 0 and ulps 0: no jitter. Deterministic for a
-// seed. `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no
-// more than fp32 does (RayNoise). `clears`: besides, rays begin `ulps` times as far from the surface that
-// they leave as the device's do (rounding.h). This is the sum of the bounds on their point's errors, which
-// rounding seldom reaches. `slips`: no movement. fp32's own errors in the rule for surfaces in one place, as
-// parts of their bound: with 0 as few surfaces as possible coincide with the closest one, or with the one
-// that a ray leaves; with kMostSlips as many as possible. kMostSlips also starts rays as far from their
-// surface as the device may. `hit`: id that the first ray hits if the rule lets fp32 hit it
-// (Tracer::possibleHit), else kNone.
+// Moves rays by the size of rounding, to find the decisions that depend on it. Moved are, in every camera
+// ray, reflected ray and shadow ray of a path,
+// - each component of the origin, by up to `ulps` * 2^-24 * scale (scale: the greatest magnitude among the
+//   coordinates of the origin, the hit point that it came from, and the geometry involved);
+// - each component of the unit direction, by up to `ulps` * 2^-24, of a camera ray times Ray::directionScale.
+// So are
+// - the unit direction to a spot light before it is compared with the cone, and each contribution before it
+//   is compared with the least that is followed;
+// - texture coordinates, by up to `ulps` * 2^-24 * max(1, Surface::uvScale), and points of a solid checker as
+//   origins are;
+// - the alpha of masks, by the rounding of its lookup (holeAt), and the sine of a refracted angle, by `ulps`
+//   times the rounding of Snell's law (scatteringAt);
+// - quadrics: rays that miss one within fp32's bound may touch it, and its open rims move within that bound.
+// seed 0 and ulps 0: no jitter. Deterministic for a seed.
+// `formulas`: also, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more than
+// fp32 does (RayNoise).
+// `clears`: also, rays begin `ulps` times as far from the surface that they leave as the device's do
+// (rounding.h). This distance is the sum of the bounds on the point's errors, which rounding seldom reaches.
+// `slips`: no movement, but fp32's own errors in the rule for surfaces in one place, as parts of their bound.
+// With 0 as few surfaces as possible coincide with the closest one, or with the one that a ray leaves; with
+// kMostSlips as many as possible. kMostSlips also starts rays as far from their surface as the device may.
+// `hit`: id that the first ray hits if the rule lets fp32 hit it (Tracer::possibleHit), else kNone.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
@@ -136,7 +140,7 @@ struct Bounce {
     std::vector<uint8_t> occluded;  // per light: 1 if it faces the surface and its shadow ray is blocked
     RayClass kind = RayClass::Primary;
     uint32_t depth = 0;   // rays before it; it comes from the last one listed of a depth one less
-    glm::dvec3 light{0};  // what it adds to the pixel's colour itself, without the rays that follow from it
+    glm::dvec3 light{0};  // its own addition to the pixel's colour, without the rays that follow
 };
 
 // Rays of one class, and the boxes and primitives that they tested.

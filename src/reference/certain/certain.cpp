@@ -35,7 +35,7 @@ Answer miss() {
     return answer;
 }
 
-// A ray in the coordinates of a tree, as boxes see it.
+// A ray in the coordinates of a tree, for the tests of boxes.
 struct BoxRay {
     dvec3 origin, direction;
     double pad;     // what its origin is off, on each axis
@@ -109,7 +109,7 @@ class Search {
     struct Contender {
         Span span;
         uint32_t primitive = kNone, instance = kNone, id = 0;
-        bool exact = false;  // nearestExactly can tell
+        bool exact = false;  // decided by nearestExactly
     };
 
     void search(uint32_t root, const BoxRay& ray, uint32_t instance) {

@@ -41,8 +41,9 @@ class Tracer {
     const Scene& scene_;
     const PackedScene& packed_;
     std::vector<uint32_t> firstIds_;  // by object
-    // How far points of rays and of the scene are off in local coordinates, beside rounding to fp32; and how
-    // far surfaces other than triangles and planes may stand out of the tree's boxes beside that.
+    // Errors of the points of rays and of the scene in local coordinates, in addition to rounding to fp32;
+    // and the distance by which surfaces other than triangles and planes may exceed the tree's boxes in
+    // addition.
     double slack_ = 0, boxSlack_ = 0;
 };
 

@@ -174,8 +174,8 @@ struct Intersection {
     Number edges[3];  // those of a triangle, opposite to its corners; their sum is not 0
 };
 
-// The volumes that the ray's direction spans with two corners each, seen from its origin: on which side of
-// each edge it passes (Segura, Feito, "Algorithms to Test Ray-Triangle Intersection", WSCG 2001).
+// The volumes that the ray's direction spans with two corners each, relative to its origin, give the side of
+// each edge on which it passes (Segura, Feito, "Algorithms to Test Ray-Triangle Intersection", WSCG 2001).
 std::optional<Intersection> intersectTriangle(const Vector& origin, const Vector& direction,
                                               const ExactSurface& surface) {
     std::array<Vector, 3> seen;

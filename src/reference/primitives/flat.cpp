@@ -55,7 +55,7 @@ int provenSign(const Sign& sign) {
 
 // ---- Triangles
 
-// A triangle as a ray sees it: its corners from the ray's origin, and the direction.
+// A triangle relative to a ray: its corners from the ray's origin, and the direction.
 template <class T>
 struct SeenTriangle {
     Vec<T> d, a, b, c;
@@ -211,7 +211,7 @@ bool isAbove(const dvec3& vertex, const PreparedRay& ray) {
     return (dz < 0 ? -side : side) > 0;
 }
 
-// The side of the line on which the edge from a to b passes, seen against axis kz.
+// The side of the line on which the edge from a to b passes, in projection along axis kz.
 int sideOf(const dvec3& a, const dvec3& b, const PreparedRay& ray) {
     const int side = provenSign([&]<class T>() {
         const Vec<T> o = toVec<T>(ray.origin);

@@ -79,9 +79,8 @@ dmat3 squaresOf(const rows::Quadric& quadric) {
     return symmetric(quadric.squares, quadric.products);
 }
 
-// The magnitudes that add up to the left side of the equation. A cone with a tip is summed at y or, where
-// n(y) is no less than a sixteenth of n(y + a), from its apex, n the form of all magnitudes. NaN: at that
-// bound.
+// The magnitudes that add up to the left side of the equation. A cone with a tip is summed at y, or from its
+// apex if n(y) is at least a sixteenth of n(y + a), n the form of all magnitudes. NaN: at that bound.
 double termsAt(const rows::Quadric& quadric, const dmat3& squares, const dvec3& y) {
     const double here = glm::dot(glm::abs(y), glm::abs(squares * y) + 2.0 * glm::abs(quadric.linear)) +
                         std::abs(quadric.constant);

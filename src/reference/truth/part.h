@@ -63,7 +63,7 @@ struct Identity {
 // by units of 2^-24 of the distance, so a farther anchor is a defect of packing.
 inline constexpr double kAnchorRoom = 2;
 
-// A shape's place in its BVH, and the origin of its coordinates. eye: surfaces near it are measured from
+// A shape's place in its BVH, and the origin of its coordinates. eye: near it, surfaces are measured from
 // other points. anchor: see truthOf. ranks: kDielectricRank or 0, by material; empty if an instance has the
 // rank.
 struct Setting {

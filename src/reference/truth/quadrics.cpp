@@ -1,5 +1,5 @@
-// Quadrics as the layout has them (GLINT_QUADRIC_ROWS), in double. With y in units of the surface's own size,
-// docs/reference/scene-format.md says what each shape is.
+// Quadrics in the rows of the layout (GLINT_QUADRIC_ROWS), in double. y is in units of the surface's own
+// size; docs/reference/scene-format.md defines each shape.
 #include <cmath>
 
 #include "reference/numbers.h"

@@ -34,8 +34,8 @@ void Part::addItem(shared::PrimitiveKind kind, size_t index, Bounds box, double 
 
 namespace {
 
-// An eye nearer to the surface than 1/64 of the radius: the nearest point and the normal there, as the layout
-// says.
+// If the eye is nearer to the surface than 1/64 of the radius: the nearest point and the normal there, as the
+// layout requires.
 void add(Part& part, const SphereShape& sphere, const Setting& at) {
     rows::Sphere row;
     row.point = sphere.center - at.origin;
@@ -230,7 +230,7 @@ void Part::add(const Shape& shape, const Setting& at) {
 
 namespace {
 
-// Solid angle of a triangle seen from 0, in whole spheres (A. van Oosterom, J. Strackee 1983).
+// Solid angle of a triangle from 0, in whole spheres (A. van Oosterom, J. Strackee 1983).
 double solidAngle(const dvec3& a, const dvec3& b, const dvec3& c) {
     const double x = glm::length(a), y = glm::length(b), z = glm::length(c);
     const double over = glm::dot(glm::cross(a, b), c);

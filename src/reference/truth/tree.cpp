@@ -137,7 +137,7 @@ class Builder {
         return std::min(static_cast<size_t>(bin), kBins - 1);
     }
 
-    // Costs are in areas: of what is tested on either side.
+    // Costs are areas times the number of tests on either side.
     Split bestSplit(uint32_t first, uint32_t end, const Bounds& middles) const {
         Split best;
         const dvec3 widths = middles.hi - middles.lo;
