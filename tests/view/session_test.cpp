@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "../support/support.h"
 #include "converge/known_film.h"
 #include "view/session.h"
 
