@@ -9,8 +9,8 @@ bool mayPass(Traversal traversal) {
     return FEATURE_ALPHA_MASK || (FEATURE_COLORED_SHADOWS && isShadowRay(traversal));
 }
 
-// True if the ray hits the surface from its inner side. Round primitives return the side with the hit
-// (kTellsSides).
+// True if the ray hits the surface from its inner side. Spheres (with kTellsSides) and quadrics return the
+// side in hit.u.
 bool leavesThrough(Traversal traversal, Surface surface, Hit hit) {
     bool isRound =
         (kindOf(hit) == kKindSphere && SPHERE_FORM == kSphereRobust) || kindOf(hit) == kKindQuadric;

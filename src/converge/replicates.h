@@ -66,8 +66,8 @@ class Replicates {
     const ImageSettings image_;
     const Target target_;
     const bool knowsDepth_;
-    uint32_t taking_ = 0;  // samples of the batch at hand
-    PictureFlaws flaws_;   // of its parts so far
+    uint32_t taking_ = 0;  // samples of the current batch
+    PictureFlaws flaws_;   // of its finished parts
 };
 
 // Throws if the fixed parts leave nothing of the target; tries greater depths by `draw` for the advice.

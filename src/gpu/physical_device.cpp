@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint32_t kWorkgroupInvocations = 64;  // local size of every kernel
 constexpr uint32_t kPushConstantBytes = 128;    // what Vulkan guarantees (table 33, required limits)
-// Storage buffers of a kernel that has its arrays together (render/kernels.h).
+// Storage buffers of a kernel that has its arrays together: GLINT_FEW_BINDINGS (shaders/shared/layout.h).
 constexpr uint32_t kBindings = 4;
 
 struct DeviceType {

@@ -177,7 +177,8 @@ Reflection evaluate(const Interaction& at, const dvec3& l, double turn) {
     result.highlight = highlight > 0;
     if (result.faces) result.value = cosine * at.material.diffuse + specular;
     if (!result.faces) result.error = dvec3(0);
-    if (least < slip * kFloatUnit) result.error += 0x1p24 * specular;
+    if (least < slip * kFloatUnit)
+        result.error += 0x1p24 * (specular + static_cast<double>(shared::kLeastCosine) * at.material.diffuse);
     result.error += slip * at.material.diffuse;
     return result;
 }

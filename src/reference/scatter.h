@@ -94,8 +94,8 @@ struct Reflection : RoundedColor {
     bool highlight = false;  // and Blinn's term is not 0
 };
 // Lambert's and Blinn's terms for a light from `toLight`, a unit vector good to `turn` units of 2^-24. If
-// rounding decides whether the light's cosine exceeds kLeastCosine, the error is all that the light could
-// add.
+// rounding decides whether a cosine exceeds kLeastCosine, the error includes all that a light at this cosine
+// adds.
 Reflection evaluate(const Interaction& at, const glm::dvec3& toLight, double turn);
 
 // ---- Rays that go on
@@ -107,7 +107,7 @@ struct Scattering {
     glm::dvec3 reflected{0}, refracted{0};
     RoundedColor reflectedWeight, refractedWeight;
 };
-// noise: rounding error of refraction, as a part of its bound, times 2^-24.
+// noise: rounding error of refraction in units of its bound, times 2^-24 (up to Jitter::ulps of them).
 Scattering scatteringAt(const Model& scene, const Interaction& at, double noise);
 
 }  // namespace glint::reference

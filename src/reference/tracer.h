@@ -90,19 +90,19 @@ struct Surface {
     glm::dvec3 error{0};            // fp32's error of the position on each axis (rounding.h)
 };
 
-// Moves rays by the size of rounding, to find the decisions that depend on it. Moved are, in every camera
-// ray, reflected ray and shadow ray of a path,
+// Moves rays by the size of rounding, to find the decisions that depend on it. It moves, for every camera
+// ray, reflected ray and shadow ray of a path:
 // - each component of the origin, by up to `ulps` * 2^-24 * scale (scale: the greatest magnitude among the
 //   coordinates of the origin, the hit point that it came from, and the geometry involved);
 // - each component of the unit direction, by up to `ulps` * 2^-24, of a camera ray times Ray::directionScale.
-// So are
+// It also moves
 // - the unit direction to a spot light before it is compared with the cone, and each contribution before it
 //   is compared with the least that is followed;
 // - texture coordinates, by up to `ulps` * 2^-24 * max(1, Surface::uvScale), and points of a solid checker as
 //   origins are;
 // - the alpha of masks, by the rounding of its lookup (holeAt), and the sine of a refracted angle, by `ulps`
 //   times the rounding of Snell's law (scatteringAt);
-// - quadrics: rays that miss one within fp32's bound may touch it, and its open rims move within that bound.
+// - limbs and open rims of quadrics, within fp32's bounds (tangentError, swayAt).
 // seed 0 and ulps 0: no jitter. Deterministic for a seed.
 // `formulas`: also, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more than
 // fp32 does (RayNoise).

@@ -38,7 +38,8 @@ struct DeviceScene {
 
 class Engine {
   public:
-    // Keeps a reference to the scene, which reserve() requires to be uploaded. memory: of the path state.
+    // Keeps a reference to the scene, which must be uploaded before any call but start(). memory: of the path
+    // state.
     explicit Engine(const DeviceScene& scene, gpu::MemoryKind memory = gpu::MemoryKind::Device);
 
     const PathState& paths() const { return paths_; }

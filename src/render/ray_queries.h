@@ -16,7 +16,7 @@
 namespace glint::render {
 
 struct FoundHit {
-    float t = 0, u = 0, v = 0;           // u and v as in reference::Hit
+    float t = 0, u = 0, v = 0;  // of triangles as in reference::Hit; u of a quadric: side of its root
     uint32_t primitive = shared::kNone;  // kind and index; kNone: a miss
     uint32_t instance = shared::kNone;   // of the primitive
     // Query::Count alone: number of surfaces crossed. doubtful: rounding decides whether one of them lies

@@ -16,8 +16,7 @@ namespace glint::render {
 // - `primary` includes `generate` unless Options::profile is set.
 // - `shadow` includes shading by the lights.
 // - `secondary` counts reflected and refracted rays together. Images with Request::tally and transmission
-// trace
-//   them in separate dispatches instead: `mirrored` and `refracted`.
+//   trace them in separate dispatches instead: `mirrored` and `refracted`.
 // - `whole` is whole.comp.
 struct KernelTimes {
     double generate = 0, primary = 0, shadow = 0, secondary = 0, shade = 0, adapt = 0, whole = 0;

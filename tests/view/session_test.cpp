@@ -28,7 +28,7 @@ converge::Replicates goalOf(double error, uint32_t seed = 0, bool knowsDepth = t
     return {converge::jobOf(error, seed).request.image, {.error = error}, knowsDepth};
 }
 
-TEST(ErrorGoal, EndsWhereRenderDoes) {
+TEST(SessionUntil, EndsWhereRenderDoes) {
     const converge::Film film = converge::edgeFilm();
     for (uint32_t seed = 0; seed < 5; ++seed) {
         converge::Replicates goal = goalOf(0.02, seed);
@@ -57,7 +57,7 @@ TEST(ErrorGoal, EndsWhereRenderDoes) {
     }
 }
 
-TEST(ErrorGoal, SaysWhatNoSampleMends) {
+TEST(SessionUntil, SaysWhatNoSampleMends) {
     const converge::Film film = converge::edgeFilm();
     converge::Replicates rounded = goalOf(0.02);
     EXPECT_EQ(inWords(rounded.state, 0.02), "error not known yet; until 0.02");
