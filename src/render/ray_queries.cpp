@@ -122,7 +122,7 @@ struct RayQueries::State : DeviceScene {
     }
     Context hostContext() const { return inPlace ? device.context() : Context{.threads = 1}; }
 
-    // Calls use(slot) with an idle slot; makes one or waits if there is none.
+    // Calls use(slot) with an idle slot. If all are in use, it makes one, or waits if there are enough.
     template <typename Use>
     void withSlot(const Use& use) {
         std::unique_lock lock(mutex);

@@ -70,6 +70,22 @@ TEST(ReferenceShading, LambertAndFalloff) {
         << "seen from the unlit side";
 }
 
+// Rounding decides whether a light at kLeastCosine counts. Both paths must allow for all of its diffuse
+// light.
+TEST(ReferenceShading, TheStepAtTheLeastCosineLiesWithinTheRounding) {
+    const auto record = [](float change) {
+        SceneMaker maker;
+        maker.plane(vec3(0), {0, 1, 0});
+        maker.light(kLightDirectional, {1, shared::kLeastCosine * change, 0}, vec3(1000));
+        return traceScene(maker, kDown);
+    };
+    const PixelRecord dark = record(0.999f), lit = record(1.001f);
+    EXPECT_EQ(dark.color.x, 0);
+    EXPECT_NEAR(lit.color.x, 1000.0 * static_cast<double>(shared::kLeastCosine), 1e-5);
+    EXPECT_GE(dark.rounding.x, lit.color.x);
+    EXPECT_GE(lit.rounding.x, lit.color.x);
+}
+
 // View and light 45 degrees apart, the light along the normal: n.h = cos(pi/8), squared (2 + sqrt 2) / 4.
 TEST(ReferenceShading, HighlightByHand) {
     SceneMaker maker;

@@ -70,7 +70,7 @@ struct BumpyMesh {
 };
 BumpyMesh makeBumpyMesh(uint32_t seed, uint32_t steps = 16);
 
-// What the tracer's closest() finds if every ray enters every box: an oracle for traversals.
+// The closest hit if every ray enters every box: an oracle for Tracer::closest().
 std::optional<reference::Hit> closestOfAll(const reference::Tracer& tracer, const reference::Ray& ray,
                                            const reference::Source& source = {});
 
