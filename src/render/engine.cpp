@@ -65,12 +65,12 @@ void Engine::reserve(uint32_t capacity, uint32_t rows, bool rebind) {
 }
 
 const gpu::Kernel& Engine::kernel(KernelId id, const TraceModes& modes) {
-    gpu::Kernel& kernel = kernels_[{id, modes}].kernel;
-    if (!kernel) {
-        kernel = make(id, modes);
-        kernel.bind(bindings());
+    Entry& entry = kernels_[{id, modes}];
+    if (!entry.kernel) {
+        entry.kernel = entry.translation.valid() ? entry.translation.get() : make(id, modes);
+        entry.kernel.bind(bindings());
     }
-    return kernel;
+    return entry.kernel;
 }
 
 uint64_t Engine::codeBytes() const {

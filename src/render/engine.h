@@ -32,6 +32,8 @@ struct DeviceScene {
     // Keeps references to device, scene and Options::kernels. Throws as chooseTraversal.
     DeviceScene(const gpu::Device& device, const PackedScene& scene, const SceneFeatures& features,
                 const Options& options);
+    DeviceScene(const DeviceScene&) = delete;  // an engine keeps a reference
+    DeviceScene& operator=(const DeviceScene&) = delete;
     // Throws Error(Device) for arrays that do not fit.
     void upload() { buffers = SceneBuffers(device, scene, access, traversal); }
 };
@@ -41,12 +43,14 @@ class Engine {
     // Keeps a reference to the scene, which must be uploaded before any call but start(). memory: of the path
     // state.
     explicit Engine(const DeviceScene& scene, gpu::MemoryKind memory = gpu::MemoryKind::Device);
+    Engine(const Engine&) = delete;  // translations on other threads use it
+    Engine& operator=(const Engine&) = delete;
 
     const PathState& paths() const { return paths_; }
     // Makes room for `capacity` paths of `rows` rows. rebind: a buffer of the scene has been replaced.
     void reserve(uint32_t capacity, uint32_t rows, bool rebind = false);
 
-    // Translates kernels on other threads, for compile(). Do not move the engine from then on.
+    // Translates kernels on other threads, for compile() and kernel().
     void start(const TraceModes& modes, const std::vector<KernelId>& ids);
     // Makes the missing kernels and runs each once, on paths that have ended: some drivers compile in the
     // first dispatch. Overwrites the path state.
