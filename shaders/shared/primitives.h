@@ -92,7 +92,7 @@
 
 // V(number, Kind, KINDS, kinds, one, many) for each kind that a ray can hit, I(...) for instances, which have
 // a BVH of their own:
-//   number     in leaves and primitive numbers (layout.h)
+//   number     in leaves and primitive numbers (layout.h), ascending
 //   Kind       the struct, and kKind<Kind>
 //   KINDS      the feature, FEATURE_<KINDS>
 //   kinds      the array of PackedScene, and the field of SceneFeatures

@@ -56,13 +56,11 @@ std::string materialsText(const Scene& scene) {
 
 // "3: 2 point, 1 spot"
 std::string lightsText(const Scene& scene) {
-    constexpr const char* kKinds[] = {"point", "directional", "spot"};
-    static_assert(std::size(kKinds) == std::variant_size_v<Light>);
     std::vector<std::string> kinds;
-    for (size_t kind = 0; kind < std::size(kKinds); ++kind) {
+    for (size_t kind = 0; kind < kLightTypes.size(); ++kind) {
         const auto count = std::count_if(scene.lights.begin(), scene.lights.end(),
                                          [kind](const Light& light) { return light.index() == kind; });
-        if (count > 0) kinds.push_back(std::to_string(count) + " " + kKinds[kind]);
+        if (count > 0) kinds.push_back(std::to_string(count) + " " + kLightTypes[kind]);
     }
     return std::to_string(scene.lights.size()) + (kinds.empty() ? "" : ": ") + joined(kinds);
 }

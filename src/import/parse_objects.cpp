@@ -283,7 +283,7 @@ class ObjectParser {
         const auto firstTexture = static_cast<uint32_t>(in_.scene.textures.size());
         in_.scene.textures.insert(in_.scene.textures.end(), read->textures.begin(), read->textures.end());
         for (Material material : read->materials) {
-            for (const auto texture : kMaterialTextures)
+            for (const auto& [key, texture] : kMaterialTextures)
                 if (material.*texture != Material::kNoTexture) material.*texture += firstTexture;
             in_.scene.materials.push_back(std::move(material));
         }

@@ -128,10 +128,8 @@ void merge(glint_scene& scene, Scene text) {
     const auto materials = static_cast<uint32_t>(draft.materials.size());
     const auto textures = static_cast<uint32_t>(draft.textures.size());
     for (Material& material : text.materials) {
-        for (uint32_t* texture :
-             {&material.ambientTexture, &material.diffuseTexture, &material.specularTexture,
-              &material.mirrorTexture, &material.transmissionTexture})
-            if (*texture != Material::kNoTexture) *texture += textures;
+        for (const auto& [key, texture] : kMaterialTextures)
+            if (material.*texture != Material::kNoTexture) material.*texture += textures;
     }
     std::vector<Object> objects = std::move(text.objects);
     const auto append = [](auto& to, auto& from) {

@@ -10,20 +10,6 @@
 namespace glint {
 namespace {
 
-void addLightKind(const shared::Light& light, SceneFeatures& features) {
-    switch (light.kind) {
-        case shared::kLightDirectional:
-            features.directionalLights = true;
-            break;
-        case shared::kLightSpot:
-        case shared::kLightSpotInverseSquare:
-            features.spotLights = true;
-            break;
-        default:
-            features.pointLights = true;
-    }
-}
-
 // Measured: no ray of 10^5 hit a triangle behind it if the longest side was at most 16 times the height above
 // it, none of 1.2 x 10^6 up to 40 times, one of 10^5 up to 64 times
 // (SliverTest.TrianglesBehindARayAreNotMet).
@@ -57,7 +43,11 @@ SceneFeatures featuresOf(const PackedScene& packed, const Materials& materials, 
     f.splitTriangles = packed.statistics.splitTriangles > 0;
     f.slivers = haveSlivers(packed.triangles, context);
     f.vertexNormals = !packed.vertexNormals.empty();
-    for (const shared::Light& light : packed.lights) addLightKind(light, f);
+    for (const shared::Light& light : packed.lights) {
+        f.pointLights |= light.kind == shared::kLightPoint || light.kind == shared::kLightPointInverseSquare;
+        f.directionalLights |= light.kind == shared::kLightDirectional;
+        f.spotLights |= light.kind == shared::kLightSpot || light.kind == shared::kLightSpotInverseSquare;
+    }
     for (size_t i = 0; i < packed.materials.size(); ++i) {
         if (!materials.used(i)) continue;
         f.specular |= packed.materials[i].specular != glm::vec3(0);

@@ -48,30 +48,33 @@ float oneMinusCosine(double degrees) {
     return static_cast<float>(2 * half * half);
 }
 
+shared::Light rounded(const PointLight& light, const glm::dvec3& origin) {
+    const bool fades = light.falloff == Falloff::InverseSquare;
+    return {.position = glm::vec3(light.position - origin),
+            .kind = fades ? shared::kLightPointInverseSquare : shared::kLightPoint,
+            .intensity = glm::vec3(light.intensity)};
+}
+
+shared::Light rounded(const DirectionalLight& light, const glm::dvec3&) {
+    return {.position = glm::vec3(unitVector(-light.direction).value()),
+            .kind = shared::kLightDirectional,
+            .intensity = glm::vec3(light.intensity)};
+}
+
+shared::Light rounded(const SpotLight& light, const glm::dvec3& origin) {
+    const bool fades = light.falloff == Falloff::InverseSquare;
+    return {.position = glm::vec3(light.position - origin),
+            .kind = fades ? shared::kLightSpotInverseSquare : shared::kLightSpot,
+            .intensity = glm::vec3(light.intensity),
+            .inner = oneMinusCosine(light.angle),
+            .axis = glm::vec3(unitVector(light.direction).value()),
+            .outer = oneMinusCosine(light.angle + light.penumbra)};
+}
+
 }  // namespace
 
 shared::Light packLight(const Light& light, const glm::dvec3& origin) {
-    shared::Light out;
-    if (const auto* point = std::get_if<PointLight>(&light)) {
-        out.position = glm::vec3(point->position - origin);
-        out.kind =
-            point->falloff == Falloff::InverseSquare ? shared::kLightPointInverseSquare : shared::kLightPoint;
-        out.intensity = glm::vec3(point->intensity);
-    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
-        out.position = glm::vec3(spot->position - origin);
-        out.kind =
-            spot->falloff == Falloff::InverseSquare ? shared::kLightSpotInverseSquare : shared::kLightSpot;
-        out.intensity = glm::vec3(spot->intensity);
-        out.axis = glm::vec3(unitVector(spot->direction).value());
-        out.inner = oneMinusCosine(spot->angle);
-        out.outer = oneMinusCosine(spot->angle + spot->penumbra);
-    } else {
-        const auto& directional = std::get<DirectionalLight>(light);
-        out.position = glm::vec3(unitVector(-directional.direction).value());
-        out.kind = shared::kLightDirectional;
-        out.intensity = glm::vec3(directional.intensity);
-    }
-    return out;
+    return std::visit([&](const auto& one) { return rounded(one, origin); }, light);
 }
 
 void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, PackedScene& packed) {

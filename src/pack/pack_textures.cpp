@@ -50,7 +50,8 @@ Coordinate along(const dvec3& axis, const dvec3& anchor, double scale, double sh
     return {scale * axis, shift - scale * glm::dot(axis, anchor)};
 }
 
-struct FlatCoordinates {
+// Texture coordinates by the frame of the object, which the shaders use for kinds without kOwnUvKinds.
+struct CoordinatesOf {
     const Affine& toObject;  // from the shape's coordinates
 
     // Normals go by the inverse transpose.
@@ -88,10 +89,9 @@ struct FlatCoordinates {
     Coordinates operator()(const ConeShape& c) const { return axial(c.base, c.apex); }
     Coordinates operator()(const HyperboloidShape& h) const { return axial(h.base, h.top); }
     Coordinates operator()(const ParaboloidShape& p) const { return axial(p.vertex, p.top); }
-    template <class Other>
-    Coordinates operator()(const Other&) const {
-        return {};
-    }
+    Coordinates operator()(const BoxShape&) const { return {}; }
+    Coordinates operator()(const TriangleShape&) const { return {}; }
+    Coordinates operator()(const MeshShape&) const { return {}; }
 
     static Coordinates round(const dvec3& center, const dvec3& radii) {
         return {along({1, 0, 0}, center, 1 / radii.x, 0), along({0, 1, 0}, center, 1 / radii.y, 0),
@@ -140,7 +140,7 @@ double periodOf(const Scene& scene, const Object& object, const CubeOrigin& cube
     const auto* mesh = std::get_if<MeshShape>(&object.shape);
     if (cubes.period > 0 || (mesh != nullptr && !mesh->mesh->materials.empty())) return cubes.period;
     std::vector<const Texture*> textures;
-    for (const auto texture : kMaterialTextures) {
+    for (const auto& [key, texture] : kMaterialTextures) {
         const uint32_t index = scene.materials[object.material].*texture;
         if (index != Material::kNoTexture) textures.push_back(&scene.textures[index]);
     }
@@ -173,7 +173,7 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
     const Affine toObject = inverse(object.applied);  // from the shape's coordinates
     const Affine all{toObject.linear * fromWorld.linear,
                      apply(toObject, apply(fromWorld, origin))};  // from local coordinates
-    const Coordinates uv = std::visit(FlatCoordinates{toObject}, object.shape);
+    const Coordinates uv = std::visit(CoordinatesOf{toObject}, object.shape);
     const glm::dmat3 rows = glm::transpose(all.linear);
     const auto offsetOf = [&](const Coordinate& c) { return glm::dot(c.direction, all.offset) + c.offset; };
     shared::ObjectFrame frame;
@@ -199,7 +199,7 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
 
 bool hasTexture(const Material& m) {
     return std::ranges::any_of(kMaterialTextures,
-                               [&](auto texture) { return m.*texture != Material::kNoTexture; });
+                               [&](const auto& named) { return m.*named.second != Material::kNoTexture; });
 }
 
 namespace {

@@ -2,12 +2,14 @@
 // RGB colours.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -137,6 +139,9 @@ struct SpotLight {
 };
 
 using Light = std::variant<PointLight, DirectionalLight, SpotLight>;
+// The names of these kinds in scene files.
+inline constexpr std::array kLightTypes = {"point", "directional", "spot"};
+static_assert(kLightTypes.size() == std::variant_size_v<Light>);
 
 // Beyond the edge of an image.
 enum class Wrap { Repeat, Clamp, Mirror };
@@ -204,9 +209,13 @@ struct Material {
     double alphaCutoff = 0;
     bool operator==(const Material&) const = default;
 };
-inline constexpr uint32_t Material::*kMaterialTextures[] = {
-    &Material::ambientTexture, &Material::diffuseTexture, &Material::specularTexture,
-    &Material::mirrorTexture, &Material::transmissionTexture};
+// Their keys in scene files. Ambient follows diffuse, of which it is often a copy.
+inline constexpr std::pair<const char*, uint32_t Material::*> kMaterialTextures[] = {
+    {"diffuse", &Material::diffuseTexture},
+    {"ambient", &Material::ambientTexture},
+    {"specular", &Material::specularTexture},
+    {"mirror", &Material::mirrorTexture},
+    {"transmission", &Material::transmissionTexture}};
 
 // Polygons already split into triangles. `corners` index `positions`; `normalCorners` index `normals` and is
 // either empty (no vertex normals at all) or as long as `corners`, with kNoIndex thrice for a triangle

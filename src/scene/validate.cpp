@@ -116,7 +116,17 @@ void checkWindowSize(const Camera& camera, const Place& place) {
     }
 }
 
-void checkSpot(const SpotLight& spot, const Place& place) {
+void checkLight(const PointLight& point, const Place& place) {
+    checkPoint(place, "position", point.position);
+    checkColor(place, "intensity", point.intensity);
+}
+
+void checkLight(const DirectionalLight& light, const Place& place) {
+    checkDirection(place, "direction", light.direction);
+    checkColor(place, "intensity", light.intensity);
+}
+
+void checkLight(const SpotLight& spot, const Place& place) {
     checkPoint(place, "position", spot.position);
     checkDirection(place, "direction", spot.direction);
     checkRange(place, "angle", spot.angle, 0, 180, " degrees");
@@ -332,19 +342,6 @@ void checkLens(const Camera& camera, const Place& place) {
         place.fail("lensRadius", "an orthographic camera has no lens", got(camera.lensRadius));
 }
 
-void checkLight(const Light& light, const Place& place) {
-    if (const auto* point = std::get_if<PointLight>(&light)) {
-        checkPoint(place, "position", point->position);
-        checkColor(place, "intensity", point->intensity);
-    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
-        checkSpot(*spot, place);
-    } else {
-        const auto& directional = std::get<DirectionalLight>(light);
-        checkDirection(place, "direction", directional.direction);
-        checkColor(place, "intensity", directional.intensity);
-    }
-}
-
 void checkTexture(const Texture& texture, const Place& place) {
     for (const double number : {texture.scale.x, texture.scale.y})
         if (!(std::abs(number) <= kMaxCoordinate) || number == 0)
@@ -371,12 +368,8 @@ void checkEnvironment(const Scene& scene, const Place& place) {
 
 // Textures are checked for each material that names them, so that messages name the material.
 void checkTextures(const Scene& scene, const Material& material, const Place& place) {
-    const std::pair<const char*, uint32_t> named[] = {{"diffuse", material.diffuseTexture},
-                                                      {"ambient", material.ambientTexture},
-                                                      {"specular", material.specularTexture},
-                                                      {"mirror", material.mirrorTexture},
-                                                      {"transmission", material.transmissionTexture}};
-    for (const auto& [key, index] : named) {
+    for (const auto& [key, texture] : kMaterialTextures) {
+        const uint32_t index = material.*texture;
         if (index == Material::kNoTexture) continue;
         checkNumber(place, key, "texture", index, scene.textures.size());
         checkTexture(scene.textures[index], {place.file, place.pointer + "/" + key});
@@ -473,8 +466,10 @@ void validateScene(const Scene& scene, const std::string& name) {
     checkEnvironment(scene, {name, "/background"});
     checkColor(root, "ambient", scene.ambient);
     checkInteger(root, "maxDepth", scene.maxDepth, 0, kMaxBounces);
-    for (size_t i = 0; i < scene.lights.size(); i++)
-        checkLight(scene.lights[i], {name, "/lights/" + std::to_string(i)});
+    for (size_t i = 0; i < scene.lights.size(); i++) {
+        const Place place{name, "/lights/" + std::to_string(i)};
+        std::visit([&](const auto& light) { checkLight(light, place); }, scene.lights[i]);
+    }
     for (size_t i = 0; i < scene.materials.size(); i++) {
         const Material& material = scene.materials[i];
         const std::string key = material.name.empty() ? std::to_string(i) : escapePointer(material.name);

@@ -49,8 +49,7 @@ Json numberJson(const glm::dvec3& v) {
 }
 
 Json lightJson(const Light& light) {
-    constexpr const char* kTypes[] = {"point", "directional", "spot"};
-    Json json = {{"type", kTypes[light.index()]}};
+    Json json = {{"type", kLightTypes[light.index()]}};
     std::visit(
         [&](const auto& l) {
             forFields(l, [&](const char* name, auto field) { json[name] = numberJson(l.*field); });

@@ -216,10 +216,9 @@ struct CoordinatesOf {
     Coordinates operator()(const ConeShape& c) const { return along(c.base, c.apex); }
     Coordinates operator()(const HyperboloidShape& h) const { return along(h.base, h.top); }
     Coordinates operator()(const ParaboloidShape& p) const { return along(p.vertex, p.top); }
-    template <class Other>
-    Coordinates operator()(const Other&) const {
-        return {};
-    }
+    Coordinates operator()(const BoxShape&) const { return {}; }
+    Coordinates operator()(const TriangleShape&) const { return {}; }
+    Coordinates operator()(const MeshShape&) const { return {}; }
 
   private:
     Linear spread(const dvec3& axis, const std::vector<dvec3>& vertices) const {
@@ -282,7 +281,7 @@ void addShading(const Scene& scene, const std::vector<bool>& used, Model& model)
     bool textured = false, transmits = false;
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         if (!used[i]) continue;
-        for (const auto texture : kMaterialTextures)
+        for (const auto& [key, texture] : kMaterialTextures)
             textured = textured || scene.materials[i].*texture != Material::kNoTexture;
         transmits = transmits || scene.materials[i].transmission != Color(0);
         model.alphaMask = model.alphaMask || model.materials[i].alphaCutoff > 0;
