@@ -1,6 +1,7 @@
 // Quadrics in the rows of the layout (GLINT_QUADRIC_ROWS), in double. y is in units of the surface's own
 // size; docs/reference/scene-format.md defines each shape.
 #include <cmath>
+#include <stdexcept>
 
 #include "reference/numbers.h"
 #include "reference/truth/part.h"
@@ -146,7 +147,7 @@ struct SurfaceOf {
     }
     template <class Other>
     Surface operator()(const Other&) const {
-        return {};
+        throw std::logic_error("a shape that truth::add has no rows for");
     }
 };
 
