@@ -199,7 +199,7 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     precise float middle = A * e.C <= 0.5 * e.B * e.B ? 0.0 : quotient(-e.B, A);
     float reach = larger(p.leave - begin, 0.0);
     middle = middle < reach ? larger(middle, 0.0) : reach;
-    bool fromSide = ray.source == (primitive | (kPartSide << kPartShift));
+    bool fromSide = (ray.source & ~kStartsInwards) == (primitive | (kPartSide << kPartShift));
     precise float start = fromSide ? 0.0 : begin + middle;
     e = equationAt(q, o + start * d, d, image);
     // Sums of magnitudes: B errs by gamma_8 of its own, C by gamma_9.
@@ -208,18 +208,11 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     precise float errorB = gammaBound(8.0) * magnitudeB;
     precise float slack = errorB * errorB + abs(A) * (gammaBound(9.0) * magnitudeC);
     if (fromSide) {
-        // The ray starts on the side: C is 0. If rounding decides the sign of B, the start's side does: a
-        // line between two crossings (A C < 0) has one ahead. The origin, the direction and gamma_3 of its
-        // sums are rounded, and the origin stands off the surface by C over the gradient.
-        vec3 terms = magnitudesToLocal(q, abs(ray.direction) * unit);
-        vec3 reach = magnitudesToLocal(q, abs(ray.origin) + abs(q.point));
-        precise float errorSide =
-            gammaBound(8.0) * (dot(reach, magnitudesBilinear(q, terms)) + dot(abs(e.at.linear), terms));
-        precise float steepness = length(e.form - e.at.linear);
-        if (steepness > 0.0) errorSide += quotient(0.5 * abs(e.C), steepness) * length(image);
-        precise float errorC = gammaBound(9.0) * magnitudeC + gammaBound(5.0) * dot(abs(e.form), reach);
-        float ahead = abs(e.C) > errorC && A * e.C < 0.0 ? larger(abs(e.B), kUnit * errorSide) : 0.0;
-        if (abs(e.B) <= errorSide) e.B = A < 0.0 ? ahead : -ahead;
+        // The ray starts on the side: C is 0, and the ray decides the sign of B. Its origin, which is moved
+        // out of the error box, may lie beyond the far side of a thin body.
+        float sense = (ray.source & kStartsInwards) != 0u ? -1.0 : 1.0;
+        precise float least = larger(kUnit * errorB, 1e-30);
+        e.B = sense * larger(sense * e.B, least);
         e.C = 0.0;
     }
     Crossings c = crossingsOf(A, e.B, e.C, slack, start);
@@ -250,10 +243,8 @@ QuadricNormal normalOf(Quadric q, vec3 slope) {
 
 // Normal at a point where a line touches the side, like towardsRayAtLimb for spheres. hit.u, the side of the
 // hit's root, decides whether the line enters or leaves, with respect to the normal at `offset`, where a line
-// that passes by within rounding is moved to. A ray that starts on the side may leave through it.
+// that passes by within rounding is moved to.
 vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 normal) {
-    uint kindAndIndex = ~(kPartMask << kPartShift);
-    if ((ray.source & kindAndIndex) == (hit.primitive & kindAndIndex)) return normal;
     vec3 along = toLocal(q, ray.direction);
     vec3 terms = abs(ray.origin - q.point) + abs(hit.t * ray.direction);
     QuadricPlace at = placeOf(q, y);

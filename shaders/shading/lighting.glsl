@@ -102,7 +102,7 @@ Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
                    dot(lit.at.surface.geometricNormal, light.direction) > kLeastCosine &&
                    dot(lit.at.surface.shadingNormal, light.direction) > kLeastCosine;
     traversal.ray = Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
-                        lit.at.hit.primitive, lit.at.hit.instance);
+                        sourceOf(lit.at, false), lit.at.hit.instance);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     if (kFiltered) {
         float reach = light.tMax < kInfinity ? 1.0 : 0.0;

@@ -204,11 +204,17 @@ Branch loadWaiting(uint path, uint slot) {
                   MODE_TALLY ? direction.w >> kWaitingKindShift : 0u);
 }
 
+// Ray::source of a ray that leaves an interaction on its own side, or on the other.
+uint sourceOf(Interaction at, bool through) {
+    bool inwards = FEATURE_QUADRICS && kindOf(at.hit) == kKindQuadric && (at.hit.u == kLeaves) != through;
+    return at.hit.primitive | (inwards ? kStartsInwards : 0u);
+}
+
 // The ray that leaves an interaction on the side that `outwards` points to. depth: rays before it.
 Branch branchFrom(Interaction at, vec3 outwards, vec3 direction, vec3 throughput, uvec4 media, uint depth,
                   uint kind) {
     vec3 origin = offsetOrigin(at.surface.position, at.surface.error, outwards);
-    Ray ray = Ray(origin, direction, 0.0, kInfinity, at.hit.primitive, at.hit.instance);
+    Ray ray = Ray(origin, direction, 0.0, kInfinity, sourceOf(at, kind == kRayRefracted), at.hit.instance);
     return Branch(ray, throughput, media, depth, kind);
 }
 

@@ -183,7 +183,8 @@ GLINT_CONST_UINT(kPrimitiveIndexMask, 0x0fffffffu);
 // starts on this part must not hit it again, but may hit the others.
 GLINT_CONST_UINT(kPartShift, 25u);
 GLINT_CONST_UINT(kPartMask, 7u);
-// Parts and caps of a quadric:
+// Parts and caps of a quadric; of a ray's source, the bit of rays that start inwards:
+GLINT_CONST_UINT(kStartsInwards, 0x08000000u);
 GLINT_CONST_UINT(kPartSide, 0u);
 GLINT_CONST_UINT(kPartLowerCap, 1u);
 GLINT_CONST_UINT(kPartUpperCap, 2u);

@@ -24,6 +24,12 @@ class LeakTest : public RenderTest {
     std::vector<std::pair<const char*, Subject>> subjects() const {
         return {{"device", subject()}, {"reference", {}}};
     }
+    void expectDark(const Scene& scene, const std::string& where) const {
+        const Image image = draw(device(), makeCase(scene, 64, 64)).color;
+        size_t lit = 0;
+        for (int i = 0; i < 64 * 64; ++i) lit += image.at(i % 64, i / 64, 0) != 0.0f;
+        EXPECT_EQ(lit, 0u) << where;
+    }
 };
 
 TEST_F(LeakTest, AMillionAimedRays) {
@@ -152,17 +158,64 @@ constexpr char kThinBox[] = R"({
         {"type": "polygon", "vertices": [[-1, -0.001, 1], [1, -0.001, 1], [1, 0.001, 1], [-1, 0.001, 1]], "material": "glossy"}
     ], "transform": [{"rotate": [1, 2, 3, )";
 
+// Like {"rotate": [1, 2, 3, degrees]}.
+glm::dmat3 turnBy(double degrees) {
+    return glm::dmat3(glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::normalize(dvec3(1, 2, 3))));
+}
+
 TEST_F(LeakTest, LightsInThePlaneOfAFaceStayOutside) {
     for (int degrees = 40; degrees < 180; degrees += 7) {
-        const glm::dmat3 turn(
-            glm::rotate(glm::dmat4(1), glm::radians(1.0 * degrees), glm::normalize(dvec3(1, 2, 3))));
+        const glm::dmat3 turn = turnBy(degrees);
         Scene scene = textCase(kThinBox + std::to_string(degrees) + "]}]}]}", 64, 64).scene;
         std::get<PointLight>(scene.lights[0]).position = turn * dvec3(3, 0.001 + 1e-10, 1);
         scene.camera.eye = turn * dvec3(0.1, 0, 0.05);
         scene.camera.target = turn * dvec3(0.9, 0.2, 0.3);
-        const Image image = draw(device(), makeCase(scene, 64, 64)).color;
-        for (int i = 0; i < 64 * 64; ++i)
-            ASSERT_EQ(image.at(i % 64, i / 64, 0), 0.0f) << degrees << " degrees, pixel " << i;
+        expectDark(scene, std::to_string(degrees) + " degrees");
+    }
+}
+
+// Rays that leave the rim of a thin body start at the edge of an error box, which reaches beyond the far
+// side.
+TEST_F(LeakTest, ThinMirrorsKeepLightOut) {
+    const glm::dmat3 turn = turnBy(40);
+    for (
+        const std::string body :
+        {R"("type": "ellipsoid", "center": [0, 0, 0], "radii": [1, 1, 0.7])",
+         R"("type": "cylinder", "base": [0, 0, -0.8], "top": [0, 0, 0.8], "radius": 1, "capped": true)",
+         R"("type": "hyperboloid", "base": [0, 0, -0.8], "top": [0, 0, 0.8], "radius": 1, "waist": 0.6, "capped": true)"}) {
+        for (const double thickness : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+            const std::string thin = std::to_string(thickness);
+            Scene scene = textCase(R"({"camera": {"fovY": 120}, "background": 1, "maxDepth": 60,
+                "materials": {"mirror": {"mirror": 1}},
+                "objects": [{"type": "group", "objects": [{"material": "mirror", )" +
+                                       body + R"(}], "transform": [{"scale": [1, )" + thin +
+                                       R"(, 1]}, {"rotate": [1, 2, 3, 40]}]}]})",
+                                   64, 64)
+                              .scene;
+            scene.camera.eye = turn * dvec3(0.05, 0.02 * thickness, -0.03);
+            for (const dvec3& target :
+                 {dvec3(0.6, 0.5 * thickness, -0.5), dvec3(-0.5, -0.7 * thickness, -0.3)}) {
+                scene.camera.target = turn * target;
+                expectDark(scene, body + ", thickness " + thin);
+            }
+        }
+    }
+}
+
+TEST_F(LeakTest, NeedlesAreDarkInside) {
+    for (const double radius : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+        const std::string text = std::to_string(radius);
+        Scene scene = textCase(R"({"camera": {"fovY": 120}, "ambient": 0,
+            "lights": [{"type": "point", "position": [5, 1, 3]},
+                       {"type": "directional", "direction": [-1.3, -0.6, 1.1]}],
+            "objects": [{"type": "group", "objects": [{"type": "cylinder", "base": [0, -1, 0], "top": [0, 1, 0],
+            "radius": )" + text + R"(, "capped": true}], "transform": [{"rotate": [1, 2, 3, 40]}]}]})",
+                               64, 64)
+                          .scene;
+        const glm::dmat3 turn = turnBy(40);
+        scene.camera.eye = turn * dvec3(0.1 * radius, 0.2, -0.1 * radius);
+        scene.camera.target = turn * dvec3(0, -1, 0);
+        expectDark(scene, "radius " + text);
     }
 }
 

@@ -61,6 +61,6 @@ mutant(unpadded_boxes traversal/ray.glsl "kFarPad = 1.00000226497650" "kFarPad =
 mutant(fixed_offset traversal/ray.glsl "return dot(abs(n), error);" "return 1e-4;" light shade)
 # The hit point o + t d, taken for exact, and nothing known of the primitive that it lies on.
 mutant(raw_hit_point shading/lighting.glsl "Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
-                        lit.at.hit.primitive, lit.at.hit.instance);"
+                        sourceOf(lit.at, false), lit.at.hit.instance);"
        "Ray(lit.at.ray.origin + lit.at.hit.t * lit.at.ray.direction, light.toLight, 0.0,
             sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, kNone, kNone);" light)

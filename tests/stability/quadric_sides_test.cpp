@@ -97,7 +97,8 @@ class QuadricSideTest : public render::test::RenderTest {
             const double out = i % 2 == 0 ? std::ldexp(random.uniform(0.5, 1), -int(20 + i / 2 % 10)) : -0.01;
             rays[i].origin = vec3(on);
             rays[i].direction = vec3(random.uniform(0.5, 2) * (along + out * normal));
-            rays[i].source = shared::kKindQuadric << shared::kPrimitiveKindShift | static_cast<uint32_t>(i);
+            rays[i].source = shared::kKindQuadric << shared::kPrimitiveKindShift | static_cast<uint32_t>(i) |
+                             (i % 2 == 0 ? 0 : shared::kStartsInwards);
         }
         const std::vector<Answer> answers = probe(subject(), rays, quadrics);
         size_t leave = 0, again = 0, goIn = 0, lost = 0;
