@@ -50,9 +50,9 @@ vec2 objectUv(uint object, vec3 position, vec3 outward) {
         bool axial = FEATURE_QUADRICS && frame.uvKind == kUvAxial;
         bool round_ = FEATURE_QUADRICS && frame.uvKind == kUvRound;
         vec2 around = latitudeLongitude(axial || round_ ? uvw : direction);
-        // A cap lies at 0 or 1 up to rounding: a repeated image would show both of its ends.
-        float height = clamp(uvw.y, 0.0, kBelowOne);
-        uv = frame.uvKind == kUvFlat ? uvw.xy : vec2(around.x, axial ? height : around.y);
+        // Caps, poles and the seam are at 0 or 1 up to rounding; a repeated image must show one of its ends.
+        vec2 within = clamp(vec2(around.x, axial ? uvw.y : around.y), 0.0, kBelowOne);
+        uv = frame.uvKind == kUvFlat ? uvw.xy : within;
     }
     return uv;
 }

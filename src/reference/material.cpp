@@ -155,18 +155,21 @@ void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
         case shared::kUvAxial:
             surface.uv = {latitudeLongitude(own).x, own.y};
             surface.uvScale = {turn, sums.y};
-            keepHeight(scene, surface);
             break;
         default:
             surface.uv = latitudeLongitude(own);
             surface.uvScale = {turn, 2 * angle(sums.x + sums.y + sums.z, glm::length(own))};
     }
+    keepWithinImage(scene, surface);
 }
 
-void keepHeight(const Model& scene, Surface& surface) {
+void keepWithinImage(const Model& scene, Surface& surface) {
     if (surface.object >= scene.objectFrames.size()) return;
-    if (scene.objectFrames[surface.object].uvKind != shared::kUvAxial) return;
-    surface.uv.y = std::clamp(surface.uv.y, 0.0, static_cast<double>(shared::kBelowOne));
+    if (scene.objectFrames[surface.object].uvKind == shared::kUvFlat) return;
+    double& u = surface.uv.x;
+    if (u < 0) u += 1;
+    if (u > 1) u -= 1;
+    surface.uv = glm::clamp(surface.uv, 0.0, static_cast<double>(shared::kBelowOne));
 }
 
 rows::Material materialAt(const Model& scene, const Surface& surface) {
@@ -225,7 +228,7 @@ bool holeAt(const Model& scene, const Surface& surface, const RayNoise& noise) {
         const double lookup = scale > 0 ? 2 * std::abs(surface.uv[i]) + (place + 2.5) / scale : 0;
         seen.uv[i] = moved(surface.uv[i], std::max(1.0, surface.uvScale[i]) + lookup);
     }
-    keepHeight(scene, seen);
+    keepWithinImage(scene, seen);
     const double alpha = textureAt(scene, material.diffuseTexture, seen).w;
     const bool mixed = !(texture.flags & (shared::kTextureChecker | shared::kTextureNearest));
     return (mixed ? moved(alpha, 7 * alpha + 1) : alpha) < material.alphaCutoff;

@@ -12,9 +12,9 @@ namespace glint::reference {
 void triangleAttributes(const Model& scene, const Hit& hit, Surface& surface);
 void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface);
 
-// Keeps the height on a body of revolution within 0 and the last float before 1: its ends lie there, and
-// rounding must not turn a repeated image over on a cap. Leaves other coordinates as they are.
-void keepHeight(const Model& scene, Surface& surface);
+// Keeps the coordinates of round bodies within 0 and the last float before 1: rounding must not begin the
+// next repetition of an image at a cap, pole or seam. A longitude beyond the seam goes on at its other side.
+void keepWithinImage(const Model& scene, Surface& surface);
 
 // The surface's material, its colours times those of textures and vertices.
 rows::Material materialAt(const Model& scene, const Surface& surface);

@@ -28,8 +28,10 @@ PixelData dataOf(const dvec3& origin, const PixelRecord& record) {
     data.shadowBits = record.shadowBits;
     if (!record.hit) return data;
     data.depth = record.hit->t;
-    data.u = static_cast<float>(record.hit->u);
-    data.v = static_cast<float>(record.hit->v);
+    const bool isTriangle = kindOfPrimitive(record.hit->primitive) == shared::PrimitiveKind::Triangle;
+    const glm::vec2 uv(isTriangle ? glm::dvec2(record.hit->u, record.hit->v) : record.surface->uv);
+    data.u = uv.x;
+    data.v = uv.y;
     data.position = origin + record.surface->position;
     data.normal = glm::vec3(record.surface->shadingNormal);
     data.geometricNormal = glm::vec3(record.surface->geometricNormal);

@@ -285,7 +285,7 @@ Surface PathTracer::texturedAt(const Surface& surface) {
     const double reach = surface.scale;
     for (int i = 0; i < 2; ++i) moved.uv[i] += mover_.shift(scale);
     for (int i = 0; i < 3; ++i) moved.position[i] += mover_.shift(reach);
-    keepHeight(scene_, moved);
+    keepWithinImage(scene_, moved);
     return moved;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "reference/render.h"
 #include "support.h"
 #include "verify/verify.h"
 
@@ -265,6 +266,41 @@ TEST_F(TextureTest, CapsShowOneEndOfTheImage) {
         EXPECT_NEAR(hits[i].data.v, i % 2 == 0 ? 1 : 0, 1e-6);
         EXPECT_GE(hits[i].data.v, 0);
         EXPECT_LT(hits[i].data.v, 1);
+    }
+}
+
+// Sphere and ellipsoid at the pole and at the seam, where fp32 rounds coordinates up to 1.
+TEST_F(TextureTest, PolesAndSeamsShowOneEndOfTheImage) {
+    for (const Shape& shape :
+         {Shape(SphereShape{{0, 0, 0}, 1}), Shape(EllipsoidShape{{0, 0, 0}, {1, 2, 3}})}) {
+        Scene scene = emptyScene();
+        scene.objects.push_back({"/objects/0", shape, addTextured(scene, {CheckerTexture{}}), {}});
+        std::vector<RayInput> rays;
+        for (int i = -10; i <= 10; ++i) {
+            const double aside = 1e-8 * i;
+            rays.push_back(rayOf(vec3(aside, 5, 1e-8), vec3(0, -1, 0)));
+            rays.push_back(rayOf(vec3(aside, 0, -5), vec3(0, 0, 1)));
+        }
+        for (const RayHit& hit : hitsOf(packScene(scene), rays)) {
+            ASSERT_TRUE(hit.hit);
+            EXPECT_LT(hit.data.u, 1);
+            EXPECT_LT(hit.data.v, 1);
+        }
+    }
+}
+
+// The layer uv, of triangles and of all else.
+TEST_F(TextureTest, LayersOfDeviceAndReferenceHaveTheSameCoordinates) {
+    for (const char* name : {"textures", "textured_quadrics"}) {
+        const Case c = fileCase(name, 24, 18);
+        const Picture drawn = draw(device(), c),
+                      exact = reference::render(c.packed, c.camera, wholeWithData(c));
+        for (size_t i = 0; i < drawn.data.size(); ++i) {
+            const PixelData &a = drawn.data[i], &b = exact.data[i];
+            if (a.primitive != b.primitive) continue;
+            EXPECT_NEAR(a.u, b.u, 1e-5 * (1 + std::abs(b.depth))) << name << " " << i;
+            EXPECT_NEAR(a.v, b.v, 1e-5 * (1 + std::abs(b.depth))) << name << " " << i;
+        }
     }
 }
 
