@@ -155,14 +155,26 @@ CubeOrigin cubeOrigin(const Scene& scene) {
     return {solidChecker(*solid.front())->corner, commonPeriod(solid)};
 }
 
-// A coordinate relative to that corner. If fp32 cannot distinguish cubes there, it is reduced to the period
-// around the corner. Whole periods do not change the texture, so an object and a texture's corner may be
+// A coordinate of a texture that repeats. If fp32 cannot resolve the texture there, it is reduced to the
+// period around 0. Whole periods do not change the texture, so an object and a solid checker's corner may be
 // moved by different numbers of periods. period 0: no reduction.
-double inCubes(double fromCorner, double period) {
+double nearZero(double coordinate, double period) {
     // A thousand periods away, fp32 still resolves 2^-13 of a cube.
     constexpr double kManyPeriods = 1024;
-    const bool far = period > 0 && std::abs(fromCorner) > kManyPeriods * period;
-    return far ? std::remainder(fromCorner, period) : fromCorner;
+    const bool far = period > 0 && std::abs(coordinate) > kManyPeriods * period;
+    return far ? std::remainder(coordinate, period) : coordinate;
+}
+
+// The offset of a texture, up to whole periods: 1 of a repeated image, 2 of a mirrored one and of a checker.
+// Coordinates beyond kMaxTextureCoordinate stay there.
+glm::vec3 placeOf(const Texture& texture) {
+    const auto* image = std::get_if<ImageTexture>(&texture.source);
+    const auto reduced = [](double offset, Wrap wrap) {
+        if (wrap == Wrap::Clamp || std::abs(offset) > shared::kMaxTextureCoordinate) return offset;
+        return nearZero(offset, wrap == Wrap::Repeat ? 1 : 2);
+    };
+    return {reduced(texture.offset.x, image ? image->wrapU : Wrap::Mirror),
+            reduced(texture.offset.y, image ? image->wrapV : Wrap::Mirror), 0};
 }
 
 }  // namespace
@@ -182,7 +194,7 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
     frame.toObjectZ = glm::vec3(rows[2]);
     const double period = periodOf(scene, object, cubes);
     const auto fromCubes = [&](double offset, double corner) {
-        return static_cast<float>(inCubes(offset - corner, period));
+        return static_cast<float>(nearZero(offset - corner, period));
     };
     frame.offsetX = fromCubes(all.offset.x, cubes.corner.x);
     frame.offsetY = fromCubes(all.offset.y, cubes.corner.y);
@@ -233,14 +245,14 @@ class TexturePacker {
         if (known != textures_.end()) return known->second;
         const Texture& texture = scene_.textures[index];
         shared::Texture out;
-        out.place = glm::vec3(texture.offset, 0);
+        out.place = placeOf(texture);
         out.scaleU = static_cast<float>(texture.scale.x);
         out.scaleV = static_cast<float>(texture.scale.y);
         if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {
             out.flags = shared::kTextureChecker | (checker->solid ? shared::kTextureSolid : 0);
             const glm::dvec3 corner = checker->corner - cubes_.corner;
             for (int i = 0; i < 3 && checker->solid; ++i)
-                out.place[i] = static_cast<float>(inCubes(corner[i], 2 / texture.scale.x));
+                out.place[i] = static_cast<float>(nearZero(corner[i], 2 / texture.scale.x));
             out.colorA = glm::vec3(checker->a);
             out.colorB = glm::vec3(checker->b);
             packed_.features.checkers = true;

@@ -142,13 +142,18 @@ TEST_F(TextureTest, SolidCheckersKeepTheirCubesWhereverTheirCornerIs) {
     }
 }
 
-// Whole numbers added to coordinates change nothing while digits are left; coordinates beyond 1e9 become 0.
+// Whole periods added to coordinates change nothing, although fp32 has no fractions there; coordinates beyond
+// 1e9 become 0.
 TEST_F(TextureTest, GreatCoordinatesStayInTheImage) {
-    Texture far{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, TexelFilter::Nearest}, dvec2(1),
-                dvec2(1e6, -1e6)};
-    expectNear(wall(far, {{0.25, 0.75}, {0.75, 0.25}}), {1, 4}, 0);
-    far.offset = {1e17, -1e17};
-    expectNear(wall(far, {{0.25, 0.75}}), {3}, 0);  // the texel at (0, 0)
+    for (const Wrap wrap : {Wrap::Repeat, Wrap::Mirror}) {
+        Texture far{ImageTexture{"q", quadImage(), wrap, wrap, TexelFilter::Nearest}, dvec2(1),
+                    dvec2(2e7, -2e7)};
+        expectNear(wall(far, {{0.25, 0.75}, {0.75, 0.25}}), {1, 4}, 0);
+        far.offset = {1e17, -1e17};
+        expectNear(wall(far, {{0.25, 0.75}}), {3}, 0);  // the texel at (0, 0)
+    }
+    const Texture checker{CheckerTexture{Color(1), Color(2)}, dvec2(1), dvec2(2e7, -2e7)};
+    expectNear(wall(checker, {{0.25, 0.75}, {1.25, 0.75}, {0.25, -0.75}}), {1, 2, 2}, 0);
 }
 
 // The device's u and v against atan2 and asin in double of the normal that it reports. turnsOf is good to
