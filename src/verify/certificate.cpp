@@ -139,7 +139,8 @@ bool Certifier::startsWithin(const Pending& pending, const TrailRay& ray) const 
     if (!pending.from) {
         const auto& camera = pending.branch.ray;
         const double way = 8 * kFloatUnit * std::max(greatestMagnitude(camera.origin), camera.originScale);
-        return greatestMagnitude(ray.origin - camera.origin) <= way &&
+        return ray.throughput == dvec3(seen_.weight) && ray.sum == dvec3(0) &&
+               greatestMagnitude(ray.origin - camera.origin) <= way &&
                greatestMagnitude(glm::normalize(ray.direction) - glm::normalize(camera.direction)) <=
                    16 * kFloatUnit * camera.directionScale;
     }

@@ -108,6 +108,24 @@ TEST_F(CertificateTest, RightPathWithAWrongColourFails) {
     EXPECT_EQ(certify(tracer, case_.packed, ray, seen, kMostStepsOfPixel).verdict, Verdict::Fails);
 }
 
+// Certificates take throughput and sum of light from the device, so those of the camera ray must be right.
+TEST_F(CertificateTest, CameraRaysStartWithTheSamplesWeightAndNoLight) {
+    const reference::Tracer tracer(case_.packed);
+    const reference::Ray ray = rayAt(case_, {0.5, 0.3, 0});
+    const reference::PixelRecord record = tracer.trace(ray, {}, true);
+    const auto claimed = [&](double throughput, double sum) {
+        Trail trail = trailOf(record);
+        trail[0].throughput = dvec3(throughput);
+        trail[0].sum = dvec3(sum);
+        SeenPath seen = seenAs(record, trail);
+        for (size_t i = 0; i < 3; ++i) seen.first[i] = throughput * seen.first[i] + sum;
+        return certify(tracer, case_.packed, ray, seen, kMostStepsOfPixel).verdict;
+    };
+    EXPECT_EQ(claimed(1, 0), Verdict::Holds);
+    EXPECT_EQ(claimed(0.5, 0), Verdict::Fails);
+    EXPECT_EQ(claimed(1, 0.25), Verdict::Fails);
+}
+
 // Two triangles in one place: the device must hit the lower id. If the second lies
 // behind or in front by about the rule's bound, the device may take either.
 TEST_F(CertificateTest, SurfacesAtTheBoundAreAnOpenDecision) {
