@@ -8,6 +8,7 @@ Checked are: links and images of Markdown pages, with their anchors; repository 
 scenes in comments of code; tests (Suite.WhatHolds, Suite.*) in backquotes on pages; section numbers of docs/design/numerics.md and cases (T01 ...) of tests/stability/cases.md; pages in docs/ that no other page links to.
 """
 import fnmatch
+import os
 import pathlib
 import re
 import subprocess
@@ -122,7 +123,7 @@ class Checker:
                 if re.match(r"[a-z]+:", target):
                     continue
                 path, _, anchor = target.partition("#")
-                full = pathlib.PurePosixPath(*self.resolve(folder, path)) if path else pathlib.PurePosixPath(name)
+                full = pathlib.PurePosixPath(os.path.normpath(folder / path) if path else name)
                 if not (self.root / full).exists():
                     self.fault(where, f"{target} does not exist")
                     continue
@@ -139,16 +140,6 @@ class Checker:
             if name not in (NUMERICS, CASES):
                 self.check_numerics(where, line)
         return linked
-
-    @staticmethod
-    def resolve(folder, path):
-        parts = list(folder.parts)
-        for part in pathlib.PurePosixPath(path).parts:
-            if part == "..":
-                parts = parts[:-1]
-            elif part != ".":
-                parts.append(part)
-        return parts or ["."]
 
     def check_code(self, path):
         text = (self.root / path).read_text(errors="replace")

@@ -31,18 +31,10 @@ LIMIT_SECONDS = 240
 
 def blocks(text):
     """(line number, words behind the backquotes, text) of each fenced block."""
-    found, start, words, lines = [], None, [], []
-    for number, line in enumerate(text.split("\n"), 1):
-        if start is None and line.startswith("```"):
-            start, words, lines = number, line[3:].split(), []
-        elif start is not None and line.startswith("```"):
-            found.append((start, words, "\n".join(lines) + "\n"))
-            start = None
-        elif start is not None:
-            lines.append(line)
-    if start is not None:
-        raise ValueError(f"the block from line {start} on has no end")
-    return found
+    if len(re.findall(r"(?m)^```", text)) % 2:
+        raise ValueError("the last block has no end")
+    return [(text.count("\n", 0, block.start()) + 1, block[1].split(), block[2])
+            for block in re.finditer(r"(?ms)^```(.*?)\n(.*?)^```", text)]
 
 
 def run(command, folder, path):

@@ -2,7 +2,6 @@
 import json
 import os
 import pathlib
-import re
 import subprocess
 import tempfile
 
@@ -12,17 +11,11 @@ import numpy
 POVRAY = ["povray", "-D", "-V", "-A", "-GA", "+WT1", "+FP16", "File_Gamma=1", "Dither=off"]
 
 
-def read_ppm(path):
-    data = path.read_bytes()
-    header, fields, at = [], 4, 0
-    while len(header) < fields:  # magic, width, height, greatest value, with comments between
-        token = re.compile(rb"\s*(?:#[^\n]*\n\s*)*(\S+)").match(data, at)
-        header.append(token[1])
-        at = token.end()
-    width, height, greatest = map(int, header[1:])
-    if header[0] != b"P6" or greatest != 65535:
-        raise ValueError(f"{path}: no PPM of 16 bits")
-    return numpy.frombuffer(data, ">u2", width * height * 3, at + 1).reshape(height, width, 3)
+def read_ppm(path, width, height):
+    data = path.read_bytes()  # magic, width, height, greatest value, with comments between; then the pixels
+    if not data.startswith(b"P6") or not data[:-6 * width * height].endswith(b"\n65535\n"):
+        raise ValueError(f"{path}: no PPM of 16 bits and {width} x {height}")
+    return numpy.frombuffer(data[-6 * width * height:], ">u2").reshape(height, width, 3)
 
 
 def read_pfm(path):
@@ -42,7 +35,7 @@ def povray(text, size):
         ran = subprocess.run(command, capture_output=True, text=True, cwd=folder, env={**os.environ, "HOME": str(folder)}, timeout=600)
         if ran.returncode:
             raise RuntimeError("povray: " + "\n".join(line for line in ran.stderr.splitlines() if "rror" in line or "line" in line)[-2000:])
-        return read_ppm(folder / "scene.ppm")
+        return read_ppm(folder / "scene.ppm", *size)
 
 
 def absolute(value, folder):
