@@ -31,10 +31,6 @@ const Mesh& meshOf(const Scene& scene, size_t object) {
     return *std::get<MeshShape>(scene.objects.at(object).shape).mesh;
 }
 
-void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
-    EXPECT_LE(glm::length(a - b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
-}
-
 namespace {
 
 void removePath(const std::filesystem::path& path, std::vector<std::string>& warnings) {

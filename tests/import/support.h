@@ -27,8 +27,6 @@ std::string parseErrorOf(const std::string& text);
 std::vector<Shape> shapesOf(const Scene& scene);
 // The mesh of an object, which must be one.
 const Mesh& meshOf(const Scene& scene, size_t object = 0);
-// By their distance.
-void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-12);
 
 // Reads files of one name. Warnings come without the path and ": ", errors without the path (":3: what").
 class OneFile {

@@ -1,4 +1,4 @@
-// Scenes that change: a commit after it answers as a scene made anew does.
+// Scenes that change: after the commit they answer as a new scene does.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <random>
 #include <thread>
 
-#include "support.h"
+#include "closed_meshes.h"
 
 namespace glint::library::test {
 namespace {
@@ -41,20 +41,18 @@ class LibraryChanges : public LibraryTest {
     Answers ask(const D3& by = {0, 0, 0}) {
         constexpr size_t kRays = 3000;
         static const auto rays = [] {
-            std::mt19937 random(3);
-            std::uniform_real_distribution<double> uniform(0, 1);
-            std::pair<std::vector<D3>, std::vector<D3>> made;
+            Random random(3);
+            RayList made;
             for (size_t i = 0; i < kRays; ++i) {
-                const D3 from = {8 * uniform(random) - 2, 8 * uniform(random) - 2, 6};
-                const D3 to = {9 * uniform(random) - 2, 5 * uniform(random), uniform(random) - 0.5};
-                made.first.push_back(from);
-                made.second.push_back(to - from);
+                const D3 from = {8 * random.uniform() - 2, 8 * random.uniform() - 2, 6};
+                const D3 to = {9 * random.uniform() - 2, 5 * random.uniform(), random.uniform() - 0.5};
+                made.add(from, to - from);
             }
             return made;
         }();
-        std::vector<D3> origins = rays.first;
-        for (D3& origin : origins) origin += by;
-        const glint_rays asked = raysFrom(origins, rays.second);
+        RayList moved = rays;
+        for (D3& origin : moved.origins) origin += by;
+        const glint_rays asked = moved.rays();
         return {closest(asked), counts(asked), any(asked)};
     }
     void setVertices(uint32_t mesh, const std::vector<D3>& vertices) {
@@ -94,16 +92,14 @@ TEST_F(LibraryChanges, VerticesAreFollowedBitForBit) {
     }
 }
 
-// A tree that no longer fits is built anew, and followed again from then on: triangles change places.
+// A BVH that no longer fits is rebuilt, and refitted from then on: the triangles change places.
 TEST_F(LibraryChanges, ATreeThatFitsNoMoreIsBuiltAnew) {
     std::vector<D3> vertices, torn;
     const std::vector<D3> places = sheet(0);
     std::vector<U3> corners = gridCorners(kSide);
-    for (const U3& corner : corners)
-        for (const uint32_t vertex : corner) vertices.push_back(places[vertex]);
+    for (const U3& c : corners) vertices.insert(vertices.end(), {places[c.x], places[c.y], places[c.z]});
     std::shuffle(corners.begin(), corners.end(), std::mt19937(1));
-    for (const U3& corner : corners)
-        for (const uint32_t vertex : corner) torn.push_back(places[vertex]);
+    for (const U3& c : corners) torn.insert(torn.end(), {places[c.x], places[c.y], places[c.z]});
     for (uint32_t i = 0; i < corners.size(); ++i) corners[i] = {3 * i, 3 * i + 1, 3 * i + 2};
     addMesh(vertices, corners);
     commit();
@@ -149,7 +145,7 @@ TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
     }
 }
 
-// What the trees cannot follow is still right: a sphere moves, a mesh changes that instances share.
+// Changes that no refit can follow rebuild the BVH: a sphere moves, a mesh changes that instances share.
 TEST_F(LibraryChanges, WhateverElseChangesIsBuiltAnew) {
     const std::vector<U3> corners = gridCorners(kSide);
     const auto fill = [&](glint_scene* to, double at) {
@@ -181,7 +177,7 @@ TEST_F(LibraryChanges, TrianglesWithoutAreaComeAndGo) {
     }
 }
 
-// Those that are left out stay so while the others move.
+// Triangles without area stay left out while the others move.
 TEST_F(LibraryChanges, TrianglesLeftOutAreNoHindrance) {
     const std::vector<U3> corners = gridCorners(kSide);
     std::vector<D3> pinched = sheet(0);
@@ -242,8 +238,8 @@ TEST_F(LibraryChanges, AMeshThatMovesFarIsNeverBuiltAnew) {
     }
 }
 
-// So it is with instances, planes, lights and triangles without area; not with a sphere. (From so far away
-// that the text's camera, which stays, sees nothing of them.)
+// Instances, planes, lights and triangles without area follow a moved origin, too; a sphere does not. (They
+// are so far away that the text's camera, which stays, sees none of them.)
 TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
     const std::vector<U3> corners = gridCorners(kSide);
     constexpr double kFar = 1e5;

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <map>
 #include <random>
 #include <utility>
 
@@ -32,43 +31,12 @@ struct Closed {
 
 // Star-shaped about 0, spikes and dents (tests/support/packed_scene_maker.h).
 inline Closed bumpy(uint32_t steps = 16) {
-    const glint::test::BumpyMesh mesh = glint::test::makeBumpyMesh(7, steps);
-    Closed closed{{}, {}, 0.2, 7};
-    for (const glm::vec3& v : mesh.vertices) closed.vertices.emplace_back(v);
-    for (const glm::uvec3& c : mesh.triangles) closed.corners.push_back({c.x, c.y, c.z});
-    return closed;
+    const glint::test::ClosedMesh mesh = glint::test::makeBumpyMesh(7, steps);
+    return {mesh.vertices, mesh.triangles, 0.2, 7};
 }
-
-// The cube [-1, 1]^3 in squares of edge 2 / n, each cut in two: edges and planes along the axes, all places
-// exact.
 inline Closed gridCube(uint32_t n) {
-    Closed cube{{}, {}, 0.9, 2};
-    std::map<std::array<double, 3>, uint32_t> known;
-    const auto vertex = [&](const D3& v) {
-        const auto [at, fresh] =
-            known.emplace(std::array{v.x, v.y, v.z}, static_cast<uint32_t>(cube.vertices.size()));
-        if (fresh) cube.vertices.push_back(v);
-        return at->second;
-    };
-    for (int axis = 0; axis < 3; ++axis) {
-        for (const double side : {-1.0, 1.0}) {
-            for (uint32_t i = 0; i < n; ++i) {
-                for (uint32_t j = 0; j < n; ++j) {
-                    const auto at = [&](uint32_t a, uint32_t b) {
-                        D3 v;
-                        v[axis] = side;
-                        v[(axis + 1) % 3] = -1 + 2.0 * a / n;
-                        v[(axis + 2) % 3] = -1 + 2.0 * b / n;
-                        return vertex(v);
-                    };
-                    const uint32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
-                    cube.corners.push_back(side > 0 ? U3{a, b, c} : U3{a, c, b});
-                    cube.corners.push_back(side > 0 ? U3{a, c, d} : U3{a, d, c});
-                }
-            }
-        }
-    }
-    return cube;
+    const glint::test::ClosedMesh mesh = glint::test::gridCube(n);
+    return {mesh.vertices, mesh.triangles, 0.9, 2};
 }
 
 // Planes: parallel to an axis, level with a corner.

@@ -2,7 +2,6 @@
 // and along their planes.
 #include <cmath>
 #include <iostream>
-#include <random>
 #include <set>
 
 #include "closed_meshes.h"

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "glint/glint.h"
+#include "support/scene_maker.h"
 #include "support/support.h"
 
 // A call of the C API succeeds.
@@ -29,7 +30,7 @@ inline const char* selector() {
 
 using F3 = std::array<float, 3>;
 using D3 = glm::dvec3;
-using U3 = std::array<uint32_t, 3>;
+using U3 = glm::uvec3;
 
 // The type of a number, or of an element's numbers.
 template <class T>
@@ -121,15 +122,7 @@ uint32_t addMesh(glint_scene* scene, const std::vector<Vertex>& vertices,
 }
 // The triangles of side x side squares, whose vertices are given row by row.
 inline std::vector<U3> gridCorners(uint32_t side) {
-    std::vector<U3> corners;
-    for (uint32_t y = 0; y < side; ++y) {
-        for (uint32_t x = 0; x < side; ++x) {
-            const uint32_t a = y * (side + 1) + x, b = a + side + 1;
-            corners.push_back({a, a + 1, b + 1});
-            corners.push_back({a, b + 1, b});
-        }
-    }
-    return corners;
+    return glint::test::gridMesh(side)->corners;
 }
 // Returns the number of the first sphere.
 inline uint32_t addSpheres(glint_scene* scene, const std::vector<D3>& centers,

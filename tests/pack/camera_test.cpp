@@ -5,9 +5,11 @@
 
 #include "pack/packed_scene.h"
 #include "support/scene_maker.h"
+#include "support/support.h"
 
 namespace glint::camera_test {
 using test::aim;
+using test::expectNear;
 
 // As shared/layout.h defines the camera ray of a film point.
 glm::dvec3 direction(const shared::Camera& c, double x, double y) {
@@ -18,12 +20,6 @@ glm::dvec3 direction(const shared::Camera& c, double x, double y) {
 glm::dvec3 rayOrigin(const shared::Camera& c, double x, double y) {
     return glm::dvec3(c.eye) + (x - c.halfWidth) * glm::dvec3(c.originStepX) +
            (y - c.halfHeight) * glm::dvec3(c.originStepY);
-}
-
-void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
-    EXPECT_NEAR(a.x, b.x, tolerance);
-    EXPECT_NEAR(a.y, b.y, tolerance);
-    EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
 // fp32 rounds center and both steps; through half the picture's width the rounding of a step stays relative:

@@ -10,11 +10,6 @@
 #include "support/support.h"
 
 namespace glint::test::frames_test {
-template <typename T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
 bool sameArrays(const PackedScene& a, const PackedScene& b) {
     bool same = a.origin == b.origin && sameBytes(a.nodes, b.nodes) && sameBytes(a.lights, b.lights) &&
                 sameBytes(a.triangleSurfaces, b.triangleSurfaces) && a.features == b.features &&

@@ -6,6 +6,7 @@
 
 #include "pack/packed_scene.h"
 #include "support/scene_maker.h"
+#include "support/support.h"
 
 namespace glint::origin_test {
 using namespace test;
@@ -21,11 +22,6 @@ Scene sceneAt(const glm::dvec3& offset) {
     addObject(scene, PlaneShape{offset + glm::dvec3(0, -2, 0), {0, 1, 0}});
     addObject(scene, TriangleShape{{offset, offset + glm::dvec3(1, 0, 0), offset + glm::dvec3(0, 0.25, 0)}});
     return scene;
-}
-
-template <class T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && !a.empty() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
 TEST(PackOrigin, ZeroForOrdinaryScenes) {
@@ -121,6 +117,8 @@ TEST(PackOrigin, FarScenePacksLikeTheSameAtZero) {
         const PackedScene near = packScene(sceneAt({0, 0, 0})), far = packScene(sceneAt(offset));
         EXPECT_EQ(near.origin, glm::dvec3(0));
         EXPECT_EQ(far.origin, offset);
+        EXPECT_FALSE(near.triangles.empty() || near.spheres.empty() || near.planes.empty());
+        EXPECT_EQ(near.lights.size(), 2u);
         EXPECT_TRUE(sameBytes(near.nodes, far.nodes));
         EXPECT_TRUE(sameBytes(near.triangles, far.triangles));
         EXPECT_TRUE(sameBytes(near.triangleSurfaces, far.triangleSurfaces));

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -257,7 +256,7 @@ TEST(PackScene, RefusesScenesThatFp32Misses) {
     EXPECT_EQ(packTriangle(1.0001e-14), 1u);
     for (const double size : {0.9e-14, 1e-20}) {
         const std::string error = errorOf(ErrorKind::Scene, [&] { packTriangle(size); });
-        EXPECT_NE(error.find("scale it up"), std::string::npos) << size << ": " << error;
+        EXPECT_HAS(error, "scale it up") << size;
     }
 }
 
@@ -414,14 +413,10 @@ TEST(PackScene, ThreadsDoNotChangeThePacking) {
     addObject(scene, MeshShape{gridMesh(200)});
     for (int i = 0; i < 1000; ++i) addObject(scene, SphereShape{{i % 10, i / 10 % 10, i / 100}, 0.3});
     const PackedScene one = packScene(scene, {}, {.threads = 1}), four = packScene(scene, {}, {.threads = 4});
-    const auto same = [](const auto& a, const auto& b) {
-        // Rows have no padding (shared/layout.h), so bytes are values.
-        return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
-    };
-    EXPECT_TRUE(same(one.nodes, four.nodes));
-    EXPECT_TRUE(same(one.triangles, four.triangles));
-    EXPECT_TRUE(same(one.triangleSurfaces, four.triangleSurfaces));
-    EXPECT_TRUE(same(one.spheres, four.spheres));
+    EXPECT_TRUE(sameBytes(one.nodes, four.nodes));
+    EXPECT_TRUE(sameBytes(one.triangles, four.triangles));
+    EXPECT_TRUE(sameBytes(one.triangleSurfaces, four.triangleSurfaces));
+    EXPECT_TRUE(sameBytes(one.spheres, four.spheres));
 }
 
 }  // namespace glint::pack_scene_test

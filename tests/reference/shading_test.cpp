@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "support/packed_scene_maker.h"
+#include "support/support.h"
 
 namespace glint::reference::test::shading_test {
 
@@ -20,10 +21,6 @@ PixelRecord traceScene(const SceneMaker& maker, const Ray& ray, bool keepPath = 
     return SceneTracer(maker).trace(ray, {}, keepPath);
 }
 
-void expectColor(const dvec3& color, const dvec3& expected, double tolerance) {
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(color[i], expected[i], tolerance) << "channel " << i;
-}
-
 const Ray kDown = makeRay({0, 3, 0}, {0, -1, 0});
 
 // J. Buck, The Ray Tracer Challenge, features/world.feature, "The color when a ray hits"; there is no visible
@@ -37,7 +34,7 @@ TEST(ReferenceShading, RayTracerChallengeDefaultWorld) {
     maker.light(kLightPoint, {-10, 10, -10});
     maker.environment.ambient = vec3(1);
     const PixelRecord record = traceScene(maker, makeRay({0, 0, -5}, {0, 0, 1}));
-    expectColor(record.color, {0.38066, 0.47583, 0.2855}, 5e-6);
+    expectNear(record.color, {0.38066, 0.47583, 0.2855}, 5e-6);
     EXPECT_EQ(record.alpha, 1);
     EXPECT_EQ(record.shadowBits, 0u);
 }
@@ -60,12 +57,12 @@ TEST(ReferenceShading, LambertAndFalloff) {
         maker.plane(vec3(0), {0, 1, 0}, grey);
         maker.light(kind, {3, 4, 0}, {2, 4, 8});
         const double falloff = kind == kLightPoint ? 1 : 25;
-        expectColor(traceScene(maker, kDown).color, dvec3(.8, .8, 6.4) / falloff, 1e-15);
+        expectNear(traceScene(maker, kDown).color, dvec3(.8, .8, 6.4) / falloff, 1e-15);
     }
     SceneMaker maker;
     maker.plane(vec3(0), {0, 1, 0});
     maker.light(kLightDirectional, {.6f, .8f, 0}, vec3(3));
-    expectColor(traceScene(maker, kDown).color, dvec3(3.0 * static_cast<double>(.8f)), 1e-7);
+    expectNear(traceScene(maker, kDown).color, dvec3(3.0 * static_cast<double>(.8f)), 1e-7);
     EXPECT_EQ(traceScene(maker, makeRay({0, -3, 0}, {0, 1, 0})).color, dvec3(0))
         << "seen from the unlit side";
 }
@@ -93,7 +90,7 @@ TEST(ReferenceShading, HighlightByHand) {
     maker.plane(vec3(0), {0, 1, 0}, shiny);
     maker.light(kLightDirectional, {0, 1, 0});
     const double square = (2 + std::sqrt(2.0)) / 4;
-    expectColor(traceScene(maker, makeRay({-2, 2, 0}, {1, -1, 0})).color, {square, square / 2, 0}, 1e-15);
+    expectNear(traceScene(maker, makeRay({-2, 2, 0}, {1, -1, 0})).color, {square, square / 2, 0}, 1e-15);
 }
 
 // At the mirror angle n.h = 1 whatever the exponent; an exponent of 0 is 1 everywhere the light falls.
@@ -103,9 +100,9 @@ TEST(ReferenceShading, HighlightExtremes) {
         const uint32_t shiny = maker.material(vec3(0), vec3(.5f), exponent);
         maker.plane(vec3(0), {0, 1, 0}, shiny);
         maker.light(kLightPoint, {2, 2, 0});
-        expectColor(traceScene(maker, makeRay({-2, 2, 0}, {1, -1, 0})).color, dvec3(.5), 1e-11);
+        expectNear(traceScene(maker, makeRay({-2, 2, 0}, {1, -1, 0})).color, dvec3(.5), 1e-11);
         if (exponent == 0) {
-            expectColor(traceScene(maker, makeRay({-9, 1, 3}, {9, -1, -3})).color, dvec3(.5), 1e-15);
+            expectNear(traceScene(maker, makeRay({-9, 1, 3}, {9, -1, -3})).color, dvec3(.5), 1e-15);
         }
     }
 }
@@ -129,7 +126,7 @@ TEST(ReferenceShading, LightAtTheEye) {
     const uint32_t shiny = maker.material(vec3(0), vec3(1), 7);
     maker.plane(vec3(0), {0, 1, 0}, shiny);
     maker.light(kLightPoint, {0, 3, 0});
-    expectColor(traceScene(maker, kDown).color, dvec3(1), 1e-15);
+    expectNear(traceScene(maker, kDown).color, dvec3(1), 1e-15);
 }
 
 TEST(ReferenceShading, LightOnTheSurfaceAddsNothing) {
@@ -145,7 +142,7 @@ TEST(ReferenceShading, LightLyingOnACeilingIsNotBlockedByIt) {
     maker.plane(vec3(0), {0, 1, 0});
     maker.plane({0, 4, 0}, {0, -1, 0});
     maker.light(kLightPoint, {0, 4, 0});
-    expectColor(traceScene(maker, kDown).color, dvec3(1), 1e-15);
+    expectNear(traceScene(maker, kDown).color, dvec3(1), 1e-15);
     SceneMaker blocked;
     blocked.plane(vec3(0), {0, 1, 0});
     blocked.plane({0, 3.999f, 0}, {0, -1, 0});
@@ -167,12 +164,12 @@ TEST(ReferenceShading, VertexNormals) {
         maker.light(kLightDirectional, {-1, 0, 0}, vec3(100));         // behind s
         maker.light(kLightDirectional, {.96f, 0, -.28f}, vec3(1000));  // before s, behind n
         const double cosine = .8;
-        expectColor(traceScene(maker, makeRay({0, 0, 5}, {0, 0, -1})).color, dvec3(cosine), 1e-6);
+        expectNear(traceScene(maker, makeRay({0, 0, 5}, {0, 0, -1})).color, dvec3(cosine), 1e-6);
         const SceneTracer tracer(maker);
         const Ray ray = makeRay({0, 0, -5}, {0, 0, 1});
         const Surface surface = tracer.surfaceAt(ray, *tracer.closest(ray));
         EXPECT_EQ(surface.geometricNormal, dvec3(0, 0, 1)) << "outward also when seen from behind";
-        expectColor(surface.shadingNormal, {.6, 0, .8}, 1e-7);
+        expectNear(surface.shadingNormal, {.6, 0, .8}, 1e-7);
     }
 }
 
@@ -189,9 +186,9 @@ TEST(ReferenceShading, VertexNormalsInterpolate) {
         const Ray ray = makeRay({x, y, 5}, {0, 0, -1});
         return tracer.surfaceAt(ray, *tracer.closest(ray)).shadingNormal;
     };
-    expectColor(normalAt(2, 0), {0, 0, 1}, 1e-15);
-    expectColor(normalAt(0, 4), {0, .6, .8}, 1e-7);
-    expectColor(normalAt(2, 2), glm::normalize(dvec3(-.3, .3, .8)), 1e-7);
+    expectNear(normalAt(2, 0), {0, 0, 1}, 1e-15);
+    expectNear(normalAt(0, 4), {0, .6, .8}, 1e-7);
+    expectNear(normalAt(2, 2), glm::normalize(dvec3(-.3, .3, .8)), 1e-7);
 }
 
 // Between two mirrors of reflectance 1/2, each adding 1: the geometric series 2 - 2^-N, and N + 1 hits.
@@ -223,11 +220,11 @@ TEST(ReferenceMirror, SlantedCorridorLeavesWithTheBackground) {
     const PixelRecord record = traceScene(maker, makeRay({90, 0, 0}, {1, 1, 0}), true);
     // z = 0 lies within for |x - 50| <= 49.5: hits at x = 91, 93, 95, 97, 99.
     EXPECT_EQ(record.bounces, 5u);
-    expectColor(record.color, dvec3(1.0 / 32), 1e-15);
+    expectNear(record.color, dvec3(1.0 / 32), 1e-15);
     // Each start is moved off by 32 x 2^-53 x 100, and the path from it by as much: below 4e-12 in all.
     for (size_t i = 0; i < 5; ++i) {
         const dvec3 p = record.path[i].surface->position;
-        expectColor(p, {91.0 + 2.0 * static_cast<double>(i), i % 2 ? -1 : 1, 0}, 4e-12);
+        expectNear(p, {91.0 + 2.0 * static_cast<double>(i), i % 2 ? -1 : 1, 0}, 4e-12);
     }
 }
 
@@ -240,10 +237,10 @@ TEST(ReferenceMirror, ReflectionBelowTheSurfaceGoesAboutTheGeometricNormal) {
     maker.triangle({-9, -9, 0}, {9, -9, 0}, {0, 9, 0}, normals, mirror);
     // Straight down: r = d - 2 (d.s) s = (.96, 0, -.28), below; about n it returns: (0, 0, 1).
     const PixelRecord down = traceScene(maker, makeRay({0, 0, 5}, {0, 0, -1}), true);
-    expectColor(down.path[1].ray.direction, {0, 0, 1}, 1e-15);
+    expectNear(down.path[1].ray.direction, {0, 0, 1}, 1e-15);
     // Along (-.8, 0, -.6) = -s: straight back.
     const PixelRecord back = traceScene(maker, makeRay({4, 0, 3}, {-.8, 0, -.6}), true);
-    expectColor(back.path[1].ray.direction, {.8, 0, .6}, 1e-7);
+    expectNear(back.path[1].ray.direction, {.8, 0, .6}, 1e-7);
 }
 
 // FNV-1a test vectors (Noll, Vo, Eastlake, draft-eastlake-fnv, appendix C): "\0" is 0x050c5d1f, "a"

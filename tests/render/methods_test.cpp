@@ -54,7 +54,7 @@ TEST_F(MethodsTest, SameHitsOnPlainTriangles) {
 TEST_F(MethodsTest, OnlyTheWatertightTestIsWatertight) {
     const auto mesh = glint::test::makeBumpyMesh(1);
     Scene scene = emptyScene();
-    addMesh(scene, {mesh.vertices.begin(), mesh.vertices.end()}, mesh.triangles);
+    addMesh(scene, mesh.vertices, mesh.triangles);
     const PackedScene packed = packScene(scene);
     RayTracer renderer(device(), packed);
     Random random(9);

@@ -18,13 +18,10 @@ using glm::vec3;
 // 0, where coordinates give boxes no margin.
 struct Hull {
     dvec3 half;
-    std::vector<dvec3> positions;
-    std::vector<glm::uvec3> corners;
+    glint::test::ClosedMesh mesh = glint::test::gridCube(2);
 
     explicit Hull(const dvec3& halfSize) : half(halfSize) {
-        for (int axis = 0; axis < 3; ++axis)
-            for (const int side : {-1, 1})
-                for (int quad = 0; quad < 4; ++quad) addQuad(axis, side, quad & 1, quad >> 1);
+        for (dvec3& v : mesh.vertices) v *= half;
     }
 
     // What fp32 makes of the corners may lie this far off: a ray that starts nearer to a side may be outside.
@@ -32,27 +29,6 @@ struct Hull {
     // Needles have their t worse, by their length over their height.
     double apart() const {
         return margin() * std::max({half.x, half.y, half.z}) / std::min({half.x, half.y, half.z});
-    }
-
-  private:
-    uint32_t vertex(const glm::ivec3& place) {
-        const dvec3 p = half * dvec3(place);
-        const auto found = std::find(positions.begin(), positions.end(), p);
-        if (found != positions.end()) return static_cast<uint32_t>(found - positions.begin());
-        positions.push_back(p);
-        return static_cast<uint32_t>(positions.size() - 1);
-    }
-    void addQuad(int axis, int side, int i, int j) {
-        uint32_t v[4];
-        for (int k = 0; k < 4; ++k) {
-            glm::ivec3 place;
-            place[axis] = side;
-            place[(axis + 1) % 3] = i - 1 + (k & 1);
-            place[(axis + 2) % 3] = j - 1 + (k >> 1);
-            v[k] = vertex(place);
-        }
-        corners.emplace_back(v[0], v[1], v[3]);
-        corners.emplace_back(v[0], v[3], v[2]);
     }
 };
 
@@ -86,10 +62,11 @@ class TreeLeaksTest : public RenderTest {
     std::vector<RayInput> raysIn(const Hull& hull, int count) {
         std::vector<RayInput> rays;
         while (rays.size() < static_cast<size_t>(count)) {
-            const glm::uvec3& t = hull.corners[random_.below(static_cast<uint32_t>(hull.corners.size()))];
+            const glm::uvec3& t =
+                hull.mesh.triangles[random_.below(static_cast<uint32_t>(hull.mesh.triangles.size()))];
             const uint32_t side = random_.below(3);
-            const dvec3 a = hull.positions[t[static_cast<int>(side)]],
-                        b = hull.positions[t[static_cast<int>((side + 1) % 3)]];
+            const dvec3 a = hull.mesh.vertices[t[static_cast<int>(side)]],
+                        b = hull.mesh.vertices[t[static_cast<int>((side + 1) % 3)]];
             // Beside the edge by as much as the test errs: nearer, every box has pad enough.
             const double beside = hull.margin() * std::exp(random_.uniform(std::log(1e-3), 0));
             const dvec3 target = glm::mix(a, b, random_.uniform(0, 1)) + random_.box(beside);
@@ -106,7 +83,7 @@ class TreeLeaksTest : public RenderTest {
     }
     static Scene sceneOf(const Hull& hull) {
         Scene scene = emptyScene();
-        addMesh(scene, hull.positions, hull.corners);
+        addMesh(scene, hull.mesh.vertices, hull.mesh.triangles);
         return scene;
     }
     Random random_{36};
@@ -155,19 +132,14 @@ TEST_F(TreeLeaksTest, TightBoxesLeak) {
 
 // A closed box from `from` to `to`, square of the given thickness: 12 triangles as long as the box.
 struct Beam {
-    std::vector<dvec3> corners;
+    dvec3 ends[2];
+    glint::test::ClosedMesh mesh = glint::test::gridCube(1);
 
-    Beam(const dvec3& from, const dvec3& to, double thickness) {
+    Beam(const dvec3& from, const dvec3& to, double thickness) : ends{from, to} {
         const dvec3 along = glm::normalize(to - from);
         const dvec3 side = thickness * glm::normalize(glm::cross(along, dvec3(0.3, 1, 0.2)));
         const dvec3 up = glm::cross(along, side);
-        for (const dvec3& end : {from, to})
-            for (const dvec3& corner : {-side - up, side - up, side + up, -side + up})
-                corners.push_back(dvec3(glm::vec3(end + corner)));
-    }
-    static std::vector<glm::uvec3> triangles() {
-        return {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
-                {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+        for (dvec3& v : mesh.vertices) v = dvec3(vec3((v.z < 0 ? from : to) + v.x * side + v.y * up));
     }
 };
 
@@ -179,7 +151,7 @@ class SplitTest : public RenderTest {
             const dvec3 middle = random_.box(3.0);
             const dvec3 along = 12.0 * random_.direction();
             beams_.emplace_back(middle - along, middle + along, 0.05);
-            addMesh(scene_, beams_.back().corners, Beam::triangles());
+            addMesh(scene_, beams_.back().mesh.vertices, beams_.back().mesh.triangles);
         }
     }
     Random random_{31};
@@ -192,14 +164,12 @@ TEST_F(SplitTest, BeamsAreClosed) {
     const PackedScene packed = packScene(scene_, {BuildQuality::High});
     ASSERT_GT(packed.statistics.splitTriangles, 300u);
     std::vector<RayInput> rays;
-    const std::vector<glm::uvec3> triangles = Beam::triangles();
     for (const Beam& beam : beams_) {
-        dvec3 ends[2] = {dvec3(0), dvec3(0)};
-        for (int i = 0; i < 8; ++i) ends[i / 4] += beam.corners[i] / 4.0;
         for (int i = 0; i < 2000; ++i) {
-            const dvec3 from = glm::mix(ends[0], ends[1], random_.uniform(0.02, 0.98));
-            const glm::uvec3 t = triangles[random_.below(12)];
-            const dvec3 target = glm::mix(beam.corners[t.x], beam.corners[t.y], random_.uniform(0, 1));
+            const dvec3 from = glm::mix(beam.ends[0], beam.ends[1], random_.uniform(0.02, 0.98));
+            const glm::uvec3 t = beam.mesh.triangles[random_.below(12)];
+            const dvec3 target =
+                glm::mix(beam.mesh.vertices[t.x], beam.mesh.vertices[t.y], random_.uniform(0, 1));
             rays.push_back(rayTowards(from, target, i % 2));
         }
     }
@@ -212,11 +182,9 @@ TEST_F(SplitTest, SamePictureAsWithout) {
     scene_.maxDepth = 4;
     scene_.materials[0].mirror = Color(0.5);
     scene_.lights = {PointLight{{3, 8, 9}}, PointLight{{-6, 2, 3}}};
-    Case whole{scene_, packScene(scene_, {BuildQuality::Fast}), {}, 96, 72};
-    Case split{scene_, packScene(scene_, {BuildQuality::High}), {}, 96, 72};
+    const Case whole = makeCase(scene_, 96, 72, BuildQuality::Fast),
+               split = makeCase(scene_, 96, 72, BuildQuality::High);
     ASSERT_GT(split.packed.statistics.splitTriangles, 300u);
-    for (Case* c : {&whole, &split})
-        c->camera = packCamera(scene_.camera, c->width, c->height, c->packed.origin);
     EXPECT_EQ(draw(device(), whole).color.pixels, draw(device(), split).color.pixels);
 }
 

@@ -6,14 +6,12 @@
 #include "scene/keyframes.h"
 #include "scene/polygon_plane.h"
 #include "scene/transform.h"
+#include "support/support.h"
 
 namespace glint::transform_test {
 
 using glm::dvec3;
-
-void expectNear(const dvec3& a, const dvec3& b, double tolerance) {
-    for (int i = 0; i < 3; i++) EXPECT_NEAR(a[i], b[i], tolerance);
-}
+using test::expectNear;
 
 dvec3 windingNormal(const dvec3& a, const dvec3& b, const dvec3& c) {
     return glm::cross(b - a, c - a);

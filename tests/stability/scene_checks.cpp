@@ -83,8 +83,8 @@ MeshData icosphere(int levels) {
 
 MeshData meshOf(Mesh kind) {
     if (kind == Mesh::Icosphere) return icosphere(3);
-    const glint::test::BumpyMesh bumpy = glint::test::makeBumpyMesh(15);
-    return {{bumpy.vertices.begin(), bumpy.vertices.end()}, bumpy.triangles};
+    const glint::test::ClosedMesh bumpy = glint::test::makeBumpyMesh(15);
+    return {bumpy.vertices, bumpy.triangles};
 }
 
 PackedScene packedMesh(const LeakCase& leakCase) {

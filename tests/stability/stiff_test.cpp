@@ -9,6 +9,7 @@
 
 #include "../render/support.h"
 #include "import/load.h"
+#include "support/support.h"
 #include "verify/verify.h"
 
 namespace glint::stability::stiff_test {
@@ -98,12 +99,10 @@ void writeSheet(const std::filesystem::path& path, const glm::dvec3& base) {
 class FarTest : public RenderTest {
   protected:
     Picture sheetAt(const glm::dvec3& base) const {
-        const auto path = std::filesystem::temp_directory_path() /
-                          ("glint_sheet_" + std::to_string(testing::UnitTest::GetInstance()->random_seed()) +
-                           "_" + std::to_string(static_cast<long long>(base.x)) + ".obj");
+        const glint::test::TemporaryFolder folder;
+        const auto path = folder.path() / "sheet.obj";
         writeSheet(path, base);
         Scene scene = loadScene(path);
-        std::filesystem::remove(path);
         scene.camera = {};
         aim(scene.camera, base + glm::dvec3(0.25, -0.3, 0.35), base + glm::dvec3(0.25, 0.25, 0), {0, 0, 1});
         scene.ambient = Color(0.1);

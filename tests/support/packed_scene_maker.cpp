@@ -1,7 +1,9 @@
 #include "support/packed_scene_maker.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numbers>
 
@@ -181,20 +183,9 @@ uint32_t SceneMaker::polygon(const std::vector<vec3>& vertices, uint32_t materia
 }
 
 void SceneMaker::cube(const vec3& center, float halfEdge) {
-    for (int axis = 0; axis < 3; ++axis) {
-        for (const float side : {-1.0f, 1.0f}) {
-            vec3 corners[4];
-            for (int k = 0; k < 4; ++k) {  // counterclockwise seen from outside, for side = 1
-                corners[k][axis] = side;
-                corners[k][(axis + 1) % 3] = k == 1 || k == 2 ? 1.0f : -1.0f;
-                corners[k][(axis + 2) % 3] = k >= 2 ? 1.0f : -1.0f;
-                corners[k] = center + halfEdge * corners[k];
-            }
-            if (side < 0) std::swap(corners[1], corners[3]);
-            triangle(corners[0], corners[1], corners[2]);
-            triangle(corners[0], corners[2], corners[3]);
-        }
-    }
+    const ClosedMesh cube = gridCube(1);
+    const auto corner = [&](uint32_t v) { return center + halfEdge * vec3(cube.vertices[v]); };
+    for (const glm::uvec3& t : cube.triangles) triangle(corner(t.x), corner(t.y), corner(t.z));
 }
 
 void SceneMaker::light(uint32_t kind, const vec3& position, const vec3& intensity) {
@@ -222,34 +213,65 @@ PackedScene SceneMaker::finish(uint32_t maxLeafSize) const {
     return scene;
 }
 
-BumpyMesh makeBumpyMesh(uint32_t seed, uint32_t steps) {
-    Random random(seed);
-    BumpyMesh mesh;
+ClosedMesh makeBall(uint32_t parallels, uint32_t meridians, const std::function<double()>& radius) {
+    ClosedMesh mesh;
     // The poles and the seam are single vertices, so that the mesh is closed.
     const auto add = [&](double theta, double phi) {
-        const double r = 1 + 5 * random.uniform(0, 1);
-        mesh.vertices.emplace_back(r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi),
-                                   r * std::cos(theta));
+        const double r = radius();
+        mesh.vertices.emplace_back(vec3(r * std::sin(theta) * std::cos(phi),
+                                        r * std::sin(theta) * std::sin(phi), r * std::cos(theta)));
     };
     add(0, 0);
-    for (uint32_t t = 1; t < steps; ++t) {
-        for (uint32_t p = 0; p < steps; ++p)
-            add(std::numbers::pi * t / steps, 2 * std::numbers::pi * p / steps);
+    for (uint32_t t = 1; t < parallels; ++t) {
+        for (uint32_t p = 0; p < meridians; ++p)
+            add(std::numbers::pi * t / parallels, 2 * std::numbers::pi * p / meridians);
     }
     add(std::numbers::pi, 0);
     const auto vertex = [&](uint32_t t, uint32_t p) {
         if (t == 0) return 0u;
-        if (t == steps) return static_cast<uint32_t>(mesh.vertices.size()) - 1;
-        return 1 + (t - 1) * steps + p % steps;
+        if (t == parallels) return static_cast<uint32_t>(mesh.vertices.size()) - 1;
+        return 1 + (t - 1) * meridians + p % meridians;
     };
-    for (uint32_t t = 0; t < steps; ++t) {
-        for (uint32_t p = 0; p < steps; ++p) {
+    for (uint32_t t = 0; t < parallels; ++t) {
+        for (uint32_t p = 0; p < meridians; ++p) {
             if (t > 0) mesh.triangles.emplace_back(vertex(t, p), vertex(t + 1, p), vertex(t, p + 1));
-            if (t + 1 < steps)
+            if (t + 1 < parallels)
                 mesh.triangles.emplace_back(vertex(t + 1, p), vertex(t + 1, p + 1), vertex(t, p + 1));
         }
     }
     return mesh;
+}
+
+ClosedMesh makeBumpyMesh(uint32_t seed, uint32_t steps) {
+    Random random(seed);
+    return makeBall(steps, steps, [&] { return 1 + 5 * random.uniform(0, 1); });
+}
+
+ClosedMesh gridCube(uint32_t n) {
+    ClosedMesh cube;
+    std::map<std::array<double, 3>, uint32_t> known;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const double side : {-1.0, 1.0}) {
+            const auto at = [&](uint32_t i, uint32_t j) {
+                glm::dvec3 v;
+                v[axis] = side;
+                v[(axis + 1) % 3] = -1 + 2.0 * i / n;
+                v[(axis + 2) % 3] = -1 + 2.0 * j / n;
+                const auto [found, fresh] =
+                    known.emplace(std::array{v.x, v.y, v.z}, static_cast<uint32_t>(cube.vertices.size()));
+                if (fresh) cube.vertices.push_back(v);
+                return found->second;
+            };
+            for (uint32_t i = 0; i < n; ++i) {
+                for (uint32_t j = 0; j < n; ++j) {
+                    uint32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+                    if (side < 0) std::swap(b, d);
+                    cube.triangles.insert(cube.triangles.end(), {{a, b, c}, {a, c, d}});
+                }
+            }
+        }
+    }
+    return cube;
 }
 
 std::optional<reference::Hit> closestOfAll(const reference::Tracer& tracer, const reference::Ray& ray,

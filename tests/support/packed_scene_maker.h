@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <optional>
 #include <random>
@@ -61,14 +62,20 @@ struct SceneTracer : SceneHolder, reference::Tracer {
         : SceneTracer(maker.finish(maxLeafSize)) {}
 };
 
-// A closed mesh: the sphere of 16 x 16 quads (theta, phi), two triangles each, whose radii are 1 + 5 xi for
-// uniform xi, of pbrt's test Triangle.Watertight (Pharr, Jakob, Humphreys, pbrt-v4,
-// src/pbrt/shapes_test.cpp).
-struct BumpyMesh {
-    std::vector<glm::vec3> vertices;
+// Closed meshes, wound outward.
+struct ClosedMesh {
+    std::vector<glm::dvec3> vertices;
     std::vector<glm::uvec3> triangles;
 };
-BumpyMesh makeBumpyMesh(uint32_t seed, uint32_t steps = 16);
+// A sphere of quads of two triangles each, its poles on the z axis, with a radius for each vertex. Vertices
+// are rounded to fp32.
+ClosedMesh makeBall(uint32_t parallels, uint32_t meridians, const std::function<double()>& radius);
+// The ball of 16 x 16 quads, whose radii are 1 + 5 xi for uniform xi, of pbrt's test Triangle.Watertight
+// (Pharr, Jakob, Humphreys, pbrt-v4, src/pbrt/shapes_test.cpp).
+ClosedMesh makeBumpyMesh(uint32_t seed, uint32_t steps = 16);
+// The cube [-1, 1]^3 in squares of edge 2 / n, each cut in two: edges and planes along the axes, all places
+// exact.
+ClosedMesh gridCube(uint32_t n);
 
 // The closest hit if every ray enters every box: an oracle for Tracer::closest().
 std::optional<reference::Hit> closestOfAll(const reference::Tracer& tracer, const reference::Ray& ray,
@@ -79,7 +86,7 @@ reference::Ray rayTowards(const glm::dvec3& origin, const glm::dvec3& target);
 
 class Random {
   public:
-    explicit Random(uint32_t seed) : engine_(seed) {}
+    explicit Random(uint64_t seed) : engine_(seed) {}
     double uniform(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
     uint32_t below(uint32_t n) { return static_cast<uint32_t>(engine_() % n); }
     glm::dvec3 box(double half) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }

@@ -79,6 +79,10 @@ WorkingFolderTest::~WorkingFolderTest() {
     fs::current_path(before_);
 }
 
+void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << "component " << i;
+}
+
 std::string errorOf(ErrorKind kind, const std::function<void()>& action) {
     try {
         action();

@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <glm/glm.hpp>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -86,6 +89,17 @@ inline bool startsWith(std::string_view text, std::string_view start) {
 }
 inline bool endsWith(std::string_view text, std::string_view end) {
     return text.ends_with(end);
+}
+
+// ---- numbers ----
+
+// Each component to within the tolerance.
+void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-12);
+
+// Of rows without padding (shared/layout.h), whose bytes are their values.
+template <typename T>
+bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+    return std::ranges::equal(std::as_bytes(std::span(a)), std::as_bytes(std::span(b)));
 }
 
 // ---- errors ----

@@ -9,8 +9,11 @@
 
 #include "import/camera_writer.h"
 #include "import/load.h"
+#include "support/support.h"
 
 namespace glint::view::camera_control_test {
+using glint::test::expectNear;
+
 constexpr double kPi = glm::pi<double>();
 
 Camera cameraAt(const glm::dvec3& eye) {
@@ -23,10 +26,6 @@ Camera cameraAt(const glm::dvec3& eye) {
 // A scene with the camera as the key C writes it.
 Scene reread(const Camera& camera) {
     return parseScene("{\"camera\": " + cameraText(camera) + ", \"objects\": []}", "text", ".");
-}
-
-void expectNear(const glm::dvec3& a, const glm::dvec3& b) {
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-12) << "component " << c;
 }
 
 TEST(CameraControl, OrbitsAboutTheTarget) {

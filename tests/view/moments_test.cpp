@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "support/environment.h"
 #include "support/support.h"
 
 namespace glint::view::moments_test {
+using glint::test::sameBytes;
+
 const char* const kScene = R"({"camera": {"eye": [0, 1, 6]}, "ambient": 0.5,
   "lights": [{"type": "point", "position": [0, 5, 0]}],
   "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}, "blue": {"diffuse": [0.1, 0.1, 0.8]}},
@@ -67,9 +67,6 @@ TEST_F(MomentsTest, WhatHasNotMovedIsNotBuiltAgain) {
     EXPECT_EQ(m.treesBuilt(), built);
     Moments direct = moments(3);
     const PackedScene &kept = later.scene->packed, &read = direct.show().scene->packed;
-    const auto sameBytes = [](const auto& a, const auto& b) {
-        return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
-    };
     EXPECT_TRUE(sameBytes(kept.nodes, read.nodes));
     EXPECT_TRUE(sameBytes(kept.spheres, read.spheres));
     EXPECT_TRUE(sameBytes(kept.lights, read.lights));
