@@ -165,6 +165,7 @@ TEST_F(ClippedAdvice, AllTrianglesDropped) {
                         R"("meshes": {"m": {"file": "a.obj"}}, "objects": [{"type": "mesh", "mesh": "m"}])"));
     const Ran ran = runGlint("render a.json --backend cpu");
     EXPECT_EQ(ran.code, 0);
+    EXPECT_STARTS(ran.err, "glint: warning: a.json: /objects/0: 1 of 1 triangles dropped: no area");
     EXPECT_ENDS(ran.err,
                 "glint: warning: a.json: the image shows only background: nothing is left of its "
                 "objects (see the warnings above)\n");

@@ -42,13 +42,4 @@ TEST_F(BenchOnHost, SceneAtFault) {
     expectError("bench no.json --backend cpu", 3, "no.json: no such file");
 }
 
-// 65536^2 pixels times 17 bytes are beyond this machine.
-TEST_F(BenchOnHost, PicturesThatDoNotFitAreRefusedBeforehand) {
-    writeSmallScene("a.json");
-    const Ran ran = runGlint("bench a.json --backend cpu --size 65536x65536");
-    EXPECT_EQ(ran.code, 1);
-    EXPECT_STARTS(ran.err, "glint: an image of 65536x65536 pixels takes 68.0 GiB of memory, ");
-    EXPECT_ENDS(ran.err, " fits)\n");
-}
-
 }  // namespace glint::app::test::bench_on_host_test

@@ -1,4 +1,4 @@
-// What `glint render` writes from a device.
+// Files that `glint render` writes from a device.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace glint::app::test::gpu_render_test {
 using GpuRender = SmallSceneTest;
 
-// The same samples of the same pixels, so the same rounds, and the picture of the reference but for rounding.
+// The device takes the reference's samples in the same rounds; the images differ by rounding alone.
 TEST_F(GpuRender, AnErrorIsReachedAsTheReferenceReachesIt) {
     const Words target = "--error 0.01 --within-depth --size 32x24 --aov color,samples";
     render(target + "-o device.pfm");
@@ -43,35 +43,29 @@ TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {
 }
 
 TEST_F(GpuRender, DeviceThatDoesNotExist) {
-    for (const char* selector : {"none", "99", "-1"}) {
-        const Ran ran = runGlint({"render", "a.json", "--device", selector});
+    writeText("r.csv", "0,0,5,0,0,-1\n");
+    for (const char* line :
+         {"render a.json --device none", "render a.json --device 99", "render a.json --device -1",
+          "trace a.json --rays r.csv --device none", "trace a.json --pixel 1,1 --device none"}) {
+        const Ran ran = runGlint(line);
         EXPECT_EQ(ran.code, 4);
         EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
         EXPECT_STARTS(ran.err, "glint: no Vulkan device has ");
         EXPECT_HAS(ran.err, "; devices: 0 \"");
         EXPECT_EQ(ran.out, "");
     }
-    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "r.csv"}));
 }
 
-TEST_F(GpuRender, TraceOnAMissingDeviceLeavesStandardOutputEmpty) {
-    writeText("r.csv", "0,0,5,0,0,-1\n");
-    for (const char* what : {"--rays r.csv", "--pixel 1,1"}) {
-        const Ran ran = runGlint("trace a.json --device none", what);
-        EXPECT_EQ(ran.code, 4);
-        EXPECT_EQ(ran.out, "");
-    }
-}
-
-// What is true of lavapipe alone.
+// Properties of lavapipe alone.
 class Lavapipe : public GpuRender {};
 
 TEST_F(Lavapipe, ByIndexAndName) {
     for (const char* selector : {"0", "llvmpipe", "LLVM"}) render({"--device", selector, "--size", "8x6"});
 }
 
-// One kernel for whole paths is there sooner, packets are faster: the command counts the picture's rays. What
-// is sampled until an error is reached counts as many.
+// One kernel for whole paths compiles sooner, packets trace faster: the command chooses by the number of
+// rays. An image to a given error counts as one of many rays.
 TEST_F(Lavapipe, PacketsAreForManyRays) {
     const auto walkOf = [](const Words& options) {
         const Words scene = {glint::test::sourcePath("scenes/knot.json")};

@@ -89,16 +89,6 @@ TEST_F(Info, DroppedTrianglesAreCounted) {
     EXPECT_HAS(out, "  dropped       1 primitive without area, 1 not finite\n");
 }
 
-TEST_F(Info, IsTheSameEveryTimeButForTheBuildTime) {
-    writeSmallScene("a.json");
-    const auto withoutTime = [] {
-        const std::string out = runGlint("info a.json").out;
-        const size_t built = out.find(", built in ");
-        return out.substr(0, built) + out.substr(out.find('\n', built));
-    };
-    EXPECT_EQ(withoutTime(), withoutTime());
-}
-
 // --stats json and --quiet: what programs read.
 
 using Stats = SmallSceneTest;

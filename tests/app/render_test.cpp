@@ -34,12 +34,6 @@ TEST_F(Render, NamesDoNotReachTheTerminalUnchanged) {
     EXPECT_HAS(ran.out, "wrote steer?]0;title?.exr");
 }
 
-TEST_F(Render, SizeIsThePictures) {
-    render("-o a.pfm --size 31x17");
-    const Image image = readImage("a.pfm");
-    EXPECT_EQ(std::pair(image.width, image.height), std::pair(31, 17));
-}
-
 TEST_F(Render, LayersAreSeparateFilesButForExr) {
     const std::string all = "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost";
     render({"-o", "p.pfm", "--aov", all});

@@ -41,16 +41,4 @@ TEST_F(SceneFile, AMissingOneNamesItsNeighbour) {
         expectError({"info", file}, 3, std::string(file) + ": no such file" + hint);
 }
 
-// A model that can be rendered.
-TEST_F(SceneFile, NotFiniteVerticesAreAWarning) {
-    writeText("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 1 0\nf 1 2 3\nf 1 2 4\n");
-    const Ran ran = runGlint("render a.obj --backend cpu --size 16x12");
-    EXPECT_EQ(ran.err,
-              "glint: warning: a.obj: /objects/0: 1 of 2 triangles dropped: a vertex is not finite or beyond "
-              "the range of fp32\n");
-    EXPECT_EQ(ran.code, 0);
-    EXPECT_TRUE(std::filesystem::exists("a.png"));
-    EXPECT_EQ(runGlint("render a.obj --backend cpu --size 16x12 -q").err, "");
-}
-
 }  // namespace glint::app::test::scene_error_test

@@ -23,6 +23,8 @@ const Case kCases[] = {
      "the command comes first, then its options (got \"--size\"); see glint --help"},
     {"help verfy", "unknown command \"verfy\" (did you mean \"verify\"?); see glint --help"},
     {"view", "view: SCENE is missing; see glint view --help"},
+    {"view a.json --confidence 0.9", "view: --confidence requires --error; see glint view --help"},
+    {"view a.json --within-depth", "view: --within-depth requires --error; see glint view --help"},
     {"view a.json --present fast",
      "--present: expected fifo, mailbox, immediate or fifoRelaxed, got \"fast\""},
     {"render", "render: SCENE is missing; see glint render --help"},

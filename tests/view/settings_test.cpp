@@ -168,12 +168,4 @@ TEST_F(Until, IsSetInThePanelAndBeginsAnew) {
     EXPECT_EQ(printed(there, "error").at(0), errors.at(2));
 }
 
-TEST_F(Until, WhatSaysNothingWithoutItIsRefused) {
-    for (const Words more : {"--confidence 0.9", "--within-depth"}) {
-        const Ran ran = runGlint("view scene.json", more);
-        EXPECT_EQ(ran.code, 2);
-        EXPECT_HAS(ran.err, more[0] + " requires --error");
-    }
-}
-
 }  // namespace glint::view::test::settings_test
