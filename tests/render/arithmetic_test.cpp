@@ -27,12 +27,10 @@ class ArithmeticTest : public RenderTest {
                                  gpu::MemoryKind::Host);
         auto* const rows = static_cast<Operands*>(buffer.mapped());
         for (size_t i = 0; i < cases.size(); ++i) rows[2 * i] = cases[i];
-        gpu::KernelOptions options;
-        options.name = "arithmetic";
-        options.spirv = arithmetic_probe_spv;
-        options.bindings = {gpu::Access::StorageBuffer};
-        options.constants = {own, own, builtIn};
-        gpu::Kernel kernel(device(), options);
+        gpu::Kernel kernel(device(), {.name = "arithmetic",
+                                      .spirv = arithmetic_probe_spv,
+                                      .bindings = {gpu::Access::StorageBuffer},
+                                      .constants = {own, own, builtIn}});
         const gpu::Buffer* const bound[] = {&buffer};
         kernel.bind(bound);
         gpu::Submission submission(device());
@@ -43,9 +41,9 @@ class ArithmeticTest : public RenderTest {
     }
 
     // The greatest `error` of `make`'s operands is within the bound, and no greater than GLSL's own.
-    void expectWithin(double bound, const char* what, const std::function<Operands(std::mt19937&)>& make,
+    void expectWithin(double bound, const char* what, const std::function<Operands(Random&)>& make,
                       const std::function<double(const Operands&, const Result&)>& error) {
-        std::mt19937 random(7);
+        Random random(7);
         std::vector<Operands> cases(kCases);
         for (Operands& one : cases) one = make(random);
         double greatest[2] = {};
@@ -62,10 +60,6 @@ class ArithmeticTest : public RenderTest {
         EXPECT_LE(greatest[0], greatest[1]) << what;
     }
 };
-
-double uniform(std::mt19937& random, double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-}
 
 // In units of the true value's last place.
 double ulps(float found, double truth) {
@@ -154,8 +148,8 @@ TEST_F(ArithmeticTest, QuotientsAndRootsAreCorrectlyRounded) {
 }
 
 TEST_F(ArithmeticTest, Exponentials) {
-    const auto make = [](std::mt19937& random) {
-        return Operands{static_cast<float>(uniform(random, 0, 86)), 1, 1, 0};
+    const auto make = [](Random& random) {
+        return Operands{static_cast<float>(random.uniform(0, 86)), 1, 1, 0};
     };
     expectWithin(1.0, "exp, ulp", make, [](const Operands& c, const Result& r) {
         return ulps(r.exponential, std::exp(-static_cast<double>(c.a)));
@@ -166,11 +160,11 @@ TEST_F(ArithmeticTest, Exponentials) {
 }
 
 TEST_F(ArithmeticTest, Logarithms) {
-    const auto wide = [](std::mt19937& random) {
-        return Operands{static_cast<float>(std::exp(uniform(random, -69, -0.01))), 1, 1, 0};
+    const auto wide = [](Random& random) {
+        return Operands{static_cast<float>(std::exp(random.uniform(-69, -0.01))), 1, 1, 0};
     };
-    const auto nearOne = [](std::mt19937& random) {
-        return Operands{static_cast<float>(1 - std::exp(uniform(random, -15, -0.7))), 1, 1, 0};
+    const auto nearOne = [](Random& random) {
+        return Operands{static_cast<float>(1 - std::exp(random.uniform(-15, -0.7))), 1, 1, 0};
     };
     const auto natural = [](const Operands& c, const Result& r) {
         return ulps(r.logarithm, std::log(static_cast<double>(c.a)));
@@ -187,9 +181,9 @@ TEST_F(ArithmeticTest, Logarithms) {
 // Relative, of results down to 1e-6.
 TEST_F(ArithmeticTest, PowersOfCosines) {
     for (const double exponent : {1.0, 10.0, 100.0, 1e3, 1e4, 1e6}) {
-        const auto make = [&](std::mt19937& random) {
+        const auto make = [&](Random& random) {
             const double least = 1 - std::pow(1e-6, 1 / exponent);
-            return Operands{static_cast<float>(1 - least * uniform(random, 0, 1)),
+            return Operands{static_cast<float>(1 - least * random.uniform(0, 1)),
                             static_cast<float>(exponent), 1, 0};
         };
         const auto error = [](const Operands& c, const Result& r) {

@@ -1,7 +1,6 @@
 // Parallel and oblique cameras: geometry gives the hit of each pixel.
 #include <algorithm>
 #include <functional>
-#include <stdexcept>
 
 #include "reference/tracer.h"
 #include "support.h"
@@ -12,8 +11,6 @@ using glm::dvec3;
 
 constexpr double kUnit = 0x1p-24;
 constexpr int kWidth = 64, kHeight = 48;
-// Positions in these scenes are below 16, made by fewer than 16 roundings.
-constexpr double kRounding = 16 * 16 * kUnit;
 
 class CameraTest : public RenderTest {};
 
@@ -88,16 +85,6 @@ TEST_F(CameraTest, MediaAreThoseAroundTheMiddleOfTheWindow) {
     EXPECT_NE(c.packed.environment.eyeMedium0, 0u);
     const verify::Report report = verifiedAsRead(c);
     EXPECT_TRUE(report.passed()) << report.unexplained << " unexplained";
-}
-
-// The pipeline of a perspective scene has no code for it, and throws.
-TEST_F(CameraTest, AParallelCameraNeedsAPipelineWithOne) {
-    Scene scene = emptyScene();
-    addPlane(scene, {0, 0, -3}, {0, 0, 1});
-    Case c = makeCase(scene, kWidth, kHeight);
-    c.camera = packCamera(orthographicScene().camera, kWidth, kHeight, c.packed.origin);
-    EXPECT_THROW(draw(device(), c), std::invalid_argument);
-    EXPECT_NEAR(draw(device(), c, {.leaveOut = false}).at(3, 3).depth, 10, kRounding);
 }
 
 }  // namespace glint::render::test::cameras_test

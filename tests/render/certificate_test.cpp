@@ -394,13 +394,4 @@ TEST_F(VerifyTest, PointsLieOnFlatQuadrics) {
     EXPECT_TRUE(report.passed()) << report.explained() << ' ' << report.allowedExplained();
 }
 
-TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
-    const Case c = fileCase("triangles", 40, 30);
-    Options options;
-    options.cancelled = [] { return true; };
-    const Report report = verified(c, {}, options);
-    EXPECT_TRUE(report.interrupted);
-    EXPECT_FALSE(report.passed());
-}
-
 }  // namespace glint::verify::certificate_test

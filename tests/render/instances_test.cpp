@@ -12,7 +12,6 @@
 #include "verify/verify.h"
 
 namespace glint::render::test::instances_test {
-using glint::test::closestOfAll;
 using glm::dvec3;
 
 // A closed surface with a bump here and there, of 2 n n triangles; large enough to be worth storing once.
@@ -186,7 +185,7 @@ TEST_F(InstanceTest, T79translatedFarAway) {
             const glm::vec3 from(center + 16.0 * glm::normalize(random.direction() + dvec3(0, 0, 1.5)));
             const RayInput ray = rayTowards(dvec3(from), center);
             const RayHit hit = renderer.trace({ray}, false)[0];
-            const auto expected = tracer.closest(reference::Ray{dvec3(ray.origin), dvec3(ray.direction)});
+            const auto expected = tracer.closest(exactRay(ray));
             ASSERT_TRUE(hit.hit && expected) << text(ray);
             const dvec3 world = packed.origin + dvec3(ray.origin) + expected->t * dvec3(ray.direction);
             for (int axis = 0; axis < 3; ++axis)
@@ -217,7 +216,7 @@ TEST_F(InstanceTest, T80rigidMotion) {
     const reference::Tracer tracerOnce(once), tracerCopies(copies);
     int compared = 0, other = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
-        const reference::Ray ray{dvec3(rays[i].origin), dvec3(rays[i].direction)};
+        const reference::Ray ray = exactRay(rays[i]);
         const auto c = tracerOnce.closest(ray), d = tracerCopies.closest(ray);
         const bool same = a[i].hit == b[i].hit && (!a[i].hit || (a[i].data.object == b[i].data.object &&
                                                                  a[i].data.primitive == b[i].data.primitive));
@@ -296,7 +295,7 @@ TEST_F(InstanceTest, NothingIsMissed) {
     const std::vector<RayHit> hits = hitsOf(packed, rays);
     int differing = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
-        const reference::Ray ray{dvec3(rays[i].origin), dvec3(rays[i].direction)};
+        const reference::Ray ray = exactRay(rays[i]);
         const auto all = closestOfAll(tracer, ray), tree = tracer.closest(ray);
         ASSERT_EQ(all, tree) << text(rays[i]);
         const bool same =
@@ -318,11 +317,11 @@ TEST_F(InstanceTest, TwoBillionTriangles) {
     const PackedScene packed = packScene(scene);
     ASSERT_EQ(packed.instances.size(), 5005u);
     // From behind the last one.
-    const RayHit hit = hitOf(packed, rayOf({0.3f, 0.6f, -60}, {0, 0, 1}));
+    const RayInput ray = rayOf({0.3f, 0.6f, -60}, {0, 0, 1});
+    const RayHit hit = hitOf(packed, ray);
     ASSERT_TRUE(hit.hit);
     EXPECT_EQ(hit.data.object, 5004u);
-    const reference::Tracer tracer(packed);
-    const auto expected = tracer.closest(reference::Ray{dvec3(glm::vec3(0.3f, 0.6f, -60)), {0, 0, 1}});
+    const auto expected = reference::Tracer(packed).closest(exactRay(ray));
     ASSERT_TRUE(expected);
     EXPECT_EQ(expected->id, 5004u * mesh->corners.size() + hit.data.primitive);
     EXPECT_GT(expected->id, 1u << 30);

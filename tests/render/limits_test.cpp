@@ -175,9 +175,8 @@ TEST_F(LeastLimits, WhatDoesNotFitIsRefusedWithBothFigures) {
     large.texels.resize((uint64_t{1} << 27) / sizeof(large.texels[0]));
     const std::string message =
         glint::test::errorOf(ErrorKind::Device, [&] { Renderer renderer(least, large); });
-    EXPECT_TRUE(message.starts_with("array \"all arrays together\" needs 1342")) << message;
-    EXPECT_TRUE(message.ends_with("bytes, but this device binds at most 134217728 bytes as a storage buffer"))
-        << message;
+    EXPECT_STARTS(message, "array \"all arrays together\" needs 1342");
+    EXPECT_ENDS(message, "bytes, but this device binds at most 134217728 bytes as a storage buffer");
 }
 
 // ---- bindings of arrays that a scene does not have ----

@@ -80,7 +80,7 @@ TEST_F(LivePathsImageTest, UnfinishedRaysOfListedPathsAreResumed) {
 }
 
 TEST_F(LivePathsImageTest, SlicesOfRegionsDrawTheSame) {
-    const Case c = fileCase("spheres", 65, 63);
+    const Case c = fileCase("showcase", 65, 63);
     Request settings = settingsOf(c);
     settings.region = {3, 5, 61, 44};
     const Drawn one = drawn(c, settings), many = drawn(c, settings, {.maxSlicePixels = 512});
@@ -122,8 +122,8 @@ TEST_F(LivePathsImageTest, RaysCountedByClassDrawTheSame) {
 
 // ---- the saving ----
 
-// A parallel camera, a pixel a unit, looks along -z at a mirror that covers the left column of 64 x 64
-// pixels; what it shows is another mirror behind the camera, which shows the first one, and so on. The
+// A parallel camera with pixels of size 1 looks along -z at a mirror that covers the left column of 64 x 64
+// pixels. The mirror shows a second mirror behind the camera, which shows the first one, and so on. The
 // column's 64 paths, one from each of 8 rows of 8 tiles, fill one workgroup.
 TEST_F(LivePathsImageTest, ScatteredPathsShareAWorkgroup) {
     constexpr uint32_t kDepth = 3, kAll = 64 * 64;

@@ -83,19 +83,18 @@ TEST_F(PolygonTest, EvenOddRule) {
     }
 }
 
-// T75, the sweep of T12 over the diagonal: every ray hits exactly one of two polygons that share it. In one
-// plane, folded, and next to a triangle, whose edges belong to it.
+// T12, T75: a sweep over the diagonal of a square (github.com/Oblikovati issue 2146). Every ray hits exactly
+// one of two polygons that share it; in one plane and folded. Edges of triangles belong to each of them.
 TEST_F(PolygonTest, SharedEdges) {
     for (const double fold : {0.0, 3.0, -2.0}) {
-        for (const bool triangle : {false, true}) {
+        for (const int triangles : {0, 1, 2}) {
             Scene scene = emptyScene();
             const dvec3 a(-5, -5, 0), b(5, 5, 0), left(-5, 5, fold), right(5, -5, 0.5 * fold);
-            addPolygon(scene, {a, b, left});
-            if (triangle) {
-                addTriangle(scene, a, right, b);
-            } else {
-                addPolygon(scene, {a, right, b});
-            }
+            const auto add = [&](bool triangle, const dvec3& c, const dvec3& d) {
+                triangle ? addTriangle(scene, a, c, d) : addPolygon(scene, {a, c, d});
+            };
+            add(triangles > 1, b, left);
+            add(triangles > 0, right, b);
             std::vector<RayInput> rays = {rayOf({0, 0, 10}, {0.30458447f, 0.30458447f, -0.9024725f})};
             for (int k = 1; k <= 3999; ++k)
                 rays.push_back(rayTowards({0, 0, 10}, {k / 1000.0, k / 1000.0, 0}, true));
@@ -104,15 +103,15 @@ TEST_F(PolygonTest, SharedEdges) {
                 rays.push_back(
                     rayTowards(dvec3(0, 0, 12) + random.box(3), glm::mix(a, b, random.uniform(0.01, 0.99))));
             const PackedScene packed = packScene(scene);
-            EXPECT_EQ(missesOf(packed, rays), 0u) << fold << triangle;
-            if (triangle) continue;
+            EXPECT_EQ(missesOf(packed, rays), 0u) << fold << triangles;
+            if (triangles > 0) continue;
             const PackedScene one = packScene(sceneOf(PolygonShape{{a, b, left}})),
                               other = packScene(sceneOf(PolygonShape{{a, right, b}}));
             const auto first = hitsOf(one, rays), second = hitsOf(other, rays);
             const reference::Tracer firstTracer(one), secondTracer(other);
             for (size_t i = 0; i < rays.size(); ++i) {
                 ASSERT_NE(first[i].hit, second[i].hit) << text(rays[i]);
-                const reference::Ray ray{dvec3(rays[i].origin), dvec3(rays[i].direction)};
+                const reference::Ray ray = exactRay(rays[i]);
                 ASSERT_NE(firstTracer.occluded(ray), secondTracer.occluded(ray)) << text(rays[i]);
             }
         }

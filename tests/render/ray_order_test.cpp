@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <numeric>
-#include <random>
+
+#include "support/packed_scene_maker.h"
 
 namespace glint::render {
 namespace {
@@ -24,14 +25,11 @@ std::vector<RayInput> picture(size_t width, size_t height, float angle) {
 }
 
 std::vector<RayInput> anyhow(size_t count) {
-    std::mt19937 random(3);
-    std::normal_distribution<float> normal;
+    glint::test::Random random(3);
     std::vector<RayInput> rays(count);
     for (RayInput& ray : rays) {
-        for (int axis = 0; axis < 3; ++axis) ray.origin[axis] = normal(random);
-        for (int axis = 0; axis < 3; ++axis) ray.direction[axis] = normal(random);
-        ray.origin = 3.0f * glm::normalize(ray.origin);
-        ray.direction = 0.5f * ray.direction - ray.origin;
+        ray.origin = glm::vec3(3.0 * random.direction());
+        ray.direction = glm::vec3(random.box(1)) - ray.origin;
     }
     return rays;
 }

@@ -17,14 +17,11 @@ TEST_F(ShadowTest, LightCloseToASurface) {
         scene.camera.fovY = 40;
         const Case c = makeCase(scene, 32, 32);
         const Picture picture = draw(device(), c);
-        int table = 0, lit = 0;
-        for (const PixelData& data : picture.data) {
-            if (data.object != 0) continue;
-            ++table;
-            lit += data.shadowBits == 0;
-        }
-        EXPECT_GT(table, 500) << distance;
-        EXPECT_EQ(lit, 0) << "light " << distance << " above the table: lit pixels of " << table;
+        const size_t table = countPixels(picture, [](const PixelData& d) { return d.object == 0; });
+        const size_t lit =
+            countPixels(picture, [](const PixelData& d) { return d.object == 0 && d.shadowBits == 0; });
+        EXPECT_GT(table, 500u) << distance;
+        EXPECT_EQ(lit, 0u) << "light " << distance << " above the table: lit pixels of " << table;
     }
 }
 
@@ -37,16 +34,11 @@ TEST_F(ShadowTest, WedgeIsDarkInsideAndLitOutside) {
     aim(scene.camera, {2, 3, 0}, {2, 0, 0}, {0, 0, 1});
     scene.camera.fovY = 30;
     const Picture above = draw(device(), makeCase(scene, 32, 32));
-    for (const PixelData& data : above.data) EXPECT_EQ(data.shadowBits, 0u);
+    EXPECT_EQ(countPixels(above, [](const PixelData& d) { return d.shadowBits != 0; }), 0u);
     aim(scene.camera, {3.9, 0.0015, 0}, {3.5, 0, 0}, {0, 1, 0});
     const Picture inside = draw(device(), makeCase(scene, 32, 32));
-    int dark = 0;
-    for (const PixelData& data : inside.data) {
-        if (data.object != 0) continue;
-        EXPECT_EQ(data.shadowBits, 1u);
-        ++dark;
-    }
-    EXPECT_GT(dark, 100);
+    EXPECT_GT(countPixels(inside, [](const PixelData& d) { return d.object == 0; }), 100u);
+    EXPECT_EQ(countPixels(inside, [](const PixelData& d) { return d.object == 0 && d.shadowBits != 1; }), 0u);
 }
 
 // A surface that reflects none of a light's light needs no shadow ray: with a trip to a dispatch there are as
@@ -62,12 +54,7 @@ TEST_F(ShadowTest, LightThatAddsNothingTakesNoRay) {
     const auto resumesOf = [&](const Scene& of, std::vector<float>& pixels) {
         const Case c = makeCase(of, 16, 16);
         Renderer renderer(device(), c.packed, {.tripBudget = 1, .traversal = Traversal::Lane});
-        Request settings;
-        settings.width = settings.height = 16;
-        const Picture picture = renderer.render(c.camera, settings);
-        pixels.clear();
-        for (int y = 0; y < 16; ++y)
-            for (int x = 0; x < 16; ++x) pixels.push_back(picture.color.at(x, y, 0));
+        pixels = renderer.render(c.camera, sized<Request>(c)).color.pixels;
         return renderer.times().resumes;
     };
     std::vector<float> unlit, lit;
@@ -126,14 +113,11 @@ TEST_F(RayCountsTest, RaysLeaveABallThatIsAlone) {
                     {"type": "triangle", "vertices": [[5, 6, 7], [6, 6, 7], [5, 7, 7]], "material": "m"}]})",
                             96, 72);
     Renderer renderer(device(), c.packed);
-    size_t hits = 0, hidden = 0;
-    for (const PixelData& pixel : renderer.render(c.camera, wholeWithData(c)).data) {
-        hits += pixel.object != PixelData::kNoIndex;
-        hidden += pixel.shadowBits != 0;
-    }
+    const Picture picture = renderer.render(c.camera, wholeWithData(c));
+    const size_t hits = pixelsWithObject(picture);
     EXPECT_GT(hits, 1000u);
     EXPECT_EQ(counted(c).mirrored, hits);
-    EXPECT_EQ(hidden, 0u);
+    EXPECT_EQ(countPixels(picture, [](const PixelData& d) { return d.shadowBits != 0; }), 0u);
 }
 
 }  // namespace glint::render::test::shadow_test

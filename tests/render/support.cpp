@@ -27,13 +27,6 @@ bool sameVector(const Vector& a, const Vector& b) {
     return bits(a.x) == bits(b.x) && bits(a.y) == bits(b.y) && bits(a.z) == bits(b.z);
 }
 
-reference::Ray exactRay(const RayInput& ray) {
-    reference::Ray exact{glm::dvec3(ray.origin), glm::dvec3(ray.direction)};
-    exact.tMin = ray.tMin;
-    exact.tMax = ray.tMax;
-    return exact;
-}
-
 // The first member of a pixel's data that differs, or nullptr.
 const char* difference(const PixelData& a, const PixelData& b) {
     if (!sameVector(a.position, b.position)) return "position";
@@ -53,6 +46,13 @@ const char* difference(const PixelData& a, const PixelData& b) {
 }
 
 }  // namespace
+
+reference::Ray exactRay(const RayInput& ray) {
+    reference::Ray exact{glm::dvec3(ray.origin), glm::dvec3(ray.direction)};
+    exact.tMin = ray.tMin;
+    exact.tMax = ray.tMax;
+    return exact;
+}
 
 std::unique_ptr<gpu::Device> RenderTest::device_;
 

@@ -165,6 +165,8 @@ testing::AssertionResult sameBits(const std::vector<RayHit>& a, const std::vecto
 RayInput rayOf(const glm::vec3& origin, const glm::vec3& direction);
 // The direction is rounded to float, and unit length if `unit`.
 RayInput rayTowards(const glm::dvec3& origin, const glm::dvec3& target, bool unit = false);
+// The ray for the reference.
+reference::Ray exactRay(const RayInput& ray);
 size_t misses(const std::vector<RayHit>& hits);
 std::string text(const RayInput& ray);
 

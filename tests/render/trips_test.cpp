@@ -34,11 +34,9 @@ class TripTest : public RenderTest {
                                  gpu::MemoryKind::Host);
         auto* const words = static_cast<uint32_t*>(buffer.mapped());
         for (uint32_t i = 0; i < kLanes; ++i) words[i] = (i + 1) % kLanes;
-        gpu::KernelOptions options;
-        options.name = "loop_probe";
-        options.spirv = loop_probe_spv;
-        options.bindings = {gpu::Access::StorageBuffer};
-        gpu::Kernel kernel(device(), options);
+        gpu::Kernel kernel(
+            device(),
+            {.name = "loop_probe", .spirv = loop_probe_spv, .bindings = {gpu::Access::StorageBuffer}});
         const gpu::Buffer* const bound[] = {&buffer};
         kernel.bind(bound);
         gpu::Submission submission(device());

@@ -8,9 +8,7 @@ namespace glint::render::test::validation_test {
 class ValidationTest : public testing::TestWithParam<gpu::Access> {};
 
 TEST_P(ValidationTest, LayerIsSilent) {
-    gpu::DeviceOptions withLayer;
-    withLayer.validation = true;
-    const gpu::Device device(withLayer);
+    const gpu::Device device({.validation = true});
     for (const std::string scene : {"triangles", "spheres", "knot"}) {
         const Case c = fileCase(scene, 33, 25);
         // So few trips that rays are resumed.
@@ -71,9 +69,7 @@ TEST(AssistedRenderTest, AttributesOfTheLastTriangleAreInTheArray) {
     ASSERT_TRUE(c.packed.features.uvs && c.packed.features.vertexColors);
     ASSERT_EQ(c.packed.vertexAttributes.size(), 5u);
     ::setenv("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT", 1);
-    gpu::DeviceOptions withLayer;
-    withLayer.validation = true;
-    const gpu::Device device(withLayer);
+    const gpu::Device device({.validation = true});
     ::unsetenv("VK_LAYER_ENABLES");
     EXPECT_TRUE(draw(device, c).complete);
     for (const std::string& message : device.validationMessages()) ADD_FAILURE() << message;

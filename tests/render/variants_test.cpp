@@ -1,5 +1,5 @@
-// Images keep every bit with any features left out, any access to arrays, any traversal, any slices, earlier
-// renders and any number of threads.
+// Images keep every bit with any features left out, any access to arrays, any traversal and any number of
+// threads.
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
@@ -24,16 +24,6 @@ TEST_P(VariantTest, DrawsTheSame) {
 INSTANTIATE_TEST_SUITE_P(All, VariantTest, testing::ValuesIn(sceneNames()), sceneName);
 
 class PictureTest : public RenderTest {};
-
-TEST_F(PictureTest, SlicesAndRepetitionDrawTheSame) {
-    const Case c = fileCase("showcase", 96, 72);
-    Renderer renderer(device(), c.packed);
-    const Picture picture = draw(renderer, c);
-    EXPECT_TRUE(sameBits(picture, draw(renderer, c))) << "second picture of the same renderer";
-    Renderer sliced(device(), c.packed, {.maxSlicePixels = 1024});
-    EXPECT_TRUE(sameBits(picture, draw(sliced, c)));
-    EXPECT_GT(sliced.times().slices, 5u);  // 108 tiles of 64 pixels
-}
 
 TEST_F(PictureTest, CostIsCountedAndChangesNothing) {
     const Case c = fileCase("knot", 64, 48);
