@@ -52,22 +52,14 @@ class FileSizeLimit {
     void (*handler_)(int);
 };
 
-TEST_F(WriteFailure, MissingFolder) {
-    for (const char* name : {"out/x.png", "out/x.exr", "out/x.pfm", "out/x.hdr"})
-        expectUnwritable(file(name), "there is no folder " + file("out").string());
-    EXPECT_TRUE(names().empty());
-}
-
-TEST_F(WriteFailure, DestinationIsAFolder) {
-    fs::create_directory(file("x.png"));
-    expectUnwritable(file("x.png"), "Is a directory");
-    EXPECT_EQ(names(), std::set<std::string>{"x.png"});
-}
-
-TEST_F(WriteFailure, ParentIsAFile) {
+TEST_F(WriteFailure, PlacesThatTakeNoFile) {
     writeBytes(file("out"), kOld);
+    fs::create_directory(file("x.png"));
+    for (const char* name : {"no/x.png", "no/x.exr", "no/x.pfm", "no/x.hdr"})
+        expectUnwritable(file(name), "there is no folder " + file("no").string());
+    expectUnwritable(file("x.png"), "Is a directory");
     expectUnwritable(file("out/x.png"), file("out").string() + " is not a folder");
-    EXPECT_EQ(names(), std::set<std::string>{"out"});
+    EXPECT_EQ(names(), (std::set<std::string>{"out", "x.png"}));
 }
 
 TEST_F(WriteFailure, NoPermission) {
@@ -110,19 +102,11 @@ TEST_F(WriteFailure, FullDiskForTheSecondLayerLeavesNone) {
     EXPECT_TRUE(names().empty());
 }
 
-TEST_F(WriteFailure, FullDevice) {
-    ASSERT_TRUE(fs::is_character_file("/dev/full"));
-    fs::create_symlink("/dev/full", file("full.png"));
-    expectUnwritable(file("full.png"), "No space left on device");
-    EXPECT_TRUE(fs::is_symlink(file("full.png")));
-    EXPECT_TRUE(fs::is_character_file("/dev/full"));
-    EXPECT_EQ(names(), std::set<std::string>{"full.png"});
-}
-
 TEST_F(WriteFailure, LaterLayerFailsAfterTheFirstIsInPlace) {
     ASSERT_TRUE(fs::is_character_file("/dev/full"));
     fs::create_symlink("/dev/full", file("x.normal.pfm"));
     expectLayersUnwritable("No space left on device");
+    EXPECT_TRUE(fs::is_symlink(file("x.normal.pfm")));
 }
 
 TEST_F(WriteFailure, LayerThatIsAFolderStopsAllOfThem) {
@@ -175,22 +159,12 @@ TEST_F(WriteFiles, LongNames) {
     EXPECT_EQ(names(), std::set<std::string>{name});
 }
 
-TEST_F(WriteFiles, RelativeNames) {
-    const fs::path before = fs::current_path();
-    fs::current_path(folder_);
-    writeTextFile("a.txt", "text");
-    fs::current_path(before);
-    EXPECT_EQ(names(), std::set<std::string>{"a.txt"});
-}
-
 TEST_F(WriteFiles, SmallAndLargeTextsComeBackWhole) {
     for (size_t size : {size_t{1}, size_t{65536}, size_t{3'000'000}}) {
         std::string text(size, 'a');
         for (size_t i = 0; i < size; ++i) text[i] = static_cast<char>(i * 31 % 251);
         writeTextFile(file("a.bin"), text);
-        const std::vector<uint8_t> back = readBytes(file("a.bin"));
-        EXPECT_TRUE(std::equal(back.begin(), back.end(), text.begin(), text.end(),
-                               [](uint8_t a, char b) { return a == static_cast<uint8_t>(b); }));
+        EXPECT_TRUE(test::readText(file("a.bin")) == text) << size;
     }
 }
 

@@ -43,7 +43,7 @@ TEST(Robust, ReadsPastTheEndHarmNothing) {
 TEST_P(AssistedTest, ReadsPastTheEndAreSeen) {
     const std::vector<std::string> seen = messages(17);
     ASSERT_FALSE(seen.empty());
-    EXPECT_NE(seen.front().find("out of bounds"), std::string::npos) << seen.front();
+    EXPECT_HAS(seen.front(), "out of bounds");
 }
 
 TEST_P(AssistedTest, ReadsUpToTheEndAreNot) {

@@ -22,10 +22,6 @@ inline DeviceOptions withValidation() {
     return {.validation = true};
 }
 
-inline DeviceOptions selecting(const std::string& selector) {
-    return {.selector = selector};
-}
-
 class GpuTest : public testing::Test {
   protected:
     void TearDown() override {

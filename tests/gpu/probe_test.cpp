@@ -1,11 +1,10 @@
 // The probe of a device's arithmetic passes IEEE 754's results only.
-#include <gtest/gtest.h>
-
 #include <bit>
 #include <cmath>
 #include <functional>
 
 #include "gpu/device_state.h"
+#include "support/support.h"
 
 namespace glint::gpu::probe_test {
 using Change = std::function<void(ProbeCase&)>;
@@ -102,11 +101,9 @@ TEST(Probe, AlmostRoundedResultsAreFound) {
 }
 
 TEST(Probe, TextSaysWhoseTheBitsAre) {
-    EXPECT_NE(Arithmetic({true, true, false, true}).text().find("glint rounds its quotients"),
-              std::string::npos);
-    EXPECT_NE(Arithmetic({true, false, true, true}).text().find("flushes denormals"), std::string::npos);
-    EXPECT_NE(Arithmetic({false, true, true, true}).text().find("breaks Vulkan's promises"),
-              std::string::npos);
+    EXPECT_HAS(Arithmetic({true, true, false, true}).text(), "glint rounds its quotients");
+    EXPECT_HAS(Arithmetic({true, false, true, true}).text(), "flushes denormals");
+    EXPECT_HAS(Arithmetic({false, true, true, true}).text(), "breaks Vulkan's promises");
 }
 
 }  // namespace glint::gpu::probe_test

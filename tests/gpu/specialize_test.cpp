@@ -5,16 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <random>
 #include <set>
-
-#include <unistd.h>
 
 #include "core/device_layout.h"
 #include "once.spv.h"
 #include "render/kernels.h"
+#include "support/support.h"
 #include "twists_flat.spv.h"
 
 namespace glint::gpu::specialize_test {
@@ -36,14 +33,10 @@ bool isSphereOrPointLight(uint32_t id) {
 }
 
 bool isValid(const std::vector<uint32_t>& words) {
+    const glint::test::TemporaryFolder folder;
     const auto path =
-        std::filesystem::temp_directory_path() / ("glint_specialize_" + std::to_string(getpid()));
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(words.data()), static_cast<std::streamsize>(words.size() * 4));
-    const std::string command = std::string(GLINT_SPIRV_VAL) + " --target-env vulkan1.1 " + path.string();
-    const int code = std::system(command.c_str());
-    std::filesystem::remove(path);
-    return code == 0;
+        folder.write("kernel.spv", {reinterpret_cast<const char*>(words.data()), 4 * words.size()});
+    return std::system((GLINT_SPIRV_VAL " --target-env vulkan1.1 " + path.string()).c_str()) == 0;
 }
 
 Words kernel(KernelId id) {

@@ -9,6 +9,7 @@
 // CASES has a line for each case: its name, a scene of scenes/, width, height, samples for each pixel, and
 // options (readOption). FOLDER holds kernels, such as intersect.spv and packet_intersect_any.spv, that
 // replace those of the folder SOUND.
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -131,12 +132,11 @@ class KernelFolder {
   public:
     KernelFolder(const std::filesystem::path& folder, const render::KernelCode& others) : code_(others) {
         for (const render::KernelId id : render::kKernels) {
-            std::ifstream file(folder / (std::string(infoOf(id).module) + ".spv"), std::ios::binary);
-            if (!file) continue;
-            std::ostringstream bytes;
-            bytes << file.rdbuf();
-            std::vector<uint32_t>& words = words_.emplace_back(bytes.str().size() / sizeof(uint32_t));
-            bytes.str().copy(reinterpret_cast<char*>(words.data()), words.size() * sizeof(uint32_t));
+            const auto path = folder / (std::string(infoOf(id).module) + ".spv");
+            if (!std::filesystem::exists(path)) continue;
+            const std::vector<uint8_t> bytes = glint::test::readBytes(path);
+            std::vector<uint32_t>& words = words_.emplace_back(bytes.size() / sizeof(uint32_t));
+            std::memcpy(words.data(), bytes.data(), words.size() * sizeof(uint32_t));
             code_[id] = words;
         }
     }
