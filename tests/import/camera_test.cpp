@@ -125,7 +125,7 @@ TEST_F(Cameras, TextMeansTheSame) {
         EXPECT_EQ(parse("{\"camera\": " + cameraText(camera) + "}").camera, camera) << cameraText(camera);
 }
 
-// By hand, so that what is kept is seen.
+// Written by hand, to show what is kept.
 TEST_F(Cameras, AreWrittenBesideWhatIsThere) {
     EXPECT_EQ(with("{}"), "{\n  \"cameras\": {\n    " + kA + "\n  }\n}");
     EXPECT_EQ(
@@ -146,8 +146,8 @@ TEST_F(Cameras, AreWrittenBesideWhatIsThere) {
     EXPECT_EQ(with("{\"ambient\": 1}", {}), "{\"ambient\": 1}");
 }
 
-// Whatever the file looks like: nothing of it is lost, all else in it means what it meant, and the new
-// cameras are there.
+// In files of many layouts every byte is kept, all other values stay the same, and the new cameras are
+// added.
 TEST_F(Cameras, NothingOfTheFileIsLost) {
     const std::string values[] = {"{}", "{\"fovY\": 30 }", "{ // \"cameras\": {\n}", "{\"up\": [0, 1, 0]}"};
     const std::string blanks[] = {
@@ -186,22 +186,20 @@ TEST_F(Cameras, NothingOfTheFileIsLost) {
 }
 
 TEST_F(Cameras, WritingRefusesWhatItCannotKeep) {
-    const auto error = [](const std::string& text, const std::vector<NamedCamera>& cameras) {
-        try {
-            with(text, cameras);
-        } catch (const Error& e) {
-            return std::string(e.what());
-        }
-        return std::string("no error");
+    using enum ErrorKind;
+    const auto error = [](ErrorKind kind, const std::string& text, const std::vector<NamedCamera>& cameras) {
+        return glint::test::errorOf(kind, [&] { with(text, cameras); });
     };
-    EXPECT_EQ(error("{\"cameras\": {" + kA + "}}", {named("a", 3)}),
+    EXPECT_EQ(error(Argument, "{\"cameras\": {" + kA + "}}", {named("a", 3)}),
               "s.json: there is a camera \"a\" already");
-    EXPECT_EQ(error("{}", {named("a", 3), named("a", 4)}), "s.json: there is a camera \"a\" already");
-    EXPECT_EQ(error("[]", {named("a", 3)}), "s.json: must be an object {...} (got [])");
-    EXPECT_EQ(error("{\"cameras\": 3}", {named("a", 3)}),
+    EXPECT_EQ(error(Argument, "{}", {named("a", 3), named("a", 4)}),
+              "s.json: there is a camera \"a\" already");
+    EXPECT_EQ(error(ErrorKind::Scene, "[]", {named("a", 3)}), "s.json: must be an object {...} (got [])");
+    EXPECT_EQ(error(ErrorKind::Scene, "{\"cameras\": 3}", {named("a", 3)}),
               "s.json: /cameras: must be an object {...} (got 3)");
-    EXPECT_HAS(error("{", {named("a", 3)}), "s.json:1:");
-    EXPECT_EQ(error("{}", {named("\xff", 3)}), "s.json: its cameras cannot be written; paste them by hand");
+    EXPECT_HAS(error(ErrorKind::Scene, "{", {named("a", 3)}), "s.json:1:");
+    EXPECT_EQ(error(Failed, "{}", {named("\xff", 3)}),
+              "s.json: its cameras cannot be written; paste them by hand");
 }
 
 }  // namespace glint::test::camera_test

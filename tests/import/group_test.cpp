@@ -10,10 +10,6 @@ namespace glint::test::group_test {
 using glm::dmat3;
 using glm::dvec3;
 
-Scene parse(const std::string& text) {
-    return parseScene(text, "s.json", glint::test::sourcePath("scenes"));
-}
-
 TEST(Group, ComposesTransformsFromTheInsideOut) {
     // (1,0,0): own translation (2,0,0); a quarter turn about z (0,2,0); scaled by 3 (0,6,0); moved (5,6,0).
     const Scene scene = parse(R"({"objects": [
@@ -83,7 +79,8 @@ TEST(Placement, WhatDoesNotStayRound) {
         "s.json: /objects/0/transform: stretches too unevenly for single precision");
 }
 
-// 100 x 100 x 2 triangles: two objects save 2 MB and share, one does not; nor do two of two triangles.
+// Two objects share a mesh of 100 x 100 x 2 triangles, which saves 2 MB. One object does not, and neither do
+// two objects of two triangles.
 TEST(Placement, MeshesAreSharedWhereThatSavesMemory) {
     const auto grid = [](uint32_t n) {
         auto mesh = std::make_shared<Mesh>();

@@ -171,6 +171,7 @@ TEST_F(Obj, ErrorsSayLineAndReason) {
     EXPECT_EQ(error(kFour + "f 1 2 -5\n"), ":5: face uses vertex -5, there are 4 so far");
     EXPECT_EQ(error(kFour + "f 1 2 99999999999\n"), ":5: face uses vertex 99999999999, the file has 4");
     EXPECT_EQ(error(kFour + "vn 0 0 1\nf 1//1 2//1 3//2\n"), ":6: face uses normal 2, the file has 1");
+    EXPECT_EQ(error(kFour + "vt 0 0\nf 1/1 2/1 3/2\n"), ":6: face uses texture vertex 2, the file has 1");
     EXPECT_EQ(error(kFour + "f 1 two 3\n"), ":5: \"two\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
     for (const std::string corner : {"1///", "1/1/1/1", "1.5", "/1", "1/x", "99999999999999999999", "\\"})
         EXPECT_EQ(error(kFour + "f 1 2 " + corner + "\n"),

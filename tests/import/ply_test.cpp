@@ -79,14 +79,17 @@ TEST(Ply, AsciiWithNormalsQuadsAndExtras) {
     EXPECT_EQ(imported.warnings, Lines{"ignored: vertex s, vertex red, face flag, element edge"});
 }
 
-TEST(Ply, ColoursOfEveryType) {
+TEST(Ply, TextureCoordinatesAndColoursOfEveryType) {
     const auto colorOf = [](const std::string& type, const std::string& prefix, const std::string& rgb) {
         const std::string three = "property " + type + " " + prefix + "red\nproperty " + type + " " + prefix +
                                   "green\nproperty " + type + " " + prefix + "blue\n";
         const ImportedMesh imported =
             import("\xef\xbb\xbf" +
-                   header("ascii", "element vertex 3\n" + kXyz + three + "element face 1\n" + kList) +
-                   "0 0 0 " + rgb + "\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n");
+                   header("ascii", "element vertex 3\n" + kXyz + "property float s\nproperty float t\n" +
+                                       three + "element face 1\n" + kList) +
+                   "0 0 0 0.5 1 " + rgb + "\n1 0 0 0 0 0 0 0\n0 1 0 0 0 0 0 0\n3 0 1 2\n");
+        EXPECT_EQ(imported.mesh.uvs.at(0), glm::dvec2(0.5, 1));
+        EXPECT_EQ(imported.mesh.uvCorners, imported.mesh.corners);
         return imported.mesh.colors.at(0);
     };
     const double half = std::pow((128 / 255.0 + 0.055) / 1.055, 2.4);  // IEC 61966-2-1
@@ -96,7 +99,7 @@ TEST(Ply, ColoursOfEveryType) {
     }
     EXPECT_NEAR(colorOf("uchar", "diffuse_", "255 0 128").z, half, 1e-15);
     EXPECT_NEAR(colorOf("ushort", "", "65535 0 32896").z, half, 1e-15);
-    EXPECT_EQ(colorOf("float", "", "0.25 0.5 1"), Color(0.25, 0.5, 1)) << "fractions are linear";
+    EXPECT_EQ(colorOf("float", "", "0.25 0.5 2"), Color(0.25, 0.5, 2)) << "fractions are linear";
 }
 
 // MeshLab's way: a list of texture coordinates, and colours, of each face; here around the list of vertices.

@@ -166,15 +166,4 @@ TEST(Stl, TruncationsAreRefused) {
     for (size_t n = 1; n + 9 < text.size(); n++) EXPECT_NE(error(text.substr(0, n)), "no error") << n;
 }
 
-TEST(Stl, AModelAloneAndAMeshOfASceneFile) {
-    const TemporaryFolder folder;
-    const Scene alone = loadScene(folder.write("t.STL", binary(kTetrahedron)));
-    ASSERT_EQ(alone.objects.size(), 1u);
-    EXPECT_EQ(alone.lights.size(), 1u);
-    EXPECT_EQ(alone.camera.target, dvec3(0.5));
-    const Scene scene = loadScene(folder.write(
-        "s.json", R"({"meshes": {"t": {"file": "t.STL"}}, "objects": [{"type": "mesh", "mesh": "t"}]})"));
-    EXPECT_EQ(meshOf(scene).corners.size(), 4u);
-}
-
 }  // namespace glint::test::stl_test

@@ -127,34 +127,6 @@ TEST_F(TextureFilesTest, ObjBringsCoordinatesColorsAndMaps) {
     EXPECT_HAS(scene.warnings[0], "gone.png: no such file; drawn without it");
 }
 
-TEST_F(TextureFilesTest, ObjCoordinatesOutOfRangeAreErrors) {
-    const auto path = folder_.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nf 1/1 2/1 3/2\n");
-    EXPECT_EQ(errorOf([&] { loadScene(path); }),
-              path.string() + ":5: face uses texture vertex 2, the file has 1");
-}
-
-TEST_F(TextureFilesTest, PlyBringsCoordinatesAndColors) {
-    const std::string header =
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-        "property float z\nproperty float s\nproperty float t\n";
-    const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    const auto read = [&](const std::string& type, const std::string& body) {
-        std::string text = header;
-        for (const char* name : {"red", "green", "blue"}) text += "property " + type + " " + name + "\n";
-        const Scene scene = loadScene(folder_.write("m.ply", text + faces + body));
-        return meshOf(scene);
-    };
-    const Mesh codes =
-        read("uchar", "0 0 0 0.5 1 188 0 255\n1 0 0 0 0 0 0 0\n1 1 0 1 1 255 255 255\n3 0 1 2\n");
-    EXPECT_EQ(codes.uvs[0], glm::dvec2(0.5, 1));
-    EXPECT_EQ(codes.uvCorners[0], glm::uvec3(0, 1, 2));
-    EXPECT_NEAR(codes.colors[0].x, 0.50289, 1e-5);
-    EXPECT_EQ(codes.colors[0].y, 0);
-    EXPECT_NEAR(codes.colors[0].z, 1, 1e-15);
-    const Mesh linear = read("float", "0 0 0 0 0 0.5 0 2\n1 0 0 0 0 0 0 0\n1 1 0 1 1 1 1 1\n3 0 1 2\n");
-    EXPECT_EQ(linear.colors[0], Color(0.5, 0, 2));
-}
-
 // A mirroring transform exchanges the second and third corner of everything.
 TEST_F(TextureFilesTest, MirroredMeshesKeepTheirCoordinates) {
     folder_.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n");
