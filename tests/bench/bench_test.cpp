@@ -1,9 +1,8 @@
 // `glint bench`: what is made of the times.
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "bench/write.h"
+#include "support/support.h"
 
 namespace glint::bench::test::bench_test {
 const bench::Program kProgram = {"1.2", "abc"};
@@ -74,18 +73,14 @@ TEST(Bench, JsonHoldsRatesWhoseQuartilesAreTheOtherWayRound) {
 
 TEST(Bench, TableAlignsItsColumns) {
     const std::string table = bench::table(someResult(), kProgram);
-    EXPECT_TRUE(
-        table.starts_with("a.json\n  40 x 30, 1 sample, maxDepth 0, 0 lights, 0 primitives\n"
-                          "  thing, its driver, packets, texel buffers, commit abc\n"))
-        << table;
-    EXPECT_NE(
-        table.find(
-            "\n  rays                      number  tests/ray    Mrays/s  quartiles                    ms\n"
-            "  primary                     1200       25.0      0.600     0.300 .. 1.200          2.00\n"
-            "  shadow                       600        0.0      0.600     0.600 .. 0.600          1.00\n"),
-        std::string::npos)
-        << table;
-    EXPECT_NE(table.find("2.00 million triangles/s"), std::string::npos) << table;
+    EXPECT_STARTS(table,
+                  "a.json\n  40 x 30, 1 sample, maxDepth 0, 0 lights, 0 primitives\n"
+                  "  thing, its driver, packets, texel buffers, commit abc\n");
+    EXPECT_HAS(table,
+               "\n  rays                      number  tests/ray    Mrays/s  quartiles                    ms\n"
+               "  primary                     1200       25.0      0.600     0.300 .. 1.200          2.00\n"
+               "  shadow                       600        0.0      0.600     0.600 .. 0.600          1.00\n");
+    EXPECT_HAS(table, "2.00 million triangles/s");
 }
 
 TEST(Bench, WalksHaveALineEach) {
@@ -98,7 +93,7 @@ TEST(Bench, WalksHaveALineEach) {
     const std::string table = bench::table(r, kProgram);
     const std::string line =
         "  lane          0.600     0.600     0.100         -     0.300      7.00    500.00       3.0  0123\n";
-    EXPECT_TRUE(table.ends_with("MiB  image\n" + line + line)) << table;
+    EXPECT_ENDS(table, "MiB  image\n" + line + line);
     const nlohmann::json json = nlohmann::json::parse(bench::json({r}, kProgram))["scenes"][0]["walks"];
     ASSERT_EQ(json.size(), 2u);
     EXPECT_EQ(json[1]["traversal"], "lane");

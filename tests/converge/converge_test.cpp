@@ -1,8 +1,6 @@
 // Pictures to a given error, drawn by a tracer whose truth is known.
 #include "converge/converge.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -13,6 +11,7 @@
 #include "core/error.h"
 #include "falling_film.h"
 #include "known_film.h"
+#include "support/support.h"
 
 namespace glint::converge::converge_test {
 double realizedOf(const Film& film, const Picture& picture) {
@@ -148,13 +147,7 @@ TEST(ConvergeTest, AnInterruptedRoundIsNotCounted) {
 }
 
 std::string refusalOf(const Draw& draw, const Job& job) {
-    try {
-        converge(draw, job);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::Argument);
-        return error.what();
-    }
-    return "";
+    return glint::test::errorOf(ErrorKind::Argument, [&] { converge(draw, job); });
 }
 
 TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
@@ -169,25 +162,19 @@ TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
     Job job = jobOf(0.01);
     job.request.limits.depth = 2;
     const std::string deeper = refusalOf(mirrors, job);
-    EXPECT_NE(deeper.find("beyond maxDepth may add 0.25; --max-depth 11 would do; --within-depth"),
-              std::string::npos)
-        << deeper;
+    EXPECT_HAS(deeper, "beyond maxDepth may add 0.25; --max-depth 11 would do; --within-depth");
     job.request.limits.depth = 11;
     EXPECT_TRUE(converge(mirrors, job).reached());
 
     job = jobOf(0.01);
     job.rounding = 0.02;
     const std::string rounding = refusalOf(drawOf(film), job);
-    EXPECT_NE(rounding.find("rounding alone may take 0.02 on this device; --backend cpu computes in double"),
-              std::string::npos)
-        << rounding;
+    EXPECT_HAS(rounding, "rounding alone may take 0.02 on this device; --backend cpu computes in double");
     // Advice that would not help is not given.
     job.target.error = 1e-300;
-    EXPECT_NE(refusalOf(drawOf(film), job).find("0.02 on this device, and 6e-08 in double precision"),
-              std::string::npos)
-        << refusalOf(drawOf(film), job);
+    EXPECT_HAS(refusalOf(drawOf(film), job), "0.02 on this device, and 6e-08 in double precision");
     job.inDouble = true;
-    EXPECT_EQ(refusalOf(drawOf(film), job).find("--backend"), std::string::npos);
+    EXPECT_LACKS(refusalOf(drawOf(film), job), "--backend");
 }
 
 // Each round estimates the light beyond the depth from its own samples, and may exceed the first estimate.

@@ -11,7 +11,7 @@ using namespace test;
 void expectSceneError(const Scene& scene, const std::string& array, uint64_t count, uint64_t limit) {
     const std::string error = errorOf(ErrorKind::Scene, [&] { packScene(scene); });
     for (const std::string& part : {array, std::to_string(count), std::to_string(limit)})
-        EXPECT_NE(error.find(part), std::string::npos) << error;
+        EXPECT_HAS(error, part);
 }
 
 TEST(PackLimits, Planes) {

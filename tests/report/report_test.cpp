@@ -1,6 +1,4 @@
 // The numbers and files of `glint report`, without a device.
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <map>
@@ -12,6 +10,7 @@
 #include "core/quartiles.h"
 #include "report/plan.h"
 #include "report/write.h"
+#include "support/support.h"
 
 namespace glint::report::test::report_test {
 // Two pixels of 3 channels; the differences are chosen, so every measure follows by hand.
@@ -169,22 +168,17 @@ TEST(ReportWriting, JsonComesBack) {
     EXPECT_THROW(fromJson("{", "a"), Error);
 }
 
-// Fields of a line of RFC 4180.
+// Fields of a line of RFC 4180: in quotes, where "" stands for one, or without any.
 std::vector<std::string> csvFields(const std::string& line) {
-    std::vector<std::string> fields(1);
-    bool quoted = false;
-    for (size_t i = 0; i < line.size(); ++i) {
-        if (quoted && line[i] == '"' && i + 1 < line.size() && line[i + 1] == '"') {
-            fields.back() += line[i++];
-        } else if (line[i] == '"') {
-            quoted = !quoted;
-        } else if (line[i] == ',' && !quoted) {
-            fields.emplace_back();
-        } else {
-            fields.back() += line[i];
-        }
+    static const std::regex field(R"re((?:^|,)(?:"((?:[^"]|"")*)"|([^",]*)))re"), quotes("\"\"");
+    std::vector<std::string> fields;
+    size_t length = 0;
+    for (std::sregex_iterator at(line.begin(), line.end(), field), end; at != end; ++at) {
+        length += at->length();
+        fields.push_back((*at)[1].matched ? std::regex_replace((*at)[1].str(), quotes, "\"")
+                                          : (*at)[2].str());
     }
-    EXPECT_FALSE(quoted);
+    EXPECT_EQ(length, line.size()) << line;
     return fields;
 }
 
@@ -250,12 +244,12 @@ TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
     expectWellFormed(page);
     expectWellFormed(precisionDiagram(data.scenes[0]));
     expectWellFormed(truncationDiagram(data.scenes[0]));
-    EXPECT_NE(page.find("<svg "), std::string::npos);
-    EXPECT_NE(page.find("bowl, &quot;red&quot; &amp; &lt;blue&gt;: error against time"), std::string::npos);
-    EXPECT_NE(precisionDiagram(data.scenes[0]).find("grid (1 to 16 spp)"), std::string::npos);
-    EXPECT_NE(page.find("offset: none"), std::string::npos) << "losers are shown";
+    EXPECT_HAS(page, "<svg ");
+    EXPECT_HAS(page, "bowl, &quot;red&quot; &amp; &lt;blue&gt;: error against time");
+    EXPECT_HAS(precisionDiagram(data.scenes[0]), "grid (1 to 16 spp)");
+    EXPECT_HAS(page, "offset: none") << "losers are shown";
     for (const char* foreign : {"<script", "href=", "@import", "url("})
-        EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
+        EXPECT_LACKS(page, foreign) << foreign;
     for (size_t at = page.find("src="); at != std::string::npos; at = page.find("src=", at + 1))
         EXPECT_EQ(page.substr(at, 10), "src=\"data:");
     expectWellFormed(toHtml({}));
@@ -307,7 +301,7 @@ TEST(ReportWriting, LettersDoNotOverlap) {
 TEST(ReportWriting, ThePageBeginsWithTheSettingsToUse) {
     const std::string page = toHtml(sampleReport());
     const auto at = [&](const std::string& text) {
-        EXPECT_NE(page.find(text), std::string::npos) << text;
+        EXPECT_HAS(page, text) << text;
         return page.find(text);
     };
     const size_t image = at("<img alt=\"the converged image\" src=\"data:image/png;base64,iVBORw==\"/>");
@@ -317,7 +311,7 @@ TEST(ReportWriting, ThePageBeginsWithTheSettingsToUse) {
     EXPECT_LT(at("<svg "), at("<table>"));
     at("<li>for an error of 0.001: --error 0.001 (no measured setting reaches it)</li>");
     at("<ul>\n<li>grid, 64 spp</li>\n</ul>");
-    EXPECT_EQ(page.find("<p>- "), std::string::npos);
+    EXPECT_LACKS(page, "<p>- ");
 }
 
 // Devices have a table and a diagram of their own: a user of one device cannot choose them.
@@ -330,22 +324,20 @@ TEST(ReportWriting, DevicesAreCompared) {
          {std::pair("device: <llvmpipe>", 2.0), std::pair("device: reference", 6.0)})
         scene.measured.push_back(measuredAt(family, "lowDiscrepancy", 4, seconds, 0.001));
     const std::string text = toMarkdown(data);
-    EXPECT_NE(text.find("| <llvmpipe> | 4 | 2000 (1900..2100) | 1 | 0.001 | 0 | - |\n"
-                        "| reference | 4 | 6000 (5700..6300) | 3 | 0.001 | 0 | - |\n"),
-              std::string::npos)
-        << text;
-    EXPECT_EQ(text.find("| device: "), std::string::npos) << "no method, no other way";
-    EXPECT_NE(text.find("for an error of 0.001: --error 0.001"), std::string::npos)
-        << "a device is no setting";
+    EXPECT_HAS(text,
+               "| <llvmpipe> | 4 | 2000 (1900..2100) | 1 | 0.001 | 0 | - |\n"
+               "| reference | 4 | 6000 (5700..6300) | 3 | 0.001 | 0 | - |\n");
+    EXPECT_LACKS(text, "| device: ") << "no method, no other way";
+    EXPECT_HAS(text, "for an error of 0.001: --error 0.001") << "a device is no setting";
     EXPECT_EQ(precisionDiagram(scene), without);
     const std::string diagram = devicesDiagram(scene);
     expectWellFormed(diagram);
-    EXPECT_NE(diagram.find("&lt;llvmpipe&gt;"), std::string::npos);
-    EXPECT_NE(toHtml(data).find(diagram), std::string::npos);
+    EXPECT_HAS(diagram, "&lt;llvmpipe&gt;");
+    EXPECT_HAS(toHtml(data), diagram);
     scene.measured.erase(scene.measured.begin(), scene.measured.end() - 2);
     const std::string alone = toMarkdown(data);
-    EXPECT_NE(alone.find("no sampler was measured"), std::string::npos);
-    EXPECT_EQ(alone.find("| sampler | spp |"), std::string::npos);
+    EXPECT_HAS(alone, "no sampler was measured");
+    EXPECT_LACKS(alone, "| sampler | spp |");
 }
 
 }  // namespace glint::report::test::report_test
