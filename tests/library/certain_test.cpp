@@ -200,14 +200,10 @@ TEST_F(LibraryCertain, InstancesToo) {
     for (const auto& m : places) {
         uint32_t instance = GLINT_NONE;
         ASSERT_OK(glint_scene_add_instance(scene(), geometry, m.data(), &instance));
-        Closed moved = mesh;
-        for (D3& v : moved.vertices) {
-            const D3 x = v;
-            for (int row = 0; row < 3; ++row)
-                v[row] = m[4 * row] * x[0] + m[4 * row + 1] * x[1] + m[4 * row + 2] * x[2] + m[4 * row + 3];
-        }
-        judge.add(instance, moved.vertices, moved.corners);
-        meshes.push_back(moved);
+        Closed other = mesh;
+        for (D3& v : other.vertices) v = moved(m.data(), v);
+        judge.add(instance, other.vertices, other.corners);
+        meshes.push_back(other);
     }
     commit();
     Random random(5);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <glm/gtc/type_ptr.hpp>
 #include <random>
 #include <utility>
 
@@ -37,6 +38,12 @@ inline Closed bumpy(uint32_t steps = 16) {
 inline Closed gridCube(uint32_t n) {
     const glint::test::ClosedMesh mesh = glint::test::gridCube(n);
     return {mesh.vertices, mesh.triangles, 0.9, 2};
+}
+
+// By a transform of the C API: three rows of four.
+inline D3 moved(const double* rows, const D3& v) {
+    const glm::dmat3x4 columns = glm::make_mat3x4(rows);
+    return glm::dvec4(v, 1) * columns;
 }
 
 // Planes: parallel to an axis, level with a corner.
@@ -83,6 +90,22 @@ inline std::pair<D3, D3> Random::aimed(const Closed& mesh, Aim aim, bool inside)
     to = from;
     to[axis] += 1;
     return {from, to};
+}
+
+// From a sphere around the scene's box to points in it.
+template <class List>
+List raysInto(const glint_scene* scene, size_t count, uint32_t seed) {
+    GLINT_INIT(glint_scene_info, info);
+    EXPECT_OK(glint_scene_info_of(scene, &info));
+    const D3 lo = glm::make_vec3(info.lower), size = glm::make_vec3(info.upper) - lo;
+    Random random(seed);
+    List rays;
+    for (size_t i = 0; i < count; ++i) {
+        const D3 to = lo + size * D3{random.uniform(), random.uniform(), random.uniform()};
+        const D3 from = to + 2 * std::max({size.x, size.y, size.z}) * random.direction();
+        rays.add(from, to - from);
+    }
+    return rays;
 }
 
 }  // namespace glint::library::test

@@ -100,21 +100,15 @@ TEST_F(LibraryClosestPoint, AgreesWithBruteForce) {
     const double matrix[12] = {0.5, 0.2, 0, 9, 0, -0.7, 0.1, 3, 0.1, 0, 1.5, -4};
     for (const double place : {0.0, 1000.0}) {
         useScene(nullptr);
-        const std::vector<D3> moved = mesh.movedBy(place);
-        const uint32_t geometry = addMesh(moved, mesh.corners);
+        const std::vector<D3> first = mesh.movedBy(place);
+        const uint32_t geometry = addMesh(first, mesh.corners);
         uint32_t instance = 0;
         ASSERT_OK(glint_scene_add_instance(scene(), geometry, matrix, &instance));
         commit();
-        std::vector<D3> vertices[2] = {moved, {}};
-        for (const D3& v : moved) {
-            dvec3 there;
-            for (int row = 0; row < 3; ++row)
-                there[row] = glm::dot(dvec3(matrix[4 * row], matrix[4 * row + 1], matrix[4 * row + 2]), v) +
-                             matrix[4 * row + 3];
-            vertices[1].push_back(there);
-        }
+        std::vector<D3> vertices[2] = {first, {}};
+        for (const D3& v : first) vertices[1].push_back(moved(matrix, v));
         std::vector<D3> points = pointsAbout(place, 12, 200);
-        for (size_t i = 0; i < 40; ++i) points.push_back(moved[i]);
+        for (size_t i = 0; i < 40; ++i) points.push_back(first[i]);
         const Found found = closest(points);
         for (size_t i = 0; i < points.size(); ++i) {
             const auto distance = [&](size_t g, size_t triangle) {

@@ -267,17 +267,7 @@ TEST_F(LibraryCrossings, ManySheets) {
 // Triangles that stand in the tree more than once are counted once.
 TEST_F(LibraryCrossings, SplitTrianglesCountOnce) {
     load("arcade.json");
-    Random random(31);
-    const glint_scene_info box = info();
-    RayList rays;
-    for (int i = 0; i < 1000; ++i) {
-        D3 from, to;
-        for (int k = 0; k < 3; ++k) {
-            from[k] = box.lower[k] + random.uniform() * (box.upper[k] - box.lower[k]);
-            to[k] = box.lower[k] + random.uniform() * (box.upper[k] - box.lower[k]) - from[k];
-        }
-        rays.add(from, to);
-    }
+    const RayList rays = raysInto<RayList>(scene(), 1000, 31);
     const Listed all = list(rays.rays());
     size_t twice = 0;
     for (size_t i = 0; i < rays.size(); ++i) {

@@ -2,7 +2,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <set>
 
 #include "closed_meshes.h"
@@ -16,24 +15,6 @@ const size_t kMany = kOnDevice ? 150'001 : 5'001;
 struct Cast : Found, RayList {
     glint_hits hits() { return outputs(size()); }
 };
-
-// From a sphere around the scene's box to points in it.
-Cast raysInto(const glint_scene* scene, size_t count, uint32_t seed) {
-    GLINT_INIT(glint_scene_info, info);
-    EXPECT_OK(glint_scene_info_of(scene, &info));
-    Random random(seed);
-    double reach = 0;
-    for (int axis = 0; axis < 3; ++axis) reach = std::max(reach, info.upper[axis] - info.lower[axis]);
-    Cast cast;
-    for (size_t i = 0; i < count; ++i) {
-        D3 to;
-        for (int axis = 0; axis < 3; ++axis)
-            to[axis] = info.lower[axis] + random.uniform() * (info.upper[axis] - info.lower[axis]);
-        const D3 from = to + 2 * reach * random.direction();
-        cast.add(from, to - from);
-    }
-    return cast;
-}
 
 class LibraryQueries : public LibraryTest {
   protected:
@@ -58,7 +39,7 @@ class LibraryQueries : public LibraryTest {
 TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
     for (const char* name : {"knot.json", "instances.json", "quadrics.json"}) {
         load(name);
-        Cast cast = raysInto(scene(), 3000, 5);
+        Cast cast = raysInto<Cast>(scene(), 3000, 5);
         closest(cast);
         const glint_rays rays = cast.rays();
         std::vector<float> t(cast.t.size());
@@ -90,7 +71,7 @@ TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
 TEST_F(LibraryQueries, NamesAreTheSameByThemselves) {
     for (const char* name : {"knot.json", "instances.json", "quadrics.json", "groups.json"}) {
         load(name);
-        Cast cast = raysInto(scene(), 3000, 6);
+        Cast cast = raysInto<Cast>(scene(), 3000, 6);
         const glint_rays rays = cast.rays();
         std::array<std::vector<uint32_t>, 3> alone, with;
         for (auto* names : {&alone, &with}) {
@@ -110,7 +91,7 @@ TEST_F(LibraryQueries, NamesAreTheSameByThemselves) {
 // More rays than a piece holds: each is answered as by itself, neighbours or not.
 TEST_F(LibraryQueries, PiecesAndNeighboursChangeNothing) {
     load("knot.json");
-    Cast many = raysInto(scene(), kMany, 2), coherent = many;
+    Cast many = raysInto<Cast>(scene(), kMany, 2), coherent = many;
     closest(many);
     closest(coherent, GLINT_RAYS_COHERENT);
     EXPECT_EQ(many.t, coherent.t);
@@ -132,7 +113,7 @@ TEST_F(LibraryQueries, PiecesAndNeighboursChangeNothing) {
 // A picture's rays in rows, or rays in no order, two of them of another scale.
 Cast raysOf(const glint_scene* scene, bool picture) {
     constexpr int kWidth = 120, kHeight = 90;
-    Cast cast = raysInto(scene, picture ? 1 : 12'000, 5);
+    Cast cast = raysInto<Cast>(scene, picture ? 1 : 12'000, 5);
     if (picture) {
         const D3 eye = cast.origins[0], ahead = cast.directions[0];
         cast = {};
@@ -196,7 +177,7 @@ TEST_F(LibraryQueries, BothTypesAreReadAlike) {
 
 TEST_F(LibraryQueries, CancelledAndReported) {
     load("spheres.json");
-    Cast cast = raysInto(scene(), 2 * kMany, 4);
+    Cast cast = raysInto<Cast>(scene(), 2 * kMany, 4);
     const glint_rays rays = cast.rays();
     const glint_hits hits = cast.hits();
     struct Watch {
@@ -269,13 +250,9 @@ TEST_F(LibraryQueries, PicturesAndTheirLayers) {
 // All samples of a uniform sky are equal. Both samples of a pixel may have missed something, which with 95 %
 // confidence comes to (1 - 0.05^(1/2)) / 16 of 256 pixels. Rounding to fp32 adds half an ulp.
 TEST_F(LibraryQueries, BoundsHoldMoreThanSampling) {
-    const glint::test::TemporaryFolder folder;
-    const auto path =
-        folder.write("a.json",
-                     R"({"background": [0.3, 0.5, 0.7], "camera": {"eye": [0, 0, 5], "target": [0, 0, 9]},
-            "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
-    glint_scene* sky = nullptr;
-    ASSERT_OK(glint_scene_load(device(), path.c_str(), &sky));
+    addJson(scene(), R"({"background": [0.3, 0.5, 0.7], "camera": {"eye": [0, 0, 5], "target": [0, 0, 9]},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
+    commit();
     std::vector<std::array<float, 4>> color(16 * 16);
     double bound = -1;
     GLINT_INIT(glint_picture, picture);
@@ -284,12 +261,11 @@ TEST_F(LibraryQueries, BoundsHoldMoreThanSampling) {
     picture.error = 0.01;
     picture.max_samples = 2;
     picture.bound = &bound;
-    EXPECT_OK(glint_render(sky, &picture, nullptr));
+    EXPECT_OK(glint_render(scene(), &picture, nullptr));
     EXPECT_EQ(color[0][1], 0.5f);
     const double unseen = (1 - std::sqrt(0.05)) / 16;
     EXPECT_GE(bound, unseen + 0x1p-24 - 1e-15);
     EXPECT_LT(bound, unseen + 1e-6);
-    glint_scene_release(sky);
 }
 
 TEST_F(LibraryQueries, PicturesToAnError) {

@@ -14,6 +14,7 @@ import os
 import pathlib
 import random
 import struct
+import subprocess
 import sys
 import tempfile
 
@@ -102,16 +103,10 @@ CASES = {
 
 def render(glint, path, size, backend):
     """(statistics, MiB) of one process."""
-    read, written = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.dup2(written, 1)
-        os.chdir(path.parent)
-        os.execv(glint, [glint, "render", str(path), "--size", size, "-o", "out.pfm", "--backend", backend, "--stats", "json"])
-    os.close(written)
-    with os.fdopen(read) as stream:
-        text = stream.read()
-    _, status, usage = os.wait4(child, 0)
+    child = subprocess.Popen([glint, "render", path, "--size", size, "-o", "out.pfm", "--backend", backend, "--stats", "json"],
+                             cwd=path.parent, stdout=subprocess.PIPE, text=True)
+    text = child.stdout.read()
+    _, status, usage = os.wait4(child.pid, 0)
     if status != 0:
         sys.exit(f"limits.py: {path}: glint ended with status {os.waitstatus_to_exitcode(status)}")
     stats = json.loads(text)
