@@ -2,7 +2,6 @@
 // other: only the truth does, which packs nothing. Each defect is put into the packed scene by hand.
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <utility>
 
 #include "scene/transform.h"
@@ -256,24 +255,8 @@ TEST_F(RenderTest, RoundingExplainsAKnotFarAway) {
     EXPECT_GT(report.representation->explained, 0u);
 }
 
-// A glass ball of so many meridians and parallels with small facets: a corner's last place turns a facet as
-// much as dozens of a ray's own units, and behind each facet a ray goes on.
-std::shared_ptr<const Mesh> facettedBall(uint32_t meridians, uint32_t parallels) {
-    Mesh mesh;
-    for (uint32_t i = 0; i <= parallels; ++i) {
-        for (uint32_t j = 0; j < meridians; ++j) {
-            const double polar = std::numbers::pi * i / parallels,
-                         turn = 2 * std::numbers::pi * j / meridians;
-            mesh.positions.push_back(
-                {std::sin(polar) * std::cos(turn), std::cos(polar), std::sin(polar) * std::sin(turn)});
-            const uint32_t next = (j + 1) % meridians, here = i * meridians, above = here - meridians;
-            if (i > 1) mesh.corners.push_back({above + j, above + next, here + next});
-            if (i > 0 && i < parallels) mesh.corners.push_back({above + j, here + next, here + j});
-        }
-    }
-    return std::make_shared<const Mesh>(std::move(mesh));
-}
-
+// A glass ball with small facets: a corner's last place turns a facet as much as dozens of a ray's own units,
+// and behind each facet a ray goes on.
 TEST_F(RenderTest, RoundingExplainsFacetsOfGlass) {
     Scene scene = emptyScene();
     scene.background = Color(0.5);
@@ -286,7 +269,9 @@ TEST_F(RenderTest, RoundingExplainsFacetsOfGlass) {
     glass.transmission = Color(0.9);
     glass.ior = 1.33;
     scene.materials.push_back(glass);
-    scene.objects.push_back({"", MeshShape{facettedBall(80, 20)}, 1});
+    glint::test::ClosedMesh ball = glint::test::makeBall(20, 80, [] { return 1.0; });
+    for (glm::dvec3& v : ball.vertices) v = {v.x, v.z, -v.y};
+    addMesh(scene, ball.vertices, ball.triangles, 1);
     scene.objects.back().transform = then(scaling({0.3, 0.35, 0.32}), rotation({0.5, -0.4, -0.7}, 290));
     aim(scene.camera, {0.27, -0.63, 1.87}, {0, 0, 0});
     scene.camera.fovY = 30;

@@ -17,24 +17,20 @@ const std::filesystem::path& sceneFolder() {
     return folder;
 }
 
+// Of values without padding.
 template <typename T>
-auto bits(T value) {
-    if constexpr (sizeof(T) == 8) return std::bit_cast<uint64_t>(value);
-    if constexpr (sizeof(T) == 4) return std::bit_cast<uint32_t>(value);
-}
-template <typename Vector>
-bool sameVector(const Vector& a, const Vector& b) {
-    return bits(a.x) == bits(b.x) && bits(a.y) == bits(b.y) && bits(a.z) == bits(b.z);
+bool differ(const T& a, const T& b) {
+    return std::memcmp(&a, &b, sizeof(T)) != 0;
 }
 
 // The first member of a pixel's data that differs, or nullptr.
 const char* difference(const PixelData& a, const PixelData& b) {
-    if (!sameVector(a.position, b.position)) return "position";
-    if (bits(a.depth) != bits(b.depth)) return "depth";
-    if (!sameVector(a.normal, b.normal)) return "normal";
-    if (!sameVector(a.geometricNormal, b.geometricNormal)) return "geometric normal";
-    if (bits(a.u) != bits(b.u) || bits(a.v) != bits(b.v)) return "uv";
-    if (bits(a.clearance) != bits(b.clearance)) return "clearance";
+    if (differ(a.position, b.position)) return "position";
+    if (differ(a.depth, b.depth)) return "depth";
+    if (differ(a.normal, b.normal)) return "normal";
+    if (differ(a.geometricNormal, b.geometricNormal)) return "geometric normal";
+    if (differ(a.u, b.u) || differ(a.v, b.v)) return "uv";
+    if (differ(a.clearance, b.clearance)) return "clearance";
     if (a.object != b.object) return "object";
     if (a.primitive != b.primitive) return "primitive";
     if (a.material != b.material) return "material";
@@ -286,12 +282,8 @@ Picture draw(const gpu::Device& device, const Case& c, const Options& options) {
 }
 
 testing::AssertionResult sameLosses(const Picture& a, const Picture& b) {
-    const auto same = [](const LostBranches& x, const LostBranches& y) {
-        return x.count == y.count && x.sum == y.sum && x.greatest == y.greatest;
-    };
-    if (same(a.losses.cut, b.losses.cut) && same(a.losses.depth, b.losses.depth) &&
-        same(a.losses.room, b.losses.room) && a.losses.crowdedMedia == b.losses.crowdedMedia)
-        return testing::AssertionSuccess();
+    static_assert(sizeof(TreeLosses) == 10 * sizeof(uint64_t));
+    if (!differ(a.losses, b.losses)) return testing::AssertionSuccess();
     return testing::AssertionFailure() << "other branches are lost";
 }
 
@@ -304,7 +296,7 @@ testing::AssertionResult sameBits(const Picture& a, const Picture& b) {
     for (int y = 0; y < a.color.height; ++y) {
         for (int x = 0; x < a.color.width; ++x) {
             for (int c = 0; c < 4; ++c) {
-                if (bits(a.color.at(x, y, c)) == bits(b.color.at(x, y, c))) continue;
+                if (!differ(a.color.at(x, y, c), b.color.at(x, y, c))) continue;
                 return testing::AssertionFailure() << "pixel " << x << "," << y << " channel " << c << ": "
                                                    << a.color.at(x, y, c) << " and " << b.color.at(x, y, c);
             }
@@ -320,7 +312,7 @@ testing::AssertionResult sameBits(const Picture& a, const Picture& b) {
 
 testing::AssertionResult sameBits(const RayHit& a, const RayHit& b) {
     if (a.hit != b.hit) return testing::AssertionFailure() << "one of them misses";
-    if (bits(a.t) != bits(b.t)) return testing::AssertionFailure() << "t: " << a.t << " and " << b.t;
+    if (differ(a.t, b.t)) return testing::AssertionFailure() << "t: " << a.t << " and " << b.t;
     if (a.kindAndIndex != b.kindAndIndex)
         return testing::AssertionFailure() << "primitive: " << a.kindAndIndex << " and " << b.kindAndIndex;
     if (const char* member = difference(a.data, b.data))

@@ -12,6 +12,7 @@ namespace glint::stability {
 
 namespace {
 
+using glint::test::ClosedMesh;
 using glm::dvec3;
 using render::Options;
 using render::Renderer;
@@ -48,50 +49,43 @@ class SubjectTracing {
 using SubjectRenderer = SubjectTracing<Renderer>;
 using SubjectTracer = SubjectTracing<render::test::RayTracer>;
 
-struct MeshData {
-    std::vector<dvec3> positions;
-    std::vector<glm::uvec3> corners;
-};
-
 // The icosahedron, each face split into four, `levels` times.
-MeshData icosphere(int levels) {
+ClosedMesh icosphere(int levels) {
     const double p = std::numbers::phi;
-    MeshData mesh;
-    mesh.positions = {{-1, p, 0},  {1, p, 0},  {-1, -p, 0}, {1, -p, 0}, {0, -1, p},  {0, 1, p},
-                      {0, -1, -p}, {0, 1, -p}, {p, 0, -1},  {p, 0, 1},  {-p, 0, -1}, {-p, 0, 1}};
-    for (dvec3& v : mesh.positions) v = glm::normalize(v);
-    mesh.corners = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                    {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+    ClosedMesh mesh;
+    mesh.vertices = {{-1, p, 0},  {1, p, 0},  {-1, -p, 0}, {1, -p, 0}, {0, -1, p},  {0, 1, p},
+                     {0, -1, -p}, {0, 1, -p}, {p, 0, -1},  {p, 0, 1},  {-p, 0, -1}, {-p, 0, 1}};
+    for (dvec3& v : mesh.vertices) v = glm::normalize(v);
+    mesh.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                      {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     for (int level = 0; level < levels; ++level) {
         std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
         const auto middle = [&](uint32_t a, uint32_t b) {
             const auto [at, fresh] =
-                middles.insert({std::minmax(a, b), static_cast<uint32_t>(mesh.positions.size())});
-            if (fresh) mesh.positions.push_back(glm::normalize(mesh.positions[a] + mesh.positions[b]));
+                middles.insert({std::minmax(a, b), static_cast<uint32_t>(mesh.vertices.size())});
+            if (fresh) mesh.vertices.push_back(glm::normalize(mesh.vertices[a] + mesh.vertices[b]));
             return at->second;
         };
         std::vector<glm::uvec3> finer;
-        for (const glm::uvec3& t : mesh.corners) {
+        for (const glm::uvec3& t : mesh.triangles) {
             const uint32_t a = middle(t.x, t.y), b = middle(t.y, t.z), c = middle(t.z, t.x);
             finer.insert(finer.end(), {{t.x, a, c}, {t.y, b, a}, {t.z, c, b}, {a, b, c}});
         }
-        mesh.corners = std::move(finer);
+        mesh.triangles = std::move(finer);
     }
     return mesh;
 }
 
-MeshData meshOf(Mesh kind) {
-    if (kind == Mesh::Icosphere) return icosphere(3);
-    const glint::test::ClosedMesh bumpy = glint::test::makeBumpyMesh(15);
-    return {bumpy.vertices, bumpy.triangles};
+ClosedMesh meshOf(Mesh kind) {
+    return kind == Mesh::Icosphere ? icosphere(3) : glint::test::makeBumpyMesh(15);
 }
 
 PackedScene packedMesh(const LeakCase& leakCase) {
-    MeshData mesh = meshOf(leakCase.mesh);
-    for (dvec3& v : mesh.positions) v = leakCase.size * v + dvec3(leakCase.offset);
+    ClosedMesh mesh = meshOf(leakCase.mesh);
+    for (dvec3& v : mesh.vertices) v = leakCase.size * v + dvec3(leakCase.offset);
     Scene scene = render::test::emptyScene();
-    render::test::addMesh(scene, mesh.positions, mesh.corners);
+    render::test::addMesh(scene, mesh.vertices, mesh.triangles);
     // Opposite, so that the packing leaves the origin where it is, and so small that a leaking ray misses it.
     const dvec3 far(-leakCase.offset);
     const double speck = 1e-3 * leakCase.size + 1e-6 * leakCase.offset;
@@ -151,9 +145,9 @@ Case acneCase(Kind kind, double offset, double size, bool moved) {
     if (kind == Kind::Plane) render::test::addPlane(scene, center, {0.2, 1, 0.1});
     if (kind == Kind::Sphere) render::test::addSphere(scene, center, size);
     if (kind == Kind::Mesh) {
-        MeshData ball = icosphere(3);
-        for (dvec3& v : ball.positions) v = center + size * v;
-        render::test::addMesh(scene, ball.positions, ball.corners);
+        ClosedMesh ball = icosphere(3);
+        for (dvec3& v : ball.vertices) v = center + size * v;
+        render::test::addMesh(scene, ball.vertices, ball.triangles);
     }
     // Far behind, so that the scene's middle is the origin.
     if (!moved) render::test::addSphere(scene, -4.0 * center - dvec3(0, 9 * size, 0), size);
@@ -167,9 +161,9 @@ constexpr int kBodies = 7;
 
 void addBodies(Scene& scene, const dvec3& center, double size, const dvec3& right, const dvec3& up) {
     auto ball = std::make_shared<glint::Mesh>();
-    const MeshData data = icosphere(2);
-    ball->positions = data.positions;
-    ball->corners = data.corners;
+    const ClosedMesh data = icosphere(2);
+    ball->positions = data.vertices;
+    ball->corners = data.triangles;
     const dvec3 axis = size * glm::normalize(dvec3(0.3, 1, 0.2));
     const auto place = [&](int i) {
         return center + size * (2.6 * (i % 4 - 1.5) * right + 2.6 * (i / 4 - 0.5) * up);

@@ -218,8 +218,8 @@ ClosedMesh makeBall(uint32_t parallels, uint32_t meridians, const std::function<
     // The poles and the seam are single vertices, so that the mesh is closed.
     const auto add = [&](double theta, double phi) {
         const double r = radius();
-        mesh.vertices.emplace_back(vec3(r * std::sin(theta) * std::cos(phi),
-                                        r * std::sin(theta) * std::sin(phi), r * std::cos(theta)));
+        mesh.vertices.emplace_back(r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi),
+                                   r * std::cos(theta));
     };
     add(0, 0);
     for (uint32_t t = 1; t < parallels; ++t) {
@@ -244,7 +244,9 @@ ClosedMesh makeBall(uint32_t parallels, uint32_t meridians, const std::function<
 
 ClosedMesh makeBumpyMesh(uint32_t seed, uint32_t steps) {
     Random random(seed);
-    return makeBall(steps, steps, [&] { return 1 + 5 * random.uniform(0, 1); });
+    ClosedMesh mesh = makeBall(steps, steps, [&] { return 1 + 5 * random.uniform(0, 1); });
+    for (glm::dvec3& v : mesh.vertices) v = vec3(v);
+    return mesh;
 }
 
 ClosedMesh gridCube(uint32_t n) {

@@ -68,10 +68,10 @@ struct ClosedMesh {
     std::vector<glm::uvec3> triangles;
 };
 // A sphere of quads of two triangles each, its poles on the z axis, with a radius for each vertex. Vertices
-// are rounded to fp32.
+// are not rounded to fp32.
 ClosedMesh makeBall(uint32_t parallels, uint32_t meridians, const std::function<double()>& radius);
 // The ball of 16 x 16 quads, whose radii are 1 + 5 xi for uniform xi, of pbrt's test Triangle.Watertight
-// (Pharr, Jakob, Humphreys, pbrt-v4, src/pbrt/shapes_test.cpp).
+// (Pharr, Jakob, Humphreys, pbrt-v4, src/pbrt/shapes_test.cpp), rounded to fp32.
 ClosedMesh makeBumpyMesh(uint32_t seed, uint32_t steps = 16);
 // The cube [-1, 1]^3 in squares of edge 2 / n, each cut in two: edges and planes along the axes, all places
 // exact.
