@@ -126,6 +126,25 @@ TEST_F(CertificateTest, CameraRaysStartWithTheSamplesWeightAndNoLight) {
     EXPECT_EQ(claimed(1, 0.25), Verdict::Fails);
 }
 
+// Glass balls within each other. Each ray is deeper in the recursion: one thread's stack held 2,350.
+TEST(ManyRays, PathsOfThousandsOfRaysAreCertified) {
+    const Case balls = textCase(R"({"camera": {"eye": [1, 1.5, 5], "target": [0.4, 0, 0]}, "background": 0.5,
+        "maxDepth": 16, "materials": {"a": {"transmission": 0.9, "ior": 1.6}, "b": {"transmission": 0.9}},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0.8, "material": "a"},
+                    {"type": "sphere", "center": [0.3, 0, 0], "radius": 0.8, "material": "b"},
+                    {"type": "sphere", "center": [0.6, 0, 0], "radius": 0.8, "material": "a"}]})",
+                                8, 8);
+    const reference::Ray ray = rayAt(balls, {0.4, 0.1, 0});
+    const reference::PixelRecord record = reference::Tracer(balls.packed).trace(ray, {}, true);
+    const Trail trail = trailOf(record);
+    EXPECT_GT(trail.size(), 5000u);
+    SeenPath seen = seenAs(record, trail);
+    seen.fromDevice = false;  // no throughputs
+    const Certificate own =
+        certify(reference::Tracer(balls.packed), balls.packed, ray, seen, kMostStepsOfPixel);
+    EXPECT_EQ(own.verdict, Verdict::Holds);
+}
+
 // Two triangles in one place: the device must hit the lower id. If the second lies
 // behind or in front by about the rule's bound, the device may take either.
 TEST_F(CertificateTest, SurfacesAtTheBoundAreAnOpenDecision) {
