@@ -85,8 +85,10 @@ TEST(Ply, TextureCoordinatesAndColoursOfEveryType) {
                                   "green\nproperty " + type + " " + prefix + "blue\n";
         const ImportedMesh imported =
             import("\xef\xbb\xbf" +
-                   header("ascii", "element vertex 3\n" + kXyz + "property float s\nproperty float t\n" +
-                                       three + "element face 1\n" + kList) +
+                   header("ascii", "element vertex 3\n" + kXyz + "property float " +
+                                       (prefix.empty() ? "s" : "texture_u") + "\nproperty float " +
+                                       (prefix.empty() ? "t" : "texture_v") + "\n" + three +
+                                       "element face 1\n" + kList) +
                    "0 0 0 0.5 1 " + rgb + "\n1 0 0 0 0 0 0 0\n0 1 0 0 0 0 0 0\n3 0 1 2\n");
         EXPECT_EQ(imported.mesh.uvs.at(0), glm::dvec2(0.5, 1));
         EXPECT_EQ(imported.mesh.uvCorners, imported.mesh.corners);
