@@ -34,6 +34,7 @@ class ExrKinds : public test::FolderTest {
 };
 
 constexpr int kWidth = 70, kHeight = 45;
+constexpr const char* kNames[] = {"R", "G", "B"};
 
 // Multiples of 1/64 below 8: halves hold them.
 Image wave() {
@@ -45,19 +46,18 @@ Image wave() {
 }
 
 Imf::FrameBuffer bufferOf(Image& image) {
-    const char* const names[] = {"R", "G", "B"};
     const size_t pixel = sizeof(float) * static_cast<size_t>(image.channels);
     Imf::FrameBuffer buffer;
     for (int c = 0; c < 3; ++c)
-        buffer.insert(names[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(image.pixels.data() + c),
-                                           pixel, pixel * static_cast<size_t>(image.width)));
+        buffer.insert(kNames[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(image.pixels.data() + c),
+                                            pixel, pixel * static_cast<size_t>(image.width)));
     return buffer;
 }
 
 Imf::Header headerOf(Imf::Compression compression) {
     Imf::Header header(kWidth, kHeight);
     header.compression() = compression;
-    for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    for (const char* name : kNames) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
     return header;
 }
 
@@ -95,12 +95,11 @@ TEST_F(ExrKinds, HalvesAndWholeNumbers) {
     Image image = wave();
     Imf::Header header(kWidth, kHeight);
     header.lineOrder() = Imf::DECREASING_Y;
-    for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::HALF));
+    for (const char* name : kNames) header.channels().insert(name, Imf::Channel(Imf::HALF));
     std::vector<half> halves(image.pixels.begin(), image.pixels.end());
     Imf::FrameBuffer buffer;
-    const char* const names[] = {"R", "G", "B"};
     for (size_t c = 0; c < 3; ++c)
-        buffer.insert(names[c],
+        buffer.insert(kNames[c],
                       Imf::Slice(Imf::HALF, reinterpret_cast<char*>(halves.data() + c), 6, 6 * kWidth));
     EXPECT_EQ(written(header, buffer, kHeight).pixels, image.pixels);
 
@@ -119,9 +118,8 @@ TEST_F(ExrKinds, TheDataWindowCounts) {
     header.dataWindow() = {{-20, 300}, {-20 + kWidth - 1, 300 + kHeight - 1}};
     const auto pixel = static_cast<std::ptrdiff_t>(3 * sizeof(float));
     Imf::FrameBuffer buffer;
-    const char* const names[] = {"R", "G", "B"};
     for (int c = 0; c < 3; ++c)
-        buffer.insert(names[c],
+        buffer.insert(kNames[c],
                       Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + c, header.dataWindow(),
                                        static_cast<size_t>(pixel), static_cast<size_t>(pixel * kWidth)));
     const Image back = written(header, buffer, kHeight);
