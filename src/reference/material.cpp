@@ -55,12 +55,26 @@ dvec4 texelAt(const Model& scene, const rows::Texture& image, int64_t i, int64_t
     return {dvec3(t.color), t.alpha};
 }
 
+bool isOdd(double cell) {
+    return std::fmod(std::abs(std::floor(cell)), 2) == 1;
+}
+
+// The cell of a row of cells from 0 on that holds x; at their common edge the later one, or the earlier one.
+int64_t cellOf(double x, bool earlier) {
+    return static_cast<int64_t>(earlier ? std::ceil(x) - 1 : std::floor(x));
+}
+
 dvec4 imageAt(const Model& scene, const rows::Texture& image, const dvec2& uv) {
-    const double x = sound(uv.x) * image.width, y = (1 - sound(uv.y)) * image.height;
-    // v = 0 belongs to the lowest row, as u = 0 to the leftmost column.
-    if (image.flags & shared::kTextureNearest)
-        return texelAt(scene, image, static_cast<int64_t>(std::floor(x)),
-                       static_cast<int64_t>(std::ceil(y)) - 1);
+    const double s = sound(uv.x), t = sound(uv.y);
+    const double x = s * image.width, y = (1 - t) * image.height;
+    // v = 0 belongs to the lowest row, as u = 0 to the leftmost column, in mirrored copies too.
+    if (image.flags & shared::kTextureNearest) {
+        const auto mirrored = [](uint32_t wrap, double at) {
+            return (wrap & shared::kTextureWrapMask) == shared::kTextureWrapMirror && isOdd(at);
+        };
+        return texelAt(scene, image, cellOf(x, mirrored(image.flags, s)),
+                       cellOf(y, !mirrored(image.flags >> shared::kTextureWrapVShift, t)));
+    }
     // A texel weighs by how near its centre is, and not from a distance of 1 on.
     const auto nearness = [](double at, int64_t texel) {
         return 1 - std::abs(at - (static_cast<double>(texel) + 0.5));
@@ -72,10 +86,6 @@ dvec4 imageAt(const Model& scene, const rows::Texture& image, const dvec2& uv) {
         for (int64_t i = left; i <= left + 1; ++i)
             sum += nearness(x, i) * nearness(y, j) * texelAt(scene, image, i, j);
     return sum;
-}
-
-bool isOdd(double cell) {
-    return std::fmod(std::abs(std::floor(cell)), 2) == 1;
 }
 
 }  // namespace

@@ -66,6 +66,12 @@ TEST(Texture, NearestTakesTheTexelThatHoldsThePoint) {
     EXPECT_EQ(redAt(scene, 0.5, 0.5), 2);  // a border belongs to what is right of it and above
     EXPECT_EQ(redAt(scene, 0, 0), 3);
     EXPECT_EQ(redAt(scene, 1, 1), 3);  // which is (0, 0)
+    const PackedScene mirrored = quadScene(wraps(shared::kTextureWrapMirror) | shared::kTextureNearest);
+    EXPECT_EQ(redAt(mirrored, 0.5, 0.5), 2);
+    EXPECT_EQ(redAt(mirrored, 1.5, 1.5), 2);
+    EXPECT_EQ(redAt(mirrored, -0.5, 0.5), 2);
+    EXPECT_EQ(redAt(mirrored, 1, 1), 2);
+    EXPECT_EQ(redAt(mirrored, 2, 2), 3);
 }
 
 TEST(Texture, WildCoordinatesAreHarmless) {
