@@ -88,11 +88,33 @@ dvec4 imageAt(const Model& scene, const rows::Texture& image, const dvec2& uv) {
     return sum;
 }
 
-}  // namespace
+dvec2 scaleOf(const rows::Texture& texture) {
+    return {texture.scaleU, texture.scaleV};
+}
 
-dvec4 textureAt(const Model& scene, const rows::Texture& texture, const dvec2& uv, const dvec3& position,
-                uint32_t object) {
-    const dvec2 st = uv * dvec2(texture.scaleU, texture.scaleV) + dvec2(texture.place);
+// fp32's error of a texture's own coordinates, in units of 2^-24: uv * scale + place rounds twice, wrapping
+// to [0, 1] once, and the step to texels twice, which is 2.5 units of the image's size.
+dvec2 lookupError(const rows::Texture& texture, const dvec2& uv) {
+    return 2.0 * glm::abs(uv * scaleOf(texture)) + glm::abs(dvec2(texture.place)) + 2.5;
+}
+
+// The texture's own coordinates, as Surface::lookup rounds them. Far from 0 the textures of one material
+// round to places that do not belong to one point.
+dvec2 placeIn(const rows::Texture& texture, const Surface& surface) {
+    const dvec2 scale = scaleOf(texture), place = texture.place;
+    if (surface.lookup != 0 && surface.lookup % 2 == 0)
+        return glm::vec2(glm::vec2(glm::vec2(surface.uv) * glm::vec2(scale)) + glm::vec2(place));
+    dvec2 st = surface.uv * scale + place;
+    if (surface.lookup == 0) return st;
+    uint64_t state = surface.lookup ^ std::bit_cast<uint64_t>(glm::dot(st, dvec2(1, 2)));
+    const dvec2 error = kFloatUnit * lookupError(texture, surface.uv);
+    for (int i = 0; i < 2; ++i) st[i] += error[i] * uniform(state);
+    return st;
+}
+
+// Colour and alpha of a texture at its own coordinates `st`.
+dvec4 shownAt(const Model& scene, const rows::Texture& texture, const dvec2& st, const dvec3& position,
+              uint32_t object) {
     if (!(texture.flags & shared::kTextureChecker)) return imageAt(scene, texture, st);
     bool odd = isOdd(st.x) != isOdd(st.y);
     if (texture.flags & shared::kTextureSolid) {
@@ -106,9 +128,14 @@ dvec4 textureAt(const Model& scene, const rows::Texture& texture, const dvec2& u
     return {dvec3(odd ? texture.colorB : texture.colorA), 1};
 }
 
+}  // namespace
+
+dvec4 textureAt(const Model& scene, const rows::Texture& texture, const Surface& surface) {
+    return shownAt(scene, texture, placeIn(texture, surface), surface.position, surface.object);
+}
+
 dvec4 textureAt(const Model& scene, uint32_t number, const Surface& surface) {
-    if (number == 0) return dvec4(1);
-    return textureAt(scene, scene.textures[number - 1], surface.uv, surface.position, surface.object);
+    return number == 0 ? dvec4(1) : textureAt(scene, scene.textures[number - 1], surface);
 }
 
 void triangleAttributes(const Model& scene, const Hit& hit, Surface& surface) {
@@ -212,15 +239,14 @@ uint32_t cellsAt(const Model& scene, const Surface& surface) {
         // Which cell, not what colour it has: that may be moved by rounding, too.
         cells.colorA = dvec3(0);
         cells.colorB = dvec3(1);
-        const dvec4 color = textureAt(scene, cells, surface.uv, surface.position, surface.object);
+        const dvec4 color = textureAt(scene, cells, surface);
         for (int i = 0; i < 4; ++i) hash = hash * 31 + std::bit_cast<uint32_t>(static_cast<float>(color[i]));
     }
     return hash;
 }
 
-// Coordinates are moved as for shading, and by the rounding of the lookup: uv * scale + place rounds twice,
-// wrapping to [0, 1] once, and the step to texels twice, which is 2.5 units of the image's size. The mixture
-// of four texels takes 7 roundings of the result, and one of a weight: alpha is at most 1.
+// Coordinates are moved as for shading, and by the rounding of the lookup. The mixture of four texels takes 7
+// roundings of the result, and one of a weight: alpha is at most 1.
 bool holeAt(const Model& scene, const Surface& surface, const RayNoise& noise) {
     const rows::Material& material = scene.materials[surface.material];
     if (!(material.alphaCutoff > 0)) return false;
@@ -231,11 +257,10 @@ bool holeAt(const Model& scene, const Surface& surface, const RayNoise& noise) {
     const auto moved = [&](double value, double error) {
         return value + noise.step * error * uniform(state);
     };
-    const double scales[] = {texture.scaleU, texture.scaleV};
+    const dvec2 scales = glm::abs(scaleOf(texture)), error = lookupError(texture, surface.uv);
     Surface seen = surface;
     for (int i = 0; i < 2; ++i) {
-        const double scale = std::abs(scales[i]), place = std::abs(texture.place[i]);
-        const double lookup = scale > 0 ? 2 * std::abs(surface.uv[i]) + (place + 2.5) / scale : 0;
+        const double lookup = scales[i] > 0 ? error[i] / scales[i] : 0;
         seen.uv[i] = moved(surface.uv[i], std::max(1.0, surface.uvScale[i]) + lookup);
     }
     keepWithinImage(scene, seen);
@@ -248,9 +273,9 @@ dvec3 surroundings(const Model& scene, const rows::Environment& environment, con
                    const dvec2& shift) {
     if (environment.map == 0) return environment.background;
     // The middle column, which latitudeLongitude has at +z, appears along -z with +x to its right.
-    const dvec2 uv = latitudeLongitude({direction.x, direction.y, -direction.z}) + shift;
-    return environment.background *
-           dvec3(textureAt(scene, scene.textures[environment.map - 1], uv, dvec3(0), 0));
+    Surface seen;
+    seen.uv = latitudeLongitude({direction.x, direction.y, -direction.z}) + shift;
+    return environment.background * dvec3(textureAt(scene, environment.map, seen));
 }
 
 }  // namespace glint::reference

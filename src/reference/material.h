@@ -34,12 +34,9 @@ bool holeAt(const Model& scene, const Surface& surface, const RayNoise& noise);
 glm::dvec3 surroundings(const Model& scene, const rows::Environment& environment, const glm::dvec3& direction,
                         const glm::dvec2& shift);
 
-// Colour and alpha of a material's texture on a surface; white for number 0, no texture.
+// Colour and alpha of a texture on a surface; white for number 0, no texture.
 glm::dvec4 textureAt(const Model& scene, uint32_t number, const Surface& surface);
 
-// Colour and alpha of a texture at surface coordinates, before its scale and offset, and, of a solid checker,
-// at a local position on an object.
-glm::dvec4 textureAt(const Model& scene, const rows::Texture& texture, const glm::dvec2& uv,
-                     const glm::dvec3& position, uint32_t object);
+glm::dvec4 textureAt(const Model& scene, const rows::Texture& texture, const Surface& surface);
 
 }  // namespace glint::reference

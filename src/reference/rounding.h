@@ -49,6 +49,11 @@ inline RoundedColor roundedColor(const glm::dvec3& value, double units) {
     return {value, units * value};
 }
 
+// Error of the texture coordinates of a known hit, in units of the numbers that they sum (Surface::uvScale,
+// at least 1). A point errs by 7 units on each axis (errorBox), products with the object's frame and their
+// sums by 4, and the longitude of a normal by 8 to 12.
+inline constexpr double kUvRoundings = 16;
+
 // A texel's bilinear mixture takes 7 roundings, its product with a colour one, with the vertices' colour
 // four, with the throughput one, and a sum three: 16 of a product of colours.
 inline constexpr double kProductRoundings = 16;

@@ -42,7 +42,9 @@ class RayMover {
     }
     void move(Ray& ray, double scale) {
         if (!moves()) return;
-        ray.noise = {state_, step_, jitter_.formulas};
+        // A certificate needs enough rays on both sides of a mask.
+        constexpr std::optional<uint32_t> kSolid[] = {std::nullopt, shared::kNone, RayNoise::kAll};
+        ray.noise = {state_, step_, jitter_.formulas, kSolid[jitter_.lookup == 0 ? 0 : state_ % 3]};
         for (int i = 0; i < 3; ++i) ray.origin[i] += shift(scale);
         turn(ray.direction, ray.directionScale);
     }
@@ -57,7 +59,12 @@ class RayMover {
 class PathTracer {
   public:
     PathTracer(const Tracer& tracer, const Jitter& jitter, bool keepPath)
-        : tracer_(tracer), scene_(tracer.model()), mover_(jitter), hit_(jitter.hit), keepPath_(keepPath) {}
+        : tracer_(tracer),
+          scene_(tracer.model()),
+          mover_(jitter),
+          jitter_(jitter),
+          hit_(jitter.hit),
+          keepPath_(keepPath) {}
 
     PixelRecord run(const Ray& cameraRay);
     Step step(Branch branch);
@@ -118,7 +125,9 @@ class PathTracer {
         return tells ? most * tracer_.environment().radianceBound : 0;
     }
     // The surface with texture coordinates moved by rounding; mapShift() moves those of the environment map.
-    Surface texturedAt(const Surface& surface);
+    Surface texturedAt(const Hit& hit, const Surface& surface);
+    // The surface of the unmoved ray at Jitter::t, with the texture coordinates of Jitter::lookup.
+    Surface lookedUpAt(const Hit& hit) const;
     glm::dvec2 mapShift() {
         if (tracer_.environment().map == 0) return glm::dvec2(0);
         const double u = mover_.shift(1);
@@ -128,7 +137,10 @@ class PathTracer {
     const Tracer& tracer_;
     const Model& scene_;
     RayMover mover_;
+    const Jitter& jitter_;
     uint32_t hit_;  // Jitter::hit, until the first ray is followed
+    Ray unmoved_;   // of a step
+    Step own_;      // the answer of step()
     bool keepPath_;
     PixelRecord record_;
     uint32_t contributions_ = 0;
@@ -147,7 +159,7 @@ std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, Ray
 
 Interaction PathTracer::interactionAt(const Ray& ray, const Hit& hit, const Surface& surface,
                                       const Media& media) {
-    const Surface textured = texturedAt(surface);
+    const Surface textured = texturedAt(hit, surface);
     decideCells(textured);
     Interaction at;
     const dvec3 d = glm::normalize(ray.direction);
@@ -278,8 +290,10 @@ RoundedColor PathTracer::shadeLights(const Interaction& at, bool first) {
     return sum;
 }
 
-Surface PathTracer::texturedAt(const Surface& surface) {
+Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
     if (scene_.textures.empty()) return surface;
+    const bool isTriangle = kindOfPrimitive(hit.primitive) == shared::PrimitiveKind::Triangle;
+    if (jitter_.t != 0 && hit.instance == shared::kNone && !isTriangle) return lookedUpAt(hit);
     Surface moved = surface;
     const double scale = std::max(1.0, std::max(surface.uvScale.x, surface.uvScale.y));
     const double reach = surface.scale;
@@ -287,6 +301,19 @@ Surface PathTracer::texturedAt(const Surface& surface) {
     for (int i = 0; i < 3; ++i) moved.position[i] += mover_.shift(reach);
     keepWithinImage(scene_, moved);
     return moved;
+}
+
+// Most errors are a small part of their bound, where few fp32 numbers lie: half of the seeds stay below 1/16
+// of it.
+Surface PathTracer::lookedUpAt(const Hit& hit) const {
+    Surface seen = tracer_.surfaceAt(unmoved_, hit);
+    seen.lookup = jitter_.lookup;
+    uint64_t state = jitter_.lookup;
+    const double units = kUvRoundings * kFloatUnit * std::pow(uniform(state), 4);
+    for (int i = 0; i < 2; ++i) seen.uv[i] += units * std::max(1.0, seen.uvScale[i]) * uniform(state);
+    for (int i = 0; i < 3; ++i) seen.position[i] += units * seen.scale * uniform(state);
+    keepWithinImage(scene_, seen);
+    return seen;
 }
 
 // A throughput is a product of weights, each of them good to 8 roundings.
@@ -338,7 +365,7 @@ std::vector<Branch> PathTracer::visit(const Branch& branch) {
     const rows::Environment& environment = tracer_.environment();
     const Ray& ray = branch.ray;
     const bool first = record_.bounces == 0;
-    const std::optional<Hit> hit = closest(ray, branch.source, branch.kind);
+    std::optional<Hit> hit = closest(ray, branch.source, branch.kind);
     if (hit) decide(*hit);
     record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * shared::kHashPrime;
     if (keepPath_)
@@ -350,6 +377,12 @@ std::vector<Branch> PathTracer::visit(const Branch& branch) {
         const dvec3 seen = surroundings(scene_, environment, ray.direction, mapShift());
         addLight(branch.throughput * RoundedColor{left} * roundedColor(seen, kProductRoundings));
         return {};
+    }
+    own_.t = hit->t;
+    if (jitter_.t != 0) {
+        own_.enters = glm::dot(tracer_.surfaceAt(ray, *hit).geometricNormal, ray.direction) < 0;
+        decide(own_.enters);
+        hit->t = jitter_.t;
     }
     const Surface surface = tracer_.surfaceAt(ray, *hit);
     if (keepPath_) record_.path.back().surface = surface;
@@ -396,15 +429,16 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
 
 Step PathTracer::step(Branch branch) {
     Ray& ray = branch.ray;
+    unmoved_ = ray;
     mover_.move(ray, std::max({greatestMagnitude(ray.origin), ray.originScale, branch.scale}));
+    if (jitter_.lookup != 0) ray.noise.solid = jitter_.hit;
     const double height = glm::dot(ray.origin - branch.start, branch.out);
     if (height < 0) ray.origin -= 2 * height * branch.out;
     record_.pathHash = shared::kHashStart;
-    Step step;
-    step.next = visit(branch);
+    own_.next = visit(branch);
     finishRounding();
-    step.record = std::move(record_);
-    return step;
+    own_.record = std::move(record_);
+    return std::move(own_);
 }
 
 }  // namespace

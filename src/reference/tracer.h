@@ -31,6 +31,10 @@ struct RayNoise {
     uint64_t seed = 0;
     double step = 0;
     bool formulas = false;
+    // If rounding decides whether a hit is a hole of a mask, it is one unless its primitive has this id;
+    // kAll: no hit is one, kNone: each is. Without a value the seed decides.
+    static constexpr uint32_t kAll = 0xfffffffe;
+    std::optional<uint32_t> solid = std::nullopt;
 };
 
 // Points origin + t direction with tMin < t <= tMax (t = 0 is excluded). The direction need not be unit
@@ -88,6 +92,7 @@ struct Surface {
     glm::dvec2 uvScale{0};          // the same of u and v, in units of theirs
     double bend = 0;                // of quadrics: bound on the turn of the normal per unit of distance
     glm::dvec3 error{0};            // fp32's error of the position on each axis (rounding.h)
+    uint64_t lookup = 0;            // Jitter::lookup
 };
 
 // Moves rays by the size of rounding, to find the decisions that depend on it. It moves, for every camera
@@ -112,6 +117,9 @@ struct Surface {
 // With 0 as few surfaces as possible coincide with the closest one, or with the one that a ray leaves; with
 // kMostSlips as many as possible. kMostSlips also starts rays as far from their surface as the device may.
 // `hit`: id that the first ray hits if the rule lets fp32 hit it (Tracer::possibleHit), else kNone.
+// `t`: the first hit's t, if not 0, for all that follows from the hit. The ray then moves everything except
+// the texture coordinates: they are those of the unmoved ray at t, within kUvRoundings. `lookup`: with t, the
+// seed of these coordinates. Even: textures then round as IEEE 754 demands; odd: anyhow within fp32's bound.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
@@ -119,6 +127,8 @@ struct Jitter {
     bool clears = false;
     double slips = 1;
     uint32_t hit = shared::kNone;
+    double t = 0;
+    uint64_t lookup = 0;
 };
 inline constexpr double kMostSlips = 2;
 
@@ -211,6 +221,9 @@ struct Branch {
 struct Step {
     PixelRecord record;
     std::vector<Branch> next;
+    // The ray's own hit, which Jitter::t replaces: its t, and true if the ray comes from the outer side.
+    double t = 0;
+    bool enters = false;
 };
 
 class Tracer {

@@ -132,6 +132,20 @@ class Search {
         return false;
     }
 
+    // Tries several lookups within their rounding for the answer that RayNoise::solid prefers.
+    bool isHole(const Hit& hit) const {
+        constexpr int kLookups = 16;
+        const Surface surface = tracer_.surfaceAt(ray_, hit);
+        RayNoise noise = ray_.noise;
+        bool hole = holeAt(scene_, surface, noise);
+        for (int i = 1; i < kLookups && noise.solid; ++i) {
+            if (hole != (*noise.solid == RayNoise::kAll || *noise.solid == hit.id)) break;
+            noise.seed += kUniformStride;
+            hole = holeAt(scene_, surface, noise);
+        }
+        return hole;
+    }
+
     // Finds the first hit of a primitive that is no hole of its surface, or stores all of them. True if a hit
     // counts for the search.
     template <class Primitive>
@@ -150,7 +164,7 @@ class Search {
                    idInInstance(space.idBase, one.id),
                    space.instance,
                    space.ray.ties ? root.slip : 0};
-            const bool hole = scene_.alphaMask && holeAt(scene_, tracer_.surfaceAt(ray_, hit), ray_.noise);
+            const bool hole = scene_.alphaMask && isHole(hit);
             if (!hole && !all) return true;
             if (!hole) all->insert(all->end(), root.twice ? 2 : 1, hit);
             // Search again behind a root, for surfaces that are hit more than once.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -87,12 +88,9 @@ class Certifier {
         Box box = boxOf(branch, step);
         return std::make_shared<Outcome>(Outcome{std::move(step), std::move(box), jitter});
     }
-    // Tries the step without moves, with one order of surfaces in one place. given: becomes true if the step
-    // has the device's hit and light.
-    bool exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
-                      bool& given);
-    // given: the still step has the device's hit and light.
-    bool exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still, bool given);
+    // Tries the step without moves, with one order of surfaces in one place.
+    bool exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still);
+    bool exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still);
     bool matches(const Outcome& outcome, const TrailRay& ray) const;
     bool widen(const Branch& branch, Outcome& still, const TrailRay* untilMatched);
     bool advance(const Branch& branch, const std::shared_ptr<Outcome>& outcome);
@@ -108,7 +106,9 @@ class Certifier {
     size_t cursor_ = 0;
     std::vector<Pending> pending_;  // the next ray last
     uint32_t decisions_ = 0;        // of the steps so far
-    bool failed_ = false;           // no rounding of a step gives the device's hit and light
+    // Beyond cursor_: some rounding of this step gives the device's hit, light and next ray.
+    size_t reached_ = 0;
+    bool failed_ = false;  // no rounding of a step does
 };
 
 // The light that ray `ray` of the trail adds, without the sample's weight.
@@ -197,6 +197,7 @@ bool Certifier::advance(const Branch& branch, const std::shared_ptr<Outcome>& ou
     const uint32_t before = decisions_;
     decisions_ = reference::addDecisions(before, outcome->step.record.decisions);
     ++cursor_;
+    if (outcome->step.next.empty()) reached_ = cursor_;
     const bool holds = cursor_ % kRaysOfThread != 0
                            ? follow()
                            : std::async(std::launch::async, [this] { return follow(); }).get();
@@ -220,6 +221,7 @@ bool Certifier::follow() {
     Branch branch = kept.branch;
     branch.ray.origin = ray.origin;
     branch.ray.direction = ray.direction;
+    branch.ray.noise = {};
     if (seen_.fromDevice) branch.throughput.value = ray.throughput / seen_.weight;
     branch.throughput.error = dvec3(0);
     pending_.pop_back();
@@ -228,33 +230,36 @@ bool Certifier::follow() {
     return false;
 }
 
-bool Certifier::exploreStill(const Branch& branch, const TrailRay& ray, const std::shared_ptr<Outcome>& still,
-                             bool& given) {
+bool Certifier::exploreStill(const Branch& branch, const TrailRay& ray,
+                             const std::shared_ptr<Outcome>& still) {
     if (!takesHit(still->step, ray)) return false;
-    if (!matches(*still, ray) && !widen(branch, *still, &ray)) return false;
-    given = true;
-    return advance(branch, still);
+    return (matches(*still, ray) || widen(branch, *still, &ray)) && advance(branch, still);
 }
 
 bool Certifier::explore(Branch branch, const TrailRay& ray) {
-    bool given = false;
+    reached_ = cursor_;
     const auto still = outcomeOf(branch, stepOf(branch, {}), {});
-    if (exploreStill(branch, ray, still, given)) return true;
+    if (exploreStill(branch, ray, still)) return true;
     ++result_.openDecisions;
     for (const double slips : {1.0, 0.0, reference::kMostSlips}) {
         if (exhausted()) return false;
         const Jitter rule{.slips = slips, .hit = ray.id};
         const auto open = outcomeOf(branch, stepOf(branch, rule), rule);
-        if (!decideAlike(open->step, still->step) && exploreStill(branch, ray, open, given)) return true;
+        if (!decideAlike(open->step, still->step) && exploreStill(branch, ray, open)) return true;
     }
     --result_.openDecisions;
-    return !exhausted() && exploreMoved(std::move(branch), ray, *still, given);
+    return !exhausted() && exploreMoved(std::move(branch), ray, *still);
 }
 
 // Tries moves of this step whose decisions differ from the reference's, or whose answer changes more than its
 // response to one unit.
-bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still, bool given) {
+bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still) {
     std::vector<std::shared_ptr<Outcome>> outcomes;
+    // Moves that take the hit, at t from lo to hi on each of its sides. Each move serves for several lookups:
+    // it may be one of few that pass the masks before the hit.
+    std::vector<Jitter> taken;
+    glm::dvec2 lo(std::numeric_limits<double>::infinity()), hi(0);
+    const bool lookups = !tracer_.model().textures.empty();
     uint64_t seed = 0;
     const double gain = scene_.instances.empty() ? 1 : 1 + scene_.instanceGain;
     const auto& surface = still.step.record.surface;
@@ -264,10 +269,16 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
         const bool wide = gain > 1 && turn % 2 == 1;
         for (int i = 0; i < kMovesAtOnce; ++i) {
             const double units = kStepUnits * kSizes[i % 3] * (wide ? gain : 1);
-            const Jitter move{.seed = ++seed, .ulps = units, .formulas = true, .hit = ray.id};
+            Jitter move{.seed = ++seed, .ulps = units, .formulas = true, .hit = ray.id, .t = ray.t};
+            const bool again = lookups && i % 2 == 1 && !taken.empty();
+            if (again) move = taken[seed % taken.size()];
+            move.lookup = seen_.fromDevice ? 2 + seed / 2 : 2 * seed + 1;
             Step step = stepOf(branch, move);
             if (!takesHit(step, ray)) continue;
             if (wide && !step.record.meetsInstance && !still.step.record.meetsInstance) continue;
+            if (!again) taken.push_back(move);
+            lo[step.enters] = std::min(lo[step.enters], step.t);
+            hi[step.enters] = std::max(hi[step.enters], step.t);
             if (step.record.surface) branch.scale = std::max(branch.scale, step.record.surface->scale);
             const auto moved = outcomeOf(branch, std::move(step), move);
             const auto at = std::find_if(outcomes.begin(), outcomes.end(), [&](const auto& outcome) {
@@ -279,14 +290,15 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
             }
             (*at)->box.include(moved->box);
             ++(*at)->members;
-            (*at)->jitter.ulps = std::min((*at)->jitter.ulps, units);
+            (*at)->jitter.ulps = std::min((*at)->jitter.ulps, move.ulps);
         }
         for (size_t i = 0; i < outcomes.size() && !exhausted(); ++i) {
             Outcome& outcome = *outcomes[i];
             if (outcome.members == outcome.tried) continue;
             outcome.stretch = outcome.members >= kEnoughMembers ? 1 : outcome.members > 1 ? 4 : 0;
+            outcome.box.lo[kColorQuantities] = lo[outcome.step.enters];
+            outcome.box.hi[kColorQuantities] = hi[outcome.step.enters];
             if (!matches(outcome, ray)) continue;
-            given = true;
             outcome.tried = outcome.members;
             const double before = result_.units;
             result_.units = std::max(result_.units, outcome.jitter.ulps);
@@ -295,10 +307,10 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
             --result_.openDecisions;
             result_.units = before;
         }
-        // If rounding gives this light and hit, but not the rays after them, more moves do not help.
-        if (given && turn >= 3) break;
+        // If rounding gives this hit, light and next ray, but not the rest, more moves do not help.
+        if (reached_ > cursor_ && turn >= 3) break;
     }
-    failed_ = failed_ || !given;
+    failed_ = failed_ || reached_ <= cursor_;
     return false;
 }
 

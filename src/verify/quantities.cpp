@@ -89,9 +89,8 @@ Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, co
 }
 
 // t and each coordinate of a point are sums of a dozen products: 16 units with the last rounding, of numbers
-// up to the way, the eye's coordinates and a triangle's corners. Normals and texture coordinates take as many
-// units of numbers up to 1 (8 to 12, shading/texture.glsl), larger texture coordinates of the terms of their
-// sums. A camera that moves with the scene's origin rounds the sum once more.
+// up to the way, the eye's coordinates and a triangle's corners. Normals take as many units of numbers up to
+// 1. A camera that moves with the scene's origin rounds the sum once more.
 //
 // The clearance is a sum of magnitudes, which rounding cannot cancel. It errs by at most 4096 units of 2^-24,
 // and by the floors of its terms: point, normal (of a quadric its gradient) and barycentrics. On a cone it
@@ -108,8 +107,8 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
         f[kPosition + i] = 16 * kFloatUnit * way + 0x1p-50 * greatestMagnitude(scene.origin);
         f[kNormal + i] = f[kGeometric + i] = turn * kFloatUnit;
     }
-    f[kU] = 16 * kFloatUnit * std::max(slant, surface.uvScale.x);
-    f[kV] = 16 * kFloatUnit * std::max(slant, surface.uvScale.y);
+    f[kU] = reference::kUvRoundings * kFloatUnit * std::max(slant, surface.uvScale.x);
+    f[kV] = reference::kUvRoundings * kFloatUnit * std::max(slant, surface.uvScale.y);
     const glm::dvec3 error = surface.error;
     const double corners = isTriangle(*record.hit) ? 4 * (f[kU] + f[kV]) * surface.scale : 0;
     f[kClearance] = std::max(0x1p-12, 6 * f[kNormal]) * (error.x + error.y + error.z) +

@@ -34,7 +34,9 @@ PackedScene quadScene(uint32_t flags = 0) {
 
 dvec4 colorAt(const PackedScene& scene, const dvec2& uv) {
     const Model model = widened(scene);
-    return textureAt(model, model.textures[0], uv, dvec3(0), 0);
+    Surface surface;
+    surface.uv = uv;
+    return textureAt(model, model.textures[0], surface);
 }
 
 double redAt(const PackedScene& scene, double u, double v) {

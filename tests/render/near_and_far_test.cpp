@@ -76,6 +76,28 @@ TEST_F(NearSolidsTest, Needles) {
     }
 }
 
+// Ten million away a plane is hit at about 1e-6 radians. One unit of a ray's direction moves the hit by 6 %,
+// and the device rounds the coordinates of each texture by themselves, to whole texels.
+TEST_F(NearSolidsTest, FarTexelsAreThoseOfTheDevicesOwnHit) {
+    const auto image = std::make_shared<Image>(16, 16, 3);
+    for (size_t i = 0; i < image->pixels.size(); ++i)
+        image->pixels[i] = static_cast<float>(i * 37 % 251) / 251;
+    Scene scene = emptyScene();
+    scene.ambient = scene.background = Color(1);
+    Material& material = scene.materials[addMaterial(scene, Color(0.7), Color(0.7))];
+    for (const double part : {1.0, 0.5})
+        scene.textures.push_back({ImageTexture{"", image, Wrap::Repeat, Wrap::Mirror, TexelFilter::Nearest},
+                                  part * glm::dvec2(0.013, 0.27)});
+    material.ambientTexture = 0;
+    material.mirrorTexture = 1;
+    addPlane(scene, {0, 0, 0}, {0, 1, 0}, static_cast<uint32_t>(scene.materials.size() - 1));
+    aim(scene.camera, {0, 10, 0}, {1e7, 0, 3e6});
+    scene.camera.fovY = 1e-4;
+    const verify::Report report = verified(makeCase(scene, 24, 18));
+    EXPECT_TRUE(report.passed());
+    EXPECT_GT(report.explained(), 20u);
+}
+
 // Scenes that lie thousands of times their size from 0, with an object among them that hides it: fp32 counts
 // from where most objects are, so pictures are those of the same scene at 0.
 
