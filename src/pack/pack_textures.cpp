@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <span>
 
@@ -125,26 +126,30 @@ const CheckerTexture* solidChecker(const Texture& texture) {
     return checker != nullptr && checker->solid ? checker : nullptr;
 }
 
-// The common period of all solid checkers among these textures; 0 if they differ or none exists.
-double commonPeriod(std::span<const Texture* const> textures) {
+bool clamps(const Texture& texture, int axis) {
+    const auto* image = std::get_if<ImageTexture>(&texture.source);
+    return image != nullptr && (axis == 0 ? image->wrapU : image->wrapV) == Wrap::Clamp;
+}
+
+// The common period, along u or v of the surface, of all solid checkers or all others among these textures;
+// 0 if they differ, one is clamped or none exists.
+double commonPeriod(std::span<const Texture* const> textures, bool solid, int axis) {
     std::optional<double> common;
     for (const Texture* texture : textures) {
-        if (!solidChecker(*texture)) continue;
-        const double period = 2 / texture->scale.x;
+        if ((solidChecker(*texture) != nullptr) != solid) continue;
+        const double period = clamps(*texture, axis) ? 0 : 2 / std::abs(texture->scale[axis]);
         common = period == common.value_or(period) ? period : 0;
     }
     return common.value_or(0);
 }
 
-double periodOf(const Scene& scene, const Object& object, const CubeOrigin& cubes) {
-    const auto* mesh = std::get_if<MeshShape>(&object.shape);
-    if (cubes.period > 0 || (mesh != nullptr && !mesh->mesh->materials.empty())) return cubes.period;
+std::vector<const Texture*> texturesOf(const Scene& scene, const Object& object) {
     std::vector<const Texture*> textures;
     for (const auto& [key, texture] : kMaterialTextures) {
         const uint32_t index = scene.materials[object.material].*texture;
         if (index != Material::kNoTexture) textures.push_back(&scene.textures[index]);
     }
-    return commonPeriod(textures);
+    return textures;
 }
 
 CubeOrigin cubeOrigin(const Scene& scene) {
@@ -152,7 +157,7 @@ CubeOrigin cubeOrigin(const Scene& scene) {
     for (const Texture& texture : scene.textures)
         if (solidChecker(texture)) solid.push_back(&texture);
     if (solid.empty()) return {};
-    return {solidChecker(*solid.front())->corner, commonPeriod(solid)};
+    return {solidChecker(*solid.front())->corner, commonPeriod(solid, true, 0)};
 }
 
 // A coordinate of a texture that repeats. If fp32 cannot resolve the texture there, it is reduced to the
@@ -161,20 +166,16 @@ CubeOrigin cubeOrigin(const Scene& scene) {
 double nearZero(double coordinate, double period) {
     // A thousand periods away, fp32 still resolves 2^-13 of a cube.
     constexpr double kManyPeriods = 1024;
-    const bool far = period > 0 && std::abs(coordinate) > kManyPeriods * period;
-    return far ? std::remainder(coordinate, period) : coordinate;
+    // 1 / pi separates the ranges from round numbers: the reference rounds otherwise and must choose alike.
+    const double shift = std::numbers::inv_pi * period;
+    const bool far = period > 0 && std::abs(coordinate - shift) > kManyPeriods * period;
+    return far ? std::remainder(coordinate - shift, period) + shift : coordinate;
 }
 
-// The offset of a texture, up to whole periods: 1 of a repeated image, 2 of a mirrored one and of a checker.
-// Coordinates beyond kMaxTextureCoordinate stay there.
-glm::vec3 placeOf(const Texture& texture) {
-    const auto* image = std::get_if<ImageTexture>(&texture.source);
-    const auto reduced = [](double offset, Wrap wrap) {
-        if (wrap == Wrap::Clamp || std::abs(offset) > shared::kMaxTextureCoordinate) return offset;
-        return nearZero(offset, wrap == Wrap::Repeat ? 1 : 2);
-    };
-    return {reduced(texture.offset.x, image ? image->wrapU : Wrap::Mirror),
-            reduced(texture.offset.y, image ? image->wrapV : Wrap::Mirror), 0};
+// An offset of u or v, up to whole periods. It stays beyond kMaxTextureCoordinate half periods.
+float reduced(double offset, double period) {
+    const bool counts = std::abs(offset) <= 0.5 * shared::kMaxTextureCoordinate * period;
+    return static_cast<float>(counts ? nearZero(offset, period) : offset);
 }
 
 }  // namespace
@@ -192,7 +193,10 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
     frame.toObjectX = glm::vec3(rows[0]);
     frame.toObjectY = glm::vec3(rows[1]);
     frame.toObjectZ = glm::vec3(rows[2]);
-    const double period = periodOf(scene, object, cubes);
+    const auto textures = texturesOf(scene, object);
+    const auto* mesh = std::get_if<MeshShape>(&object.shape);
+    const bool isScenes = cubes.period > 0 || (mesh != nullptr && !mesh->mesh->materials.empty());
+    const double period = isScenes ? cubes.period : commonPeriod(textures, true, 0);
     const auto fromCubes = [&](double offset, double corner) {
         return static_cast<float>(nearZero(offset - corner, period));
     };
@@ -201,8 +205,9 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
     frame.offsetZ = fromCubes(all.offset.z, cubes.corner.z);
     frame.toU = glm::vec3(rows * uv.u.direction);
     frame.toV = glm::vec3(rows * uv.v.direction);
-    frame.offsetU = static_cast<float>(offsetOf(uv.u));
-    frame.offsetV = static_cast<float>(offsetOf(uv.v));
+    const bool flat = uv.kind == shared::kUvFlat;
+    frame.offsetU = reduced(offsetOf(uv.u), flat ? commonPeriod(textures, false, 0) : 0);
+    frame.offsetV = reduced(offsetOf(uv.v), flat ? commonPeriod(textures, false, 1) : 0);
     frame.toW = glm::vec3(rows * uv.w.direction);
     frame.offsetW = static_cast<float>(offsetOf(uv.w));
     frame.uvKind = uv.kind;
@@ -245,7 +250,7 @@ class TexturePacker {
         if (known != textures_.end()) return known->second;
         const Texture& texture = scene_.textures[index];
         shared::Texture out;
-        out.place = placeOf(texture);
+        for (int i = 0; i < 2; ++i) out.place[i] = reduced(texture.offset[i], clamps(texture, i) ? 0 : 2);
         out.scaleU = static_cast<float>(texture.scale.x);
         out.scaleV = static_cast<float>(texture.scale.y);
         if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {
@@ -327,10 +332,8 @@ void warnOfMissingCoordinates(const Scene& scene, PackedScene& packed) {
         const auto* shape = std::get_if<MeshShape>(&object.shape);
         if (shape == nullptr || !shape->mesh->uvCorners.empty()) continue;
         const auto& own = shape->mesh->materials;
-        const bool textured = own.empty() ? hasTexture(scene.materials[object.material])
-                                          : std::any_of(own.begin(), own.end(), [&](uint32_t material) {
-                                                return hasTexture(scene.materials[material]);
-                                            });
+        const auto shows = [&](uint32_t material) { return hasTexture(scene.materials[material]); };
+        const bool textured = own.empty() ? shows(object.material) : std::ranges::any_of(own, shows);
         if (textured)
             packed.warnings.push_back(object.name +
                                       ": the mesh has no texture coordinates; each of its triangles shows "

@@ -66,11 +66,11 @@ class Viewer {
 
 class TextureTest : public RenderTest {
   protected:
-    // A wall z = 0 with this texture, where its coordinates are `points`.
+    // A wall z = 0 with this texture, at `points`. Its coordinates are (0, 0) at `start`.
     static std::vector<float> wall(const Texture& texture, const std::vector<dvec2>& points,
-                                   const Options& options = {}) {
+                                   const Options& options = {}, const dvec2& start = {}) {
         Scene scene = emptyScene();
-        addPlane(scene, {0, 0, 0}, {0, 0, 1}, addTextured(scene, texture));
+        addPlane(scene, dvec3(start, 0), {0, 0, 1}, addTextured(scene, texture));
         Viewer viewer(device(), std::move(scene), options);
         std::vector<float> values;
         for (const dvec2& p : points) values.push_back(viewer(dvec3(p, 1), dvec3(p, 0)).x);
@@ -154,6 +154,38 @@ TEST_F(TextureTest, GreatCoordinatesStayInTheImage) {
     }
     const Texture checker{CheckerTexture{Color(1), Color(2)}, dvec2(1), dvec2(2e7, -2e7)};
     expectNear(wall(checker, {{0.25, 0.75}, {1.25, 0.75}, {0.25, -0.75}}), {1, 2, 2}, 0);
+}
+
+// A plane 1e7 from its point looks like a plane whose point is near, moved by whole periods; verify has
+// nothing to explain. Clamped coordinates and those without a common period stay.
+TEST_F(TextureTest, FarPlanesKeepTheirCells) {
+    const auto image = [](Wrap wrapU, Wrap wrapV, const dvec2& scale) {
+        return Texture{ImageTexture{"q", quadImage(), wrapU, wrapV, TexelFilter::Nearest}, scale};
+    };
+    const std::vector<dvec2> points = {{0.2, 0.7}, {0.7, 0.2},  {-0.2, 0.3},
+                                       {0.1, 0.3}, {0.9, -0.6}, {1.1, 1.2}};
+    for (const Texture& texture :
+         {image(Wrap::Repeat, Wrap::Repeat, {1, 4}), image(Wrap::Mirror, Wrap::Repeat, {0.4, -1}),
+          image(Wrap::Clamp, Wrap::Mirror, dvec2(1)),
+          Texture{CheckerTexture{Color(1), Color(2)}, {4, 2.5}}}) {
+        const std::vector<float> near = wall(texture, points, {}, {texture.scale == dvec2(1) ? 10 : 0, 0});
+        expectNear(wall(texture, points, {}, {1e7, -3e7}), {near.begin(), near.end()}, 0);
+    }
+    const Case floor =
+        textCase(R"({"camera": {"eye": [1e7, 5, -3e7], "target": [1e7, 0, -3e7], "up": [0, 0, 1]},
+        "ambient": 1, "materials": {"m": {"diffuse": {"scale": 4, "checker": [0.2, 0.8]}}}, "objects": [
+        {"type": "plane", "point": [0.03, 0, 0.125], "normal": [0, 1, 0], "material": "m",
+         "transform": [{"rotate": [0, 1, 0, 90]}]}]})",
+                 160, 120);
+    const verify::Report report = verifiedAsRead(floor);
+    EXPECT_TRUE(report.passed());
+    EXPECT_EQ(report.explained() + report.representation->explained, 0u);
+    Scene scene = floor.scene;
+    scene.textures.push_back({CheckerTexture{}, dvec2(3, 4)});
+    scene.materials[scene.objects[0].material].specularTexture = 1;
+    const shared::ObjectFrame frame = packScene(scene).objectFrames.at(0);
+    EXPECT_GT(std::abs(frame.offsetU), 9e6f);
+    EXPECT_LT(std::abs(frame.offsetV), 1.0f);
 }
 
 // The device's u and v against atan2 and asin in double of the normal that it reports. turnsOf is good to

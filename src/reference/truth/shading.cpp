@@ -68,13 +68,9 @@ class Images {
     void put(const Image& image, rows::Texture& row) {
         row.width = static_cast<uint32_t>(image.width);
         row.height = static_cast<uint32_t>(image.height);
-        const auto known = first_.find(&image);
-        if (known != first_.end()) {
-            row.firstTexel = known->second;
-            return;
-        }
-        row.firstTexel = static_cast<uint32_t>(texels_.size());
-        first_.emplace(&image, row.firstTexel);
+        const auto [first, isNew] = first_.try_emplace(&image, static_cast<uint32_t>(texels_.size()));
+        row.firstTexel = first->second;
+        if (!isNew) return;
         for (int y = 0; y < image.height; ++y)
             for (int x = 0; x < image.width; ++x) {
                 shared::Texel texel;
@@ -242,11 +238,28 @@ struct CoordinatesOf {
     }
 };
 
-rows::ObjectFrame frameOf(const Object& object, const dvec3& origin) {
+// The whole periods that the packed scene leaves out of an offset of u or v of a flat object: between 1024
+// periods and 1e9 halves of one, all. A repeated image also repeats after 2.
+double leftOut(const Model& model, const Material& material, double offset, bool isV) {
+    double period = 0;
+    for (const auto& [key, number] : kMaterialTextures) {
+        if (material.*number == Material::kNoTexture) continue;
+        const rows::Texture& t = model.textures[material.*number];
+        if (t.flags & shared::kTextureSolid) continue;
+        const uint32_t wrap = t.flags >> (isV ? shared::kTextureWrapVShift : 0) & shared::kTextureWrapMask;
+        const double own = std::abs(2 / (isV ? t.scaleV : t.scaleU));
+        if (wrap == shared::kTextureWrapClamp || (period > 0 && period != own)) return 0;
+        period = own;
+    }
+    const double count = offset / period - std::numbers::inv_pi;  // never at a tie
+    return std::abs(offset) <= 5e8 * period && std::abs(count) > 1024 ? std::round(count) * period : 0;
+}
+
+rows::ObjectFrame frameOf(const Model& model, const Material& material, const Object& object) {
     const Place applied(object.applied), placed(object.transform.value_or(Affine{}));
     // Local coordinates to those of the object: p = matrix x + start.
     const dmat3 matrix = applied.inverse * placed.inverse;
-    const dvec3 start = applied.inverse * (placed.inverse * (origin - placed.offset) - applied.offset);
+    const dvec3 start = applied.inverse * (placed.inverse * (model.origin - placed.offset) - applied.offset);
     Place own;  // the shape's coordinates to those of the object
     own.linear = applied.inverse;
     own.inverse = applied.linear;
@@ -264,6 +277,9 @@ rows::ObjectFrame frameOf(const Object& object, const dvec3& origin) {
     put(c.v, frame.toV, frame.offsetV);
     put(c.w, frame.toW, frame.offsetW);
     frame.uvKind = c.kind;
+    if (c.kind != shared::kUvFlat) return frame;
+    frame.offsetU -= leftOut(model, material, frame.offsetU, false);
+    frame.offsetV -= leftOut(model, material, frame.offsetV, true);
     return frame;
 }
 
@@ -288,7 +304,7 @@ void addShading(const Scene& scene, const std::vector<bool>& used, Model& model)
     }
     if (textured)
         for (const Object& object : scene.objects)
-            model.objectFrames.push_back(frameOf(object, model.origin));
+            model.objectFrames.push_back(frameOf(model, scene.materials[object.material], object));
     if (scene.environment) {
         model.textures.push_back(environmentRow(*scene.environment, images));
         environment.map = static_cast<uint32_t>(model.textures.size());
