@@ -44,12 +44,12 @@ class NffReader {
         finishLights();
         const bool hasCamera = view_.has_value();
         if (hasCamera) finishCamera();
-        const auto warn = [this](size_t count, const char* what) {
-            if (count > 0) scene_.warnings.push_back(file_ + ": " + std::to_string(count) + what);
+        const auto warn = [this](size_t count, const char* noun, const char* what) {
+            if (count > 0) scene_.warnings.push_back(file_ + ": " + counted(count, noun) + what);
         };
-        warn(insideOut_, " surfaces with a negative radius are seen from outside too");
-        warn(withoutArea_, " polygons without area left out");
-        warn(notPlanar_, " polygons are not planar and were split into triangles");
+        warn(insideOut_, "surface", " with a negative radius, seen from outside too");
+        warn(withoutArea_, "polygon", " without area left out");
+        warn(notPlanar_, "polygon", " not planar, split into triangles");
         if (scene_.objects.empty()) scanner_.fail("the file holds no objects");
         return {std::move(scene_), hasCamera};
     }

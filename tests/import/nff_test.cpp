@@ -108,7 +108,7 @@ TEST(Nff, ConesAndCylinders) {
         ConeShape{{0, 0, 3}, {0, 0, 0}, 2, 1, false}, CylinderShape{{0, 0, 0}, {0, 0, 3}, 2, false},
         ConeShape{{0, 0, 0}, {0, 0, 3}, 2, 0, false}};
     EXPECT_EQ(shapesOf(scene), expected);
-    EXPECT_EQ(scene.warnings, Lines{"1 surfaces with a negative radius are seen from outside too"});
+    EXPECT_EQ(scene.warnings, Lines{"1 surface with a negative radius, seen from outside too"});
 }
 
 TEST(Nff, PatchesThatFollowEachOtherAreOneMesh) {
@@ -126,12 +126,12 @@ TEST(Nff, PatchesThatFollowEachOtherAreOneMesh) {
 
 TEST(Nff, WhatIsWarnedAbout) {
     EXPECT_EQ(load("s 0 0 0 -2\n").warnings,
-              Lines{"1 surfaces with a negative radius are seen from outside too"});
+              Lines{"1 surface with a negative radius, seen from outside too"});
     EXPECT_EQ(std::get<SphereShape>(load("s 0 0 0 -2\n").objects[0].shape).radius, 2);
     EXPECT_EQ(load("s 0 0 0 1\np 3 0 0 0 1 1 1 2 2 2\npp 3 0 0 0 0 0 1 0 0 0 0 0 1 1 0 0 0 0 1\n").warnings,
               Lines{"2 polygons without area left out"});
     const std::string bent = "p 4 0 0 0 1 0 0 1 1 0.5 0 1 0\n";
-    EXPECT_EQ(load(bent).warnings, Lines{"1 polygons are not planar and were split into triangles"});
+    EXPECT_EQ(load(bent).warnings, Lines{"1 polygon not planar, split into triangles"});
     EXPECT_EQ(meshOf(load(bent)).corners.size(), 2u);
     EXPECT_EQ(load("v from 0 -4 1 at 0 0 0 up 0 0 1 angle 45 resolution 400 300 s 0 0 0 1").warnings.size(),
               1u);
