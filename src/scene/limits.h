@@ -14,8 +14,8 @@ inline constexpr double kMinRadius = 1e-14;
 inline constexpr double kMaxRadius = 1e18;
 // Largest magnitude of a quadric's coefficients: the equation is scaled in double before it is rounded.
 inline constexpr double kMaxCoefficient = 1e100;
-// Height over radius, and radius over height, of bodies of revolution: the square, 1e16, still leaves a
-// quadratic equation's terms within fp32's range.
+// Height over radius of bodies of revolution: the square, 1e16, still leaves a quadratic equation's terms
+// within fp32's range.
 inline constexpr double kMaxAspect = 1e8;
 // Colours and exponents are packed to fp32, whose largest number is 3.4e38; products of two of them must fit.
 inline constexpr double kMaxColor = 1e18;

@@ -43,7 +43,7 @@ const Scene& placedScene(const Scene& scene, Scene& copy);
 
 // More, and a mesh is baked instead: 6 of fp32's 24 bits, as for the local frame (pack/packed_scene.h).
 inline constexpr double kMaxMeshLoss = 64;
-// More is refused: the shape would be off by 2^-10 of its size.
+// More, also as the condition number of a quadric, is refused: the shape would be off by 2^-10 of its size.
 inline constexpr double kMaxTransformLoss = 16384;
 // A ray pays for each instance it enters with a transform and a tree of its own, so little memory is not
 // worth it.

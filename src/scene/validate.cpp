@@ -208,9 +208,53 @@ void checkAxis(const Place& place, std::string_view fromKey, const glm::dvec3& f
     checkPoint(place, toKey, to);
     const double height = glm::length(to - from);
     if (!(height >= kMinRadius)) place.fail(toKey, "must differ from ", fromKey, got(to));
-    if (!(height <= kMaxAspect * radius && radius <= kMaxAspect * height))
-        place.fail({}, "height and radius must not differ by more than a factor of ", kMaxAspect, " (got ",
+    if (!(height <= kMaxAspect * radius && radius <= kMaxTransformLoss * height))
+        place.fail({}, "the height must be from 1/", kMaxTransformLoss, " to ", kMaxAspect, " radii (got ",
                    height, " and ", radius, ")");
+}
+
+// Coefficients may be rounded decimals.
+constexpr double kEquationTolerance = 0x1p-40;
+
+double greatestElement(const glm::dmat4& m) {
+    double greatest = 0;
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) greatest = std::max(greatest, std::abs(m[i][j]));
+    return greatest;
+}
+
+// True for the square of a linear equation: a symmetric matrix of rank one is the outer product of its row
+// through a diagonal element, divided by that element.
+bool isDoublePlane(const glm::dmat4& m) {
+    int greatest = 0;  // of the squares: a large constant alone is no plane
+    for (int i = 1; i < 3; i++)
+        if (std::abs(m[i][i]) > std::abs(m[greatest][greatest])) greatest = i;
+    const glm::dvec4 row = m[greatest];
+    return row[greatest] != 0 &&
+           greatestElement(m - glm::outerProduct(row, row) / row[greatest]) <= kEquationTolerance;
+}
+
+// Takes the symmetric matrix of the equation, for coordinates in units of the greatest of the bounds, scaled
+// to a greatest element of 1.
+void checkEquation(const QuadricShape& shape, const Place& place) {
+    const double* c = shape.coefficients;
+    glm::dmat4 m(2 * c[0], c[3], c[5], c[6], c[3], 2 * c[1], c[4], c[7],  //
+                 c[5], c[4], 2 * c[2], c[8], c[6], c[7], c[8], 2 * c[9]);
+    const double unit = std::max(greatestMagnitude(shape.lo), greatestMagnitude(shape.hi));
+    const glm::dvec4 units(unit, unit, unit, 1);
+    for (int i = 0; i < 4; i++) m[i] *= units[i] * units;
+    m /= greatestElement(m);
+    if (isDoublePlane(m))
+        place.fail("coefficients", "the surface is a plane counted twice, without a normal; use a plane");
+    for (int axis = 0; axis < 3; axis++)
+        for (const double face : {shape.lo[axis], shape.hi[axis]}) {
+            glm::dmat4 onFace(1);
+            onFace[axis][axis] = 0;
+            onFace[3][axis] = face / unit;
+            if (greatestElement(glm::transpose(onFace) * m * onFace) <= kEquationTolerance)
+                place.fail("bounds", "the surface lies in the face ", "xyz"[axis], " = ", face,
+                           ", where rounding clips it; move this face");
+        }
 }
 
 struct ShapeCheck {
@@ -263,6 +307,7 @@ struct ShapeCheck {
         if (!any)
             place.fail("coefficients",
                        "one of A to I must not be 0: J = 0 alone is no surface, but nothing or everything");
+        checkEquation(shape, place);
     }
     void operator()(const EllipsoidShape& shape) const {
         checkPoint(place, "center", shape.center);
@@ -305,16 +350,28 @@ void checkTransform(const Object& object, const Place& place) {
     if (!(condition <= kMaxCondition))
         place.fail("transform", "is nearly singular (condition number ", sixDigits(condition),
                    ", the limit is ", kMaxCondition, ")");
-    // Meshes are instances only where little is lost; the frames of quadrics are as round as they can be.
-    const bool isBox = std::holds_alternative<BoxShape>(object.shape);
-    if (std::holds_alternative<MeshShape>(object.shape) || (takesTransform(object.shape) && !isBox) ||
-        baked(object.shape, *object.transform))
+}
+
+// From ten sizes away the outlines of thinner quadrics fray, and normals are noise where the thickness is
+// below rounding (measured); the faces of thin boxes and discs stay exact.
+void checkPrecision(const Object& object, const Place& place) {
+    const auto* ellipsoid = std::get_if<EllipsoidShape>(&object.shape);
+    // Meshes are instances only where little is lost.
+    if ((!object.transform && ellipsoid == nullptr) || std::holds_alternative<MeshShape>(object.shape))
         return;
-    const double loss = transformLoss(object.transform->linear, halfSizeOf(object.shape));
+    const Affine transform = object.transform.value_or(Affine{});
+    if (baked(object.shape, transform)) return;
+    glm::dmat3 frame = transform.linear;
+    if (ellipsoid != nullptr)
+        for (int axis = 0; axis < 3; axis++) frame[axis] *= ellipsoid->radii[axis];
+    const bool hasFlatFaces =
+        std::holds_alternative<BoxShape>(object.shape) || std::holds_alternative<DiscShape>(object.shape);
+    const double loss =
+        hasFlatFaces ? transformLoss(frame, halfSizeOf(object.shape)) : conditionNumber(frame);
     if (loss > kMaxTransformLoss)
-        place.fail("transform", "stretches too unevenly for single precision, which would be off by ",
-                   sixDigits(loss), " roundings (the limit is ", kMaxTransformLoss,
-                   "); give the shape as a mesh");
+        place.fail(object.transform ? "transform" : "radii",
+                   "too uneven for single precision, which would be off by ", sixDigits(loss),
+                   " roundings (the limit is ", kMaxTransformLoss, "); use a disc, polygon or mesh");
 }
 
 void checkImage(const ImageSettings& image, const Place& place) {
@@ -385,6 +442,7 @@ void checkObjects(const Scene& scene, const std::string& name) {
         const auto* shape = std::get_if<MeshShape>(&object.shape);
         if (shape && shape->mesh && !seen.insert(shape->mesh.get()).second) continue;
         std::visit(ShapeCheck{place, scene.materials.size()}, object.shape);
+        checkPrecision(object, place);
     }
 }
 

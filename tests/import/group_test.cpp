@@ -76,7 +76,7 @@ TEST(Placement, WhatDoesNotStayRound) {
         parseErrorOf(
             R"({"objects": [{"type": "disc", "center": [0, 0, 0], "normal": [1, 0, 0], "radius": 1, "transform":
         [{"rotate": [1, 0, 0, 45]}, {"scale": [1, 1, 1e6]}, {"rotate": [1, 0, 0, 45]}]}]})"),
-        "s.json: /objects/0/transform: stretches too unevenly for single precision");
+        "s.json: /objects/0/transform: too uneven for single precision");
 }
 
 // Two objects share a mesh of 100 x 100 x 2 triangles, which saves 2 MB. One object does not, and neither do

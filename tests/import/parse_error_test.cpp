@@ -22,7 +22,14 @@ struct Case {
 #define MATERIAL(...) R"({"materials": {"m": {)" __VA_ARGS__ "}}}"
 #define LIGHT(...) R"({"lights": [{)" __VA_ARGS__ "}]}"
 #define SPOT(...) LIGHT(R"("type": "spot", "position": [0, 0, 0], )" __VA_ARGS__)
+#define QUADRIC(COEFFICIENTS) \
+    OBJECT(R"("quadric", "bounds": [[-1, -1, -1], [1, 1, 1]], "coefficients": )" COEFFICIENTS)
 #define TRANSFORM(...) SPHERE(R"("radius": 1, "transform": )" __VA_ARGS__)
+
+#define TOO_UNEVEN(KEY, TIMES)                                                          \
+    "/objects/0/" KEY ": too uneven for single precision, which would be off by " TIMES \
+    " roundings "                                                                       \
+    "(the limit is 16384); use a disc, polygon or mesh"
 
 const Case kCases[] = {
     // Structure.
@@ -194,12 +201,20 @@ const Case kCases[] = {
     {OBJECT(R"("quadric", "coefficients": [1,0,0,0,0,0,0,0,0,0], "bounds": [[0,2,0],[1,1,1]])"),
      "/objects/0/bounds: the first corner must be less than the second in x, y and z (got [0, 2, 0] and [1, "
      "1, 1])"},
+    // (x + 2 y - z + 3)^2
+    {QUADRIC("[1,4,1,4,-4,-2,6,12,-6,9]"),
+     "/objects/0/coefficients: the surface is a plane counted twice, without a normal; use a plane"},
+    {QUADRIC("[0,0,0,0,0,0,0,1,0,1]"),
+     "/objects/0/bounds: the surface lies in the face y = -1, where rounding clips it; move this face"},
+    {OBJECT(R"("ellipsoid", "center": [0,0,0], "radii": [1,8e-5,1])"), TOO_UNEVEN("radii", "17677.7")},
     {OBJECT(R"("ellipsoid", "center": [0,0,0], "radii": [1,0,1])"),
      "/objects/0/radii/1: must be > 0 (got 0)"},
     {OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,0,0], "radius": 1)"),
      "/objects/0/top: must differ from base (got [0, 0, 0])"},
     {OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,1e9,0], "radius": 1)"),
-     "/objects/0: height and radius must not differ by more than a factor of 1e+08 (got 1e+09 and 1)"},
+     "/objects/0: the height must be from 1/16384 to 1e+08 radii (got 1e+09 and 1)"},
+    {OBJECT(R"("cone", "base": [0,0,0], "apex": [0,6e-5,0], "radius": 1)"),
+     "/objects/0: the height must be from 1/16384 to 1e+08 radii (got 6e-05 and 1)"},
     {OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,1,0], "radius": 1, "capped": 1)"),
      "/objects/0/capped: must be true or false (got 1)"},
     {OBJECT(R"("cone", "base": [0,0,0], "apex": [0,1,0], "radius": 1, "topRadius": 1)"),
@@ -267,8 +282,9 @@ const Case kCases[] = {
      "/objects/0/transform: is nearly singular (condition number 1.41421e+13, the limit is 1e+12)"},
     {OBJECT(R"("box", "min": [0, 0, 0], "max": [1, 1, 1],
                           "transform": [1, 1, 0, 0, 1, 1.00001, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])"),
-     "/objects/0/transform: stretches too unevenly for single precision, which would be off by 400002 "
-     "roundings (the limit is 16384); give the shape as a mesh"},
+     TOO_UNEVEN("transform", "400002")},
+    // sqrt(2) times sqrt(2) / 8e-5
+    {TRANSFORM(R"([{"scale": [1, 8e-5, 1]}])"), TOO_UNEVEN("transform", "17677.7")},
     {OBJECT(R"("group", "objects": [], "transform": [{"scale": [1, 0, 1]}])"),
      "/objects/0/transform: is singular, it flattens the object"},
     // Each alone has a condition number below 1e12; together sqrt(2) 1e14 or so.
@@ -282,6 +298,12 @@ const Case kCases[] = {
 TEST(ParseError, IsOneExactLine) {
     for (const auto& [text, message] : kCases)
         EXPECT_EQ(parseErrorOf(text), std::string("s.json: ") + message) << text;
+}
+
+TEST(ParseError, ThinShapesThatFp32Represents) {
+    for (const char* text : {TRANSFORM(R"([{"scale": [1, 9e-5, 1]}])"), QUADRIC("[1,0,0,0,0,0,0,0,0,-1e-11]"),
+                             QUADRIC("[0,0,0,0,0,0,1,0,0,-0.999999]"), QUADRIC("[1,1,1,0,0,0,0,0,0,-1e15]")})
+        EXPECT_EQ(parseErrorOf(text), "no error") << text;
 }
 
 TEST(ParseErrorText, ControlCharactersStayOutOfMessages) {
