@@ -39,6 +39,13 @@ Scene sceneWith(bool huge) {
     return scene;
 }
 
+TEST(Frames, ThreadsDoNotChangeThePacking) {
+    Scene scene = sceneWith(true);
+    addObject(scene, MeshShape{gridMesh(200)});
+    for (int i = 0; i < 1000; ++i) addObject(scene, SphereShape{{i % 10, i / 10 % 10, i / 100}, 0.3});
+    EXPECT_TRUE(sameArrays(packScene(scene, {}, {.threads = 1}), packScene(scene, {}, {.threads = 4})));
+}
+
 TEST(Frames, ATreeIsBuiltAgainOnlyIfItsGeometryChanges) {
     Scene scene = sceneWith(false);
     TreeMemory memory;

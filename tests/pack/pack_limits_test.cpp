@@ -38,10 +38,6 @@ SceneFeatures featuresOf(const Scene& scene) {
     return packScene(scene).features;
 }
 
-TEST(PackFeatures, EmptySceneUsesNothing) {
-    EXPECT_EQ(featuresOf(Scene{}), SceneFeatures{});
-}
-
 TEST(PackFeatures, Primitives) {
     const auto smooth = gridMesh(1);
     smooth->normals = {{0, 0, 1}};

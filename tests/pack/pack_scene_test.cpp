@@ -160,19 +160,6 @@ TEST(PackScene, LeavesOfANodeFollowEachOther) {
     }
 }
 
-// A sphere and a triangle with the same box: the heuristic would put them into one leaf.
-TEST(PackScene, KindsNeverShareALeaf) {
-    Scene scene;
-    addObject(scene, SphereShape{{0, 0, 0}, 1});
-    addObject(scene, TriangleShape{{{-1, -1, -1}, {1, 1, -1}, {1, -1, 1}}});
-    const PackedScene packed = packScene(scene);
-    ASSERT_EQ(packed.nodes.size(), 1u);
-    const uint32_t triangle = shared::kLeafFlag | shared::kKindTriangle << shared::kLeafKindShift;
-    const uint32_t sphere = shared::kLeafFlag | shared::kKindSphere << shared::kLeafKindShift;
-    const std::pair<uint32_t, uint32_t> children{packed.nodes[0].child0, packed.nodes[0].child1};
-    EXPECT_EQ(std::minmax(children.first, children.second), std::minmax(triangle, sphere));
-}
-
 // T26 to T29: no area, or not finite. The rest keep their numbers.
 TEST(PackScene, DropsWhatCannotBeHit) {
     auto mesh = std::make_shared<Mesh>();
@@ -406,17 +393,6 @@ TEST(PackScene, SahCost) {
     EXPECT_EQ(packed.statistics.leaves, 2u);
     EXPECT_EQ(packed.statistics.depth, 1u);
     EXPECT_NEAR(packed.statistics.sahCost, BvhOptions().traversalCost + 4 * 3.0 / 21, 8 * 0x1p-20);
-}
-
-TEST(PackScene, ThreadsDoNotChangeThePacking) {
-    Scene scene = mixedScene();
-    addObject(scene, MeshShape{gridMesh(200)});
-    for (int i = 0; i < 1000; ++i) addObject(scene, SphereShape{{i % 10, i / 10 % 10, i / 100}, 0.3});
-    const PackedScene one = packScene(scene, {}, {.threads = 1}), four = packScene(scene, {}, {.threads = 4});
-    EXPECT_TRUE(sameBytes(one.nodes, four.nodes));
-    EXPECT_TRUE(sameBytes(one.triangles, four.triangles));
-    EXPECT_TRUE(sameBytes(one.triangleSurfaces, four.triangleSurfaces));
-    EXPECT_TRUE(sameBytes(one.spheres, four.spheres));
 }
 
 }  // namespace glint::pack_scene_test

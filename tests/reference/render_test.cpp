@@ -128,6 +128,7 @@ TEST_F(ReferenceRender, AovsAreWhatTheRaySees) {
                 EXPECT_EQ(pixel.position, dvec3(0));
                 EXPECT_EQ(pixel.material, PixelData::kNoIndex);
                 EXPECT_EQ(pixel.primitive, PixelData::kNoIndex);
+                EXPECT_EQ(pixel.bounces, 0u);
                 EXPECT_EQ(picture.exactAt(x, y), dvec3(vec3(.1f, .2f, .3f)));
                 continue;
             }

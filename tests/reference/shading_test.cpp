@@ -39,16 +39,6 @@ TEST(ReferenceShading, RayTracerChallengeDefaultWorld) {
     EXPECT_EQ(record.shadowBits, 0u);
 }
 
-TEST(ReferenceShading, MissIsBackground) {
-    SceneMaker maker;
-    maker.environment.background = {.25f, .5f, .75f};
-    const PixelRecord record = traceScene(maker, kDown);
-    EXPECT_EQ(record.color, dvec3(.25, .5, .75));
-    EXPECT_EQ(record.alpha, 0);
-    EXPECT_EQ(record.bounces, 0u);
-    EXPECT_FALSE(record.hit);
-}
-
 // Lambert: kd I cos; with inverse square falloff over the distance squared. 3-4-5: cos = 4/5 at distance 5.
 TEST(ReferenceShading, LambertAndFalloff) {
     for (const uint32_t kind : {kLightPoint, kLightPointInverseSquare}) {

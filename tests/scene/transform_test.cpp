@@ -48,12 +48,6 @@ TEST(Transform, GeneralRotation) {
     expectNear(apply(rotation({0, 1, 0}, 30), {0, 0, 1}), {0.5, 0, std::sqrt(3.0) / 2}, 1e-15);
 }
 
-TEST(Transform, FirstThenSecond) {
-    const Affine both = then(scaling(dvec3(2)), translation({1, 0, 0}));
-    EXPECT_EQ(apply(both, {1, 1, 1}), dvec3(3, 2, 2));
-    EXPECT_EQ(apply(then(translation({1, 0, 0}), scaling(dvec3(2))), {1, 1, 1}), dvec3(4, 2, 2));
-}
-
 TEST(Transform, ConditionNumberOfDiagonals) {
     // Frobenius: sqrt(a^2+b^2+c^2) sqrt(1/a^2+1/b^2+1/c^2)
     EXPECT_DOUBLE_EQ(conditionNumber(glm::dmat3(1)), 3);
