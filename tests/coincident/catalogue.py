@@ -38,12 +38,9 @@ SHEET_CELLS = 64  # along a side: with fewer triangles the host would not store 
 def frame_of(rng):
     """Rows: two directions in the plane and its normal."""
     kind = rng.choice(["x", "y", "z", "tilted", "slight"])
-    if kind == "x":
-        return [(0, 1, 0), (0, 0, 1), (1, 0, 0)]
-    if kind == "y":
-        return [(0, 0, 1), (1, 0, 0), (0, 1, 0)]
-    if kind == "z":
-        return [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    if kind in "xyz":
+        units, next_one = [(1, 0, 0), (0, 1, 0), (0, 0, 1)], "xyz".index(kind) + 1
+        return units[next_one:] + units[:next_one]
     scale = 1.0 if kind == "tilted" else 1e-3
     a, b, c = (rng.uniform(-scale, scale) for _ in range(3))
     ca, sa, cb, sb, cc, sc = math.cos(a), math.sin(a), math.cos(b), math.sin(b), math.cos(c), math.sin(c)

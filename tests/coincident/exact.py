@@ -80,18 +80,14 @@ def in_outline(points, normal, at):
     return inside
 
 
-def plane_hit(o, d, point, normal):
-    """t, height per t; none for a parallel ray."""
+def flat_hits(o, d, point, normal, contains):
+    """t and height per t; nothing for a parallel ray."""
     speed = dot(normal, d)
     if speed == 0:
-        return None
-    return dot(normal, minus(point, o)) / speed, abs(speed) / root(dot(normal, normal))
-
-
-def flat_hits(o, d, point, normal, contains):
-    hit = plane_hit(o, d, point, normal)
-    if hit and contains([a + hit[0] * b for a, b in zip(o, d)]):
-        yield hit
+        return
+    t = dot(normal, minus(point, o)) / speed
+    if contains([a + t * b for a, b in zip(o, d)]):
+        yield t, abs(speed) / root(dot(normal, normal))
 
 
 def roots_of(a, b, c):

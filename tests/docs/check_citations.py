@@ -46,31 +46,16 @@ def slugs(text):
     return found
 
 
+SLASHES = re.compile(r"^[ \t]*/\*.*?\*/|(?:^|(?<=[\s;{},)]))//[^\n]*", re.M | re.S)
+HASHES = r"(?<!\S)#[^\n]*"
+# By the suffix of a file; scripts without a suffix and all other files have only #.
+COMMENTS = {".py": re.compile(r'""".*?"""|' + HASHES, re.S), **dict.fromkeys((".h", ".cpp", ".glsl", ".comp", ".json"), SLASHES)}
+
+
 def comments(path, text):
-    """(line number, text) of each comment line; in scripts and files without a suffix, the text behind #."""
-    suffix = path.suffix
-    if suffix in (".h", ".cpp", ".glsl", ".comp", ".json"):
-        pattern = re.compile(r'(?:^|\s|;|\{|\}|,|\))//(.*)$')
-        inside = False
-        for number, line in enumerate(text.split("\n"), 1):
-            if inside or line.lstrip().startswith("/*"):
-                yield number, line
-                inside = "*/" not in line
-            elif match := pattern.search(line):
-                yield number, match[1]
-    elif suffix == ".py":
-        docstring = False
-        for number, line in enumerate(text.split("\n"), 1):
-            quotes = line.count('"""')
-            if docstring or quotes:
-                yield number, line
-                docstring = docstring != (quotes % 2 == 1)
-            elif "#" in line:
-                yield number, line.split("#", 1)[1]
-    else:
-        for number, line in enumerate(text.split("\n"), 1):
-            if match := re.search(r"(?:^|\s)#(.*)$", line):
-                yield number, match[1]
+    """(line number, text) of each comment line."""
+    for comment in re.finditer(COMMENTS.get(path.suffix, HASHES), text):
+        yield from enumerate(comment[0].lstrip("/#").split("\n"), text.count("\n", 0, comment.start()) + 1)
 
 
 class Checker:

@@ -23,28 +23,17 @@ def masked(text):
     return re.sub(r"^(?:layout|struct)\b[^;{]*(?:\{[^}]*\})?[^;]*;", blank, text, flags=re.M | re.S)
 
 
-def closing(text, at):
-    """Behind the bracket that closes the one at `at`; None where there is none."""
-    depth = 0
+def arguments(text, at):
+    """The spans of the arguments of a call whose bracket opens at `at`; none if no bracket closes it."""
+    spans, depth, start = [], 0, at + 1
     for i in range(at, len(text)):
         depth += (text[i] in "([{") - (text[i] in ")]}")
         if depth == 0:
-            return i + 1
-    return None
-
-
-def arguments(text, at):
-    """The spans of the arguments of a call whose bracket opens at `at`."""
-    end = closing(text, at)
-    if end is None:
-        return []
-    spans, depth, start = [], 0, at + 1
-    for i in range(at + 1, end - 1):
-        depth += (text[i] in "([{") - (text[i] in ")]}")
-        if text[i] == "," and depth == 0:
+            return spans + [(start, i)]
+        if text[i] == "," and depth == 1:
             spans.append((start, i))
             start = i + 1
-    return spans + [(start, end - 1)]
+    return []
 
 
 OPERATORS = {
@@ -81,9 +70,6 @@ def sites_of(file, text):
         spans = arguments(code, m.end())
         # A declaration has types, and is no call.
         if len(spans) < 2 or re.match(r"(?:in |out |inout |const )?\w+ \w+\s*$", code[slice(*spans[0])].strip() + " "):
-            continue
-        declared = re.match(r"\s*(?:inout |out |in )?[A-Za-z]\w* [a-z]\w*\s*$", code[slice(*spans[0])])
-        if declared:
             continue
         (a, b), (c, d) = spans[0], spans[1]
         first, second = text[a:b].strip(), text[c:d].strip()

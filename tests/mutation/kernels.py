@@ -10,20 +10,9 @@ import breaks
 SOURCE = Path(__file__).resolve().parent.parent.parent
 SHADERS = SOURCE / "shaders"
 
-# name in KernelFolder (judge.cpp): source, defines
-KERNELS = {
-    "generate": ("generate.comp", ()),
-    "intersect": ("intersect.comp", ()),
-    "intersect_any": ("intersect.comp", ("GLINT_ANY_HIT=1",)),
-    "light": ("light.comp", ()),
-    "shade": ("shade.comp", ()),
-    "packet_intersect": ("packet_intersect.comp", ()),
-    "packet_intersect_any": ("packet_intersect.comp", ("GLINT_ANY_HIT=1",)),
-    "packet_light": ("packet_light.comp", ()),
-    "adapt": ("adapt.comp", ()),
-    "whole": ("whole.comp", ()),
-}
-PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "packet_light")
+# Names in KernelFolder (judge.cpp). Kernels whose names end in _any are compiled with GLINT_ANY_HIT.
+KERNELS = ("generate", "intersect", "intersect_any", "light", "shade", "packet_intersect", "packet_intersect_any", "packet_light", "adapt",
+           "whole")
 # Files about traversal, and what every traversal does in its own way. The functions of the other files are the same for all of them: single
 # rays, with a stack, judge those.
 TRAVERSAL = ("traversal/stack.glsl", "traversal/stackless.glsl", "traversal/state.glsl", "traversal/lanes.glsl", "traversal/leaf.glsl",
@@ -34,6 +23,10 @@ TRAVERSAL = ("traversal/stack.glsl", "traversal/stackless.glsl", "traversal/stat
 ARITHMETIC = "arithmetic.glsl"
 # Shaders that verify never runs: crossing counts are for the library, the probe is for the device.
 LEFT_OUT = ("closest_point.comp", "count.comp", "packet_count.comp", "traversal/count.glsl", "probe.comp")
+
+
+def source_of(kernel):
+    return kernel.removesuffix("_any") + ".comp"
 
 
 def includes(name, seen=None):
@@ -55,7 +48,7 @@ class Compiler:
         self.folder = Path(folder)
         self.shaders = self.folder / "shaders"
         shutil.copytree(SHADERS, self.shaders)
-        self.files = {kernel: includes(source) for kernel, (source, _) in KERNELS.items()}
+        self.files = {kernel: includes(source_of(kernel)) for kernel in KERNELS}
 
     def kernels_of(self, file):
         """The kernels that verify is to judge. whole.comp stays sound with the others: verify compares its images with theirs, and a defect in
@@ -64,12 +57,12 @@ class Compiler:
             return ["whole"]
         if file not in LEFT_OUT and not any(file in files for files in self.files.values()):
             raise ValueError(f"no kernel includes {file}")
-        return [k for k in KERNELS if k != "whole" and file in self.files[k] and (file in TRAVERSAL or k not in PACKET_KERNELS)]
+        return [k for k in KERNELS if k != "whole" and file in self.files[k] and (file in TRAVERSAL or not k.startswith("packet_"))]
 
     def compile(self, kernel, output):
         """Without the passes of cmake/GlintShaders.cmake: the program does what they do, kernel by kernel (src/gpu/specialize.h)."""
-        source, defines = KERNELS[kernel]
-        command = ["glslangValidator", f"-I{self.shaders}", *(f"-D{d}" for d in defines), self.shaders / source, "--quiet", "-V", "--target-env", "vulkan1.1",
+        defines = ["-DGLINT_ANY_HIT=1"] if kernel.endswith("_any") else []
+        command = ["glslangValidator", f"-I{self.shaders}", *defines, self.shaders / source_of(kernel), "--quiet", "-V", "--target-env", "vulkan1.1",
                    "-o", output]
         return subprocess.run(command, stdout=subprocess.DEVNULL, check=False).returncode == 0
 
