@@ -9,6 +9,7 @@ import subprocess
 import sys
 import typing
 import zipfile
+from types import SimpleNamespace
 
 import pytest
 
@@ -72,16 +73,10 @@ def test_devices_and_version():
         glint.Device("no such device")
 
 
-class Mesh:
-    """Has the attributes of trimesh's or Open3D's meshes."""
-
-    def __init__(self, **arrays):
-        self.__dict__.update(arrays)
-
-
 def test_meshes_are_accepted(device):
     ray = [[0.2, 0.3, 5, 0, 0, -1]]
-    for mesh in (Mesh(vertices=CUBE, faces=FACES), Mesh(vertices=CUBE.tolist(), triangles=FACES.tolist())):
+    # The attributes of trimesh's and of Open3D's meshes.
+    for mesh in (SimpleNamespace(vertices=CUBE, faces=FACES), SimpleNamespace(vertices=CUBE.tolist(), triangles=FACES.tolist())):
         assert glint.Scene(mesh, device=device).cast(ray).t == 4
 
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <glm/integer.hpp>
 #include <numbers>
 #include <set>
 
@@ -41,20 +42,13 @@ std::array<uint32_t, 4> paperPcg4d(uint32_t x, uint32_t y, uint32_t z, uint32_t 
 
 // nested_uniform_scramble of Burley (JCGT 9(4), 2020), with N. Vegdahl's constants.
 uint32_t paperScramble(uint32_t x, uint32_t seed) {
-    const auto reversed = [](uint32_t v) {
-        v = ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
-        v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
-        v = ((v & 0x0f0f0f0fu) << 4) | ((v >> 4) & 0x0f0f0f0fu);
-        v = ((v & 0x00ff00ffu) << 8) | ((v >> 8) & 0x00ff00ffu);
-        return (v << 16) | (v >> 16);
-    };
-    x = reversed(x);
+    x = glm::bitfieldReverse(x);
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16) | 1;
     x ^= x * 0x05526c56u;
     x ^= x * 0x53a22864u;
-    return reversed(x);
+    return glm::bitfieldReverse(x);
 }
 
 // The same, with the high bits of each word upon its low ones, which the paper's own words are bad in.

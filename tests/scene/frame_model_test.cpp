@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "scene/frame_model.h"
+#include "scene/transform.h"
 #include "scene/validate.h"
 #include "support/support.h"
 
@@ -105,6 +106,22 @@ TEST(FrameModel, TheThreeVisibleSidesOfABoxDiffer) {
         EXPECT_GT(glm::length(Color(side) - scene.background), 0.05);
 }
 
+// Points about the y axis, from y = 0 to 2, `radius(y)` wide, moved by `place`.
+std::vector<dvec3> surfaceOf(const auto& radius, const Affine& place) {
+    std::vector<dvec3> points;
+    for (int i = 0; i < 64; i++)
+        for (int j = 0; j <= 32; j++) {
+            const double a = i * std::numbers::pi / 32, y = j / 16.0;
+            points.push_back(apply(place, {radius(y) * std::cos(a), y, radius(y) * std::sin(a)}));
+        }
+    return points;
+}
+
+// The radius of the sphere around (0, 1, 0) that touches y = 0.
+double circle(double y) {
+    return std::sqrt(std::max(0.0, 1 - (y - 1) * (y - 1)));
+}
+
 TEST(FrameModel, SpheresAndTrianglesCountPlanesDoNot) {
     Scene scene;
     scene.materials.emplace_back();
@@ -112,32 +129,15 @@ TEST(FrameModel, SpheresAndTrianglesCountPlanesDoNot) {
                      {"b", PlaneShape{{0, -1e6, 0}, {0, 1, 0}}, 0},
                      {"c", TriangleShape{{{-4, 0, 0}, {-3, 0, 0}, {-4, 1, 0}}}, 0}};
     frameModel(scene);
-    // Points of the sphere as seen from the eye, and the triangle.
-    std::vector<dvec3> points = {{-4, 0, 0}, {-3, 0, 0}, {-4, 1, 0}};
-    for (int i = 0; i < 64; i++)
-        for (int j = 0; j <= 32; j++) {
-            const double a = i * std::numbers::pi / 32, b = j * std::numbers::pi / 32;
-            points.push_back(dvec3(5, 0, 0) +
-                             2.0 * dvec3(std::sin(b) * std::cos(a), std::cos(b), std::sin(b) * std::sin(a)));
-        }
+    std::vector<dvec3> points = surfaceOf(circle, {glm::dmat3(2), {5, -2, 0}});
+    points.insert(points.end(), {{-4, 0, 0}, {-3, 0, 0}, {-4, 1, 0}});
     expectFits(scene, points);
 }
 
 // Every shape under a transform that turns, stretches and moves it: points of its surface fit.
 TEST(FrameModel, AllShapesUnderATransformCount) {
     const Affine transform{{{2, 0.3, 0}, {-0.5, 1, 0.2}, {0, 0.1, 0.5}}, {100, -20, 7}};
-    // About the y axis, from y = 0 to 2, `radius(y)` wide.
-    const auto revolved = [&](const auto& radius) {
-        std::vector<dvec3> points;
-        for (int i = 0; i < 64; i++)
-            for (int j = 0; j <= 32; j++) {
-                const double a = i * std::numbers::pi / 32, y = j / 16.0;
-                points.push_back(transform.linear *
-                                     dvec3(radius(y) * std::cos(a), y, radius(y) * std::sin(a)) +
-                                 transform.offset);
-            }
-        return points;
-    };
+    const auto revolved = [&](const auto& radius) { return surfaceOf(radius, transform); };
     const auto expectShapeFits = [&](const Shape& shape, const std::vector<dvec3>& points) {
         Scene scene;
         scene.materials.emplace_back();
@@ -145,9 +145,8 @@ TEST(FrameModel, AllShapesUnderATransformCount) {
         frameModel(scene);
         expectFits(scene, points);
     };
-    const auto circle = [](double y) { return std::sqrt(std::max(0.0, 1 - (y - 1) * (y - 1))); };
     expectShapeFits(SphereShape{{0, 1, 0}, 1}, revolved(circle));
-    expectShapeFits(EllipsoidShape{{0, 1, 0}, {3, 1, 3}}, revolved([&](double y) { return 3 * circle(y); }));
+    expectShapeFits(EllipsoidShape{{0, 1, 0}, {3, 1, 3}}, revolved([](double y) { return 3 * circle(y); }));
     expectShapeFits(CylinderShape{{0, 0, 0}, {0, 2, 0}, 1.5, true}, revolved([](double) { return 1.5; }));
     expectShapeFits(ConeShape{{0, 0, 0}, {0, 2, 0}, 2, 0.5, true},
                     revolved([](double y) { return 2 - 0.75 * y; }));
@@ -156,7 +155,7 @@ TEST(FrameModel, AllShapesUnderATransformCount) {
     std::vector<dvec3> rim;
     for (int i = 0; i < 64; i++) {
         const double a = i * std::numbers::pi / 32;
-        rim.push_back(transform.linear * dvec3(2 * std::cos(a), 0, 2 * std::sin(a)) + transform.offset);
+        rim.push_back(apply(transform, {2 * std::cos(a), 0, 2 * std::sin(a)}));
     }
     expectShapeFits(DiscShape{{0, 0, 0}, {0, 1, 0}, 2}, rim);
 }

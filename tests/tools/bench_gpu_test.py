@@ -27,7 +27,6 @@ def program(folder, **how):
         if command == "devices":
             print("0  Fake GPU (a test)\\n   discrete GPU, fake driver\\n   chosen: has all\\n   arithmetic: " + how.get("arithmetic", "correctly rounded: yes"))
         elif command == "render":
-            size, scene = words[words.index("--size") + 1], pathlib.Path(words[0]).name
             print(json.dumps({"hash": how.get("hash", "ba6b2f854dc3ee28")}))
         elif command == "verify":
             failed = how.get("fails") == pathlib.Path(words[0]).name
@@ -65,17 +64,11 @@ def expect(name, holds, text):
         print(f"{name}:\n{text}\n")
 
 
-def case(work):
-    with tempfile.TemporaryDirectory() as folder:
-        work(pathlib.Path(folder))
-
-
 def part(found, name):
     return next(p for p in found["parts"] if p["name"] == name)
 
 
 def good(folder):
-    (SOURCE / "tests/gallery_hashes.txt").read_text()
     code, found, page, _ = gpu(folder, program(folder, arithmetic="its own"), "--only", "devices,hashes,verify", "--seconds", "9")
     expect("all is well", code == 0 and found["device"]["name"] == "Fake GPU (a test)" and part(found, "verify")["rows"][0][0] == "auto" and
            "| Against the reference | " in page and "failed" not in page and (folder / "out/fake-gpu.md").exists(), page)
@@ -126,5 +119,6 @@ def real(folder):
 
 
 for work in (good, bits, unverified, crash, slow, hangs, interrupted, real):
-    case(work)
+    with tempfile.TemporaryDirectory() as name:
+        work(pathlib.Path(name))
 sys.exit(1 if wrong else 0)
