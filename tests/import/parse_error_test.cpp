@@ -212,7 +212,7 @@ const Case kCases[] = {
     {OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,0,0], "radius": 1)"),
      "/objects/0/top: must differ from base (got [0, 0, 0])"},
     {OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,1e9,0], "radius": 1)"),
-     "/objects/0: the height must be from 1/16384 to 1e+08 radii (got 1e+09 and 1)"},
+     "/objects/0: the height must be from 1/1e+08 to 1e+08 radii (got 1e+09 and 1)"},
     {OBJECT(R"("cone", "base": [0,0,0], "apex": [0,6e-5,0], "radius": 1)"),
      "/objects/0: the height must be from 1/16384 to 1e+08 radii (got 6e-05 and 1)"},
     {OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,1,0], "radius": 1, "capped": 1)"),
@@ -301,8 +301,10 @@ TEST(ParseError, IsOneExactLine) {
 }
 
 TEST(ParseError, ThinShapesThatFp32Represents) {
-    for (const char* text : {TRANSFORM(R"([{"scale": [1, 9e-5, 1]}])"), QUADRIC("[1,0,0,0,0,0,0,0,0,-1e-11]"),
-                             QUADRIC("[0,0,0,0,0,0,1,0,0,-0.999999]"), QUADRIC("[1,1,1,0,0,0,0,0,0,-1e15]")})
+    for (const char* text : {TRANSFORM(R"([{"scale": [1, 9e-5, 1]}])"),
+                             OBJECT(R"("cylinder", "base": [0,0,0], "top": [0,1e-7,0], "radius": 1)"),
+                             QUADRIC("[1,0,0,0,0,0,0,0,0,-1e-11]"), QUADRIC("[0,0,0,0,0,0,1,0,0,-0.999999]"),
+                             QUADRIC("[1,1,1,0,0,0,0,0,0,-1e15]")})
         EXPECT_EQ(parseErrorOf(text), "no error") << text;
 }
 
