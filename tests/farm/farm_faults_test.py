@@ -57,13 +57,9 @@ def render(*more, **options):
     return run("render", "a.json", *OPTIONS, "-q", *more, **options)
 
 
-def whole():
-    render("-o", "whole.pfm", code=0)
-    return pathlib.Path("whole.pfm").read_bytes()
-
-
 def full_disks():
-    expected = whole()
+    render("-o", "whole.pfm", code=0)
+    expected = pathlib.Path("whole.pfm").read_bytes()
     render("--part", "1/2", "-o", "1.part", code=1, says="1.part: cannot write: ", file_bytes=20_000)
     check(not pathlib.Path("1.part").exists(), "no half part")
     render("--checkpoint", "c.check", "-o", "again.pfm", code=1, says="c.check: cannot write: ", file_bytes=60_000)

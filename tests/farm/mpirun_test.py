@@ -48,14 +48,9 @@ def check(holds, what):
         raise SystemExit(f"not so: {what}")
 
 
-def whole(folder, scene=SCENE, options=OPTIONS):
-    path = folder / "whole.pfm"
-    run([GLINT, "render", scene, *options, "-q", "-o", str(path)])
-    return path.read_bytes()
-
-
 def has_the_bits_of_one_process(folder):
-    expected = whole(folder)
+    run([GLINT, "render", SCENE, *OPTIONS, "-q", "-o", str(folder / "whole.pfm")])
+    expected = (folder / "whole.pfm").read_bytes()
     for ranks in (2, 8):
         ran = run(mpirun("render", SCENE, *OPTIONS, "--stats", "json", "-o", folder / "all.pfm", ranks=ranks))
         stats = json.loads(ran.stdout)  # one rank speaks

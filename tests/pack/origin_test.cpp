@@ -103,7 +103,6 @@ TEST(PackOrigin, AnEyeThatSeesNothingDoesNotCount) {
     scene.camera.eye = {0, 0, 5};
     EXPECT_EQ(packScene(scene).origin, glm::dvec3(1e6, 0, 0));
     addObject(scene, SphereShape{{0, 0, 0}, 1});
-    scene.camera.eye = {0, 0, 5};
     addObject(scene, SphereShape{{1e6, 2, 0}, 1});
     EXPECT_EQ(packScene(scene).origin, glm::dvec3(0));
 }

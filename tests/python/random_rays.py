@@ -131,7 +131,7 @@ class Plan:
 
 
 def wrong(mask):
-    return f"{mask.sum()} of {len(mask)}, the first {np.flatnonzero(mask)[0]}" if mask.any() else ""
+    return f"{mask.sum()} of {len(mask)}, the first {np.flatnonzero(mask)[0]}"
 
 
 def same_t(one, other, rays):
@@ -195,10 +195,7 @@ def complaints(seed, devices):
         rays = plan.rays()
         origins, directions, t_min, t_max, plain = rays
         for device, scene in zip(devices, scenes):
-            for name, mask in must_hold(scene, rays):
-                if mask.any():
-                    yield f"seed {seed}, turn {turn}, {device.info['name']}: {name}: {wrong(mask)}"
-            for name, mask in as_made_anew(scene, plan.make(device), rays):
+            for name, mask in [*must_hold(scene, rays), *as_made_anew(scene, plan.make(device), rays)]:
                 if mask.any():
                     yield f"seed {seed}, turn {turn}, {device.info['name']}: {name}: {wrong(mask)}"
         one, other = (scene.cast(origins, directions, t_min=t_min, t_max=t_max, want=("hit", "t", "geometry", "primitive", "sure"))

@@ -15,21 +15,26 @@ using glm::dvec2;
 using glm::dvec3;
 using glm::dvec4;
 
-// Two by two texels, rows from the top: 1 2 / 3 4 in red, their tenth in alpha.
-PackedScene quadScene(uint32_t flags = 0) {
+// A texture of `values` as red, rows from the top, and their 16th as alpha.
+PackedScene textureScene(uint32_t width, std::initializer_list<float> values, uint32_t flags) {
     PackedScene scene;
-    for (int i = 1; i <= 4; ++i) {
+    for (const float value : values) {
         shared::Texel texel;
-        texel.color = glm::vec3(static_cast<float>(i), 0, 0);
-        texel.alpha = static_cast<float>(i) / 16;
+        texel.color = glm::vec3(value, 0, 0);
+        texel.alpha = value / 16;
         scene.texels.push_back(texel);
     }
     shared::Texture texture;
     texture.flags = flags;
-    texture.width = texture.height = 2;
+    texture.width = width;
+    texture.height = static_cast<uint32_t>(values.size()) / width;
     texture.scaleU = texture.scaleV = 1;
     scene.textures.push_back(texture);
     return scene;
+}
+
+PackedScene quadScene(uint32_t flags) {
+    return textureScene(2, {1, 2, 3, 4}, flags);
 }
 
 dvec4 colorAt(const PackedScene& scene, const dvec2& uv) {
@@ -88,18 +93,9 @@ TEST(Texture, WildCoordinatesAreHarmless) {
 
 // A map of 4 x 2 texels numbered by rows from the top; centres of columns at u = 1/8, 3/8, 5/8, 7/8.
 TEST(Texture, EnvironmentDirections) {
-    PackedScene scene;
-    for (int i = 0; i < 8; ++i) {
-        shared::Texel texel;
-        texel.color = glm::vec3(static_cast<float>(i));
-        scene.texels.push_back(texel);
-    }
-    shared::Texture map;
-    map.flags = shared::kTextureWrapRepeat | shared::kTextureWrapClamp << shared::kTextureWrapVShift;
-    map.width = 4;
-    map.height = 2;
-    map.scaleU = map.scaleV = 1;
-    scene.textures.push_back(map);
+    PackedScene scene =
+        textureScene(4, {0, 1, 2, 3, 4, 5, 6, 7},
+                     shared::kTextureWrapRepeat | shared::kTextureWrapClamp << shared::kTextureWrapVShift);
     scene.environment.map = 1;
     scene.environment.background = glm::vec3(2);
     const auto seen = [&](const dvec3& d) {
