@@ -53,7 +53,12 @@ class Certifier {
   public:
     Certifier(const reference::Tracer& tracer, const PackedScene& scene, const SeenPath& seen,
               uint64_t mostSteps)
-        : tracer_(tracer), scene_(scene), seen_(seen), trail_(*seen.trail), mostSteps_(mostSteps) {}
+        : tracer_(tracer),
+          scene_(scene),
+          seen_(seen),
+          trail_(*seen.trail),
+          mostSteps_(mostSteps),
+          lookups_(!tracer.model().textures.empty()) {}
 
     Certificate run(const reference::Ray& cameraRay) {
         Branch camera = tracer_.firstBranch(cameraRay);
@@ -102,11 +107,13 @@ class Certifier {
     const SeenPath& seen_;
     const Trail& trail_;
     uint64_t mostSteps_;
+    bool lookups_;  // the scene has textures: the next ray shows which texel the device has seen
     Certificate result_;
     size_t cursor_ = 0;
     std::vector<Pending> pending_;  // the next ray last
     uint32_t decisions_ = 0;        // of the steps so far
-    // Beyond cursor_: some rounding of this step gives the device's hit, light and next ray.
+    // Beyond cursor_: some rounding of this step gives the device's hit and light, with lookups_ also its
+    // next ray.
     size_t reached_ = 0;
     bool failed_ = false;  // no rounding of a step does
 };
@@ -221,7 +228,7 @@ bool Certifier::follow() {
     Branch branch = kept.branch;
     branch.ray.origin = ray.origin;
     branch.ray.direction = ray.direction;
-    branch.ray.noise = {};
+    if (lookups_) branch.ray.noise = {};  // else a still ray at a tangent keeps that of the ray before
     if (seen_.fromDevice) branch.throughput.value = ray.throughput / seen_.weight;
     branch.throughput.error = dvec3(0);
     pending_.pop_back();
@@ -233,7 +240,9 @@ bool Certifier::follow() {
 bool Certifier::exploreStill(const Branch& branch, const TrailRay& ray,
                              const std::shared_ptr<Outcome>& still) {
     if (!takesHit(still->step, ray)) return false;
-    return (matches(*still, ray) || widen(branch, *still, &ray)) && advance(branch, still);
+    if (!matches(*still, ray) && !widen(branch, *still, &ray)) return false;
+    if (!lookups_) reached_ = cursor_ + 1;
+    return advance(branch, still);
 }
 
 bool Certifier::explore(Branch branch, const TrailRay& ray) {
@@ -259,7 +268,6 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
     // it may be one of few that pass the masks before the hit.
     std::vector<Jitter> taken;
     glm::dvec2 lo(std::numeric_limits<double>::infinity()), hi(0);
-    const bool lookups = !tracer_.model().textures.empty();
     uint64_t seed = 0;
     const double gain = scene_.instances.empty() ? 1 : 1 + scene_.instanceGain;
     const auto& surface = still.step.record.surface;
@@ -269,8 +277,9 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
         const bool wide = gain > 1 && turn % 2 == 1;
         for (int i = 0; i < kMovesAtOnce; ++i) {
             const double units = kStepUnits * kSizes[i % 3] * (wide ? gain : 1);
-            Jitter move{.seed = ++seed, .ulps = units, .formulas = true, .hit = ray.id, .t = ray.t};
-            const bool again = lookups && i % 2 == 1 && !taken.empty();
+            Jitter move{
+                .seed = ++seed, .ulps = units, .formulas = true, .hit = ray.id, .t = lookups_ ? ray.t : 0};
+            const bool again = lookups_ && i % 2 == 1 && !taken.empty();
             if (again) move = taken[seed % taken.size()];
             move.lookup = seen_.fromDevice ? 2 + seed / 2 : 2 * seed + 1;
             Step step = stepOf(branch, move);
@@ -299,6 +308,7 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
             outcome.box.lo[kColorQuantities] = lo[outcome.step.enters];
             outcome.box.hi[kColorQuantities] = hi[outcome.step.enters];
             if (!matches(outcome, ray)) continue;
+            if (!lookups_) reached_ = cursor_ + 1;
             outcome.tried = outcome.members;
             const double before = result_.units;
             result_.units = std::max(result_.units, outcome.jitter.ulps);
