@@ -9,11 +9,6 @@ const float kNowhere = 1e37;  // farther along a ray than any box: no crossing
 
 vec3 toLocal(Quadric q, vec3 v) { return timesRows(q.toLocal0, q.toLocal1, q.toLocal2, v); }
 
-// toLocal() of magnitudes, for error bounds.
-vec3 magnitudesToLocal(Quadric q, vec3 v) {
-    return timesRows(abs(q.toLocal0), abs(q.toLocal1), abs(q.toLocal2), v);
-}
-
 // Q y
 vec3 bilinear(vec3 squares, vec3 products, vec3 y) {
     return squares * y + vec3(products.z * y.y + products.y * y.z, products.z * y.x + products.x * y.z,
@@ -108,9 +103,8 @@ Crossings crossingsOf(float A, float B, float C, float slack, float start) {
     if (A == 0.0) {
         // One crossing, out of the inside or into it; without it, all or nothing.
         c.between = B == 0.0 && C >= 0.0;
-        c.lower = B > 0.0 ? r0 : (B < 0.0 || c.between ? -kNowhere : kNowhere);
+        c.lower = B > 0.0 ? r0 : (B < 0.0 ? -kNowhere : kNowhere);
         c.upper = B < 0.0 ? r0 : kNowhere;
-        if (c.between) c.lower = 2.0 * kNowhere;
     } else if (!real) {
         c.lower = kNowhere;
         c.upper = c.between ? -kNowhere : kNowhere;
@@ -141,7 +135,7 @@ void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint 
 
 // The roots and the ends of the box cut the solid out of the line. Surfaces are the ends of what remains: at
 // a rim the cap begins exactly where the side ends.
-Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c, float capSlip) {
+Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c, float capSlip, bool inwards) {
     Candidate best = Candidate(0.0, kPartSide, false, 0.0, 0.0, 0.0, capSlip);
     // The first stretch inside runs from a to b, the second from e to p.leave.
     float a = c.between ? larger(c.lower, p.enter) : p.enter;
@@ -150,13 +144,19 @@ Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c, float ca
     bool sideFirst = c.between && c.lower >= p.enter;
     bool sideLast = end <= p.leave;
     bool any = a <= b;
-    offer(best, ray, unit, a, any && (sideFirst || p.byCap), sideFirst ? kPartSide : p.firstCap, kComesIn);
+    offer(best, ray, unit, a, any && !inwards && (sideFirst || p.byCap), sideFirst ? kPartSide : p.firstCap,
+          kComesIn);
     offer(best, ray, unit, b, any && (sideLast || p.toCap), sideLast ? kPartSide : p.secondCap, kLeaves);
     bool sideAgain = c.upper >= p.enter;
     float e = sideAgain ? c.upper : p.enter;
     bool second = !c.between && e <= p.leave;
     offer(best, ray, unit, e, second && (sideAgain || p.byCap), sideAgain ? kPartSide : p.firstCap, kComesIn);
     offer(best, ray, unit, p.leave, second && p.toCap, p.secondCap, kLeaves);
+    best.found = best.found && p.enter <= p.leave;
+    // A ray that starts inwards, but at a rim beyond the way out, leaves at once.
+    bool bySide = sideLast && (c.between || c.upper > 0.0);
+    if (inwards && !best.found && ray.tMin == 0.0 && (bySide || p.toCap))
+        best = Candidate(1e-30, bySide ? kPartSide : p.secondCap, true, kLeaves, 0.0, 0.0, capSlip);
     return best;
 }
 
@@ -199,6 +199,8 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     precise float middle = A * e.C <= 0.5 * e.B * e.B ? 0.0 : quotient(-e.B, A);
     float reach = larger(p.leave - begin, 0.0);
     middle = middle < reach ? larger(middle, 0.0) : reach;
+    bool own = (ray.source & ~(kPartMask << kPartShift)) == primitive;
+    bool inwards = own && (ray.source & kStartsInwards) != 0u;
     bool fromSide = (ray.source & ~kStartsInwards) == (primitive | (kPartSide << kPartShift));
     precise float start = fromSide ? 0.0 : begin + middle;
     e = equationAt(q, o + start * d, d, image);
@@ -210,20 +212,19 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     if (fromSide) {
         // The ray starts on the side: C is 0, and the ray decides the sign of B. Its origin, which is moved
         // out of the error box, may lie beyond the far side of a thin body.
-        float sense = (ray.source & kStartsInwards) != 0u ? -1.0 : 1.0;
+        float sense = inwards ? -1.0 : 1.0;
         precise float least = larger(kUnit * errorB, 1e-30);
         e.B = sense * larger(sense * e.B, least);
         e.C = 0.0;
     }
     Crossings c = crossingsOf(A, e.B, e.C, slack, start);
-    Candidate best = firstSurface(ray, unit, p, c, slipOfCaps(frame, q, offset, along));
-    bool isHit = best.found && p.enter <= p.leave;
+    Candidate best = firstSurface(ray, unit, p, c, slipOfCaps(frame, q, offset, along), inwards);
     tSlip = best.slip;
-    if (kSlips && isHit && best.part == kPartSide)
+    if (kSlips && best.found && best.part == kPartSide)
         tSlip = slipOfSide(ray, frame, q, offset, o, along, best.t);
     hit = Hit(best.t, best.side, 0.0, primitive | (best.part << kPartShift), kNone, q.id);
     precise float near = best.t - tSlip;
-    return isHit && near <= ray.tMax;
+    return best.found && near <= ray.tMax;
 }
 
 // The normal, T^T slope, in steps that do not overflow.
@@ -248,7 +249,8 @@ vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 nor
     vec3 along = toLocal(q, ray.direction);
     vec3 terms = abs(ray.origin - q.point) + abs(hit.t * ray.direction);
     QuadricPlace at = placeOf(q, y);
-    vec3 image = magnitudesBilinear(q, magnitudesToLocal(q, terms) + abs(at.y - y)) + abs(at.linear);
+    vec3 reach = timesRows(abs(q.toLocal0), abs(q.toLocal1), abs(q.toLocal2), terms);
+    vec3 image = magnitudesBilinear(q, reach + abs(at.y - y)) + abs(at.linear);
     float slip = gammaBound(16.0) * dot(image, abs(along));
     if (abs(dot(bilinear(q.squares, q.products, at.y) + at.linear, along)) > slip) return normal;
     QuadricPlace moved = placeOf(q, toLocal(q, offset));

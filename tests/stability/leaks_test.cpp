@@ -202,6 +202,27 @@ TEST_F(LeakTest, ThinMirrorsKeepLightOut) {
     }
 }
 
+// Far away the origins of rays that leave a cap may lie beside it, outside the body. Three balls keep the
+// origin of coordinates where it is.
+TEST_F(LeakTest, RimsKeepLightOut) {
+    Scene scene = textCase(R"({"camera": {"fovY": 120}, "background": 1, "maxDepth": 60,
+        "materials": {"mirror": {"mirror": 1}, "black": {"diffuse": 0}},
+        "objects": [{"type": "group", "objects": [{"type": "cylinder", "base": [0, -0.1, 0], "top": [0, 0.1, 0],
+        "radius": 0.7, "capped": true, "material": "mirror"}],
+        "transform": [{"rotate": [1, 2, 3, 40]}, {"translate": [800, -500, 330]}]},
+        {"type": "sphere", "center": [0, 0, 0], "radius": 1e-9, "material": "black"},
+        {"type": "sphere", "center": [0.01, 0, 0], "radius": 1e-9, "material": "black"},
+        {"type": "sphere", "center": [0.02, 0, 0], "radius": 1e-9, "material": "black"}]})",
+                           64, 64)
+                      .scene;
+    const dvec3 place(800, -500, 330);
+    scene.camera.eye = place + turnBy(40) * dvec3(0.1, 0.02, -0.1);
+    for (const dvec3& target : {dvec3(0.6, 0.05, -0.5), dvec3(-0.5, -0.07, -0.3)}) {
+        scene.camera.target = place + turnBy(40) * target;
+        expectDark(scene, "far away");
+    }
+}
+
 TEST_F(LeakTest, NeedlesAreDarkInside) {
     for (const double radius : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
         const std::string text = std::to_string(radius);
