@@ -45,6 +45,20 @@ bool decideAlike(const Step& a, const Step& b) {
     return a.record.decisions == b.record.decisions && a.next.size() == b.next.size();
 }
 
+// Adds an answer to the class that decides alike, or as a new class.
+void addTo(std::vector<std::shared_ptr<Outcome>>& outcomes, const std::shared_ptr<Outcome>& moved) {
+    const auto at = std::find_if(outcomes.begin(), outcomes.end(), [&](const auto& outcome) {
+        return decideAlike(outcome->step, moved->step);
+    });
+    if (at == outcomes.end()) {
+        outcomes.push_back(moved);
+        return;
+    }
+    (*at)->box.include(moved->box);
+    ++(*at)->members;
+    (*at)->jitter.ulps = std::min((*at)->jitter.ulps, moved->jitter.ulps);
+}
+
 bool takesHit(const Step& step, const TrailRay& ray) {
     return (step.record.hit ? step.record.hit->id : shared::kNone) == ray.id;
 }
@@ -270,8 +284,8 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
     glm::dvec2 lo(std::numeric_limits<double>::infinity()), hi(0);
     uint64_t seed = 0;
     const double gain = scene_.instances.empty() ? 1 : 1 + scene_.instanceGain;
-    const auto& surface = still.step.record.surface;
-    if (surface) branch.scale = std::max(branch.scale, surface->scale);
+    if (const auto& surface = still.step.record.surface)
+        branch.scale = std::max(branch.scale, surface->scale);
     for (int turn = 0; turn < kTurns && !exhausted(); ++turn) {
         // Every other turn adds the error of an instance's transform.
         const bool wide = gain > 1 && turn % 2 == 1;
@@ -289,17 +303,7 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
             lo[step.enters] = std::min(lo[step.enters], step.t);
             hi[step.enters] = std::max(hi[step.enters], step.t);
             if (step.record.surface) branch.scale = std::max(branch.scale, step.record.surface->scale);
-            const auto moved = outcomeOf(branch, std::move(step), move);
-            const auto at = std::find_if(outcomes.begin(), outcomes.end(), [&](const auto& outcome) {
-                return decideAlike(outcome->step, moved->step);
-            });
-            if (at == outcomes.end()) {
-                outcomes.push_back(moved);
-                continue;
-            }
-            (*at)->box.include(moved->box);
-            ++(*at)->members;
-            (*at)->jitter.ulps = std::min((*at)->jitter.ulps, move.ulps);
+            addTo(outcomes, outcomeOf(branch, std::move(step), move));
         }
         for (size_t i = 0; i < outcomes.size() && !exhausted(); ++i) {
             Outcome& outcome = *outcomes[i];
