@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "core/parallel.h"
+#include "pack/scene_arrays.h"
 #include "reference/rounding.h"
 #include "reference/sampling.h"
 #include "reference/tracer.h"

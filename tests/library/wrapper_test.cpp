@@ -1,8 +1,8 @@
 // glint.hpp: how its views read containers, and how long it keeps settings.
+#include "support.h"  // first: its names and those of glint.hpp are ambiguous together
+
 #include <glint/glint.hpp>
 #include <span>
-
-#include "support.h"
 
 // A namespace of its own: glint's modules have other classes of the same names.
 namespace glint::library::test::wrapper {
