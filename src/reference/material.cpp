@@ -59,7 +59,7 @@ bool isOdd(double cell) {
     return std::fmod(std::abs(std::floor(cell)), 2) == 1;
 }
 
-// The cell of a row of cells from 0 on that holds x; at their common edge the later one, or the earlier one.
+// The cell that holds x. Cells are 1 wide; on an edge the later one, or the earlier one.
 int64_t cellOf(double x, bool earlier) {
     return static_cast<int64_t>(earlier ? std::ceil(x) - 1 : std::floor(x));
 }

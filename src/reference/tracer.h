@@ -119,7 +119,7 @@ struct Surface {
 // `hit`: id that the first ray hits if the rule lets fp32 hit it (Tracer::possibleHit), else kNone.
 // `t`: the first hit's t, if not 0, for all that follows from the hit. The ray then moves everything except
 // the texture coordinates: they are those of the unmoved ray at t, within kUvRoundings. `lookup`: with t, the
-// seed of these coordinates. Even: textures then round as IEEE 754 demands; odd: anyhow within fp32's bound.
+// seed of these coordinates. Even: textures round as IEEE 754 demands; odd: by any error within fp32's bound.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;

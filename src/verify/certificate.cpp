@@ -242,7 +242,8 @@ bool Certifier::follow() {
     Branch branch = kept.branch;
     branch.ray.origin = ray.origin;
     branch.ray.direction = ray.direction;
-    if (lookups_) branch.ray.noise = {};  // else a still ray at a tangent keeps that of the ray before
+    // Without textures the noise of the ray before stays: unmoved rays that touch a quadric need it.
+    if (lookups_) branch.ray.noise = {};
     if (seen_.fromDevice) branch.throughput.value = ray.throughput / seen_.weight;
     branch.throughput.error = dvec3(0);
     pending_.pop_back();

@@ -17,7 +17,7 @@ const std::filesystem::path& sceneFolder() {
     return folder;
 }
 
-// Of values without padding.
+// Compares the bytes of values without padding.
 template <typename T>
 bool differ(const T& a, const T& b) {
     return std::memcmp(&a, &b, sizeof(T)) != 0;

@@ -96,7 +96,7 @@ inline bool endsWith(std::string_view text, std::string_view end) {
 // Each component to within the tolerance.
 void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-12);
 
-// Of rows without padding (shared/layout.h), whose bytes are their values.
+// Compares the bytes of rows, which have no padding (shared/layout.h).
 template <typename T>
 bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
     return std::ranges::equal(std::as_bytes(std::span(a)), std::as_bytes(std::span(b)));
