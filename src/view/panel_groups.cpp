@@ -291,10 +291,16 @@ void dialog(const char* title, bool& visible, Model& m, void (*content)(Model&))
     ImGui::End();
 }
 
-void drawSaveAs(Model& m) {
+// Takes the keyboard when its dialog appears, and selects its text, so that typing replaces it. True on
+// Enter.
+bool nameField(const char* label, const char* hint, std::string& name) {
     if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-    const bool entered = ImGui::InputTextWithHint("##file", "name.png, .exr, .pfm or .hdr", &m.saveName,
-                                                  ImGuiInputTextFlags_EnterReturnsTrue);
+    return ImGui::InputTextWithHint(label, hint, &name,
+                                    ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+}
+
+void drawSaveAs(Model& m) {
+    const bool entered = nameField("##file", "name.png, .exr, .pfm or .hdr", m.saveName);
     tip("file", "the ending selects the format");
     if (ImGui::RadioButton("what is seen", m.savesSeen)) m.savesSeen = true;
     tip("what is seen", "the layer with its samples and exposure");
@@ -304,11 +310,8 @@ void drawSaveAs(Model& m) {
 }
 
 void drawSaveScene(Model& m) {
-    if (ImGui::IsWindowAppearing()) {
-        ImGui::SetKeyboardFocusHere();
-        m.sceneName = m.scene->path.stem().string() + "-edited.json";
-    }
-    const bool entered = ImGui::InputText("##scene", &m.sceneName, ImGuiInputTextFlags_EnterReturnsTrue);
+    if (ImGui::IsWindowAppearing()) m.sceneName = m.scene->path.stem().string() + "-edited.json";
+    const bool entered = nameField("##scene", "name.json", m.sceneName);
     tip("scene file", "beside the scene's file, so that meshes and images are found");
     checkbox("replace the file", m.replacesFile, "if it exists; comments in it are lost");
     if (button("write", "the scene with the changed lights and materials") || entered) m.wish = writeScene;
@@ -318,11 +321,11 @@ void drawOpen(Model& m) {
     const float width = ImGui::CalcItemWidth(), line = ImGui::GetTextLineHeightWithSpacing();
     if (ImGui::IsWindowAppearing()) m.openFiles = listFiles(m.openFolder);
     wrapped(m.openFolder.string(), kDim);
-    const bool entered =
-        ImGui::InputTextWithHint("##open", "path", &m.openName, ImGuiInputTextFlags_EnterReturnsTrue);
+    const bool entered = nameField("##open", "path", m.openName);
     tip("open path", "a scene to show, or an image to compare with");
     ImGui::SameLine();
-    if ((ImGui::Button("open##path") || entered) && !m.openName.empty()) openFile(m, m.openName);
+    if ((ImGui::Button("open##path") || entered) && !m.openName.empty())
+        openFile(m, m.openFolder / m.openName);
     if (const size_t known = m.recent.list().size(); known > 1) {
         text("looked at before");
         if (ImGui::BeginChild("recent",

@@ -144,6 +144,19 @@ TEST_F(Hand, QuittingFinishesTheSave) {
     expectRendered("scene-view-001.png", "scene.json", "--spp 4");
 }
 
+// The dialog has the keyboard, a second time too; a typed name lies in the folder that the dialog shows.
+TEST_F(Hand, ATypedPathIsOpened) {
+    std::filesystem::create_directory("shown");
+    for (int depth : {0, 1, 2}) {
+        scene_["maxDepth"] = depth;
+        write("shown/" + std::to_string(depth) + ".json", scene_);
+    }
+    view(
+        "set samples 1\ndrop shown/0.json\nawait depth 0\nhand key ctrl+o\nwait 3\nhand type "
+        "shown/1.json\nhand key Return\nawait depth 1\nhand key ctrl+o\nwait 3\npress shown/\nhand key "
+        "Escape\nhand key ctrl+o\nwait 3\nhand type 2.json\nhand key Return\nawait depth 2\n");
+}
+
 TEST_F(Hand, ASaveThatFailsIsSaid) {
     const Ran ran = view(
         "set samples 1\nsettle\npress save_and_open\nwait 3\npress save_as\nwait 3\nhand type "
