@@ -282,10 +282,9 @@ void OptionTable::flag(const std::string& names, const std::string& help, bool& 
         ->disable_flag_override();
 }
 
-void addScene(OptionTable& table, SceneOptions& options) {
-    table.name("SCENE", "",
-               "scene (.json .gltf .glb .nff) or model (.obj .ply .stl); - reads JSON from standard input",
-               options.scene, OptionTable::Need::Required);
+void addScene(OptionTable& table, SceneOptions& options, const std::string& more) {
+    table.name("SCENE", "", "scene (.json .gltf .glb .nff) or model (.obj .ply .stl)" + more, options.scene,
+               OptionTable::Need::Required);
     addAllowOutside(table, options);
 }
 
@@ -294,8 +293,8 @@ void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes, S
     addAllowOutside(table, options);
 }
 
-void addSceneOverrides(OptionTable& table, SceneOptions& options) {
-    table.value("--size", "WxH", "size in pixels (default: the scene's)", options.size, parseSize);
+void addSceneOverrides(OptionTable& table, SceneOptions& options, const std::string& defaultSize) {
+    table.value("--size", "WxH", "size in pixels (default: " + defaultSize + ")", options.size, parseSize);
     table.whole("--spp", "N", "samples per pixel (default: the scene's)", 1, kMaxSamplesPerPixel,
                 options.spp);
     table.whole("--max-depth", "N", "most reflections and refractions in a row (default: the scene's)", 0,

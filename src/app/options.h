@@ -171,11 +171,13 @@ struct DeviceChoice {
 };
 
 // Options that several commands share, with the same names, texts and values in each.
-void addScene(OptionTable& table, SceneOptions& options);  // one SCENE
+void addScene(OptionTable& table, SceneOptions& options,  // one SCENE
+              const std::string& more = "; - reads JSON from standard input");
 // One or more; `options` are those of each.
 void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes, SceneOptions& options);
 // --size, --spp, --max-depth, --build-quality, --camera, --up, --time
-void addSceneOverrides(OptionTable& table, SceneOptions& options);
+void addSceneOverrides(OptionTable& table, SceneOptions& options,
+                       const std::string& defaultSize = "the scene's");
 void addCamera(OptionTable& table, SceneOptions& options);      // --camera, --up
 void addCameraName(OptionTable& table, SceneOptions& options);  // --camera
 void addMethods(OptionTable& table, SceneOptions& options);     // --intersector, --sphere

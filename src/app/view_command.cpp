@@ -23,8 +23,8 @@ struct ViewCommand {
 };
 
 void declare(OptionTable& table, ViewCommand& c) {
-    addScene(table, c.scene);
-    addSceneOverrides(table, c.scene);
+    addScene(table, c.scene, "");
+    addSceneOverrides(table, c.scene, "a window of 1280x800 or more");
     addError(table, c.target);
     addDevice(table, c.device);
     table.whole("--frames", "N", "close after N frames", 1, 1'000'000, c.frames);

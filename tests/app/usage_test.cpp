@@ -144,6 +144,13 @@ TEST(Help, NamesEveryCommandAndExitCode) {
     }
 }
 
+// The window reads files alone, and has a size of its own.
+TEST(Help, StatesWhatTheWindowTakes) {
+    const std::string help = runGlint("view --help").out;
+    EXPECT_LACKS(help, "standard input");
+    EXPECT_HAS(help, "size in pixels (default: a window of 1280x800 or more)");
+}
+
 TEST(Help, VersionIsOneLine) {
     const Ran ran = runGlint("--version");
     EXPECT_EQ(ran.code, 0);
