@@ -60,7 +60,9 @@ void printPixel(const verify::DifferingPixel& pixel, bool manySamples, std::ostr
     if (pixel.reason != verify::Reason::Unexplained && pixel.reason != verify::Reason::Undecided)
         out << format(" (%u open decisions, rays moved by at most %.3g x 2^-24)", pixel.openDecisions,
                       pixel.ulps);
-    out << '\n';
+    for (const std::string_view name : pixel.quantities)
+        out << (name == pixel.quantities.front() ? " (" : ", ") << name;
+    out << (pixel.quantities.empty() ? "\n" : ")\n");
     printSeen("device", seenBy(pixel), out);
     printSeen("reference", seenBy(pixel.reference), out);
 }
@@ -101,6 +103,7 @@ nlohmann::json pixelsJson(const verify::Report& report) {
                           {"sample", pixel.sample},
                           {"reason", nameOf(pixel.reason)},
                           {"difference", pixel.difference},
+                          {"quantities", pixel.quantities},
                           {"openDecisions", pixel.openDecisions},
                           {"units", pixel.ulps},
                           {"device", seenJson(seenBy(pixel))},

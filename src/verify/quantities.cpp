@@ -74,6 +74,16 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
     return q;
 }
 
+std::string_view quantityName(size_t index) {
+    static constexpr std::string_view kNames[] = {
+        "color",           "color",           "color",           "depth",    "position",
+        "position",        "position",        "normal",          "normal",   "normal",
+        "geometricNormal", "geometricNormal", "geometricNormal", "u",        "v",
+        "hiddenLights",    "object",          "primitive",       "material", "clearance"};
+    static_assert(std::size(kNames) == kQuantities);
+    return kNames[index];
+}
+
 Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray) {
     const reference::Surface& surface = *record.surface;
     double way = record.hit->t + greatestMagnitude(ray.origin) + ray.originScale, slant = 1;
@@ -133,13 +143,14 @@ void Box::include(const Box& other) {
     }
 }
 
+bool Box::contains(size_t at, double value, double stretch) const {
+    const double room = floors[at] + stretch * (hi[at] - lo[at]);
+    return (value >= lo[at] - room && value <= hi[at] + room) || std::isinf(room);
+}
+
 bool Box::contains(size_t at, std::span<const double> values, double stretch) const {
-    for (const double value : values) {
-        const double room = floors[at] + stretch * (hi[at] - lo[at]);
-        if (!(value >= lo[at] - room && value <= hi[at] + room) && !std::isinf(room)) return false;
-        ++at;
-    }
-    return true;
+    return std::all_of(values.begin(), values.end(),
+                       [&](const double& value) { return contains(at++, value, stretch); });
 }
 
 }  // namespace glint::verify

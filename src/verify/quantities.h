@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "reference/tracer.h"
@@ -21,6 +22,8 @@ inline constexpr double kUnderflow = 0x1p-120;
 
 Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& origin);
 Quantities quantitiesOf(const glm::vec3& color, const PixelData& data);
+// Name of a number of Quantities, such as "normal" for each of its three coordinates.
+std::string_view quantityName(size_t index);
 
 // Rounding error that arithmetic may add to each quantity for a given ray and hit; for the colour
 // PixelRecord::rounding. `ray`: the camera's.
@@ -44,8 +47,10 @@ struct Box {
         : lo(q.begin(), q.end()), hi(lo), floors(errors.begin(), errors.end()) {}
     void add(const glm::dvec3& value, const glm::dvec3& error);
     void include(const Box& other);
-    // Each number from `at` on within its floor, and `stretch` times the box's size, of the box. NaN is not,
-    // unless the floor is infinite.
+    // True if the number at `at` lies within its floor, and `stretch` times the box's size, of the box. NaN
+    // does not, unless the floor is infinite.
+    bool contains(size_t at, double value, double stretch) const;
+    // True of each number from `at` on.
     bool contains(size_t at, std::span<const double> values, double stretch) const;
     bool contains(size_t at, const glm::dvec3& value, double stretch) const {
         return contains(at, std::span(&value.x, 3), stretch);

@@ -113,6 +113,7 @@ class Verification {
     void certifyAll(std::vector<DifferingPixel>& pixels, const Picture& device,
                     const std::vector<Trail>& trails);
     uint64_t certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t mostSteps) const;
+    std::vector<std::string_view> quantitiesBeyond(const DifferingPixel& pixel) const;
     std::vector<size_t> plainDifferences(const Picture& device) const;
     uint64_t countSettled(const Region& part, uint32_t end, const std::vector<size_t>& pixels) const;
     void conclude();
@@ -214,8 +215,11 @@ void Verification::compareSample(uint32_t sample, const Picture& device, const s
     losses_.add(device.losses);
     for (const DifferingPixel& pixel : pixels) add(pixel);
     certifyAll(pixels, device, trails);
-    for (DifferingPixel& pixel : pixels)
-        if (pixel.reason != Reason::Predicted) addDiffering(report_, std::move(pixel));
+    for (DifferingPixel& pixel : pixels) {
+        if (pixel.reason == Reason::Predicted) continue;
+        if (pixel.reason == Reason::Unexplained) pixel.quantities = quantitiesBeyond(pixel);
+        addDiffering(report_, std::move(pixel));
+    }
     const size_t kept = std::min(report_.worst.size(), options_.worstCount);
     const auto end = report_.worst.begin() + static_cast<std::ptrdiff_t>(kept);
     std::partial_sort(report_.worst.begin(), end, report_.worst.end(), worseThan);
@@ -233,7 +237,8 @@ DifferingPixel Verification::comparedPixel(int x, int y, uint32_t sample, const 
     const bool finite = isFinite(difference);
     pixel.difference = finite ? greatestMagnitude(difference) : std::numeric_limits<double>::infinity();
     if (representation_) representation_->compare(x, y, sample, pixel.reference);
-    if (!finite || !isCovered(color[3], pixel.device, weight)) return pixel;
+    if (!isCovered(color[3], pixel.device, weight)) pixel.quantities = {"alpha"};
+    if (!finite || !pixel.quantities.empty()) return pixel;
     const Quantities seen = quantitiesOf(pixel.deviceColor, pixel.device);
     if (isAlike(pixel) && isPredicted(tracer_, ray, pixel.reference, scene_, seen))
         pixel.reason = Reason::Predicted;
@@ -307,6 +312,19 @@ uint64_t Verification::certifyPixel(DifferingPixel& pixel, const Trail& trail, u
                            ? Reason::Predicted
                            : Reason::Edge;
     return certificate.steps;
+}
+
+std::vector<std::string_view> Verification::quantitiesBeyond(const DifferingPixel& pixel) const {
+    if (!isSamePath(pixel)) return {"path"};
+    const auto ray = sampleAt(pixel.sample, pixel.x, pixel.y).ray;
+    const Box box(quantitiesOf(pixel.reference, scene_.origin), floorsOf(scene_, pixel.reference, ray));
+    const Quantities seen = quantitiesOf(pixel.deviceColor, pixel.device);
+    std::vector<std::string_view> names = pixel.quantities;
+    for (size_t i = 0; i < kQuantities; ++i)
+        if (!box.contains(i, seen[i], 0) && (names.empty() || names.back() != quantityName(i)))
+            names.push_back(quantityName(i));
+    if (!isAlike(pixel)) names.push_back("bounces");
+    return names;
 }
 
 // Pixels of a part's first sample that have another colour in an image without layers.

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/enum_names.h"
@@ -54,7 +54,10 @@ struct DifferingPixel {
     int x = 0, y = 0;
     uint32_t sample = 0;
     Reason reason = Reason::Unexplained;
-    double difference = 0;       // greatest colour difference
+    double difference = 0;  // greatest colour difference
+    // Names of what differs by more than rounding: of quantities (quantityName), "alpha", "bounces", or
+    // "path" alone if other surfaces were hit. Of unexplained pixels.
+    std::vector<std::string_view> quantities = {};
     double ulps = 0;             // the greatest move of a ray, in units of 2^-24, that explained it
     uint32_t openDecisions = 0;  // steps of the path at which rounding decided
     glm::vec3 deviceColor{0};

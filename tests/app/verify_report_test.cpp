@@ -80,6 +80,7 @@ TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
     pixel.x = 12;
     pixel.y = 34;
     pixel.difference = 0.5;
+    pixel.quantities = {"alpha", "path"};
     pixel.deviceColor = {0.25f, 0.5f, 0.75f};
     pixel.device.object = 3;
     pixel.device.primitive = 7;
@@ -94,10 +95,11 @@ TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
               "    1000 pixels; beyond their predicted error: 0 edge, 0 rounding, 0 undecided (at most 8), 1 "
               "unexplained\n" +
                   std::string(kCleanLines) +
-                  "    pixel 12,34: difference 0.5, unexplained\n"
+                  "    pixel 12,34: difference 0.5, unexplained (alpha, path)\n"
                   "      device     color (0.25 0.5 0.75)  object 3 primitive 7 t 2.5  bounces "
                   "2 path 00000abc\n"
                   "      reference  color (0.25 0 0.75)  miss  bounces 0 path 00000def\n");
+    EXPECT_EQ(reportJson(report)["differingPixels"][0]["quantities"], nlohmann::json({"alpha", "path"}));
 }
 
 TEST(VerifyReport, ExplainedPixelNamesJitterAndSample) {

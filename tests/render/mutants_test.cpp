@@ -1,5 +1,8 @@
 // Does verify find a defect in a shader? Each mutant of mutants.cmake has one; the shaders have none.
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "import/load.h"
 #include "mutant_kernels.h"
@@ -69,6 +72,13 @@ class MutantTest : public RenderTest, public testing::WithParamInterface<Defect>
     const Case case_ = sceneCase(GetParam().scene, 48, 36);
 };
 
+// A quantity that the report of a mutant names.
+const std::map<std::string, std::string_view> kWrongQuantities = {
+    {"edge_sign", "path"},           {"sphere_normal", "geometricNormal"},
+    {"shadow_bits", "hiddenLights"}, {"quadric_disc", "position"},
+    {"instance_normal", "u"},        {"narrow_box", "clearance"},
+    {"late_checker", "color"},       {"mirrored_alpha", "alpha"}};
+
 TEST_P(MutantTest, IsFound) {
     const verify::Report sound = run(embeddedKernels());
     EXPECT_TRUE(sound.passed()) << sound.unexplained << " unexplained";
@@ -77,6 +87,11 @@ TEST_P(MutantTest, IsFound) {
     ASSERT_FALSE(broken.worst.empty());
     EXPECT_GT(broken.unexplained, 0u);
     EXPECT_EQ(broken.worst.front().reason, verify::Reason::Unexplained);
+    const auto& names = broken.worst.front().quantities;
+    EXPECT_FALSE(names.empty());
+    const auto wrong = kWrongQuantities.find(GetParam().mutant);
+    EXPECT_TRUE(wrong == kWrongQuantities.end() ||
+                std::find(names.begin(), names.end(), wrong->second) != names.end());
 }
 
 INSTANTIATE_TEST_SUITE_P(
