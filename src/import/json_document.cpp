@@ -71,6 +71,10 @@ class TreeBuilder {
         const std::string_view what = error.what();
         const size_t place = what.find(": "), kind = what.find("] ");
         std::string text(what.substr((place != what.npos ? place : kind) + 2));
+        // nlohmann's parser names the end of the file, and shows all that it read since the comment began.
+        if (text.find("missing closing '*/'") != text.npos)
+            failAt(std::min(at, text_.find("/*", token_ - std::min<size_t>(token_, 1))),
+                   "the comment is not closed by */");
         // After a value, a comma would also do; nlohmann's parser names only the bracket.
         for (const std::string_view end : {"expected '}'", "expected ']'"})
             if (text.ends_with(end)) text.insert(text.size() - 3, "',' or ");

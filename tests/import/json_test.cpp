@@ -36,6 +36,9 @@ TEST(Json, SyntaxErrorsSayLineAndColumn) {
         "a.json:1:6: syntax error while parsing object separator - unexpected number literal; expected ':'");
     EXPECT_EQ(syntaxErrorOf("{\"a\": 1,}"), "a.json:1:8: a comma must not stand before '}'");
     EXPECT_EQ(syntaxErrorOf("[1,\n2,\n]"), "a.json:2:2: a comma must not stand before ']'");
+    for (const auto& [text, place] :
+         {std::pair{"/* {}", "1:1"}, {"[1/* 2]\n", "1:3"}, {"{\"a\": 1,\n /* b", "2:2"}})
+        EXPECT_EQ(syntaxErrorOf(text), std::string("a.json:") + place + ": the comment is not closed by */");
     EXPECT_EQ(syntaxErrorOf("[1e999]"), "a.json:1:6: number overflow parsing '1e999'");
     for (const auto& [text, place] :
          {std::pair{"{a: 1}", "1:2"}, {"{\"a\": [1, 2", "1:12"}, {"{} {}", "1:4"}, {"[1  false]", "1:9"}})
