@@ -52,7 +52,8 @@ std::string emptyReason(const Picture& picture, const LoadedScene& loaded, const
     const Region wanted = regionOf(request);
     if (wanted.width() < request.width || wanted.height() < request.height)
         return "nothing is in this --crop; leave it out to see the whole image";
-    return "the camera looks past the objects; check its eye and target (glint info prints the bounds)";
+    return "the camera looks past the objects, or they are smaller than a pixel; check its eye and target "
+           "(glint info prints the bounds)";
 }
 
 // The object that surrounds the camera, if all rays hit it from inside and no light of the scene reaches it.

@@ -39,7 +39,8 @@ std::string onlyBlack(const std::string& reason) {
 }
 
 const std::string kPast = onlyBackground(
-    "the camera looks past the objects; check its eye and target (glint info prints the bounds)");
+    "the camera looks past the objects, or they are smaller than a pixel; check its eye and target (glint "
+    "info prints the bounds)");
 const std::string kAlike = onlyBackground(
     "the surfaces have its colour, by what they let through, mirror or reflect; change a material or the "
     "background");
@@ -49,6 +50,7 @@ const Nothing kCases[] = {
     {"empty", R"("objects": [])", onlyBackground("the scene has no objects")},
     {"behind", ballAt("[0, 0, 20]"), kPast},
     {"aside", ballAt("[90, 0, 0]"), kPast},
+    {"tooSmall", ballAt("[0, 0, -90000]"), kPast},
     {"planeAlone", R"("objects": [{"type": "plane", "point": [0, 0, 9], "normal": [0, 0, 1]}])", kPast},
     {"planeEdgeOn",
      R"("ambient": 0.5, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1},

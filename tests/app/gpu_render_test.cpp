@@ -90,8 +90,8 @@ TEST_F(GpuRender, EmptyImageComesWithAdviceToo) {
     writeText("b.json",
               sceneText(16, 12, R"("objects": [{"type": "sphere", "center": [0, 0, 20], "radius": 1}])"));
     EXPECT_EQ(runGlint("render b.json").err,
-              "glint: warning: b.json: the image shows only background: the camera looks past the objects; "
-              "check its eye and target (glint info prints the bounds)\n");
+              "glint: warning: b.json: the image shows only background: the camera looks past the objects, "
+              "or they are smaller than a pixel; check its eye and target (glint info prints the bounds)\n");
 }
 
 }  // namespace glint::app::test::gpu_render_test
