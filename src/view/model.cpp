@@ -208,10 +208,9 @@ const Image* Model::comparable() const {
 }
 
 void Model::sayWarnings() {
-    warnings = file->warnings;
-    warnings.insert(warnings.end(), scene->packed.warnings.begin(), scene->packed.warnings.end());
-    for (const std::string& w : warnings)
-        err << "glint: warning: " << scene->path.string() << ": " << w << '\n';
+    warnings = file->warnings;  // which name their file
+    for (const std::string& w : scene->packed.warnings) warnings.push_back(scene->path.string() + ": " + w);
+    for (const std::string& w : warnings) err << "glint: warning: " << w << '\n';
     redraw();
 }
 
