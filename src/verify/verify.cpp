@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <future>
 #include <limits>
 #include <mutex>
 #include <tuple>
@@ -110,8 +111,7 @@ class Verification {
     void compareSample(uint32_t sample, const Picture& device, const std::vector<Trail>& trails);
     DifferingPixel comparedPixel(int x, int y, uint32_t sample, const Picture& device);
     void add(const DifferingPixel& pixel);
-    void certifyAll(std::vector<DifferingPixel>& pixels, const Picture& device,
-                    const std::vector<Trail>& trails);
+    void certifyAll(const Picture& device, const std::vector<Trail>& trails);
     uint64_t certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t mostSteps) const;
     std::vector<std::string_view> quantitiesBeyond(const DifferingPixel& pixel) const;
     std::vector<size_t> plainDifferences(const Picture& device) const;
@@ -136,6 +136,9 @@ class Verification {
     std::vector<float> differences_;
     uint64_t steps_;  // left to certificates
     size_t finishedRows_ = 0;
+    // Those of a part; kept for the next part, because memory is expensive to obtain.
+    std::vector<DifferingPixel> pixels_;
+    std::vector<Trail> trails_[2];  // of even and odd samples
 };
 
 void Verification::run() {
@@ -153,15 +156,24 @@ void Verification::run() {
 
 void Verification::verifyPart(const Region& part) {
     Film film(rounds_, part, scene_.lights.size());
-    std::vector<Trail> trails;
+    // The device renders a sample while the host compares the one before.
+    const auto start = [&](uint32_t sample) {
+        return std::async(std::launch::async, [this, &part, sample] {
+            return rendered(part, samples_.only(sample), &trails_[sample % 2]);
+        });
+    };
+    Picture first;
+    std::future<Picture> next = start(0);
     for (uint32_t sample = 0; sample < samples_.round; ++sample) {
-        const Picture device = rendered(part, samples_.only(sample), &trails);
-        compareSample(sample, device, trails);
-        if (options_.plainToo && sample == 0 && !isConvicted(report_.unexplained))
-            report_.plainDiffers += countSettled(part, 1, plainDifferences(device));
+        Picture device = next.get();
+        if (sample + 1 < samples_.round) next = start(sample + 1);
+        compareSample(sample, device, trails_[sample % 2]);
         if (rounds_.count() > 1) film.add(sample, device);
+        if (sample == 0) first = std::move(device);
     }
-    if (rounds_.count() == 1 || isConvicted(report_.unexplained)) return;
+    if (isConvicted(report_.unexplained)) return;
+    if (options_.plainToo) report_.plainDiffers += countSettled(part, 1, plainDifferences(first));
+    if (rounds_.count() == 1) return;
     for (uint32_t sample = samples_.round; sample < rounds_.count(); ++sample)
         film.add(sample, rendered(part, samples_.only(sample)));
     const std::vector<size_t> differing = film.differing(rendered(part, rounds_));
@@ -201,21 +213,21 @@ Picture Verification::rendered(const Region& part, const PackedSamples& samples,
 }
 
 void Verification::compareSample(uint32_t sample, const Picture& device, const std::vector<Trail>& trails) {
-    std::vector<DifferingPixel> pixels(device.done.size());
+    pixels_.resize(device.done.size());
     std::mutex mutex;
     parallelFor(context_, static_cast<size_t>(device.region.height()), [&](size_t row) {
         const int y = device.region.y0 + static_cast<int>(row);
         for (int x = 0; x < options_.width; ++x)
-            pixels[device.indexOf(x, y)] = comparedPixel(x, y, sample, device);
+            pixels_[device.indexOf(x, y)] = comparedPixel(x, y, sample, device);
         const std::lock_guard lock(mutex);
         ++finishedRows_;
         const double all = static_cast<double>(options_.height) * samples_.round;
         if (options_.progress) options_.progress(static_cast<double>(finishedRows_) / all);
     });
     losses_.add(device.losses);
-    for (const DifferingPixel& pixel : pixels) add(pixel);
-    certifyAll(pixels, device, trails);
-    for (DifferingPixel& pixel : pixels) {
+    for (const DifferingPixel& pixel : pixels_) add(pixel);
+    certifyAll(device, trails);
+    for (DifferingPixel& pixel : pixels_) {
         if (pixel.reason == Reason::Predicted) continue;
         if (pixel.reason == Reason::Unexplained) pixel.quantities = quantitiesBeyond(pixel);
         addDiffering(report_, std::move(pixel));
@@ -273,10 +285,9 @@ void Verification::add(const DifferingPixel& pixel) {
 
 // Certifies the undecided pixels in order, until the steps run out. Deterministic: the steps are counted
 // between batches.
-void Verification::certifyAll(std::vector<DifferingPixel>& pixels, const Picture& device,
-                              const std::vector<Trail>& trails) {
+void Verification::certifyAll(const Picture& device, const std::vector<Trail>& trails) {
     std::vector<DifferingPixel*> doubts;
-    for (DifferingPixel& pixel : pixels)
+    for (DifferingPixel& pixel : pixels_)
         if (pixel.reason == Reason::Undecided) doubts.push_back(&pixel);
     uint64_t unexplained = report_.unexplained;
     for (size_t first = 0; first < doubts.size(); first += kCertifiedAtOnce) {
@@ -368,8 +379,8 @@ uint64_t Report::allowedExplained() const {
 }
 
 uint64_t bytesPerPixel(const Options& options, uint32_t maxDepth) {
-    constexpr uint64_t kOfPart =
-        sizeof(Trail) + sizeof(TrailRay) + sizeof(PixelData) + 4 * sizeof(float) + sizeof(DifferingPixel);
+    constexpr uint64_t kOfSample = sizeof(Trail) + sizeof(TrailRay) + sizeof(PixelData) + 4 * sizeof(float);
+    constexpr uint64_t kOfPart = 2 * kOfSample + sizeof(PixelData) + sizeof(DifferingPixel);
     const auto height = static_cast<uint64_t>(options.height);
     const uint64_t rows = std::min(height, static_cast<uint64_t>(rowsOfPart(options, maxDepth)));
     return sizeof(float) * (3 * 3 + uint64_t{options.samples.round}) + (kOfPart * rows + height - 1) / height;
