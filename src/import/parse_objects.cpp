@@ -35,6 +35,23 @@ QuadricShape parseQuadric(const JsonCursor& object) {
     return shape;
 }
 
+constexpr KeyTable kObjects[] = {
+    {"object/sphere", {"type", "center", "radius", "material", "transform"}},
+    {"object/plane", {"type", "point", "normal", "material", "transform"}},
+    {"object/disc", {"type", "center", "normal", "radius", "material", "transform"}},
+    {"object/box", {"type", "min", "max", "material", "transform"}},
+    {"object/triangle", {"type", "vertices", "material", "transform"}},
+    {"object/polygon", {"type", "vertices", "material", "transform"}},
+    {"object/quadric", {"type", "coefficients", "bounds", "material", "transform"}},
+    {"object/ellipsoid", {"type", "center", "radii", "material", "transform"}},
+    {"object/cylinder", {"type", "base", "top", "radius", "capped", "material", "transform"}},
+    {"object/cone", {"type", "base", "apex", "radius", "topRadius", "capped", "material", "transform"}},
+    {"object/hyperboloid", {"type", "base", "top", "radius", "waist", "capped", "material", "transform"}},
+    {"object/paraboloid", {"type", "vertex", "top", "radius", "capped", "material", "transform"}},
+    {"object/mesh", {"type", "mesh", "material", "transform"}},
+    {"object/group", {"type", "objects", "material", "transform"}},
+};
+
 // Every type of object but meshes and groups.
 Shape parseShape(std::string_view type, const JsonCursor& object) {
     const auto point = [&](std::string_view key) { return object.require(key).vector3(); };
@@ -54,7 +71,8 @@ Shape parseShape(std::string_view type, const JsonCursor& object) {
     if (type == "hyperboloid")
         return HyperboloidShape{point("base"), point("top"), number("radius"), number("waist"), capped};
     if (type == "paraboloid") return ParaboloidShape{point("vertex"), point("top"), number("radius"), capped};
-    const JsonCursor vertices = object.require("vertices");  // of a triangle
+    if (type != "triangle") throw std::logic_error("parseShape does not read this type");
+    const JsonCursor vertices = object.require("vertices");
     vertices.expectItems(3, "three points [[x, y, z], ...]");
     return TriangleShape{
         {vertices.item(0).vector3(), vertices.item(1).vector3(), vertices.item(2).vector3()}};
@@ -314,6 +332,10 @@ class ObjectParser {
 };
 
 }  // namespace
+
+std::span<const KeyTable> objectKeys() {
+    return kObjects;
+}
 
 void parseObjects(const JsonCursor& root, const SceneParsing& in) {
     const auto meshes = root.find("meshes");

@@ -16,6 +16,33 @@ namespace glint {
 
 namespace {
 
+// All parts but "objects".
+constexpr KeyTable kParts[] = {
+    {"scene",
+     {"$schema", "image", "camera", "cameras", "background", "ambient", "maxDepth", "transmissiveShadows",
+      "lights", "materials", "meshes", "objects", "animation"}},
+    {"image",
+     {"width", "height", "samplesPerPixel", "sampler", "filter", "filterRadius", "seed", "adaptive"}},
+    {"image/adaptive", {"maxSamples", "threshold"}},
+    {"camera/perspective",
+     {"type", "eye", "target", "up", "planeNormal", "fovY", "window", "near", "far", "lensRadius",
+      "focusDistance"}},
+    {"camera/orthographic",
+     {"type", "eye", "target", "up", "planeNormal", "height", "window", "near", "far"}},
+    {"light/point", {"type", "position", "intensity", "falloff"}},
+    {"light/directional", {"type", "direction", "intensity"}},
+    {"light/spot", {"type", "position", "direction", "angle", "penumbra", "intensity", "falloff"}},
+    {"material",
+     {"ambient", "diffuse", "specular", "shininess", "mirror", "transmission", "ior", "attenuation",
+      "attenuationColor", "attenuationDistance", "priority", "alphaCutoff"}},
+    {"imageTexture", {"texture", "wrap", "filter", "scale", "offset", "color"}},
+    {"checkerTexture", {"checker", "scale", "offset", "solid", "corner", "color"}},
+    {"environmentMap", {"environment", "rotation", "intensity"}},
+    {"mesh", {"file"}},
+    {"transformStep", {"scale", "rotate", "quaternion", "translate"}},
+    {"animation", {"framesPerSecond", "tracks"}},
+    {"animation/track", {"target", "interpolation", "times", "values"}}};
+
 // Words of other programs, and what to write here. `what` is the beginning of a key table's name, or "type of
 // KIND".
 struct Advice {
@@ -241,7 +268,6 @@ void readCamera(const JsonCursor& camera, Camera& result) {
 }
 
 PointLight parsePoint(const JsonCursor& light) {
-    expectKeys(light, "light/point");
     PointLight point;
     point.position = light.require("position").vector3();
     point.intensity = light.color("intensity", point.intensity);
@@ -250,7 +276,6 @@ PointLight parsePoint(const JsonCursor& light) {
 }
 
 SpotLight parseSpot(const JsonCursor& light) {
-    expectKeys(light, "light/spot");
     SpotLight spot;
     spot.position = light.require("position").vector3();
     spot.direction = light.require("direction").vector3();
@@ -263,9 +288,10 @@ SpotLight parseSpot(const JsonCursor& light) {
 
 Light parseLight(const JsonCursor& light) {
     const std::string_view type = readType(light.require("type"), "light");
+    expectKeys(light, concat("light/", type));
     if (type == "point") return parsePoint(light);
     if (type == "spot") return parseSpot(light);
-    expectKeys(light, "light/directional");
+    if (type != "directional") throw std::logic_error("parseLight does not read this type");
     DirectionalLight directional;
     directional.direction = light.require("direction").vector3();
     directional.intensity = light.color("intensity", directional.intensity);
@@ -335,8 +361,24 @@ void warnOfUnits(Scene& scene, const std::string& name) {
 
 }  // namespace
 
+const std::vector<KeyTable>& keyTables() {
+    static const std::vector<KeyTable> tables = [] {
+        std::vector<KeyTable> all(std::begin(kParts), std::end(kParts));
+        all.insert(all.end(), objectKeys().begin(), objectKeys().end());
+        return all;
+    }();
+    return tables;
+}
+
+std::vector<std::string_view> typesOf(std::string_view kind) {
+    std::vector<std::string_view> types;
+    for (const KeyTable& table : keyTables())
+        if (table.what.starts_with(concat(kind, '/'))) types.push_back(table.what.substr(kind.size() + 1));
+    return types;
+}
+
 void expectKeys(const JsonCursor& object, std::string_view what) {
-    const auto keys = std::ranges::find(keys::kAllTables, what, &KeyTable::what)->keys();
+    const auto keys = std::ranges::find(keyTables(), what, &KeyTable::what)->keys();
     for (const std::string& key : object.object().keys)
         if (std::ranges::find(keys, key) == keys.end())
             object.require(key).fail("unknown key (", hintFor(what, key, keys, "known"), ")");
@@ -344,7 +386,7 @@ void expectKeys(const JsonCursor& object, std::string_view what) {
 
 std::string_view readType(const JsonCursor& type, std::string_view kind) {
     const std::string& name = type.string();
-    const std::vector<std::string_view> types = keys::typesOf(kind);
+    const std::vector<std::string_view> types = typesOf(kind);
     if (std::ranges::find(types, name) != types.end()) return name;
     type.fail("unknown ", kind, " type \"", name, "\" (",
               hintFor(concat("type of ", kind), name, types, "supported"), ")");

@@ -157,14 +157,14 @@ std::string parseError(const std::string& text) {
 
 TEST(Schema, HasTheParsersKeysAndNoOthers) {
     const json schema = loadSceneSchema();
-    for (const KeyTable& table : keys::kAllTables) {
+    for (const KeyTable& table : keyTables()) {
         const json& object = schema.at(json::json_pointer(schemaPlace(table.what)));
         EXPECT_EQ(keysOf(object.at("properties")), asSet(table.keys())) << table.what;
         EXPECT_EQ(object.at("additionalProperties"), json(false)) << table.what;
     }
-    EXPECT_EQ(typesIn(schema, "/$defs/object/oneOf"), asSet(keys::typesOf("object")));
-    EXPECT_EQ(typesIn(schema, "/$defs/light/oneOf"), asSet(keys::typesOf("light")));
-    EXPECT_EQ(typesIn(schema, "/$defs/camera/oneOf"), asSet(keys::typesOf("camera")));
+    EXPECT_EQ(typesIn(schema, "/$defs/object/oneOf"), asSet(typesOf("object")));
+    EXPECT_EQ(typesIn(schema, "/$defs/light/oneOf"), asSet(typesOf("light")));
+    EXPECT_EQ(typesIn(schema, "/$defs/camera/oneOf"), asSet(typesOf("camera")));
 }
 
 TEST(Schema, EveryObjectIsCoveredByAKeyTable) {
@@ -172,7 +172,7 @@ TEST(Schema, EveryObjectIsCoveredByAKeyTable) {
     size_t closed = 1;  // the root
     for (const auto& [name, definition] : schema["$defs"].items())
         closed += definition.contains("properties");
-    EXPECT_EQ(closed, std::size(keys::kAllTables));
+    EXPECT_EQ(closed, keyTables().size());
 }
 
 TEST(Schema, DefaultsAreTheParsersDefaults) {
@@ -405,11 +405,11 @@ TEST(SceneFormatPage, ExamplesAreAcceptedByParserAndSchema) {
 
 TEST(SceneFormatPage, NamesEveryKeyAndType) {
     const std::string text = page();
-    for (const KeyTable& table : keys::kAllTables)
+    for (const KeyTable& table : keyTables())
         for (const std::string_view key : table.keys())
             EXPECT_NE(text.find('`' + std::string(key) + '`'), std::string::npos) << key;
     for (const char* kind : {"light", "object", "camera"})
-        for (const std::string_view type : keys::typesOf(kind)) EXPECT_HAS(text, std::string(type));
+        for (const std::string_view type : typesOf(kind)) EXPECT_HAS(text, std::string(type));
 }
 
 // The comments in the examples and the errors at the end of the page are what glint does.
