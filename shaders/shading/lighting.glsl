@@ -27,17 +27,18 @@ float spotFactor(Light light, vec3 toLight) {
 
 LightSample sampleLight(Light light, vec3 position) {
     LightSample s = LightSample(light.position, light.position, light.intensity, kInfinity, true);
-    if ((FEATURE_POINT_LIGHTS || FEATURE_SPOT_LIGHTS) && light.kind != kLightDirectional) {
+    uint kind = light.kind & kLightKindMask;
+    if ((FEATURE_POINT_LIGHTS || FEATURE_SPOT_LIGHTS) && kind != kLightDirectional) {
         precise vec3 toLight = light.position - position;
         float distance = length(toLight);
         s.toLight = toLight;
         s.direction = quotient(toLight, distance);
         s.tMax = kShadowEnd;
         s.valid = distance > kNearestLight;
-        bool fades = light.kind == kLightPointInverseSquare || light.kind == kLightSpotInverseSquare;
-        if (fades) s.intensity = quotient(quotient(light.intensity, distance), distance);
+        if ((light.kind & kLightFades) != 0u)
+            s.intensity = quotient(quotient(light.intensity, distance), distance);
     }
-    if (FEATURE_SPOT_LIGHTS && (light.kind == kLightSpot || light.kind == kLightSpotInverseSquare)) {
+    if (FEATURE_SPOT_LIGHTS && kind == kLightSpot) {
         float factor = spotFactor(light, s.direction);
         s.intensity *= factor;
         s.valid = s.valid && factor > 0.0;

@@ -78,9 +78,9 @@
     V3F(A, toW, offsetW)                         \
     U4(A, uvKind, reserved0, reserved1, reserved2)
 
-// kind: kLight... position: of a directional light, the unit vector towards it. axis: unit, the way that the
-// light of a spot travels. inner <= outer: 1 - cos of the angles at which its full light and all light end;
-// as differences from 1 they keep a narrow cone's digits.
+// kind: kLight..., with or without kLightFades. position: of a directional light, the unit vector towards it.
+// axis: unit, the way that the light of a spot travels. inner <= outer: 1 - cos of the angles at which its
+// full light and all light end; as differences from 1 they keep a narrow cone's digits.
 #define GLINT_LIGHT_ROWS(V3F, V3U, U4, A) \
     V3U(A, position, kind)                \
     V3F(A, intensity, inner)              \
@@ -193,10 +193,10 @@ GLINT_CONST_UINT(kCapUpper, 2u);
 GLINT_CONST_UINT(kFromApex, 4u);
 
 GLINT_CONST_UINT(kLightPoint, 0u);
-GLINT_CONST_UINT(kLightPointInverseSquare, 1u);
-GLINT_CONST_UINT(kLightDirectional, 2u);
-GLINT_CONST_UINT(kLightSpot, 3u);
-GLINT_CONST_UINT(kLightSpotInverseSquare, 4u);
+GLINT_CONST_UINT(kLightDirectional, 1u);
+GLINT_CONST_UINT(kLightSpot, 2u);
+GLINT_CONST_UINT(kLightKindMask, 15u);
+GLINT_CONST_UINT(kLightFades, 16u);  // beside the kind: intensity / distance^2
 
 GLINT_CONST_UINT(kMaxMedia, 4u);     // that a ray can be inside of; it ignores the surface of one more
 GLINT_CONST_UINT(kMaxWaiting, 16u);  // branches of a path; beyond, the weaker of two is dropped

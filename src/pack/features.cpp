@@ -44,9 +44,10 @@ SceneFeatures featuresOf(const PackedScene& packed, const Materials& materials, 
     f.slivers = haveSlivers(packed.triangles, context);
     f.vertexNormals = !packed.vertexNormals.empty();
     for (const shared::Light& light : packed.lights) {
-        f.pointLights |= light.kind == shared::kLightPoint || light.kind == shared::kLightPointInverseSquare;
-        f.directionalLights |= light.kind == shared::kLightDirectional;
-        f.spotLights |= light.kind == shared::kLightSpot || light.kind == shared::kLightSpotInverseSquare;
+        const uint32_t kind = light.kind & shared::kLightKindMask;
+        f.pointLights |= kind == shared::kLightPoint;
+        f.directionalLights |= kind == shared::kLightDirectional;
+        f.spotLights |= kind == shared::kLightSpot;
     }
     for (size_t i = 0; i < packed.materials.size(); ++i) {
         if (!materials.used(i)) continue;

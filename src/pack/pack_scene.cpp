@@ -48,10 +48,13 @@ float oneMinusCosine(double degrees) {
     return static_cast<float>(2 * half * half);
 }
 
+uint32_t fading(Falloff falloff) {
+    return falloff == Falloff::InverseSquare ? shared::kLightFades : 0;
+}
+
 shared::Light rounded(const PointLight& light, const glm::dvec3& origin) {
-    const bool fades = light.falloff == Falloff::InverseSquare;
     return {.position = glm::vec3(light.position - origin),
-            .kind = fades ? shared::kLightPointInverseSquare : shared::kLightPoint,
+            .kind = shared::kLightPoint | fading(light.falloff),
             .intensity = glm::vec3(light.intensity)};
 }
 
@@ -62,9 +65,8 @@ shared::Light rounded(const DirectionalLight& light, const glm::dvec3&) {
 }
 
 shared::Light rounded(const SpotLight& light, const glm::dvec3& origin) {
-    const bool fades = light.falloff == Falloff::InverseSquare;
     return {.position = glm::vec3(light.position - origin),
-            .kind = fades ? shared::kLightSpotInverseSquare : shared::kLightSpot,
+            .kind = shared::kLightSpot | fading(light.falloff),
             .intensity = glm::vec3(light.intensity),
             .inner = oneMinusCosine(light.angle),
             .axis = glm::vec3(unitVector(light.direction).value()),

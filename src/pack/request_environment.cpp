@@ -11,10 +11,6 @@ double greatest(const glm::vec3& v) {
     return std::max({v.x, v.y, v.z});
 }
 
-bool fallsOff(const shared::Light& light) {
-    return light.kind == shared::kLightPointInverseSquare || light.kind == shared::kLightSpotInverseSquare;
-}
-
 double distanceToBox(const glm::dvec3& p, const glm::vec3& lo, const glm::vec3& hi) {
     const glm::dvec3 outside = glm::max(glm::max(glm::dvec3(lo) - p, p - glm::dvec3(hi)), glm::dvec3(0));
     return glm::length(outside);
@@ -39,7 +35,8 @@ double clearance(const PackedScene& scene, const glm::dvec3& point) {
 double lightBound(const PackedScene& scene, const std::vector<shared::Light>& all) {
     double sum = 0;
     for (const shared::Light& light : all) {
-        const double d = fallsOff(light) ? clearance(scene, glm::dvec3(light.position)) : 1;
+        const bool fades = (light.kind & shared::kLightFades) != 0;
+        const double d = fades ? clearance(scene, glm::dvec3(light.position)) : 1;
         sum += greatest(light.intensity) / (d * d);
     }
     return sum;

@@ -121,7 +121,7 @@ LightSample sampleLight(const rows::Light& light, const dvec3& position) {
 }
 
 bool isSpot(const rows::Light& light) {
-    return light.kind == shared::kLightSpot || light.kind == shared::kLightSpotInverseSquare;
+    return (light.kind & shared::kLightKindMask) == shared::kLightSpot;
 }
 
 // smoothstep(cos(angle + penumbra), cos(angle), c), c the cosine at the light between its axis and the way to
@@ -137,8 +137,7 @@ double spotFactor(const rows::Light& light, const dvec3& toLight) {
 }
 
 dvec3 intensityAt(const rows::Light& light, double distance, double part) {
-    const bool fades =
-        light.kind == shared::kLightPointInverseSquare || light.kind == shared::kLightSpotInverseSquare;
+    const bool fades = (light.kind & shared::kLightFades) != 0;
     return part / (fades ? distance * distance : 1) * light.intensity;
 }
 

@@ -308,7 +308,7 @@ TEST(PackScene, LightsAndEnvironment) {
     EXPECT_EQ(packed.lights[0].kind, shared::kLightPoint);
     EXPECT_EQ(packed.lights[0].position, glm::vec3(1, 2, 3));
     EXPECT_EQ(packed.lights[0].intensity, glm::vec3(4, 5, 6));
-    EXPECT_EQ(packed.lights[1].kind, shared::kLightPointInverseSquare);
+    EXPECT_EQ(packed.lights[1].kind, shared::kLightPoint | shared::kLightFades);
     EXPECT_EQ(packed.lights[2].kind, shared::kLightDirectional);
     EXPECT_EQ(packed.lights[2].position, glm::vec3(0, 0.6, 0.8));  // towards the light
     EXPECT_EQ(packed.lights[2].intensity, glm::vec3(7, 8, 9));
@@ -349,7 +349,7 @@ TEST(PackScene, SpotLights) {
     EXPECT_EQ(wide.axis, glm::vec3(0, -0.6, -0.8));  // the way the light travels
     EXPECT_FLOAT_EQ(wide.inner, 0.5f);
     EXPECT_FLOAT_EQ(wide.outer, 1.0f);
-    EXPECT_EQ(packed.lights[1].kind, shared::kLightSpotInverseSquare);
+    EXPECT_EQ(packed.lights[1].kind, shared::kLightSpot | shared::kLightFades);
     EXPECT_EQ(packed.lights[1].inner, 2.0f);
     EXPECT_EQ(packed.lights[1].outer, 2.0f);
     EXPECT_EQ(packed.lights[2].inner, 0.0f);

@@ -14,8 +14,8 @@ using namespace glint::test;
 using glm::dvec3;
 using glm::vec3;
 using shared::kLightDirectional;
+using shared::kLightFades;
 using shared::kLightPoint;
-using shared::kLightPointInverseSquare;
 
 PixelRecord traceScene(const SceneMaker& maker, const Ray& ray, bool keepPath = false) {
     return SceneTracer(maker).trace(ray, {}, keepPath);
@@ -41,7 +41,7 @@ TEST(ReferenceShading, RayTracerChallengeDefaultWorld) {
 
 // Lambert: kd I cos; with inverse square falloff over the distance squared. 3-4-5: cos = 4/5 at distance 5.
 TEST(ReferenceShading, LambertAndFalloff) {
-    for (const uint32_t kind : {kLightPoint, kLightPointInverseSquare}) {
+    for (const uint32_t kind : {kLightPoint, kLightPoint | kLightFades}) {
         SceneMaker maker;
         const uint32_t grey = maker.material({.5f, .25f, 1});
         maker.plane(vec3(0), {0, 1, 0}, grey);
@@ -122,7 +122,7 @@ TEST(ReferenceShading, LightAtTheEye) {
 TEST(ReferenceShading, LightOnTheSurfaceAddsNothing) {
     SceneMaker maker;
     maker.plane(vec3(0), {0, 1, 0});
-    maker.light(kLightPointInverseSquare, {0, 0, 0});
+    maker.light(kLightPoint | kLightFades, {0, 0, 0});
     EXPECT_EQ(traceScene(maker, kDown).color, dvec3(0));
 }
 

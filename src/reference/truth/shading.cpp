@@ -26,7 +26,7 @@ struct LightRow {
         rows::Light row;
         row.position = l.position - origin;
         row.intensity = l.intensity;
-        row.kind = l.falloff == Falloff::None ? shared::kLightPoint : shared::kLightPointInverseSquare;
+        row.kind = shared::kLightPoint | (l.falloff == Falloff::None ? 0 : shared::kLightFades);
         return row;
     }
     rows::Light operator()(const DirectionalLight& l) const {
@@ -43,7 +43,7 @@ struct LightRow {
         row.axis = unit(l.direction);
         row.inner = versine(l.angle);
         row.outer = versine(l.angle + l.penumbra);
-        row.kind = l.falloff == Falloff::None ? shared::kLightSpot : shared::kLightSpotInverseSquare;
+        row.kind = shared::kLightSpot | (l.falloff == Falloff::None ? 0 : shared::kLightFades);
         return row;
     }
 };
