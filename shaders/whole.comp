@@ -47,7 +47,7 @@ bool goesOn(uint path, Interaction at, Environment environment, inout Ledger led
     bool follows = nextBranch(path, ledger, complete, at, state, throughput, environment, next);
     media = next.media;
     // The host has counted the trips of so many rays (src/render/path_limits.cpp).
-    complete = complete && !(follows && followed == dispatch.bounce);
+    complete = complete && !(follows && followed == dispatch.mostFollowed);
     follows = follows && complete;
     ray = next.ray;
     throughput = next.throughput;

@@ -68,11 +68,13 @@
 //   region       the pixels wanted, in tiles by rows of ceil(regionWidth / 8)
 //   capacity     paths in one row of the state
 //   tripBudget   loop trips after which a ray is left unfinished for a resume dispatch
+//   tripsOfPass  trips that a pass through the loops around a leaf counts, in scenes with instances
 //   lightIndex   the first light of light.comp; lightEnd follows its last
 //   threshold    of adapt.comp, where lastOfRound is 1 after the last sample of a round, else 0
 //   listed       0, or how many paths the kernels run over: those in list `listRead` (0 or 1). shade.comp
 //                writes those that go on to the other list.
-//   bounce       rays before those at hand; of whole.comp, those that it follows after the camera's
+//   bounce       rays before those at hand
+//   mostFollowed of whole.comp: rays that it follows after the camera's
 //   rayClass     with MODE_TALLY, the rays (kRay...) that intersect.comp traces
 #define GLINT_DISPATCH_ROWS(V3F, V3U, U4, A)           \
     U4(A, firstTile, tileCount, interleave, run)       \
@@ -80,7 +82,8 @@
     U4(A, capacity, tripBudget, lightIndex, lightEnd)  \
     V3U(A, sampleOffset, sampleIndex)                  \
     V3U(A, threshold, lastOfRound)                     \
-    U4(A, listed, listRead, bounce, rayClass)
+    U4(A, listed, listRead, bounce, rayClass)          \
+    U4(A, tripsOfPass, mostFollowed, reserved0, reserved1)
 
 // ---- Rows of the path state ----
 

@@ -48,16 +48,6 @@ void testEach(inout Traversal traversal, uint kind, uint first, uint end) {
     } while (index < end);
 }
 
-// Trips that one pass through the loops around a leaf counts, in scenes with instances: those loops, and each
-// loop in them, of which a subgroup makes one trip even if no lane has work there.
-uint tripsOfPass() {
-    uint trips = 4u + (FEATURE_POLYGONS ? 1u : 0u) + (FEATURE_QUADRICS ? 1u : 0u);
-#define GLINT_ADD(number, Kind, KINDS, kinds, one, many) \
-    trips += FEATURE_##KINDS && kKind##Kind != kKindPlane ? 1u : 0u;
-    GLINT_PRIMITIVES(GLINT_ADD, GLINT_NO_KIND)
-    return trips;
-}
-
 // Tests the primitives of a leaf, which are of one kind. Each kind has a loop, and a subgroup skips those
 // that no lane enters.
 void testLeaf(inout Traversal traversal, uint leaf) {

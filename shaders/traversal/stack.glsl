@@ -73,7 +73,7 @@ uint traverse(inout Traversal traversal, uint root) {
     uint base = 0u;  // of the stack within an instance: entries below belong to the world
     uint current = root;
     uint budget = dispatch.tripBudget;  // a local copy: see lanes.glsl
-    uint pass = FEATURE_INSTANCES ? tripsOfPass() : 0u;
+    uint pass = FEATURE_INSTANCES ? dispatch.tripsOfPass : 0u;
     do {
         bool goes = current != kNone && traversal.trips < budget;
         if (takesPart(goes)) {

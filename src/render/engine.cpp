@@ -133,6 +133,7 @@ shared::Dispatch Engine::dispatchOf(const Slice& slice) const {
     dispatch.regionHeight = static_cast<uint32_t>(slice.region.height());
     dispatch.capacity = paths_.capacity();
     dispatch.tripBudget = scene_.tripBudget;
+    dispatch.tripsOfPass = tripsOfPass(scene_.features);
     return dispatch;
 }
 

@@ -19,11 +19,6 @@ constexpr std::string_view kSupported[] = {
     "pointLights",    "directionalLights", "spotLights", "specular", "mirrors",         "parallelCamera",
     "splitTriangles", "environmentMap",    "thinLens",   "slivers",  "openPlanes",      "texturedGlass"};
 
-// Primitives in the leaves that packets test.
-size_t primitivesOfPackets(const PackedScene& scene) {
-    return scene.triangles.size() + scene.spheres.size() + scene.cuboids.size();
-}
-
 std::string unsupportedByPackets(const SceneFeatures& features) {
     std::string names;
 #define GLINT_CHECK(ID, NAME, field)                                                     \
@@ -41,6 +36,10 @@ constexpr uint32_t kMinTrips = 1500;
 constexpr uint64_t kManyRays = 1'000'000;
 
 }  // namespace
+
+size_t primitivesOfPackets(const PackedScene& scene) {
+    return scene.triangles.size() + scene.spheres.size() + scene.cuboids.size();
+}
 
 bool runsPackets(const gpu::DeviceInfo& device) {
     return device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;

@@ -37,6 +37,9 @@ struct TraversalChoice {
     std::string reason;    // one phrase
 };
 
+// Primitives in the leaves that packets test. Those that count crossings test triangles alone.
+size_t primitivesOfPackets(const PackedScene& scene);
+
 // The chosen traversal's name, never "auto".
 std::string_view nameOf(const TraversalChoice& choice);
 

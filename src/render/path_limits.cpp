@@ -14,16 +14,6 @@ constexpr uint32_t kLlvmpipeTrips = 65535;
 // Memory of the path state: 2^20 paths of 176 bytes (208 with mirrors), or fewer with trees of branches.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
 
-// Inner loops: over nodes, over each kind of primitive with code, over polygons' edges and quadrics' further
-// hits, and one for the compiler.
-uint32_t loopsOf(const SceneFeatures& features) {
-    uint32_t sum = 2 + features.polygons + features.quadrics - features.planes;
-#define GLINT_ADD(number, Kind, KINDS, kinds, one, many) sum += features.kinds;
-    GLINT_PRIMITIVES(GLINT_ADD, GLINT_ADD)
-#undef GLINT_ADD
-    return sum;
-}
-
 // Loop trips of a lane so that its subgroup stays within kLlvmpipeTrips; docs/design/traversal.md derives the
 // formula. rays: that a path traces one after the other. uncounted: trips that no lane counts.
 enum class Kernels { Any, Whole };
@@ -33,8 +23,7 @@ uint32_t budgetOf(Kernels kernels, const gpu::DeviceInfo& device, const SceneFea
     const uint64_t leaves = kernels == Kernels::Any ? shared::kCountLeaves : 1;
     const uint64_t slack =
         2 * (1 + shared::kQuadricHits) * shared::kMaxLeafSize * leaves + 4 + polygonTripsPerLeaf;
-    // pass: trips for each one of the middle loop, like tripsOfPass in shaders/traversal/leaf.glsl.
-    const uint64_t loops = loopsOf(features), pass = loops + 1;
+    const uint64_t pass = tripsOfPass(features), loops = pass - 1;
     const auto left = [](uint64_t fixed, uint64_t each) {
         return fixed < kLlvmpipeTrips ? static_cast<uint32_t>((kLlvmpipeTrips - fixed) / each) : 1;
     };
@@ -79,6 +68,16 @@ uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environ
 uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment) {
     const uint64_t hits = uint64_t{mostRaysAfterFirst(features, environment)} + 1;
     return hits * (uint64_t{std::max(environment.lightCount, 1u)} + 1);
+}
+
+// The middle loop; inner loops over nodes, over each kind of primitive with code, over polygons' edges and
+// quadrics' further hits; and one for the compiler.
+uint32_t tripsOfPass(const SceneFeatures& features) {
+    uint32_t sum = 3 + features.polygons + features.quadrics - features.planes;
+#define GLINT_ADD(number, Kind, KINDS, kinds, one, many) sum += features.kinds;
+    GLINT_PRIMITIVES(GLINT_ADD, GLINT_ADD)
+#undef GLINT_ADD
+    return sum;
 }
 
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,

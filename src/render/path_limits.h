@@ -34,6 +34,10 @@ uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environ
 // All rays of a path, with shadow rays.
 uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment);
 
+// Trips that one pass through the loops around a leaf takes: those loops, and each loop in them, of which a
+// subgroup makes one trip even if no lane has work there.
+uint32_t tripsOfPass(const SceneFeatures& features);
+
 // Loop trips of a ray in one dispatch of kernels with these features.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
                           uint32_t polygonTripsPerLeaf = 0);

@@ -313,11 +313,10 @@ struct RayQueries::State : DeviceScene {
                          device.context());
     }
 
-    // Packets count triangles and planes only.
     bool canUsePackets(const RayTask& task) const {
+        const size_t others = primitivesOfPackets(scene) - scene.triangles.size();
         const bool isCount = task.query == RayTask::Query::Count;
-        if (task.query == RayTask::Query::Point || (isCount && (features.spheres || features.cuboids)))
-            return false;
+        if (task.query == RayTask::Query::Point || (isCount && others > 0)) return false;
         return traversal.packets && task.methods == Methods{};
     }
 };

@@ -187,7 +187,7 @@ struct Renderer::State : DeviceScene {
     // The same by whole.comp. `complete` becomes false if a path ran out of trips.
     bool renderWholeSample(const Slice& slice, shared::Dispatch dispatch, bool& complete) {
         dispatch.tripBudget = options.tripBudget ? options.tripBudget : wholeTrips();
-        dispatch.bounce = mostRaysAfterFirst(features, environment);
+        dispatch.mostFollowed = mostRaysAfterFirst(features, environment);
         times.invocations += slice.paths();
         record(KernelId::Whole, dispatch, slice.groups());
         submit(&KernelTimes::whole);
