@@ -78,7 +78,7 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
 // o + t d, moved back onto the face as a disc's point is onto its plane. u and v go from 0 to 1 over a face,
 // u to the right and v upwards on the sides as seen from outside; on top and bottom u goes along x
 // (docs/reference/shading.md).
-void surfaceOfCuboid(Ray ray, Hit hit, Cuboid cuboid, inout Surface surface) {
+void surfaceOfCuboid(Ray ray, Hit hit, Cuboid cuboid, Instance instance, inout Surface surface) {
     uint part = (hit.primitive >> kPartShift) & kPartMask;
     uint axis = part >> 1;
     bool upper = (part & 1u) != 0u;

@@ -35,7 +35,7 @@ bool hitPlane(Ray ray, RayFrame frame, Plane plane, uint primitive, inout uint t
     return at.speed != 0.0 && countsAt(ray, at.t);
 }
 
-void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {
+void surfaceOfPlane(Ray ray, Hit hit, Plane plane, Instance instance, inout Surface surface) {
     precise vec3 position = ray.origin + hit.t * ray.direction;
     precise vec3 projected = position - dot(plane.normal, position - plane.point) * plane.normal;
     surface.position = projected;
@@ -58,7 +58,7 @@ bool hitDisc(Ray ray, RayFrame frame, Disc disc, uint primitive, inout uint trip
     return at.speed != 0.0 && square <= limit && countsAt(ray, at.t);
 }
 
-void surfaceOfDisc(Ray ray, Hit hit, Disc disc, inout Surface surface) {
+void surfaceOfDisc(Ray ray, Hit hit, Disc disc, Instance instance, inout Surface surface) {
     flatSurface(ray, hit, disc.center, disc.normal, surface);
     setOwner(disc.object, disc.primitive, disc.material, surface);
 }
@@ -115,7 +115,7 @@ bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout 
     return inside && at.speed != 0.0 && !startsHere && countsAt(ray, t);
 }
 
-void surfaceOfPolygon(Ray ray, Hit hit, Polygon polygon, inout Surface surface) {
+void surfaceOfPolygon(Ray ray, Hit hit, Polygon polygon, Instance instance, inout Surface surface) {
     flatSurface(ray, hit, polygon.point, polygon.normal, surface);
     setOwner(polygon.object, polygon.primitive, polygon.material, surface);
 }

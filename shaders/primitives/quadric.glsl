@@ -268,7 +268,7 @@ vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 nor
 // magnitudes that the equation sums, and gamma_5 of those of y, over the gradient's length. At a cone's apex
 // and on a double plane the gradient vanishes: there the surface faces the ray, and an error e of the
 // equation moves it by at most sqrt(e). o + t d itself errs by gamma_8 of its terms along the normal.
-void surfaceOfQuadric(Ray ray, Hit hit, Quadric q, inout Surface surface) {
+void surfaceOfQuadric(Ray ray, Hit hit, Quadric q, Instance instance, inout Surface surface) {
     uint part = (hit.primitive >> kPartShift) & kPartMask;
     precise vec3 offset = (ray.origin - q.point) + hit.t * ray.direction;
     vec3 y = toLocal(q, offset);

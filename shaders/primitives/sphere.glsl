@@ -90,7 +90,7 @@ vec3 towardsRayAtLimb(Ray ray, Hit hit, Sphere sphere, vec3 outward) {
 }
 
 // The point o + t d is moved back to the sphere.
-void surfaceOfSphere(Ray ray, Hit hit, Sphere sphere, inout Surface surface) {
+void surfaceOfSphere(Ray ray, Hit hit, Sphere sphere, Instance instance, inout Surface surface) {
     precise vec3 offset = (ray.origin - sphere.point) + hit.t * ray.direction;
     precise vec3 outward = quotient(offset, length(offset));
     precise vec3 scaled = outward * sphere.radius;

@@ -161,11 +161,9 @@ void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
 }
 
 // Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed.,
-// sec. 6.8.5), far below the error of o + t d. `instance`: of the hit, if it has one.
-void surfaceOfTriangle(Hit hit, Instance instance, inout Surface surface) {
-    uint index = hit.primitive & kPrimitiveIndexMask;
-    Triangle triangle = loadTriangle(index);
-    TriangleSurface details = loadTriangleSurface(index);
+// sec. 6.8.5), far below the error of o + t d.
+void surfaceOfTriangle(Ray ray, Hit hit, Triangle triangle, Instance instance, inout Surface surface) {
+    TriangleSurface details = loadTriangleSurface(hit.primitive & kPrimitiveIndexMask);
     if (FEATURE_INSTANCES && hit.instance != kNone && instance.mirrored != 0u) {
         hit = Hit(hit.t, hit.v, hit.u, hit.primitive, hit.instance, hit.id);
     }

@@ -1,8 +1,9 @@
 // The hit of a ray with a primitive, and the surface there. Each kind has a file with
 //   bool hitKind(Ray, RayFrame, Kind, uint primitive, inout uint trips, out Hit)
 //     the first hit in the ray's interval; trips: loop trips that it takes
-//   void surfaceOfKind(Ray, Hit, Kind, inout Surface)
-//     position, error, normals and owner there, and uv of kOwnUvKinds
+//   void surfaceOfKind(Ray, Hit, Kind, Instance, inout Surface)
+//     position, error, normals and owner there, and uv of kOwnUvKinds; the instance holds the primitive, if
+//     Hit::instance is not kNone
 #ifndef GLINT_SURFACE_GLSL
 #define GLINT_SURFACE_GLSL
 
@@ -26,25 +27,18 @@ bool hitPrimitive(Ray ray, RayFrame frame, uint kind, uint index, inout uint tri
 }
 
 // True if a ray may hit a primitive of this kind more than once.
-bool hasFurtherHits(uint kind) {
-    return (FEATURE_SPHERES && kind == kKindSphere) || (FEATURE_QUADRICS && kind == kKindQuadric) ||
-           (FEATURE_CUBOIDS && kind == kKindCuboid);
-}
+bool hasFurtherHits(uint kind) { return (kFurtherHitKinds >> kind & 1u) != 0u; }
 
-// The ray and the surface are in the coordinates of the primitive; `instance` is the one that holds it, if
-// any.
+// The ray and the surface are in the coordinates of the primitive.
 Surface surfaceOfPrimitive(Ray ray, Hit hit, Instance instance) {
     Surface surface = Surface(vec3(0.0), vec3(0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 1.0, 0.0), 0u, 0u, 0u,
                               vec2(0.0), vec3(1.0));
     uint kind = kindOf(hit);
     uint index = hit.primitive & kLeafFirstMask;
-    if (FEATURE_TRIANGLES && kind == kKindTriangle) surfaceOfTriangle(hit, instance, surface);
-    if (FEATURE_SPHERES && kind == kKindSphere) surfaceOfSphere(ray, hit, loadSphere(index), surface);
-    if (FEATURE_PLANES && kind == kKindPlane) surfaceOfPlane(ray, hit, loadPlane(index), surface);
-    if (FEATURE_DISCS && kind == kKindDisc) surfaceOfDisc(ray, hit, loadDisc(index), surface);
-    if (FEATURE_POLYGONS && kind == kKindPolygon) surfaceOfPolygon(ray, hit, loadPolygon(index), surface);
-    if (FEATURE_QUADRICS && kind == kKindQuadric) surfaceOfQuadric(ray, hit, loadQuadric(index), surface);
-    if (FEATURE_CUBOIDS && kind == kKindCuboid) surfaceOfCuboid(ray, hit, loadCuboid(index), surface);
+#define GLINT_SURFACE(number, Kind, KINDS, kinds, one, many) \
+    if (FEATURE_##KINDS && kind == kKind##Kind)              \
+        surfaceOf##Kind(ray, hit, load##Kind(index), instance, surface);
+    GLINT_PRIMITIVES(GLINT_SURFACE, GLINT_NO_KIND)
     return surface;
 }
 

@@ -110,9 +110,10 @@
 #define GLINT_NO_KIND(number, Kind, KINDS, kinds, one, many)
 #define GLINT_KIND_CONSTANT(number, Kind, KINDS, kinds, one, many) GLINT_CONST_UINT(kKind##Kind, number);
 GLINT_PRIMITIVES(GLINT_KIND_CONSTANT, GLINT_KIND_CONSTANT)
-// Bits of the kinds whose hits have their own texture coordinates; other kinds use those of the object's
-// frame.
+// Bits of the kinds whose hits have their own texture coordinates (other kinds use those of the object's
+// frame), and of those that a ray may hit more than once.
 GLINT_CONST_UINT(kOwnUvKinds, 1u << kKindTriangle | 1u << kKindCuboid);
+GLINT_CONST_UINT(kFurtherHitKinds, 1u << kKindSphere | 1u << kKindQuadric | 1u << kKindCuboid);
 
 // The primitives' part of GLINT_SCENE_ARRAYS (layout.h): X(binding, array, Struct, ROWS).
 #define GLINT_PRIMITIVE_ARRAYS(X)                   \

@@ -51,8 +51,8 @@ void main() {
     if (isQuadric) hit = hitQuadric(ray, frame, loadQuadric(path), primitive, trips, found);
     t = found.t;
     if (kind == kProbeNormal) {
-        Surface surface;
-        surfaceOfQuadric(ray, found, loadQuadric(path), surface);
+        Instance none;
+        Surface surface = surfaceOfPrimitive(ray, found, none);
         t = surface.geometricNormal.x;
         u = surface.geometricNormal.y;
         v = surface.geometricNormal.z;
