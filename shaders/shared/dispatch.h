@@ -6,30 +6,30 @@
 #include "shared/layout.h"
 
 // X(constant id, GLSL name FEATURE_..., C++ field of SceneFeatures)
-#define GLINT_FEATURES(X)                       \
-    GLINT_PRIMITIVE_FEATURES(X)                 \
-    X(2, ANCHORED_SPHERES, anchoredSpheres)     \
-    X(4, VERTEX_NORMALS, vertexNormals)         \
-    X(5, POINT_LIGHTS, pointLights)             \
-    X(6, DIRECTIONAL_LIGHTS, directionalLights) \
-    X(7, SPECULAR, specular)                    \
-    X(8, MIRRORS, mirrors)                      \
-    X(9, SPOT_LIGHTS, spotLights)               \
-    X(10, PARALLEL_CAMERA, parallelCamera)      \
-    X(15, TRANSMISSION, transmission)           \
-    X(16, COLORED_SHADOWS, coloredShadows)      \
-    X(17, ATTENUATION, attenuation)             \
-    X(18, TEXTURES, textures)                   \
-    X(19, ENVIRONMENT_MAP, environmentMap)      \
-    X(20, VERTEX_COLORS, vertexColors)          \
-    X(21, UVS, uvs)                             \
-    X(22, CHECKERS, checkers)                   \
-    X(24, THIN_LENS, thinLens)                  \
-    X(31, ALPHA_MASK, alphaMask)                \
-    X(32, SPLIT_TRIANGLES, splitTriangles)      \
-    X(40, SLIVERS, slivers)                     \
-    X(41, OPEN_PLANES, openPlanes)              \
-    X(42, TEXTURED_GLASS, texturedGlass)
+#define GLINT_FEATURES(X)                                                                                   \
+    GLINT_PRIMITIVE_FEATURES(X)                                                                             \
+    X(2, ANCHORED_SPHERES, anchoredSpheres)                                                                 \
+    X(4, VERTEX_NORMALS, vertexNormals)                                                                     \
+    X(5, POINT_LIGHTS, pointLights)                                                                         \
+    X(6, DIRECTIONAL_LIGHTS, directionalLights)                                                             \
+    X(7, SPECULAR, specular) /* some material has a highlight */                                            \
+    X(8, MIRRORS, mirrors)   /* some material reflects, and maxDepth is above 0 */                          \
+    X(9, SPOT_LIGHTS, spotLights)                                                                           \
+    X(10, PARALLEL_CAMERA, parallelCamera) /* the origin of camera rays moves with the pixel */             \
+    X(15, TRANSMISSION, transmission)      /* some material lets light through */                           \
+    X(16, COLORED_SHADOWS, coloredShadows) /* dielectrics colour shadows */                                 \
+    X(17, ATTENUATION, attenuation)        /* light fades inside some dielectric */                         \
+    X(18, TEXTURES, textures)              /* some material has an image */                                 \
+    X(19, ENVIRONMENT_MAP, environmentMap)                                                                  \
+    X(20, VERTEX_COLORS, vertexColors)                                                                      \
+    X(21, UVS, uvs)                        /* some triangles have texture coordinates of their own */       \
+    X(22, CHECKERS, checkers)              /* some material has a checker */                                \
+    X(24, THIN_LENS, thinLens)             /* the origin of camera rays moves with the sample */            \
+    X(31, ALPHA_MASK, alphaMask)           /* some material's image cuts holes */                           \
+    X(32, SPLIT_TRIANGLES, splitTriangles) /* some triangles stand in the BVH more than once */             \
+    X(40, SLIVERS, slivers)                /* some triangles are long and narrow (src/pack/features.cpp) */ \
+    X(41, OPEN_PLANES, openPlanes)         /* some plane has a mask, or is a dielectric */                  \
+    X(42, TEXTURED_GLASS, texturedGlass)   /* some material's transmission has a texture */
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 #define GLINT_MODES(X)                                                                              \

@@ -16,31 +16,9 @@ namespace glint {
 
 // Features of a scene. The device pipeline leaves out those that are false.
 struct SceneFeatures {
-#define GLINT_KIND_FEATURE(number, Kind, KINDS, kinds, one, many) bool kinds = false;
-    GLINT_PRIMITIVES(GLINT_KIND_FEATURE, GLINT_KIND_FEATURE)
-#undef GLINT_KIND_FEATURE
-    bool anchoredSpheres = false;
-    bool vertexNormals = false;
-    bool pointLights = false;
-    bool directionalLights = false;
-    bool specular = false;  // some material has a highlight
-    bool mirrors = false;   // some material reflects, and paths may have reflections
-    bool spotLights = false;
-    bool parallelCamera = false;  // the origin of camera rays moves with the pixel
-    bool transmission = false;    // some material lets light through
-    bool coloredShadows = false;  // and so do its shadows
-    bool attenuation = false;     // and light fades inside of it
-    bool textures = false;        // some material has an image
-    bool environmentMap = false;
-    bool vertexColors = false;
-    bool uvs = false;             // triangles with texture coordinates of their own
-    bool checkers = false;        // some material has a checker
-    bool alphaMask = false;       // some material's image cuts holes
-    bool splitTriangles = false;  // some triangles stand in the tree more than once
-    bool thinLens = false;        // it moves with the sample
-    bool slivers = false;         // some triangles are long and narrow, see haveSlivers
-    bool openPlanes = false;      // rays may go through some plane, or their light: a mask, a dielectric
-    bool texturedGlass = false;   // some material's transmission has a texture
+#define GLINT_FEATURE_FIELD(ID, NAME, field) bool field = false;
+    GLINT_FEATURES(GLINT_FEATURE_FIELD)
+#undef GLINT_FEATURE_FIELD
     bool operator==(const SceneFeatures&) const = default;
 };
 

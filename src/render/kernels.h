@@ -43,9 +43,9 @@ KernelId packetKernel(KernelId id);
 
 // Kernel modes that a request selects: GLINT_MODES in shaders/shared/dispatch.h, and the tests of rays.
 struct TraceModes {
-    bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
-    bool scattered = false, adaptive = false, tally = false, given = false;
-    bool list = false, leaves = false;
+#define GLINT_MODE_FIELD(ID, NAME, field) bool field = false;
+    GLINT_MODES(GLINT_MODE_FIELD)
+#undef GLINT_MODE_FIELD
     Methods methods = {};
     auto operator<=>(const TraceModes&) const = default;
 };
