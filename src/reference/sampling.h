@@ -1,4 +1,4 @@
-// Sample positions of the reference, from the packed rows; written apart from shaders/shading/camera.glsl.
+// Sample positions of the reference, from the packed rows; written apart from shaders/shading/sampling.glsl.
 #pragma once
 
 #include <array>
