@@ -80,7 +80,7 @@ void MovingScene::findDropped(const Scene& scene, const PrimitiveNumbers& number
 bool MovingScene::knows(const Scene& scene, const std::vector<bool>& moved) const {
     if (!packed_.objectFrames.empty() || packed_.features.textures || packed_.features.transmission)
         return false;
-    if (scene.objects.size() != kinds_.size() || scene.lights.size() != packed_.lights.size()) return false;
+    if (scene.objects.size() != kinds_.size()) return false;
     const bool seenAnew = scene.camera.eye != eye_;
     for (size_t i = 0; i < kinds_.size(); ++i) {
         const Object& object = scene.objects[i];
@@ -220,8 +220,8 @@ bool MovingScene::update(const Scene& scene, std::vector<bool> moved, const Cont
     instances_->place(scene, numbers, packed_.origin, context);
     if (!instances_->move(packed_) || !droppedStaySo(scene, moved)) return false;
     if (!moveLeaves(scene, numbers, moved, context)) return false;
-    for (size_t i = 0; i < scene.lights.size(); ++i)
-        packed_.lights[i] = packLight(scene.lights[i], packed_.origin);
+    packed_.lights = packLights(scene.lights, packed_.origin);
+    if (packed_.lights.size() != packed_.environment.lightCount) return false;
     if (!packed_.features.slivers && haveSlivers(packed_.triangles, context)) return false;
     if (packed_.features.mirrors)
         packed_.environment.radianceBound = radianceBound(packed_, packed_.environment, packed_.lights);

@@ -75,8 +75,11 @@ shared::Light rounded(const SpotLight& light, const glm::dvec3& origin) {
 
 }  // namespace
 
-shared::Light packLight(const Light& light, const glm::dvec3& origin) {
-    return std::visit([&](const auto& one) { return rounded(one, origin); }, light);
+std::vector<shared::Light> packLights(std::span<const Light> lights, const glm::dvec3& origin) {
+    std::vector<shared::Light> rows;
+    for (const Light& light : lights)
+        rows.push_back(std::visit([&](const auto& one) { return rounded(one, origin); }, light));
+    return rows;
 }
 
 void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, PackedScene& packed) {
@@ -119,7 +122,7 @@ void packShading(const Scene& scene, PackedScene& packed) {
         packed.optics.push_back(roundOptics(material));
         packed.materials.back().medium = static_cast<uint32_t>(packed.optics.size());
     }
-    for (const Light& light : scene.lights) packed.lights.push_back(packLight(light, packed.origin));
+    packed.lights = packLights(scene.lights, packed.origin);
     shared::Environment& environment = packed.environment;
     environment.background = glm::vec3(scene.background);
     environment.ambient = glm::vec3(scene.ambient);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -95,8 +96,8 @@ bool keepsArrays(const PackedScene& packed, const Scene& scene, const Camera& ca
 // Sets the part of the arrays that depends on the eye: the media around it as rounded (packCamera).
 void setEye(PackedScene& packed, const Camera& camera);
 
-// A valid light, rounded, relative to `origin`.
-shared::Light packLight(const Light& light, const glm::dvec3& origin);
+// The rows of valid lights, rounded, relative to `origin`. A hit traces a shadow ray for each row.
+std::vector<shared::Light> packLights(std::span<const Light> lights, const glm::dvec3& origin);
 
 // The media that contain `point` (local): each dielectric material as often as its surfaces wind round the
 // point, by their solid angle (A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle", IEEE

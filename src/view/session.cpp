@@ -122,9 +122,10 @@ Tracing Session::tracing() const {
     lighting.background = settings_.background;
     for (const LightSetting& setting : settings_.lights) {
         if (!setting.on || setting.dim <= 0) continue;
-        shared::Light light = packLight(setting.light, scene_->packed.origin);
-        light.intensity *= setting.dim;
-        lighting.lights.push_back(light);
+        for (shared::Light& row : packLights({&setting.light, 1}, scene_->packed.origin)) {
+            row.intensity *= setting.dim;
+            lighting.lights.push_back(row);
+        }
     }
     return tracing;
 }
