@@ -13,8 +13,6 @@
 // Closest hits and shadow rays in turn.
 bool isAnyHit(Traversal traversal) { return traversal.any; }
 
-const bool kHasLights = FEATURE_POINT_LIGHTS || FEATURE_DIRECTIONAL_LIGHTS || FEATURE_SPOT_LIGHTS;
-
 // All lights of a hit. False if the trips did not suffice.
 bool castShadows(inout Lit lit, inout Traversal traversal, Environment environment) {
     uint index = 0u;

@@ -5,6 +5,9 @@
 
 #include "shading/scatter.glsl"
 
+const bool kHasNearLights = FEATURE_POINT_LIGHTS || FEATURE_SPOT_LIGHTS;  // at a finite distance
+const bool kHasLights = kHasNearLights || FEATURE_DIRECTIONAL_LIGHTS;
+
 struct LightSample {
     vec3 toLight;    // shadow ray direction: from the surface to the light, unnormalised for a point light
     vec3 direction;  // unit
@@ -28,7 +31,7 @@ float spotFactor(Light light, vec3 toLight) {
 LightSample sampleLight(Light light, vec3 position) {
     LightSample s = LightSample(light.position, light.position, light.intensity, kInfinity, true);
     uint kind = light.kind & kLightKindMask;
-    if ((FEATURE_POINT_LIGHTS || FEATURE_SPOT_LIGHTS) && kind != kLightDirectional) {
+    if (kHasNearLights && kind != kLightDirectional) {
         precise vec3 toLight = light.position - position;
         float distance = length(toLight);
         s.toLight = toLight;

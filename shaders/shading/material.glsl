@@ -169,7 +169,7 @@ Split splitAbout(vec3 m, vec3 d, float eta) {
 // Normals turned against d. About the geometric normal if the shading normal sent a branch to the wrong side.
 Split splitAt(Surface surface, vec3 d, float eta) {
     Split s = splitAbout(surface.shadingNormal, d, eta);
-    if (FEATURE_VERTEX_NORMALS) {
+    if (kHasShadingNormals) {
         bool sound = dot(d, surface.shadingNormal) < 0.0 && dot(s.reflected, surface.geometricNormal) > 0.0 &&
                      (s.total || dot(s.refracted, surface.geometricNormal) < 0.0);
         Split flatSplit = splitAbout(surface.geometricNormal, d, eta);

@@ -200,6 +200,9 @@ struct Surface {
     vec3 color;  // of the vertices, interpolated; white without
 };
 
+// False if all shading normals are the geometric ones.
+const bool kHasShadingNormals = FEATURE_VERTEX_NORMALS;
+
 // The point anchor + offset with the outward unit normal. `offset` errs by gamma_5, and the sum rounds once
 // more (PBRT 4th ed., sec. 6.8.5).
 void setPoint(vec3 anchor, vec3 offset, vec3 normal, inout Surface surface) {

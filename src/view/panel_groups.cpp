@@ -116,6 +116,7 @@ void drawLights(Model& m) {
         ImGui::Checkbox("##on", &lights[i].on);
         ImGui::SameLine();
         constexpr const char* kNames[] = {"point", "sun", "spot"};
+        static_assert(std::size(kNames) == std::variant_size_v<Light>);
         const std::string label = format("%zu %s", i, kNames[lights[i].light.index()]);
         ImGui::SliderFloat("##dim", &lights[i].dim, 0, 4, "x %.2f", ImGuiSliderFlags_AlwaysClamp);
         tip(label, "times the light's intensity");

@@ -1,6 +1,7 @@
 // Which device, queue family and memory are taken.
 #include <gtest/gtest.h>
 
+#include "core/device_layout.h"
 #include "gpu/device_state.h"
 #include "support/environment.h"
 #include "support/support.h"
@@ -124,9 +125,9 @@ TEST(Refusal, NeedsTheStorageBuffersThatVulkanPromises) {
     DeviceLimits limits = sufficientLimits();
     limits.maxStorageImagesPerStage = 0;
     limits.maxTexelBufferElements = 0;
-    limits.maxStorageBuffersPerStage = 4;
+    limits.maxStorageBuffersPerStage = GLINT_FEW_BINDINGS;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "");
-    limits.maxStorageBuffersPerStage = 3;
+    limits.maxStorageBuffersPerStage = GLINT_FEW_BINDINGS - 1;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
               "binds 3 storage buffers to a kernel, glint needs 4");
 }

@@ -111,6 +111,7 @@ TEST(Edits, JsonIsWhatAFileTakes) {
                                {"intensity", 1},
                                {"falloff", "inverseSquare"}});
     const Scene before = parseScene(scene.dump(), "a.json", ".");
+    ASSERT_EQ(before.lights.size(), std::variant_size_v<Light>);  // one of each kind
     Scene changed = before;
     std::get<PointLight>(changed.lights[0]).position = {1, 2, 3.5};
     std::get<SpotLight>(changed.lights[2]).angle = 12.5;
