@@ -21,10 +21,6 @@ struct Bounds : BoundingBox {
         lo = glm::min(lo, other.lo);
         hi = glm::max(hi, other.hi);
     }
-    double halfArea() const {
-        const glm::dvec3 size = hi - lo;
-        return empty() ? 0 : size.x * size.y + size.y * size.z + size.z * size.x;
-    }
     // The greatest coordinate of a point in it.
     double reach() const { return greatestMagnitude(glm::max(glm::abs(lo), glm::abs(hi))); }
     void grow(double margin) {
@@ -87,8 +83,9 @@ void identify(const Setting& at, Row& row) {
 
 // The world's primitives, or a prototype's, in the order of the scene.
 struct Part {
-    Model model;  // the arrays of primitives and what belongs to them
-    std::vector<Item> items;
+    Model& whole;      // takes planes, and what primitives refer to
+    Model model = {};  // the other primitives and their surfaces
+    std::vector<Item> items = {};
 
     void add(const Shape& shape, const Setting& at);
     // add() for a shape that is a quadric.
@@ -106,9 +103,9 @@ struct Part {
     void addItem(shared::PrimitiveKind kind, size_t index, Bounds box, double gain);
 };
 
-// Appends the part's BVH to `nodes`, and its primitives to the model in the order of leaves. Returns the
-// root, or kNone if the part is empty.
-uint32_t append(Part&& part, std::vector<rows::Node>& nodes, Model& model);
+// Appends the part's BVH to `nodes`, and its primitives to the whole model in the order of leaves. Returns
+// the root, or kNone if the part is empty.
+uint32_t append(Part&& part, std::vector<rows::Node>& nodes);
 
 // v / |v|, or NaN.
 inline glm::dvec3 unit(const glm::dvec3& v) {

@@ -61,7 +61,7 @@ void add(Part& part, const PlaneShape& plane, const Setting& at) {
         if (glm::distance(point, eye) <= kAnchorRoom * glm::distance(row.point, eye)) row.point = point;
     }
     identify(at, row);
-    part.model.planes.push_back(row);
+    part.whole.planes.push_back(row);
 }
 
 void add(Part& part, const DiscShape& disc, const Setting& at) {
@@ -79,7 +79,10 @@ void add(Part& part, const DiscShape& disc, const Setting& at) {
     part.put(shared::PrimitiveKind::Disc, part.model.discs, row, at, box, 4);
 }
 
-void addTriangle(Part& part, const dvec3 (&vertices)[3], const Setting& at) {
+// False, without a triangle, if a corner is not finite or the area is 0.
+bool addTriangle(Part& part, const dvec3 (&vertices)[3], const Setting& at) {
+    const dvec3 area = glm::cross(vertices[1] - vertices[0], vertices[2] - vertices[0]);
+    if (!isFinite(area) || area == dvec3(0)) return false;
     rows::Triangle row;
     row.v0 = vertices[0] - at.origin;
     row.v1 = vertices[1] - at.origin;
@@ -95,6 +98,7 @@ void addTriangle(Part& part, const dvec3 (&vertices)[3], const Setting& at) {
     Bounds box;
     for (const dvec3& v : {row.v0, row.v1, row.v2}) box.include(v);
     part.addItem(shared::PrimitiveKind::Triangle, part.model.triangles.size() - 1, box, 1);
+    return true;
 }
 
 // Sets normals, texture coordinates and colours of the triangle added last.
@@ -111,12 +115,12 @@ void addAttributes(Part& part, const Mesh& mesh, uint32_t face) {
             if (complete) *out[i] = unit(mesh.normals[corners[i]]);
         }
         if (complete) {
-            surface.vertexNormals = static_cast<uint32_t>(part.model.vertexNormals.size());
-            part.model.vertexNormals.push_back(normals);
+            surface.vertexNormals = static_cast<uint32_t>(part.whole.vertexNormals.size());
+            part.whole.vertexNormals.push_back(normals);
         }
     }
-    const auto first = static_cast<uint32_t>(part.model.vertexAttributes.size());
-    const auto put = [&](const dvec3& value) { part.model.vertexAttributes.emplace_back().value = value; };
+    const auto first = static_cast<uint32_t>(part.whole.vertexAttributes.size());
+    const auto put = [&](const dvec3& value) { part.whole.vertexAttributes.emplace_back().value = value; };
     if (!mesh.uvCorners.empty() && mesh.uvCorners[face].x != Mesh::kNoIndex) {
         const glm::uvec3 c = mesh.uvCorners[face];
         put({mesh.uvs[c.x].x, mesh.uvs[c.y].x, mesh.uvs[c.z].x});
@@ -142,13 +146,13 @@ void add(Part& part, const PolygonShape& polygon, const Setting& at) {
     rows::Polygon row;
     row.point = plane->point;
     row.normal = plane->normal;
-    row.firstVertex = static_cast<uint32_t>(part.model.polygonVertices.size());
+    row.firstVertex = static_cast<uint32_t>(part.whole.polygonVertices.size());
     constexpr size_t kEdges = shared::kPolygonEdgesPerTrip;
     row.trips = static_cast<uint32_t>((outline.size() + kEdges - 1) / kEdges);
     for (size_t i = 0; i <= row.trips * kEdges; ++i) {
         rows::PolygonVertex vertex;
         vertex.position = outline[i < outline.size() ? i : 0];
-        part.model.polygonVertices.push_back(vertex);
+        part.whole.polygonVertices.push_back(vertex);
     }
     // A vertex may lie off the plane, where the hit is.
     box.grow(plane->deviation);
@@ -187,12 +191,9 @@ void add(Part& part, const BoxShape& box, const Setting& at) {
 }
 
 void add(Part& part, const TriangleShape& triangle, const Setting& at) {
-    const auto& v = triangle.vertices;
-    const dvec3 area = glm::cross(v[1] - v[0], v[2] - v[0]);
-    if (area != dvec3(0) && isFinite(area)) addTriangle(part, v, at);
+    addTriangle(part, triangle.vertices, at);
 }
 
-// Skip triangles with a corner that is not finite, or without area.
 void add(Part& part, const MeshShape& shape, const Setting& at) {
     const Mesh& mesh = *shape.mesh;
     const size_t count = mesh.corners.size();
@@ -203,13 +204,10 @@ void add(Part& part, const MeshShape& shape, const Setting& at) {
     for (uint32_t face = 0; face < count; ++face) {
         const glm::uvec3 c = mesh.corners[face];
         const dvec3 v[3] = {mesh.positions[c.x], mesh.positions[c.y], mesh.positions[c.z]};
-        if (!isFinite(v[0]) || !isFinite(v[1]) || !isFinite(v[2])) continue;
-        if (glm::cross(v[1] - v[0], v[2] - v[0]) == dvec3(0)) continue;
         one.who.id = at.who.id + face;
         one.who.face = mesh.faces.empty() ? face : mesh.faces[face];
         if (!mesh.materials.empty()) one.who.material = mesh.materials[face];
-        addTriangle(part, v, one);
-        addAttributes(part, mesh, face);
+        if (addTriangle(part, v, one)) addAttributes(part, mesh, face);
     }
 }
 
@@ -244,7 +242,7 @@ class MediaAround {
         : eye_(eye), model_(model), turns_(model.optics.size() + 1), boxes_(turns_.size()) {}
 
     std::vector<uint32_t> find() {
-        if (!model_.nodes->empty()) addTriangles(0, nullptr);
+        if (model_.environment.root != shared::kNone) addTriangles(model_.environment.root, nullptr);
 #define GLINT_ADD(number, Kind, KINDS, kinds, one, many) \
     for (const rows::Kind& row : model_.kinds) add(row);
         GLINT_PRIMITIVES(GLINT_ADD, GLINT_NO_KIND)

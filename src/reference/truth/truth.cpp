@@ -44,9 +44,9 @@ class Maker {
             model_.boundsHi = bounds.hi;
         }
         std::vector<rows::Node> nodes;
-        model_.environment.root = append(std::move(world_), nodes, model_);
+        model_.environment.root = append(std::move(world_), nodes);
         std::vector<uint32_t> roots;
-        for (Part& prototype : prototypes_) roots.push_back(append(std::move(prototype), nodes, model_));
+        for (Part& prototype : prototypes_) roots.push_back(append(std::move(prototype), nodes));
         for (rows::Instance& instance : model_.instances) instance.root = roots[instance.root];
         model_.nodes = std::make_shared<const std::vector<rows::Node>>(std::move(nodes));
         addShading(scene_, used_, model_);
@@ -90,7 +90,7 @@ class Maker {
             const auto [known, isNew] = meshes_.try_emplace(mesh->mesh.get(), number);
             if (!isNew) return known->second;
         }
-        Part& prototype = prototypes_.emplace_back();
+        Part& prototype = prototypes_.emplace_back(Part{model_});
         prototype.add(object.shape,
                       {.ranks = hasOwnMaterials(object) ? ranks_ : std::span<const uint32_t>()});
         for (const Item& item : prototype.items) boxes_[number].include(item.box);
@@ -127,7 +127,7 @@ class Maker {
     const Scene& scene_;
     const Anchors& anchors_;
     Model model_;
-    Part world_;
+    Part world_{model_};
     std::vector<Part> prototypes_;
     std::map<const Mesh*, uint32_t> meshes_;
     std::map<uint32_t, Bounds> boxes_;  // of prototypes
