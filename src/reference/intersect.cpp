@@ -93,8 +93,7 @@ double RoundRule::slip(const PreparedRay& ray) const {
 Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
     Surface surface = namesAt(worldHit);
     Hit hit = worldHit;
-    const bool isTriangle = kindOfPrimitive(hit.primitive) == shared::PrimitiveKind::Triangle;
-    if (isTriangle && isMirrored(scene_, hit.instance)) std::swap(hit.u, hit.v);
+    if (hit.isTriangle() && isMirrored(scene_, hit.instance)) std::swap(hit.u, hit.v);
     std::optional<InstanceFrame> frame;
     if (hit.instance != shared::kNone) frame.emplace(scene_.instances[hit.instance]);
     const Ray ray = frame ? frame->enterInstance(worldRay) : worldRay;
@@ -111,7 +110,7 @@ Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
     }
     surface.scale = std::max(greatestMagnitude(surface.position), surface.scale);
     surface.shadingNormal = surface.geometricNormal;
-    if (isTriangle) {
+    if (hit.isTriangle()) {
         smoothTriangle(scene_, hit, frame ? &*frame : nullptr, surface);
         triangleAttributes(scene_, hit, surface);
     } else {

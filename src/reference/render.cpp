@@ -6,7 +6,6 @@
 #include <mutex>
 
 #include "core/parallel.h"
-#include "pack/scene_arrays.h"
 #include "reference/rounding.h"
 #include "reference/sampling.h"
 #include "reference/tracer.h"
@@ -29,8 +28,8 @@ PixelData dataOf(const dvec3& origin, const PixelRecord& record) {
     data.shadowBits = record.shadowBits;
     if (!record.hit) return data;
     data.depth = record.hit->t;
-    const bool isTriangle = kindOfPrimitive(record.hit->primitive) == shared::PrimitiveKind::Triangle;
-    const glm::vec2 uv(isTriangle ? glm::dvec2(record.hit->u, record.hit->v) : record.surface->uv);
+    const glm::vec2 uv(record.hit->isTriangle() ? glm::dvec2(record.hit->u, record.hit->v)
+                                                : record.surface->uv);
     data.u = uv.x;
     data.v = uv.y;
     data.position = origin + record.surface->position;

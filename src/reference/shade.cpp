@@ -292,8 +292,7 @@ RoundedColor PathTracer::shadeLights(const Interaction& at, bool first) {
 
 Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
     if (scene_.textures.empty()) return surface;
-    const bool isTriangle = kindOfPrimitive(hit.primitive) == shared::PrimitiveKind::Triangle;
-    if (jitter_.t != 0 && hit.instance == shared::kNone && !isTriangle) return lookedUpAt(hit);
+    if (jitter_.t != 0 && hit.instance == shared::kNone && !hit.isTriangle()) return lookedUpAt(hit);
     Surface moved = surface;
     const double scale = std::max(1.0, std::max(surface.uvScale.x, surface.uvScale.y));
     const double reach = surface.scale;

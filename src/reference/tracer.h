@@ -64,6 +64,8 @@ struct Hit {
     uint32_t instance = shared::kNone;   // that the primitive is one of, index in PackedScene::instances
     double slip = 0;                     // of t, for rays with Ray::ties
     bool operator==(const Hit&) const = default;
+
+    bool isTriangle() const { return primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle; }
 };
 
 // Start of a ray: a primitive in the world or of an instance. For a hit: sourceOf.

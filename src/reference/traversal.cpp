@@ -267,9 +267,7 @@ std::optional<Hit> Tracer::possibleHit(const Ray& ray, const Source& source, uin
 }
 
 bool Tracer::crosses(const Ray& ray, const Hit& hit) const {
-    if (hit.primitive >> shared::kPrimitiveKindShift != shared::kKindTriangle ||
-        tracing_.methods.triangles != TriangleMethod::Watertight)
-        return true;
+    if (!hit.isTriangle() || tracing_.methods.triangles != TriangleMethod::Watertight) return true;
     const PreparedRay seen(
         hit.instance == kNone ? ray : InstanceFrame(scene_.instances[hit.instance]).enterInstance(ray));
     return crossesTriangle(scene_.triangles[hit.primitive & shared::kPrimitiveIndexMask], seen);

@@ -30,10 +30,6 @@ void put(Quantities& q, size_t at, const glm::dvec3& v) {
     for (int i = 0; i < 3; ++i) q[at + static_cast<size_t>(i)] = v[i];
 }
 
-bool isTriangle(const reference::Hit& hit) {
-    return hit.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle;
-}
-
 }  // namespace
 
 Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& origin) {
@@ -45,8 +41,8 @@ Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& 
     put(q, kPosition, origin + surface.position);
     put(q, kNormal, surface.shadingNormal);
     put(q, kGeometric, surface.geometricNormal);
-    q[kU] = isTriangle(*record.hit) ? record.hit->u : surface.uv.x;
-    q[kV] = isTriangle(*record.hit) ? record.hit->v : surface.uv.y;
+    q[kU] = record.hit->isTriangle() ? record.hit->u : surface.uv.x;
+    q[kV] = record.hit->isTriangle() ? record.hit->v : surface.uv.y;
     q[kShadows] = record.shadowBits;
     q[kObject] = surface.object;
     q[kPrimitive] = surface.primitive;
@@ -87,7 +83,7 @@ std::string_view quantityName(size_t index) {
 Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray) {
     const reference::Surface& surface = *record.surface;
     double way = record.hit->t + greatestMagnitude(ray.origin) + ray.originScale, slant = 1;
-    if (isTriangle(*record.hit)) {
+    if (record.hit->isTriangle()) {
         const double cosine = glm::dot(surface.geometricNormal, glm::normalize(ray.direction));
         slant = 1 / std::max(std::abs(cosine), kFloatUnit);
         way += surface.scale * slant;
@@ -120,7 +116,7 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     f[kU] = reference::kUvRoundings * kFloatUnit * std::max(slant, surface.uvScale.x);
     f[kV] = reference::kUvRoundings * kFloatUnit * std::max(slant, surface.uvScale.y);
     const glm::dvec3 error = surface.error;
-    const double corners = isTriangle(*record.hit) ? 4 * (f[kU] + f[kV]) * surface.scale : 0;
+    const double corners = record.hit->isTriangle() ? 4 * (f[kU] + f[kV]) * surface.scale : 0;
     f[kClearance] = std::max(0x1p-12, 6 * f[kNormal]) * (error.x + error.y + error.z) +
                     2 * reference::gammaOf(16) * f[kPosition] + reference::gammaOf(7) * corners;
     if (std::isnan(f[kClearance])) f[kClearance] = std::numeric_limits<double>::infinity();
