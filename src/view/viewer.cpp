@@ -143,7 +143,10 @@ void Input::key(const Event& event) {
         held_.erase(event.code);
         return;
     }
-    if (gui_.wantsKeys()) return;
+    if (gui_.wantsKeys()) {
+        if (event.code == GLFW_KEY_ESCAPE) m_.saveAsVisible = m_.saveSceneVisible = m_.openVisible = false;
+        return;
+    }
     if (event.code == GLFW_KEY_ESCAPE && gui_.closePopups()) return;
     fastFlight_ = (event.mods & kShift) != 0;
     if (m_.flying && isFlyKey(event.code, event.mods)) {
