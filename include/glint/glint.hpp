@@ -3,6 +3,10 @@
 #ifndef GLINT_GLINT_HPP
 #define GLINT_GLINT_HPP
 
+#if __cplusplus < 202002L
+#error "glint.hpp needs C++20: compile with -std=c++20, or use glint.h"
+#endif
+
 #include <glint/glint.h>
 #include <glint/arrays.hpp>
 

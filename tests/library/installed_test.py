@@ -68,6 +68,15 @@ def refuses_other_versions(prefix, folder):
         run(CMAKE, "-G", "Ninja", "-S", folder, "-B", folder / f"build-{version}", f"-DCMAKE_PREFIX_PATH={prefix}")
 
 
+def names_the_standard(folder, flags):
+    """The first error in C++17, the default of GCC 12, states the remedy."""
+    source = folder / "old.cpp"
+    source.write_text("#include <glint/glint.hpp>\n")
+    done = subprocess.run(["g++", "-std=c++17", "-fsyntax-only", source, *flags], capture_output=True, text=True)
+    if "-std=c++20" not in done.stderr.partition("error")[2].partition("\n")[0]:
+        sys.exit(f"in C++17 glint.hpp should ask for C++20, not\n{done.stderr}")
+
+
 def programs_of(page):
     """(language, text, what it prints) of each ```c or ```cpp block that has a main, and the ```text block behind it."""
     found = re.findall(r"```(c|cpp)\n(.*?)```(?:\s*It prints\s*```text\n(.*?)```)?", page.read_text(), re.DOTALL)
@@ -118,6 +127,7 @@ def main():
         program = folder / "nearest_hit"
         run("gcc", "-std=c99", *STRICT, SOURCE / "examples/c/nearest_hit.c", "-o", program, *flags)
         check_output(program, environment)
+        names_the_standard(folder, flags)
         check_pages(prefix, folder, flags, environment)
     finally:
         shutil.rmtree(folder)
