@@ -83,7 +83,7 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
         return;
     }
     loaded.packed = packScene(loaded.scene);
-    Request request = requestOf(loaded.scene.image, loaded.scene.camera.lensRadius > 0);
+    Request request = requestOf(loaded.scene.image, loaded.scene.camera);
     const shared::Camera camera = cameraOf(loaded, request);
     request.ledger = loaded.packed.features.transmission;
     render::Options options;

@@ -147,7 +147,7 @@ Request requestOf(const LoadedScene& loaded, const SceneOptions& options, bool u
         image.samplesPerPixel = std::max(image.samplesPerPixel, static_cast<int>(leastSamples(image.filter)));
     const std::string conflict = samplingConflict(image);
     refuseIf(!conflict.empty(), options.scene.string() + ": " + conflict);
-    Request request = requestOf(image, loaded.scene.camera.lensRadius > 0);
+    Request request = requestOf(image, loaded.scene.camera);
     request.methods = options.methods;
     request.limits = options.limits;
     return request;

@@ -95,8 +95,7 @@ struct Task {
 Task taskOf(const LoadedScene& loaded, const Options& options) {
     ImageSettings image = options.request.image;
     image.adaptive.reset();
-    Task task = {loaded, options, cameraOf(loaded, options.request),
-                 requestOf(image, loaded.scene.camera.lensRadius > 0)};
+    Task task = {loaded, options, cameraOf(loaded, options.request), requestOf(image, loaded.scene.camera)};
     static_cast<Tracing&>(task.request) = options.request;
     // Same request as `glint render` without --stats.
     task.request.ledger = loaded.packed.features.transmission;

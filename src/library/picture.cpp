@@ -145,7 +145,7 @@ void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_opt
     const Camera camera = cameraFor(wanted, scene);
     const auto pixels = static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height);
     const Layers layers(wanted, pixels);
-    Request request = requestOf(image, camera.lensRadius > 0);
+    Request request = requestOf(image, camera);
     // More is refused in files too (docs/reference/scene-format.md).
     if (wanted.max_depth != 0)
         request.limits.depth = static_cast<uint32_t>(std::clamp(wanted.max_depth, 0, 1000));

@@ -351,12 +351,12 @@ uint32_t leastSamples(Filter filter) {
     return filter == Filter::Mitchell ? static_cast<uint32_t>(kMinMitchellSamples) : 1;
 }
 
-Request requestOf(const ImageSettings& image, bool lens) {
+Request requestOf(const ImageSettings& image, const Camera& camera) {
     Request request;
     request.image = image;
     request.width = image.width;
     request.height = image.height;
-    request.samples = packSamples(image, lens);
+    request.samples = packSamples(image, camera.lensRadius > 0);
     return request;
 }
 

@@ -38,7 +38,7 @@ class SampleSequence {
 uint32_t leastSamples(Filter filter);
 
 // A request for the whole image with these settings; everything else is the default.
-Request requestOf(const ImageSettings& image, bool lens);
+Request requestOf(const ImageSettings& image, const Camera& camera);
 
 // ---- Reconstruction filters as tables of inverse cumulative distributions
 

@@ -128,7 +128,7 @@ Request SceneSweep::requestFor(const Setting& s, uint32_t seed) const {
     image.samplesPerPixel = s.spp;
     image.seed = seed;
     if (s.contrast) image.adaptive = AdaptiveSampling{64, *s.contrast};
-    Request request = requestOf(image, loaded_.scene.camera.lensRadius > 0);
+    Request request = requestOf(image, loaded_.scene.camera);
     request.methods = s.methods;
     request.limits = s.limits;
     request.cancelled = [this] { return options_.cancelled() || options_.secondsLeft() < -kOverdue; };

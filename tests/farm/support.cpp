@@ -33,7 +33,7 @@ Request requestFor(int width, int height) {
     image.width = width;
     image.height = height;
     image.samplesPerPixel = 4;
-    return glint::requestOf(image, false);
+    return glint::requestOf(image, Camera{});
 }
 
 Picture draw(const Request& request) {

@@ -100,7 +100,7 @@ Trial trialOf(std::istringstream& words) {
     trial.device.access = gpu::Access::TexelBuffer;
     trial.device.traversal = render::Traversal::Lane;
     for (const std::string& option : options) readOption(option, trial, image);
-    const Request request = requestOf(image, read.camera.lensRadius > 0);
+    const Request request = requestOf(image, read.camera);
     trial.options.width = request.width;
     trial.options.height = request.height;
     trial.options.samples = request.samples;

@@ -159,7 +159,7 @@ TEST_F(VerdictTest, TheSumOfSamplesIsVerified) {
         Scene scene = loadScene(glint::test::sourcePath("scenes/sampling.json"));
         scene.image.samplesPerPixel = 4;
         if (adaptive) scene.image.adaptive = AdaptiveSampling{32, 0.05};
-        const Request samples = requestOf(scene.image, false);
+        const Request samples = requestOf(scene.image, Camera{});
         const Case c = makeCase(scene, 64, 48);
         const KernelCode code = mutantKernels(mutant);
         for (const bool broken : {false, true}) {
