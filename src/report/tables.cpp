@@ -185,8 +185,9 @@ std::vector<std::string> useTheseSettings(const SceneReport& scene) {
         if (const Measured* best = cheapestFor(scene, error))
             lines.push_back(start + "--sampler " + best->family + " --spp " + std::to_string(best->spp) +
                             " (" + milliseconds(best->median()) + " ms)");
-        else
-            lines.push_back(start + "--error " + shortNumber(error) + " (no measured setting reaches it)");
+        else  // errors are measured within the scene's depth
+            lines.push_back(start + "--error " + shortNumber(error) +
+                            " --within-depth (no measured setting reaches it)");
     }
     return lines;
 }

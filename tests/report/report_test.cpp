@@ -309,7 +309,7 @@ TEST(ReportWriting, ThePageBeginsWithTheSettingsToUse) {
     EXPECT_LT(image, use);
     EXPECT_LT(use, at("<svg "));
     EXPECT_LT(at("<svg "), at("<table>"));
-    at("<li>for an error of 0.001: --error 0.001 (no measured setting reaches it)</li>");
+    at("<li>for an error of 0.001: --error 0.001 --within-depth (no measured setting reaches it)</li>");
     at("<ul>\n<li>grid, 64 spp</li>\n</ul>");
     EXPECT_LACKS(page, "<p>- ");
 }
