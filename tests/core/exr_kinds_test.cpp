@@ -1,7 +1,5 @@
 // EXR files as other programs write them, made by OpenEXR: tiles, compressions, sample types, windows, parts.
 #include <ImfChannelList.h>
-#include <ImfDeepFrameBuffer.h>
-#include <ImfDeepScanLineOutputFile.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfMultiPartOutputFile.h>
@@ -155,26 +153,6 @@ TEST_F(ExrKinds, LuminanceWithAlpha) {
     }
     EXPECT_EQ(written(header, buffer, 1).pixels,
               (std::vector<float>{0.25f, 0.25f, 0.25f, 0.75f, 0.5f, 0.5f, 0.5f, 1.0f}));
-}
-
-TEST_F(ExrKinds, DeepPixelsAreRefused) {
-    {
-        Imf::Header header(1, 1);
-        header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
-        header.setType(Imf::DEEPSCANLINE);
-        header.compression() = Imf::ZIPS_COMPRESSION;
-        Imf::DeepScanLineOutputFile out(file("a.exr").c_str(), header);
-        unsigned counts[] = {1};
-        float depth = 1;
-        char* pointers[] = {reinterpret_cast<char*>(&depth)};
-        Imf::DeepFrameBuffer buffer;
-        buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts), 4, 4));
-        buffer.insert("Z", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(pointers), 8, 8, 4));
-        out.setFrameBuffer(buffer);
-        out.writePixels(1);
-    }
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(file("a.exr")); }),
-              file("a.exr").string() + ": EXR files with deep pixels are not supported");
 }
 
 TEST_F(ExrKinds, SubsampledChannelsAreRefused) {

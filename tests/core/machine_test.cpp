@@ -7,8 +7,6 @@
 #include <atomic>
 #include <csignal>
 #include <limits>
-#include <mutex>
-#include <set>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -44,15 +42,11 @@ TEST(ParallelFor, OneThreadGoesInOrder) {
 TEST(ParallelFor, UsesAsManyThreadsAsAsked) {
     // Each of the four waits for the other three: with fewer threads this would not end.
     std::atomic<int> arrived{0};
-    std::mutex mutex;
-    std::set<std::thread::id> ids;
     parallelFor({.threads = 4}, 4, [&](size_t) {
         ++arrived;
         while (arrived < 4) std::this_thread::yield();
-        const std::lock_guard lock(mutex);
-        ids.insert(std::this_thread::get_id());
     });
-    EXPECT_EQ(ids.size(), 4u);
+    EXPECT_EQ(arrived, 4);
 }
 
 TEST(ParallelFor, ExceptionsReachTheCallerAndStopTheRest) {

@@ -130,41 +130,32 @@ float linear(double code, double greatest) {
     return static_cast<float>(linearFromSrgb(code / greatest));
 }
 
-TEST(PngKinds, FewBitsOfGrey) {
-    // 0b10110000 of one bit, 0b00011011 of two, 0x4f of four
-    EXPECT_EQ(decodePng(pngBytes({4, 1, 1, 0, 0, {0, 0xb0}})).pixels, (std::vector<float>{1, 0, 1, 1}));
-    EXPECT_EQ(decodePng(pngBytes({4, 1, 2, 0, 0, {0, 0x1b}})).pixels,
-              (std::vector<float>{0, linear(1, 3), linear(2, 3), 1}));
-    EXPECT_EQ(decodePng(pngBytes({2, 1, 4, 0, 0, {0, 0x4f}})).pixels, (std::vector<float>{linear(4, 15), 1}));
-}
-
-TEST(PngKinds, SixteenBitsAllCount) {
-    EXPECT_EQ(decodePng(pngBytes({2, 1, 16, 0, 0, {0, 0x80, 0x01, 0xff, 0xff}})).pixels,
-              (std::vector<float>{linear(0x8001, 65535), 1}));
-    EXPECT_NE(linear(0x8001, 65535), linear(0x8000, 65535));
-}
-
-TEST(PngKinds, PaletteWithoutAlpha) {
-    EXPECT_EQ(decodePng(pngBytes({3, 1, 8, 3, 0, {0, 1, 0, 1}, {{"PLTE", {255, 0, 0, 0, 255, 255}}}})).pixels,
-              (std::vector<float>{0, 1, 1, 1, 0, 0, 0, 1, 1}));
-}
-
-TEST(PngKinds, TransparentColours) {
-    const Image alpha = decodePng(pngBytes({1, 1, 8, 4, 0, {0, 255, 51}}));
-    EXPECT_EQ(alpha.pixels, (std::vector<float>{1, 1, 1, 0.2f}));  // 51 / 255, without curve
-    const Image grey = decodePng(pngBytes({2, 1, 8, 0, 0, {0, 255, 7}, {{"tRNS", {0, 7}}}}));
-    EXPECT_EQ(grey.pixels,
-              (std::vector<float>{1, 1, 1, 1, linear(7, 255), linear(7, 255), linear(7, 255), 0}));
-    const Image palette =
-        decodePng(pngBytes({2, 1, 8, 3, 0, {0, 0, 1}, {{"PLTE", {255, 0, 0, 0, 255, 0}}, {"tRNS", {51}}}}));
-    EXPECT_EQ(palette.pixels, (std::vector<float>{1, 0, 0, 0.2f, 0, 1, 0, 1}));
-}
-
-TEST(PngKinds, ProfilesAndGammaDoNotCount) {
+TEST(PngKinds, BecomeLinearSamples) {
+    const float grey = linear(7, 255), wide = linear(0x8001, 65535);
     const std::vector<uint8_t> gamma = {0, 1, 0x86, 0xa0};  // 1.0
-    EXPECT_EQ(
-        decodePng(pngBytes({1, 1, 8, 0, 0, {0, 128}, {{"gAMA", gamma}, {"tEXt", {'a', 0, 'b'}}}})).pixels,
-        (std::vector<float>{linear(128, 255)}));
+    const struct {
+        const char* name;
+        PngParts png;
+        std::vector<float> pixels;
+    } kinds[] = {{"1 bit: 10110000", {4, 1, 1, 0, 0, {0, 0xb0}}, {1, 0, 1, 1}},
+                 {"2 bits: 00011011", {4, 1, 2, 0, 0, {0, 0x1b}}, {0, linear(1, 3), linear(2, 3), 1}},
+                 {"4 bits", {2, 1, 4, 0, 0, {0, 0x4f}}, {linear(4, 15), 1}},
+                 {"16 bits", {2, 1, 16, 0, 0, {0, 0x80, 0x01, 0xff, 0xff}}, {wide, 1}},
+                 {"palette without alpha",
+                  {3, 1, 8, 3, 0, {0, 1, 0, 1}, {{"PLTE", {255, 0, 0, 0, 255, 255}}}},
+                  {0, 1, 1, 1, 0, 0, 0, 1, 1}},
+                 {"alpha: 51 / 255, without curve", {1, 1, 8, 4, 0, {0, 255, 51}}, {1, 1, 1, 0.2f}},
+                 {"a transparent grey",
+                  {2, 1, 8, 0, 0, {0, 255, 7}, {{"tRNS", {0, 7}}}},
+                  {1, 1, 1, 1, grey, grey, grey, 0}},
+                 {"palette with alpha",
+                  {2, 1, 8, 3, 0, {0, 0, 1}, {{"PLTE", {255, 0, 0, 0, 255, 0}}, {"tRNS", {51}}}},
+                  {1, 0, 0, 0.2f, 0, 1, 0, 1}},
+                 {"profiles and gamma do not count",
+                  {1, 1, 8, 0, 0, {0, 128}, {{"gAMA", gamma}, {"tEXt", {'a', 0, 'b'}}}},
+                  {linear(128, 255)}}};
+    for (const auto& kind : kinds) EXPECT_EQ(decodePng(pngBytes(kind.png)).pixels, kind.pixels) << kind.name;
+    EXPECT_NE(wide, linear(0x8000, 65535));
 }
 
 TEST(PngKinds, Interlaced) {

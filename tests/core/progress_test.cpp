@@ -49,15 +49,6 @@ TEST_F(ProgressTest, NothingInTheFirstSecond) {
     }
 }
 
-TEST_F(ProgressTest, ShortComputationsLeaveNoTrace) {
-    {
-        Progress progress("render", ProgressMode::Bar, sink_, true, clock());
-        now_ = 100.5;
-        progress.update(1.0);
-    }
-    EXPECT_EQ(output(), "");
-}
-
 TEST_F(ProgressTest, BarIsRedrawnTenTimesASecondAtMost) {
     Progress progress("render", ProgressMode::Bar, sink_, true, clock());
     int draws = 0;
@@ -125,12 +116,15 @@ TEST_F(ProgressTest, AutoIsABarOnATerminalOnly) {
     }
 }
 
-TEST_F(ProgressTest, NoneIsSilent) {
-    Progress progress("render", ProgressMode::None, sink_, true, clock());
-    now_ = 110.0;
-    progress.update(0.5);
-    progress.finish();
-    EXPECT_EQ(output(), "");
+TEST_F(ProgressTest, ShortComputationsAndNoneLeaveNoTrace) {
+    for (const auto& [mode, seconds] : {std::pair{ProgressMode::Bar, 0.5}, {ProgressMode::None, 10.0}}) {
+        {
+            now_ = 100.0;
+            Progress progress("render", mode, sink_, true, clock());
+            EXPECT_EQ(shown(progress, seconds, 1.0), "");
+        }
+        EXPECT_EQ(output(), "") << "at its end";
+    }
 }
 
 TEST_F(ProgressTest, UpdatesFromManyThreadsGiveWholeLines) {

@@ -61,10 +61,7 @@ void expectSameBits(const Image& actual, const Image& expected) {
     ASSERT_EQ(actual.width, expected.width);
     ASSERT_EQ(actual.height, expected.height);
     ASSERT_EQ(actual.channels, expected.channels);
-    for (size_t i = 0; i < expected.pixels.size(); ++i) {
-        ASSERT_EQ(std::bit_cast<uint32_t>(actual.pixels[i]), std::bit_cast<uint32_t>(expected.pixels[i]))
-            << i;
-    }
+    ASSERT_TRUE(test::sameBytes(actual.pixels, expected.pixels));
 }
 
 TEST_F(RoundTrip, PfmAndExrKeepEveryBit) {
@@ -200,15 +197,6 @@ TEST_F(RoundTrip, UnknownExtensionsAreUsageErrors) {
     const std::string bare = file("a").string();
     EXPECT_EQ(errorOf(ErrorKind::Argument, [&] { writeImage(bare, image); }),
               bare + ": no file name extension (use .png, .exr, .pfm or .hdr)");
-    EXPECT_TRUE(names().empty());
-}
-
-TEST_F(RoundTrip, PicturesThatCannotBeWritten) {
-    const std::string path = file("a.png").string();
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(0, 4, 3)); }),
-              path + ": a layer \"color\" of 0x4 pixels with 3 channels cannot be written");
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(4, 4, 2)); }),
-              path + ": a layer \"color\" of 4x4 pixels with 2 channels cannot be written");
     EXPECT_TRUE(names().empty());
 }
 
@@ -350,10 +338,14 @@ TEST_F(Layers, LayersThatDoNotFit) {
         {{layer("color", 3, 0), {"depth", Image(3, 1, 1)}},
          "the layers \"color\" and \"depth\" differ in size"},
         {{layer("alpha", 3, 0)}, "the layer \"alpha\" must have one channel"},
-        {{layer("normal", 4, 0)}, "a layer \"normal\" of 2x1 pixels with 4 channels cannot be written"}};
-    const std::string path = file("a.exr").string();
-    for (const auto& c : cases)
-        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(path, c.first); }), path + ": " + c.second);
+        {{layer("normal", 4, 0)}, "a layer \"normal\" of 2x1 pixels with 4 channels cannot be written"},
+        {{{"color", Image(0, 4, 3)}}, "a layer \"color\" of 0x4 pixels with 3 channels cannot be written"},
+        {{{"color", Image(4, 4, 2)}}, "a layer \"color\" of 4x4 pixels with 2 channels cannot be written"}};
+    for (const std::string path : {file("a.exr"), file("a.png")}) {
+        for (const auto& c : cases)
+            EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(path, c.first); }),
+                      path + ": " + c.second);
+    }
     EXPECT_TRUE(names().empty());
 }
 
