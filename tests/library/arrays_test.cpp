@@ -139,12 +139,10 @@ TEST_F(LibraryArrays, NothingWantedIsNothingDone) {
     const std::vector<F3> origins = {{0.5f, 0.25f, 2}}, directions = {{0, 0, -1}};
     glint_rays rays = raysFrom(origins, directions);
     GLINT_INIT(glint_hits, hits);
-    GLINT_INIT(glint_options, options);
-    int asked = 0;
-    options.user = &asked;
-    options.cancelled = [](void* user) { return ++*static_cast<int*>(user), 0; };
+    Watch watch;
+    const glint_options options = watch.options();
     EXPECT_OK(glint_query_closest(scene(), &rays, &hits, &options));
-    EXPECT_EQ(asked, 0);
+    EXPECT_EQ(watch.asked, 0);
 }
 
 TEST_F(LibraryArrays, WhatIsRefusedIsNamed) {

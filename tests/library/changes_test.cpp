@@ -60,6 +60,8 @@ class LibraryChanges : public LibraryTest {
         ASSERT_OK(glint_scene_set_vertices(scene(), mesh, &view));
     }
 
+    const std::vector<U3> corners_ = gridCorners(kSide);
+
     // fill(scene) makes the scene from nothing, as it is now.
     template <class Fill>
     void expectAsAnew(const Fill& fill, uint32_t expectedRefits, const D3& by = {0, 0, 0}) {
@@ -81,14 +83,13 @@ class LibraryChanges : public LibraryTest {
 };
 
 TEST_F(LibraryChanges, VerticesAreFollowedBitForBit) {
-    const std::vector<U3> corners = gridCorners(kSide);
-    addMesh(sheet(0), corners);
+    addMesh(sheet(0), corners_);
     commit();
     for (uint32_t step = 1; step <= 5; ++step) {
         const std::vector<D3> vertices = sheet(0.2 * step);
         setVertices(0, vertices);
         commit();
-        expectAsAnew([&](glint_scene* to) { test::addMesh(to, vertices, corners); }, step);
+        expectAsAnew([&](glint_scene* to) { test::addMesh(to, vertices, corners_); }, step);
     }
 }
 
@@ -96,7 +97,7 @@ TEST_F(LibraryChanges, VerticesAreFollowedBitForBit) {
 TEST_F(LibraryChanges, ATreeThatFitsNoMoreIsBuiltAnew) {
     std::vector<D3> vertices, torn;
     const std::vector<D3> places = sheet(0);
-    std::vector<U3> corners = gridCorners(kSide);
+    std::vector<U3> corners = corners_;
     for (const U3& c : corners) vertices.insert(vertices.end(), {places[c.x], places[c.y], places[c.z]});
     std::shuffle(corners.begin(), corners.end(), std::mt19937(1));
     for (const U3& c : corners) torn.insert(torn.end(), {places[c.x], places[c.y], places[c.z]});
@@ -120,12 +121,10 @@ TEST_F(LibraryChanges, ATreeThatFitsNoMoreIsBuiltAnew) {
 // Two instances of 4,608 triangles share them; a third object is too small for that and is baked. A plane and
 // a sphere stand by.
 TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
-    const std::vector<U3> corners = gridCorners(kSide);
     const std::vector<D3> small = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1.2}};
     const auto fill = [&](glint_scene* to, double at) {
-        test::addMesh(to, sheet(0), corners);
-        uint32_t instance = 0;
-        ASSERT_OK(glint_scene_add_instance(to, 0, placed(1, 0.5 * at, 1 + at, 0.3).data(), &instance));
+        test::addMesh(to, sheet(0), corners_);
+        ASSERT_OK(glint_scene_add_instance(to, 0, placed(1, 0.5 * at, 1 + at, 0.3).data(), nullptr));
         test::addMesh(to, small, {{0, 1, 2}});
         ASSERT_OK(glint_scene_set_transform(to, 2, placed(at, 0, 0, at).data()));
         addJson(to, R"({"materials": {"m": {}}, "camera": {"eye": [0, 0, 20],
@@ -135,7 +134,7 @@ TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
     };
     fill(scene(), 0);
     commit();
-    ASSERT_EQ(info().triangles, 2 * corners.size() + 1);
+    ASSERT_EQ(info().triangles, 2 * corners_.size() + 1);
     for (uint32_t step = 1; step <= 4; ++step) {
         const double at = 0.1 * step;
         ASSERT_OK(glint_scene_set_transform(scene(), 1, placed(1, 0.5 * at, 1 + at, 0.3).data()));
@@ -147,11 +146,9 @@ TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
 
 // Changes that no refit can follow rebuild the BVH: a sphere moves, a mesh changes that instances share.
 TEST_F(LibraryChanges, WhateverElseChangesIsBuiltAnew) {
-    const std::vector<U3> corners = gridCorners(kSide);
     const auto fill = [&](glint_scene* to, double at) {
-        test::addMesh(to, sheet(at), corners);
-        uint32_t instance = 0;
-        ASSERT_OK(glint_scene_add_instance(to, 0, placed(1, 0, 1).data(), &instance));
+        test::addMesh(to, sheet(at), corners_);
+        ASSERT_OK(glint_scene_add_instance(to, 0, placed(1, 0, 1).data(), nullptr));
         addSpheres(to, {{2, 2, 2}}, {0.5});
         ASSERT_OK(glint_scene_set_transform(to, 2, placed(at, at, 0).data()));
     };
@@ -164,35 +161,32 @@ TEST_F(LibraryChanges, WhateverElseChangesIsBuiltAnew) {
 }
 
 TEST_F(LibraryChanges, TrianglesWithoutAreaComeAndGo) {
-    const std::vector<U3> corners = gridCorners(kSide);
-    addMesh(sheet(0), corners);
+    addMesh(sheet(0), corners_);
     commit();
     std::vector<D3> pinched = sheet(0.1);
     pinched[20] = pinched[21];
     for (const auto& [vertices, warnings] : {std::pair(pinched, 1u), std::pair(sheet(0.2), 0u)}) {
         setVertices(0, vertices);
         commit();
-        expectAsAnew([&, &given = vertices](glint_scene* to) { test::addMesh(to, given, corners); }, 0);
+        expectAsAnew([&, &given = vertices](glint_scene* to) { test::addMesh(to, given, corners_); }, 0);
         EXPECT_EQ(info().warnings, warnings);
     }
 }
 
 // Triangles without area stay left out while the others move.
 TEST_F(LibraryChanges, TrianglesLeftOutAreNoHindrance) {
-    const std::vector<U3> corners = gridCorners(kSide);
     std::vector<D3> pinched = sheet(0);
     pinched[20] = pinched[21];
-    addMesh(pinched, corners);
+    addMesh(pinched, corners_);
     commit();
     for (D3& vertex : pinched) vertex[2] *= 1.25;
     setVertices(0, pinched);
     commit();
-    expectAsAnew([&](glint_scene* to) { test::addMesh(to, pinched, corners); }, 1);
+    expectAsAnew([&](glint_scene* to) { test::addMesh(to, pinched, corners_); }, 1);
 }
 
 TEST_F(LibraryChanges, BadVerticesAreRefusedAndTheSceneStays) {
-    const std::vector<U3> corners = gridCorners(kSide);
-    addMesh(sheet(0), corners);
+    addMesh(sheet(0), corners_);
     commit();
     const Answers before = ask();
     std::vector<D3> vertices = sheet(1);
@@ -220,9 +214,8 @@ TEST_F(LibraryChanges, BadVerticesAreRefusedAndTheSceneStays) {
 
 // Coordinates start from elsewhere now and then: the trees stay, and no digits are lost.
 TEST_F(LibraryChanges, AMeshThatMovesFarIsNeverBuiltAnew) {
-    const std::vector<U3> corners = gridCorners(kSide);
     const std::vector<D3> first = sheet(0);
-    addMesh(first, corners);
+    addMesh(first, corners_);
     commit();
     D3 by = {0, 0, 0};
     for (uint32_t step = 1; step <= 60; ++step) {
@@ -234,14 +227,13 @@ TEST_F(LibraryChanges, AMeshThatMovesFarIsNeverBuiltAnew) {
         setVertices(0, vertices);
         commit();
         if (step % 6 == 0 || step == 40 || step == 50)
-            expectAsAnew([&](glint_scene* to) { test::addMesh(to, vertices, corners); }, step, by);
+            expectAsAnew([&](glint_scene* to) { test::addMesh(to, vertices, corners_); }, step, by);
     }
 }
 
 // Instances, planes, lights and triangles without area follow a moved origin, too; a sphere does not. (They
 // are so far away that the text's camera, which stays, sees none of them.)
 TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
-    const std::vector<U3> corners = gridCorners(kSide);
     constexpr double kFar = 1e5;
     const std::string beside = R"({"lights": [{"type": "point", "position": [1, 2, 9]}],
         "objects": [{"type": "plane", "point": [0, 0, -3], "normal": [0, 0, 1]}]})";
@@ -252,9 +244,8 @@ TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
     const auto fill = [&](glint_scene* to, double at, bool ball) {
         std::vector<D3> vertices = sheet(0);
         vertices[20] = vertices[21];
-        test::addMesh(to, vertices, corners);
-        uint32_t instance = 0;
-        ASSERT_OK(glint_scene_add_instance(to, 0, placed(0, 0, 0).data(), &instance));
+        test::addMesh(to, vertices, corners_);
+        ASSERT_OK(glint_scene_add_instance(to, 0, placed(0, 0, 0).data(), nullptr));
         place(to, at);
         addJson(to, beside);
         if (!ball) return;
@@ -277,13 +268,12 @@ TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
 TEST_F(LibraryChanges, EightThreadsAskWhileOneChanges) {
     constexpr uint32_t kVersions = 60;
     constexpr double kStep = 1;
-    const std::vector<U3> corners = gridCorners(kSide);
     const auto flat = [](uint32_t version) {
         std::vector<D3> vertices = sheet(0, 0);
         for (D3& vertex : vertices) vertex[2] = kStep * version;
         return vertices;
     };
-    addMesh(flat(0), corners);
+    addMesh(flat(0), corners_);
     commit();
     const glint_scene* const asked = scene();
     std::atomic<bool> done = false;

@@ -102,8 +102,7 @@ TEST_F(LibraryClosestPoint, AgreesWithBruteForce) {
         useScene(nullptr);
         const std::vector<D3> first = mesh.movedBy(place);
         const uint32_t geometry = addMesh(first, mesh.corners);
-        uint32_t instance = 0;
-        ASSERT_OK(glint_scene_add_instance(scene(), geometry, matrix, &instance));
+        ASSERT_OK(glint_scene_add_instance(scene(), geometry, matrix, nullptr));
         commit();
         std::vector<D3> vertices[2] = {first, {}};
         for (const D3& v : first) vertices[1].push_back(moved(matrix, v));

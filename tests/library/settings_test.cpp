@@ -223,21 +223,14 @@ TEST_F(LibrarySettings, CommitsAreCancelledAnywhere) {
     ASSERT_OK(glint_scene_commit(scene_));
     double before = 0, after = 0;
     ASSERT_OK(ask(before));
-    struct Count {
-        int asked = 0, last = 0;
-    } count;
-    GLINT_INIT(glint_options, options);
-    options.user = &count;
-    options.cancelled = [](void* user) {
-        auto& seen = *static_cast<Count*>(user);
-        return ++seen.asked == seen.last ? 1 : 0;
-    };
+    Watch watch;
+    const glint_options options = watch.options();
     const std::vector<F3> vertices = sheet(2);
     const glint_view view = viewOf(vertices);
     glint_status status = GLINT_ERROR_CANCELLED;
     int cancelled = 0;
-    for (count.last = 1; count.last < 200 && status == GLINT_ERROR_CANCELLED; ++count.last) {
-        count.asked = 0;
+    for (watch.cancelAt = 1; watch.cancelAt < 200 && status == GLINT_ERROR_CANCELLED; ++watch.cancelAt) {
+        watch.asked = 0;
         ASSERT_OK(glint_scene_set_vertices(scene_, 0, &view));
         status = glint_scene_commit_with(scene_, &options);
         if (status != GLINT_ERROR_CANCELLED) break;
@@ -253,23 +246,6 @@ TEST_F(LibrarySettings, CommitsAreCancelledAnywhere) {
     EXPECT_EQ(told_.held, 0);
 }
 
-// What a loading call asks and tells.
-struct Loading {
-    std::atomic<int> asked = 0;  // from any thread
-    int cancelAt = 0;            // the number of the question to say yes to, from 1; 0: none
-    std::vector<double> told;
-    glint_options options() {
-        GLINT_INIT(glint_options, made);
-        made.user = this;
-        made.cancelled = [](void* user) {
-            auto& loading = *static_cast<Loading*>(user);
-            return ++loading.asked == loading.cancelAt ? 1 : 0;
-        };
-        made.progress = [](void* user, double part) { static_cast<Loading*>(user)->told.push_back(part); };
-        return made;
-    }
-};
-
 // Meshes of each kind of file, textures, instances and JSON alone: nothing is left behind, wherever it ends.
 TEST_F(LibrarySettings, LoadsAreCancelledAnywhere) {
     ASSERT_OK(open(counted(1)));
@@ -277,14 +253,14 @@ TEST_F(LibrarySettings, LoadsAreCancelledAnywhere) {
     for (const char* name : {"textures.json", "instances.json", "vertex_colors.json", "imports/table.gltf",
                              "imports/gem.stl", "meshes/knot.obj", "meshes/rgb_cube.ply"}) {
         const std::string file = sceneFile(name).string();
-        Loading whole;
-        const glint_options watch = whole.options();
-        ASSERT_OK(glint_scene_load_with(device_, file.c_str(), &watch, &scene_));
+        Watch whole;
+        const glint_options uncancelled = whole.options();
+        ASSERT_OK(glint_scene_load_with(device_, file.c_str(), &uncancelled, &scene_));
         glint_scene_release(scene_);
         EXPECT_EQ(told_.held, before) << name;
         EXPECT_GT(whole.asked.load(), 4) << name;
         for (int at = 1; at <= whole.asked.load(); at += 1 + at / 8) {
-            Loading loading;
+            Watch loading;
             loading.cancelAt = at;
             const glint_options options = loading.options();
             EXPECT_EQ(glint_scene_load_with(device_, file.c_str(), &options, &scene_), GLINT_ERROR_CANCELLED)
@@ -299,7 +275,7 @@ TEST_F(LibrarySettings, LoadsAreCancelledAnywhere) {
 
 TEST_F(LibrarySettings, LoadsAndCommitsTellHowFarTheyAre) {
     ASSERT_OK(open(settings()));
-    Loading loading;
+    Watch loading;
     const glint_options options = loading.options();
     const auto expectRising = [&] {
         ASSERT_GT(loading.told.size(), 2u);
@@ -318,7 +294,7 @@ TEST_F(LibrarySettings, LoadsAndCommitsTellHowFarTheyAre) {
 
 TEST_F(LibrarySettings, LoadsThatFailSayWhatLoadsSay) {
     ASSERT_OK(open(settings()));
-    Loading loading;
+    Watch loading;
     const glint_options options = loading.options();
     EXPECT_EQ(glint_scene_load_with(device_, "/no/such.json", &options, &scene_), GLINT_ERROR_SCENE);
     const std::string watched = glint_last_error();

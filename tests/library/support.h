@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -144,6 +145,23 @@ inline void refused(glint_status status, const std::string& part) {
     EXPECT_EQ(status, GLINT_ERROR_ARGUMENT);
     EXPECT_HAS(glint_last_error(), part);
 }
+
+// Options of a call that count its questions, cancel it and keep its progress.
+struct Watch {
+    std::atomic<int> asked = 0;  // from any thread
+    int cancelAt = 0;            // the number of the question to say yes to, from 1; 0: none
+    std::vector<double> told;
+    glint_options options() {
+        GLINT_INIT(glint_options, made);
+        made.user = this;
+        made.cancelled = [](void* user) {
+            auto& watch = *static_cast<Watch*>(user);
+            return ++watch.asked == watch.cancelAt ? 1 : 0;
+        };
+        made.progress = [](void* user, double part) { static_cast<Watch*>(user)->told.push_back(part); };
+        return made;
+    }
+};
 
 inline std::filesystem::path sceneFile(const std::string& name) {
     return glint::test::sourcePath("scenes/" + name);
