@@ -66,10 +66,6 @@ struct ScalePush {
     uint32_t addend = 0;
 };
 
-struct ReversePush {
-    uint32_t count = 0;  // texels
-};
-
 inline uint32_t groupsFor(uint32_t texels) {
     return (texels + 63) / 64;
 }

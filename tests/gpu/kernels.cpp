@@ -27,7 +27,7 @@ Kernel reverseKernel(const Device& device) {
     return Kernel(device, {.name = "reverse",
                            .spirv = reverse_spv,
                            .bindings = {Access::TexelBuffer, Access::StorageBuffer},
-                           .pushConstantBytes = sizeof(ReversePush)});
+                           .pushConstantBytes = sizeof(uint32_t)});
 }
 
 Kernel twistsKernel(const Device& device) {

@@ -19,7 +19,7 @@ TEST_F(SubmissionTest, DispatchesOfABatchAreOrdered) {
 
     Submission submission(device_);
     submission.dispatch(add, groupsFor(texels), bytesOf(ScalePush{texels, 1}));
-    submission.dispatch(reverse, groupsFor(texels), bytesOf(ReversePush{texels}));
+    submission.dispatch(reverse, groupsFor(texels), bytesOf(texels));
     submission.dispatch(triple, groupsFor(texels), bytesOf(ScalePush{texels, 0}));
     submission.submit();
 
