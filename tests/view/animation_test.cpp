@@ -57,14 +57,13 @@ TEST_F(Animation, IsPlayed) {
         "key Left\nwait 2\nprint camera\nhand key Home\nsettle\nexpect time 0\nprint camera\nhand key "
         "r\nsettle\nprint camera\n");
     const std::vector<std::string> times = printed(ran, "time"), built = printed(ran, "built");
-    const std::vector<std::string> cameras = printed(ran, "camera");
+    const std::vector<Json> c = cameras(ran);
     EXPECT_GT(std::stod(times.at(0)), 0);
     EXPECT_EQ(built.at(0), built.at(1));
-    const Json eye = Json::parse("{" + cameras.at(0) + "}")["camera"]["eye"];
-    EXPECT_NEAR(eye[0], std::stod(times.at(1)), 1e-12) << "a unit a second";
+    EXPECT_NEAR(c.at(0)["eye"][0], std::stod(times.at(1)), 1e-12) << "a unit a second";
     expectRendered("shown.png", "scene.json", {"--time", times.at(1)});
-    EXPECT_EQ(cameras.at(1), cameras.at(2)) << "the user's";
-    EXPECT_EQ(Json::parse("{" + cameras.at(3) + "}")["camera"]["eye"], Json({0, 1.5, 7})) << "the file's";
+    EXPECT_EQ(c.at(1), c.at(2)) << "the user's";
+    EXPECT_EQ(c.at(3)["eye"], Json({0, 1.5, 7})) << "the file's";
 }
 
 // The file is loaded again at the moment that is shown; a moment at fault is said, and not shown; a scene

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <thread>
 
 #include "core/image_io.h"
@@ -108,13 +107,10 @@ TEST_F(Hand, UndoAndRedoOfAColor) {
         "--repeat 2 1\nhand key ctrl+a\nhand key numbersign key 2 key 0 key c key 0 key 4 key 0 key "
         "Return\nsettle\nhand key c\nhand key ctrl+z\nsettle\nprint camera\nhand key c\nhand key "
         "ctrl+y\nsettle\nhand key c\n");
-    std::vector<std::string> materials;
-    std::istringstream lines(ran.out);
-    for (std::string line; std::getline(lines, line);)
-        if (line.rfind("\"materials\": ", 0) == 0) materials.push_back(line.substr(13));
+    const std::vector<Json> materials = copied(ran, "materials");
     ASSERT_EQ(materials.size(), 2u) << ran.out;
     EXPECT_EQ(materials[0], materials[1]);
-    const Json one = Json::parse(materials[0])["one"];
+    const Json one = materials[0]["one"];
     EXPECT_NEAR(one["diffuse"][1], linearFromSrgb(0xc0 / 255.0), 1e-6);
     EXPECT_EQ(one["ambient"], one["diffuse"]);
     EXPECT_EQ(cameras(ran).at(0), cameras(ran).at(1));
@@ -219,16 +215,7 @@ std::string chosen(const std::string& control, const std::string& value) {
     return pressed(control) + pressed(value);
 }
 
-class ByHand : public FolderTest {
-  protected:
-    // The JSON that the last press of C printed.
-    static Json copied(const Ran& ran) {
-        const size_t from = ran.out.rfind("\"camera\": ");
-        size_t to = ran.out.find("\n", from);
-        while (to != std::string::npos && ran.out[to - 1] == ',') to = ran.out.find("\n", to + 1);
-        return Json::parse("{" + ran.out.substr(from, to - from) + "}");
-    }
-};
+class ByHand : public FolderTest {};
 
 // ---- reload ----
 
@@ -272,12 +259,11 @@ TEST_F(ByHand, ThePanelChangesThePicture) {
              pressed("materials") + typed("shininess", "12") + chosen("glass_shadows", "full") +
              pressed("materials") + pressed("camera") + typed("radius", "0.125") + pressed("camera") +
              "settle\nhand key alt+s\nsettle\nhand key c\n");
-    const Json changed = copied(ran);
-    EXPECT_EQ(changed["camera"]["lensRadius"], 0.125);
-    EXPECT_EQ(changed["materials"], Json({{"mirror", {{"shininess", 12.0}}}}));
-    EXPECT_EQ(changed["lights"][0]["intensity"], Json({0.35, 0.35, 0.35}));
-    scene_["camera"] = changed["camera"];
-    scene_["lights"] = changed["lights"];
+    scene_["camera"] = cameras(ran).at(0);
+    scene_["lights"] = copied(ran, "lights").at(0);
+    EXPECT_EQ(scene_["camera"]["lensRadius"], 0.125);
+    EXPECT_EQ(copied(ran, "materials").at(0), Json({{"mirror", {{"shininess", 12.0}}}}));
+    EXPECT_EQ(scene_["lights"][0]["intensity"], Json({0.35, 0.35, 0.35}));
     scene_["materials"]["mirror"]["shininess"] = 12;
     write("changed.json", scene_);
     const Words options = "--intersector barycentric --sphere algebraic --max-depth 2";

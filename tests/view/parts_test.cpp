@@ -225,20 +225,16 @@ std::string page() {
     return glint::test::readText(glint::test::sourcePath("docs/guide/window.md"));
 }
 
-void expectLine(const std::string& text, const std::string& line) {
-    EXPECT_HAS(text, line);
-}
-
 TEST(ViewerPage, NamesEveryKeyAndGesture) {
     const std::string text = page();
     for (const KeyBinding& b : keyBindings())
-        expectLine(text, std::string("- `") + b.name + "` " + b.help + "\n");
+        EXPECT_HAS(text, std::string("- `") + b.name + "` " + b.help + "\n");
 }
 
 TEST(ViewerPage, NamesEveryLayer) {
     const std::string text = page();
     for (const EnumEntry<ViewLayer>& entry : kEnumEntries<ViewLayer>)
-        expectLine(text, "| `" + std::string(entry.name) + "` | " + std::string(entry.help) + " |\n");
+        EXPECT_HAS(text, "| `" + std::string(entry.name) + "` | " + std::string(entry.help) + " |\n");
 }
 
 // A key has one meaning, and a script presses it by the name in the list.

@@ -61,8 +61,8 @@ Ran runView(const Words& args, const std::vector<ScriptCommand>& script) {
     return ran;
 }
 
-std::vector<Json> cameras(const Ran& ran) {
-    const std::string start = "\"camera\": ";
+std::vector<Json> copied(const Ran& ran, const std::string& member) {
+    const std::string start = "\"" + member + "\": ";
     std::vector<Json> list;
     std::istringstream lines(ran.out);
     for (std::string line; std::getline(lines, line);) {
@@ -72,6 +72,10 @@ std::vector<Json> cameras(const Ran& ran) {
         list.push_back(Json::parse(line.substr(at + start.size())));
     }
     return list;
+}
+
+std::vector<Json> cameras(const Ran& ran) {
+    return copied(ran, "camera");
 }
 
 std::string sceneText(double red) {

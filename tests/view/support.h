@@ -30,7 +30,8 @@ Ran runView(const Words& args, const std::vector<ScriptCommand>& script);
 inline const char* const kLayers =
     "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost";
 
-// The cameras that `print camera` and the key C wrote.
+// The values of a member that the key C wrote, and of "camera" also `print camera`.
+std::vector<Json> copied(const Ran& ran, const std::string& member);
 std::vector<Json> cameras(const Ran& ran);
 
 // Three things before a floor of one colour: a sphere (object 0), a mirror sphere (1), a triangle (2), a
