@@ -13,13 +13,6 @@ namespace {
 
 constexpr uint32_t kSide = 48;  // squares along a side of the sheet
 
-struct Answers {
-    Found closest;
-    std::vector<uint32_t> crossings;
-    std::vector<uint8_t> any;
-    bool operator==(const Answers&) const = default;
-};
-
 class LibraryChanges : public LibraryTest {
   protected:
     // A sheet in waves.
@@ -52,8 +45,7 @@ class LibraryChanges : public LibraryTest {
         }();
         RayList moved = rays;
         for (D3& origin : moved.origins) origin += by;
-        const glint_rays asked = moved.rays();
-        return {closest(asked), counts(asked), any(asked)};
+        return answers(moved.rays());
     }
     void setVertices(uint32_t mesh, const std::vector<D3>& vertices) {
         const glint_view view = viewOf(vertices);

@@ -93,13 +93,12 @@ inline std::pair<D3, D3> Random::aimed(const Closed& mesh, Aim aim, bool inside)
 }
 
 // From a sphere around the scene's box to points in it.
-template <class List>
-List raysInto(const glint_scene* scene, size_t count, uint32_t seed) {
+inline RayList raysInto(const glint_scene* scene, size_t count, uint32_t seed) {
     GLINT_INIT(glint_scene_info, info);
     EXPECT_OK(glint_scene_info_of(scene, &info));
     const D3 lo = glm::make_vec3(info.lower), size = glm::make_vec3(info.upper) - lo;
     Random random(seed);
-    List rays;
+    RayList rays;
     for (size_t i = 0; i < count; ++i) {
         const D3 to = lo + size * D3{random.uniform(), random.uniform(), random.uniform()};
         const D3 from = to + 2 * std::max({size.x, size.y, size.z}) * random.direction();

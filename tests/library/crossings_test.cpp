@@ -267,7 +267,7 @@ TEST_F(LibraryCrossings, ManySheets) {
 // Triangles that stand in the tree more than once are counted once.
 TEST_F(LibraryCrossings, SplitTrianglesCountOnce) {
     load("arcade.json");
-    const RayList rays = raysInto<RayList>(scene(), 1000, 31);
+    const RayList rays = raysInto(scene(), 1000, 31);
     const Listed all = list(rays.rays());
     size_t twice = 0;
     for (size_t i = 0; i < rays.size(); ++i) {

@@ -11,37 +11,16 @@ namespace {
 // More rays than a piece of the device holds; fewer for the reference, which traces them in blocks.
 const size_t kMany = kOnDevice ? 150'001 : 5'001;
 
-struct Cast : Found, RayList {
-    glint_hits hits() { return outputs(size()); }
-};
-
-class LibraryQueries : public LibraryTest {
-  protected:
-    void closest(Cast& cast, uint32_t flags = 0) {
-        glint_rays rays = cast.rays();
-        rays.flags = flags;
-        const glint_hits hits = cast.hits();
-        ASSERT_OK(glint_query_closest(scene(), &rays, &hits, nullptr));
-    }
-    struct Answers {
-        std::vector<uint8_t> hit;
-        std::vector<uint32_t> crossed;
-    };
-    // Any hits and counts; the closest hits go into the cast.
-    Answers answers(Cast& cast) {
-        closest(cast);
-        return {any(cast.rays()), counts(cast.rays())};
-    }
-};
+using LibraryQueries = LibraryTest;
 
 // Numbers asked for in fp32 are those in fp64, rounded; normals of triangles come from the packed scene then.
 TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
     for (const char* name : {"knot.json", "instances.json", "quadrics.json"}) {
         load(name);
-        Cast cast = raysInto<Cast>(scene(), 3000, 5);
-        closest(cast);
-        const glint_rays rays = cast.rays();
-        std::vector<float> t(cast.t.size());
+        const RayList list = raysInto(scene(), 3000, 5);
+        const glint_rays rays = list.rays();
+        const Found wide = closest(rays);
+        std::vector<float> t(list.size());
         std::vector<F3> normal(t.size()), point(t.size());
         std::vector<D3> exactPoint(t.size());
         GLINT_INIT(glint_hits, hits);
@@ -54,10 +33,10 @@ TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
         ASSERT_OK(glint_query_closest(scene(), &rays, &exact, nullptr));
         size_t found = 0;
         for (size_t i = 0; i < t.size(); ++i) {
-            found += cast.geometry[i] != GLINT_NONE;
-            EXPECT_EQ(t[i], static_cast<float>(cast.t[i]));
+            found += wide.geometry[i] != GLINT_NONE;
+            EXPECT_EQ(t[i], static_cast<float>(wide.t[i]));
             for (int axis = 0; axis < 3; ++axis) {
-                const double n = cast.normal[i][axis];
+                const double n = wide.normal[i][axis];
                 EXPECT_NEAR(static_cast<double>(normal[i][axis]), n, 0x1p-24 * std::abs(n) + 1e-12);
                 EXPECT_EQ(point[i][axis], static_cast<float>(exactPoint[i][axis]));
             }
@@ -70,13 +49,14 @@ TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
 TEST_F(LibraryQueries, NamesAreTheSameByThemselves) {
     for (const char* name : {"knot.json", "instances.json", "quadrics.json", "groups.json"}) {
         load(name);
-        Cast cast = raysInto<Cast>(scene(), 3000, 6);
-        const glint_rays rays = cast.rays();
+        const RayList list = raysInto(scene(), 3000, 6);
+        const glint_rays rays = list.rays();
+        Found found;
         std::array<std::vector<uint32_t>, 3> alone, with;
         for (auto* names : {&alone, &with}) {
-            glint_hits hits = cast.hits();
+            glint_hits hits = found.outputs(list.size());
             if (names == &alone) hits.hit = hits.t = hits.normal = hits.point = hits.origin = glint_out{};
-            for (auto& one : *names) one.assign(cast.t.size(), 77);
+            for (auto& one : *names) one.assign(list.size(), 77);
             hits.geometry = outOf((*names)[0]);
             hits.primitive = outOf((*names)[1]);
             hits.material = outOf((*names)[2]);
@@ -90,47 +70,49 @@ TEST_F(LibraryQueries, NamesAreTheSameByThemselves) {
 // More rays than a piece holds: each is answered as by itself, neighbours or not.
 TEST_F(LibraryQueries, PiecesAndNeighboursChangeNothing) {
     load("knot.json");
-    Cast many = raysInto<Cast>(scene(), kMany, 2), coherent = many;
-    closest(many);
-    closest(coherent, GLINT_RAYS_COHERENT);
+    const RayList list = raysInto(scene(), kMany, 2);
+    glint_rays rays = list.rays();
+    const Found many = closest(rays);
+    const std::vector<uint8_t> hit = any(rays);
+    rays.flags = GLINT_RAYS_COHERENT;
+    const Found coherent = closest(rays);
     EXPECT_EQ(many.t, coherent.t);
     EXPECT_EQ(many.geometry, coherent.geometry);
     EXPECT_EQ(many.primitive, coherent.primitive);
-    const std::vector<uint8_t> hit = any(many.rays());
     size_t differ = 0;
     for (size_t i = 0; i < hit.size(); ++i) differ += (hit[i] == 1) != (many.geometry[i] != GLINT_NONE);
     EXPECT_EQ(differ, 0u);
     for (const size_t i : {size_t{0}, size_t{1023}, kMany * 7 / 8, kMany - 1}) {
-        Cast one;
-        one.add(many.origins[i], many.directions[i]);
-        closest(one);
+        RayList alone;
+        alone.add(list.origins[i], list.directions[i]);
+        const Found one = closest(alone.rays());
         EXPECT_EQ(one.t[0], many.t[i]) << i;
         EXPECT_EQ(one.primitive[0], many.primitive[i]) << i;
     }
 }
 
 // A picture's rays in rows, or rays in no order, two of them of another scale.
-Cast raysOf(const glint_scene* scene, bool picture) {
+RayList raysOf(const glint_scene* scene, bool picture) {
     constexpr int kWidth = 120, kHeight = 90;
-    Cast cast = raysInto<Cast>(scene, picture ? 1 : 12'000, 5);
+    RayList rays = raysInto(scene, picture ? 1 : 12'000, 5);
     if (picture) {
-        const D3 eye = cast.origins[0], ahead = cast.directions[0];
-        cast = {};
+        const D3 eye = rays.origins[0], ahead = rays.directions[0];
+        rays = {};
         for (int y = 0; y < kHeight; ++y) {
             for (int x = 0; x < kWidth; ++x) {
                 const double u = (x - kWidth / 2) / 300.0, v = (y - kHeight / 2) / 300.0;
-                cast.add(eye, {ahead[0] + u * ahead[1] - v * ahead[2], ahead[1] - u * ahead[0],
+                rays.add(eye, {ahead[0] + u * ahead[1] - v * ahead[2], ahead[1] - u * ahead[0],
                                ahead[2] + v * ahead[0]});
             }
         }
     }
     // What fp32 holds, so that arrays of either type are of the same rays.
-    for (std::vector<D3>* all : {&cast.origins, &cast.directions})
+    for (std::vector<D3>* all : {&rays.origins, &rays.directions})
         for (D3& three : *all) three = D3(glm::vec3(three));
-    const size_t middle = cast.size() / 2;
-    cast.directions[middle] *= 0x1p40;
-    cast.directions[middle + 1] *= 0x1p-40;
-    return cast;
+    const size_t middle = rays.size() / 2;
+    rays.directions[middle] *= 0x1p40;
+    rays.directions[middle + 1] *= 0x1p-40;
+    return rays;
 }
 
 // The device's order of rays depends on all rays of a call; calls of few rays keep the given order.
@@ -139,42 +121,42 @@ TEST_F(LibraryQueries, OrderChangesNothing) {
         load(name);
         for (const bool picture : {true, false}) {
             SCOPED_TRACE(std::string(name) + (picture ? ", a picture" : ""));
-            Cast together = raysOf(scene(), picture);
-            const Answers all = answers(together);
+            const RayList together = raysOf(scene(), picture);
+            const Answers all = answers(together.rays());
             for (size_t first = 0; first < together.size(); first += 1000) {
                 const auto fewOf = [&](const auto& values) {
                     const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
                     return std::vector(begin, begin + std::min<std::ptrdiff_t>(1000, values.end() - begin));
                 };
-                Cast few;
+                RayList few;
                 few.origins = fewOf(together.origins);
                 few.directions = fewOf(together.directions);
-                const Answers some = answers(few);
-                EXPECT_EQ(few.t, fewOf(together.t));
-                EXPECT_EQ(few.primitive, fewOf(together.primitive));
-                EXPECT_EQ(few.normal, fewOf(together.normal));
-                EXPECT_EQ(some.hit, fewOf(all.hit));
-                EXPECT_EQ(some.crossed, fewOf(all.crossed));
+                const Answers some = answers(few.rays());
+                EXPECT_EQ(some.closest.t, fewOf(all.closest.t));
+                EXPECT_EQ(some.closest.primitive, fewOf(all.closest.primitive));
+                EXPECT_EQ(some.closest.normal, fewOf(all.closest.normal));
+                EXPECT_EQ(some.any, fewOf(all.any));
+                EXPECT_EQ(some.crossings, fewOf(all.crossings));
             }
-            EXPECT_GT(std::count(all.hit.begin(), all.hit.end(), 1), 1000);
+            EXPECT_GT(std::count(all.any.begin(), all.any.end(), 1), 1000);
         }
     }
 }
 
 TEST_F(LibraryQueries, BothTypesAreReadAlike) {
     load("knot.json");
-    Cast wide = raysOf(scene(), false);
-    closest(wide);
+    const RayList wide = raysOf(scene(), false);
     const std::vector<glm::vec3> origins(wide.origins.begin(), wide.origins.end());
     const std::vector<glm::vec3> directions(wide.directions.begin(), wide.directions.end());
-    EXPECT_EQ(LibraryTest::closest(raysFrom(origins, directions)).t, wide.t);
+    EXPECT_EQ(closest(raysFrom(origins, directions)).t, closest(wide.rays()).t);
 }
 
 TEST_F(LibraryQueries, CancelledAndReported) {
     load("spheres.json");
-    Cast cast = raysInto<Cast>(scene(), 2 * kMany, 4);
-    const glint_rays rays = cast.rays();
-    const glint_hits hits = cast.hits();
+    const RayList list = raysInto(scene(), 2 * kMany, 4);
+    const glint_rays rays = list.rays();
+    Found found;
+    const glint_hits hits = found.outputs(list.size());
     Watch watch;
     const glint_options options = watch.options();
     ASSERT_OK(glint_query_closest(scene(), &rays, &hits, &options));

@@ -102,6 +102,13 @@ struct Found {
         return hits;
     }
 };
+// What three queries answer to the same rays.
+struct Answers {
+    Found closest;
+    std::vector<uint8_t> any;
+    std::vector<uint32_t> crossings;
+    bool operator==(const Answers&) const = default;
+};
 // All hits of rays: those of ray i are from offsets[i] to offsets[i + 1].
 struct Listed {
     std::vector<uint64_t> offsets;
@@ -223,6 +230,7 @@ class LibraryTest : public testing::Test {
         EXPECT_OK(glint_query_count(scene(), &rays, &out, nullptr));
         return crossings;
     }
+    Answers answers(const glint_rays& rays) { return {closest(rays), any(rays), counts(rays)}; }
     Listed list(const glint_rays& rays) {
         Listed listed;
         listed.offsets.resize(countOf(rays) + 1);
