@@ -34,7 +34,8 @@ fs::path outputOf(const RenderCommand& command) {
     if (!command.scene.scene.has_filename())
         throw Error(ErrorKind::Scene, shown(command.scene.scene) + ": is a folder, not a file");
     if (command.output.empty()) return name;
-    return command.output.has_filename() ? command.output : command.output / name;
+    const bool isFolder = !command.output.has_filename() || fs::is_directory(command.output);
+    return isFolder ? command.output / name : command.output;
 }
 
 fs::path outputOf(const RenderCommand& command, const Scene& scene) {

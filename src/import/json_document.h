@@ -121,7 +121,8 @@ class JsonCursor {
 // The value of an enumeration by its name; fails with the names that there are.
 template <NamedEnum E>
 E readNamed(const JsonCursor& value) {
-    const std::optional<E> found = named<E>(value.string());
+    const std::string* name = value.value().string();
+    const std::optional<E> found = name ? named<E>(*name) : std::nullopt;
     if (!found) value.failWanted("must be " + quotedChoices<E>());
     return *found;
 }

@@ -49,6 +49,14 @@ TEST_F(OutputCheck, AllowsWhatCanBeWritten) {
     EXPECT_EQ(messageOf([] { makeFolder("sub"); }), "no error");
 }
 
+TEST_F(OutputCheck, FoldersTakeTheNameOfTheScene) {
+    writeSmallScene("a.json");
+    std::filesystem::create_directory("old");
+    EXPECT_EQ(runGlint("render a.json --backend cpu -q -o old").err, "");
+    EXPECT_EQ(runGlint("render a.json --backend cpu -q -o new/").err, "");
+    EXPECT_TRUE(std::filesystem::exists("old/a.png") && std::filesystem::exists("new/a.png"));
+}
+
 // A folder in /proc refuses files to everyone, root included.
 TEST_F(OutputCheck, FolderThatRefusesAtTheEndLeavesNothing) {
     writeSmallScene("a.json");
