@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <ostream>
 #include <sstream>
 #include <utility>
@@ -266,37 +268,32 @@ void Driver::set(const ScriptCommand& command) {
         return Color(numberOf(command, at), numberOf(command, at + 1), numberOf(command, at + 2));
     };
     PictureSettings& s = m_.settings;
-    if (what == "depth") {
-        s.maxDepth = wholeOf(command, 1);
-    } else if (what == "shadows") {
-        s.shadows = first == "on";
-    } else if (what == "reflections") {
-        s.reflections = first == "on";
-    } else if (what == "samples") {
-        s.sampleLimit = wholeOf(command, 1);
-    } else if (what == "error") {
-        s.until.error = numberOf(command, 1);
-    } else if (what == "exposure") {
-        m_.display.exposure = numberOf(command, 1);
-    } else if (what == "tonemap") {
-        m_.display.toneMap = named<ToneMap>(first).value();
-    } else if (what == "lens") {
-        m_.control.setLens(numberOf(command, 1), m_.control.camera().focusDistance);
-        m_.touch();
-    } else if (what == "glass") {
-        s.edits.transmissiveShadows = named<TransmissiveShadows>(first).value();
-    } else if (what == "diffuse") {
-        std::vector<Material>& all = s.edits.materials;
-        const auto found = std::find_if(all.begin(), all.end(), [&](auto& m) { return m.name == first; });
-        if (found == all.end()) fail(command, "there is no such material");
-        setDiffuse(*found, colorFrom(2));
-    } else if (what == "background") {
-        s.background = glm::vec3(colorFrom(1));
-    } else if (what == "light") {
-        s.lights.at(std::stoul(first)).dim = static_cast<float>(numberOf(command, 2));
-    } else {
-        fail(command, "cannot be set");
-    }
+    std::vector<Material>& materials = s.edits.materials;
+    const std::map<std::string, std::function<void()>> settings = {
+        {"background", [&] { s.background = glm::vec3(colorFrom(1)); }},
+        {"depth", [&] { s.maxDepth = wholeOf(command, 1); }},
+        {"diffuse",
+         [&] {
+             const auto found = std::ranges::find(materials, first, &Material::name);
+             if (found == materials.end()) fail(command, "there is no such material");
+             setDiffuse(*found, colorFrom(2));
+         }},
+        {"error", [&] { s.until.error = numberOf(command, 1); }},
+        {"exposure", [&] { m_.display.exposure = numberOf(command, 1); }},
+        {"glass", [&] { s.edits.transmissiveShadows = named<TransmissiveShadows>(first).value(); }},
+        {"lens",
+         [&] {
+             m_.control.setLens(numberOf(command, 1), m_.control.camera().focusDistance);
+             m_.touch();
+         }},
+        {"light", [&] { s.lights.at(std::stoul(first)).dim = static_cast<float>(numberOf(command, 2)); }},
+        {"reflections", [&] { s.reflections = first == "on"; }},
+        {"samples", [&] { s.sampleLimit = wholeOf(command, 1); }},
+        {"shadows", [&] { s.shadows = first == "on"; }},
+        {"tonemap", [&] { m_.display.toneMap = named<ToneMap>(first).value(); }}};
+    const auto setting = settings.find(what);
+    if (setting == settings.end()) fail(command, "cannot be set");
+    setting->second();
     takeSettings(m_);
 }
 
