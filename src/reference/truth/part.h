@@ -21,6 +21,10 @@ struct Bounds : BoundingBox {
         lo = glm::min(lo, other.lo);
         hi = glm::max(hi, other.hi);
     }
+    double halfArea() const {
+        const glm::dvec3 size = hi - lo;
+        return empty() ? 0 : size.x * size.y + size.y * size.z + size.z * size.x;
+    }
     // The greatest coordinate of a point in it.
     double reach() const { return greatestMagnitude(glm::max(glm::abs(lo), glm::abs(hi))); }
     void grow(double margin) {

@@ -1,5 +1,7 @@
-// Halves of equal numbers along the widest axis of the boxes' middles: at most 32 levels.
+// Split by the surface area heuristic over bins of the boxes' middles (I. Wald, "On Fast Construction of SAH
+// Based Bounding Volume Hierarchies", 2007): of many items along the widest axis, of few along all three.
 #include <algorithm>
+#include <array>
 
 #include "core/room.h"
 #include "reference/truth/part.h"
@@ -9,7 +11,30 @@ namespace {
 
 using glm::dvec3;
 
-constexpr uint32_t kMaxLeaf = 4;
+constexpr size_t kBins = 16;
+constexpr uint32_t kMaxLeaf = 8;
+// From here on halves of equal numbers: 2^25 items then take 25 more levels.
+constexpr uint32_t kDeep = 36;
+static_assert(kDeep + 26 <= kMaxTreeDepth);
+// Three axes take three times as long to fill bins of.
+constexpr uint32_t kFew = 32;
+
+struct Split {
+    double cost = std::numeric_limits<double>::infinity();
+    int axis = 0;
+    size_t bin = 0;  // the first on the right
+};
+
+struct Bin {
+    Bounds box;
+    uint32_t count = 0;
+
+    void include(const Bin& other) {
+        box.include(other.box);
+        count += other.count;
+    }
+    double cost() const { return count * box.halfArea(); }
+};
 
 // Builds the tree and writes the primitives of each leaf as it is made.
 class Builder {
@@ -21,7 +46,7 @@ class Builder {
         reserveMore(model_.triangleSurfaces, part.model.triangles.size());
     }
 
-    uint32_t run() { return grow(0, static_cast<uint32_t>(items_.size())).word; }
+    uint32_t run() { return grow(0, static_cast<uint32_t>(items_.size()), 0).word; }
 
   private:
     struct Child {
@@ -29,7 +54,7 @@ class Builder {
         uint32_t word;  // as in rows::Node
     };
 
-    Child grow(uint32_t first, uint32_t end) {
+    Child grow(uint32_t first, uint32_t end, uint32_t depth) {
         Bounds box, middles;
         bool oneKind = true;
         for (uint32_t i = first; i < end; ++i) {
@@ -37,19 +62,19 @@ class Builder {
             middles.include(middleOf(items_[i]));
             oneKind = oneKind && items_[i].kind == items_[first].kind;
         }
+        const uint32_t count = end - first;
         // A leaf of instances holds one.
-        const uint32_t most = items_[first].kind == shared::PrimitiveKind::Instance ? 1 : kMaxLeaf;
-        if (oneKind && end - first <= most) return {box, writeLeaf(first, end)};
-        const dvec3 widths = middles.hi - middles.lo;
-        const int axis =
-            widths.x >= widths.y ? (widths.x >= widths.z ? 0 : 2) : (widths.y >= widths.z ? 1 : 2);
-        const uint32_t middle = first + (end - first) / 2;
-        const auto begin = items_.begin();
-        std::nth_element(begin + first, begin + middle, begin + end,
-                         [&](const Item& a, const Item& b) { return middleOf(a)[axis] < middleOf(b)[axis]; });
+        const uint32_t most = !oneKind                                                ? 0
+                              : items_[first].kind == shared::PrimitiveKind::Instance ? 1
+                                                                                      : kMaxLeaf;
+        const Split split = count == 1 ? Split{} : bestSplit(first, end, middles);
+        const double area = box.halfArea();
+        if (count == 1 || (count <= most && !(split.cost + area < count * area)))
+            return {box, writeLeaf(first, end)};
         const auto index = static_cast<uint32_t>(nodes_.size());
         nodes_.emplace_back();
-        const Child left = grow(first, middle), right = grow(middle, end);
+        const uint32_t middle = partition(first, end, depth, split, middles, oneKind);
+        const Child left = grow(first, middle, depth + 1), right = grow(middle, end, depth + 1);
         rows::Node& node = nodes_[index];
         node.lo0 = left.box.lo;
         node.hi0 = left.box.hi;
@@ -81,6 +106,56 @@ class Builder {
 
     static dvec3 middleOf(const Item& item) {
         return 0.5 * item.box.lo + 0.5 * item.box.hi;
+    }
+
+    static size_t binOf(double middle, double lo, double size) {
+        const double bin = (middle - lo) / size * kBins;
+        return std::min(static_cast<size_t>(bin), kBins - 1);
+    }
+
+    // Costs are areas times the number of tests on either side.
+    Split bestSplit(uint32_t first, uint32_t end, const Bounds& middles) const {
+        Split best;
+        const dvec3 widths = middles.hi - middles.lo;
+        const double widest = std::max({widths.x, widths.y, widths.z});
+        for (int axis = 0; axis < 3; ++axis) {
+            const double lo = middles.lo[axis], size = widths[axis];
+            if (!(size > 0) || (end - first > kFew && size < widest)) continue;
+            std::array<Bin, kBins> bins;
+            for (uint32_t i = first; i < end; ++i)
+                bins[binOf(middleOf(items_[i])[axis], lo, size)].include({items_[i].box, 1});
+            std::array<double, kBins> right{};
+            Bin sum;
+            for (size_t bin = kBins - 1; bin > 0; --bin) {
+                sum.include(bins[bin]);
+                right[bin] = sum.cost();
+            }
+            sum = Bin();
+            for (size_t bin = 1; bin < kBins; ++bin) {
+                sum.include(bins[bin - 1]);
+                const double cost = sum.cost() + right[bin];
+                if (sum.count > 0 && sum.count < end - first && cost < best.cost) best = {cost, axis, bin};
+            }
+        }
+        return best;
+    }
+
+    uint32_t partition(uint32_t first, uint32_t end, uint32_t depth, const Split& split,
+                       const Bounds& middles, bool oneKind) {
+        const auto begin = items_.begin();
+        const bool found = split.bin > 0;
+        if (found && depth < kDeep) {
+            const double lo = middles.lo[split.axis], size = middles.hi[split.axis] - lo;
+            const auto middle = std::partition(begin + first, begin + end, [&](const Item& item) {
+                return binOf(middleOf(item)[split.axis], lo, size) < split.bin;
+            });
+            return static_cast<uint32_t>(middle - begin);
+        }
+        // All in one place, or too deep: by kind, then in halves.
+        if (!oneKind)
+            std::stable_sort(begin + first, begin + end,
+                             [](const Item& a, const Item& b) { return a.kind < b.kind; });
+        return first + (end - first) / 2;
     }
 
     Part& part_;
