@@ -288,16 +288,17 @@ void surfaceOfQuadric(Ray ray, Hit hit, Quadric q, Instance instance, inout Surf
     float left = 0.0;
     if (there.steepest > 1e-30) {
         float gradient = there.steepest * there.size;
-        float limit = squareRoot(gammaBound(12.0) * magnitude) * quotient(length(slope), gradient);
+        float perRoot = quotient(length(slope), gradient);
+        float error = gammaBound(12.0) * magnitude;
         precise float newton = quotient(quotient(value, there.steepest), there.size);
         vec3 far = abs(ray.origin - q.point) + abs(hit.t * ray.direction);
-        float most = limit + gammaBound(8.0) * dot(abs(there.unit), far);
+        float most = squareRoot(error) * perRoot + gammaBound(8.0) * dot(abs(there.unit), far);
         precise float step = part == kPartSide ? clamp(newton, -most, most) : newton;
         normal = there.unit;
         offset -= step * normal;
         vec3 spread = abs(slope.x * q.toLocal0) + abs(slope.y * q.toLocal1) + abs(slope.z * q.toLocal2);
-        left = quotient(gammaBound(12.0) * magnitude + gammaBound(5.0) * dot(spread, abs(offset)), gradient);
-        if (part == kPartSide) left = min(left, limit);
+        error += gammaBound(5.0) * dot(spread, abs(offset));
+        left = min(quotient(error, gradient), squareRoot(error) * perRoot);
     }
     vec3 facing = part == kPartSide ? asTheLineTouches(ray, hit, q, y, offset, normal) : normal;
     setPoint(q.point, offset, facing, surface);

@@ -115,10 +115,9 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
     bool byAb = ab2 == longest;
     bool byAc = !byAb && ac2 == longest;
     vec3 edge = byAb ? ab : (byAc ? ac : bc);
-    float u = exchanged ? hit.v : hit.u;
-    float v = exchanged ? hit.u : hit.v;
-    precise float w = 1.0 - u - v;
-    precise vec3 at = w * a + u * b + v * c;
+    vec2 uv = exchanged ? vec2(hit.v, hit.u) : vec2(hit.u, hit.v);
+    precise float w = 1.0 - uv.x - uv.y;
+    precise vec3 at = w * a + uv.x * b + uv.y * c;
     precise float square = dot(ray.direction, ray.direction);
     precise vec3 aside = at - quotient(dot(at, ray.direction), square) * ray.direction;
     precise vec3 across = edge - quotient(dot(edge, ray.direction), square) * ray.direction;
@@ -127,13 +126,14 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
         precise float share = quotient(-dot(aside, across), width);
         precise vec3 moved = at + share * edge;
         precise float t = quotient(dot(moved, ray.direction), square);
-        precise float movedU = u + (byAb ? share : (byAc ? 0.0 : -share));
-        precise float movedV = v + (byAb ? 0.0 : share);
-        movedU = clamp(movedU, 0.0, 1.0);
-        movedV = clamp(movedV, 0.0, 1.0 - movedU);
-        if (t > 0.0)
-            hit = Hit(t, exchanged ? movedV : movedU, exchanged ? movedU : movedV, hit.primitive,
-                      hit.instance, hit.id);
+        // Clamping moves the hit across the sliver alone: `other` is the weight of the third corner.
+        bool fromA = byAb || byAc;
+        precise float along = (byAc ? uv.y : uv.x) + (fromA ? share : -share);
+        precise float other = fromA ? (byAc ? uv.x : uv.y) + min(along, 0.0) : uv.y + share;
+        along = clamp(along, 0.0, 1.0);
+        other = clamp(other, 0.0, 1.0 - along);
+        uv = exchanged != byAc ? vec2(other, along) : vec2(along, other);
+        if (t > 0.0) hit = Hit(t, uv.x, uv.y, hit.primitive, hit.instance, hit.id);
     }
 }
 

@@ -74,6 +74,12 @@ TEST_F(NearSolidsTest, Needles) {
         scene.camera.target = dvec3(-155.9, -28.2, -16.896) + along * dvec3(278.2, -183.6, 96.3);
         expectExact(verified(makeCase(scene, 96, 72)));
     }
+    // An edge, in pixels of a seventh of the coordinates' last place: hits stay in their place along it.
+    scene.objects[0].shape =
+        TriangleShape{{{-155.9, -28.2, -16.9}, {122.3, -211.8, 79.4}, {122.3, -211.8, 79.41}}};
+    scene.camera.target = dvec3(-155.9, -28.2, -16.9) + 0.45 * dvec3(278.2, -183.6, 96.3);
+    scene.camera.fovY = 1e-4;
+    EXPECT_EQ(verified(makeCase(scene, 96, 72)).unexplained, 0u);
 }
 
 // Ten million away a plane is hit at about 1e-6 radians. One unit of a ray's direction moves the hit by 6 %,

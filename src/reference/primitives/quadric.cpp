@@ -310,7 +310,8 @@ double pointOnSide(const rows::Quadric& quadric, const dvec3& point, const dvec3
         2 * (glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2])) / steepness;
     surface.geometricNormal = gradient / steepness;
     surface.position -= std::clamp(value / steepness, -limit, limit) * surface.geometricNormal;
-    return std::min(most, errorAlong(terms, slope, rows, surface.position - quadric.point, steepness));
+    const double error = errorAlong(terms, slope, rows, surface.position - quadric.point, steepness);
+    return std::min(std::sqrt(error * steepness) * perRoot, error);
 }
 
 }  // namespace
