@@ -369,7 +369,7 @@ std::vector<Branch> PathTracer::visit(const Branch& branch) {
     record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * shared::kHashPrime;
     if (keepPath_)
         record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(tracer_.lights().size()),
-                                branch.kind, branch.depth});
+                                branch.kind, branch.depth, dvec3(0), branch.throughput.value});
     if (!hit) {
         const double endless = std::numeric_limits<double>::infinity();
         const dvec3 left = transmittance(scene_, rulingMedium(scene_, branch.media), endless);

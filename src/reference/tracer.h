@@ -151,8 +151,9 @@ struct Bounce {
     std::optional<Surface> surface;
     std::vector<uint8_t> occluded;  // per light: 1 if it faces the surface and its shadow ray is blocked
     RayClass kind = RayClass::Primary;
-    uint32_t depth = 0;   // rays before it; it comes from the last one listed of a depth one less
-    glm::dvec3 light{0};  // its own addition to the pixel's colour, without the rays that follow
+    uint32_t depth = 0;        // rays before it; it comes from the last one listed of a depth one less
+    glm::dvec3 light{0};       // its own addition to the pixel's colour, without the rays that follow
+    glm::dvec3 throughput{1};  // before the ray
 };
 
 // Rays of one class, and the boxes and primitives that they tested.

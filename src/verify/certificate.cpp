@@ -162,6 +162,7 @@ Box Certifier::boxOf(const Branch& branch, const Step& step) const {
 
 bool Certifier::startsWithin(const Pending& pending, const TrailRay& ray) const {
     if (!pending.from) {
+        if (!seen_.fromDevice) return true;
         const auto& camera = pending.branch.ray;
         const double way = 8 * kFloatUnit * std::max(greatestMagnitude(camera.origin), camera.originScale);
         return ray.throughput == dvec3(seen_.weight) && ray.sum == dvec3(0) &&
@@ -171,13 +172,13 @@ bool Certifier::startsWithin(const Pending& pending, const TrailRay& ray) const 
     }
     const Outcome& from = *pending.from;
     const size_t at = kQuantities + 9 * pending.number;
-    return from.box.contains(at, ray.origin, from.stretch) &&
-           from.box.contains(at + 3, glm::normalize(ray.direction), from.stretch) &&
-           from.box.contains(at + 6, ray.throughput / seen_.weight, from.stretch);
+    if (!from.box.contains(at + 6, ray.throughput / seen_.weight, from.stretch)) return false;
+    return !seen_.fromDevice || (from.box.contains(at, ray.origin, from.stretch) &&
+                                 from.box.contains(at + 3, glm::normalize(ray.direction), from.stretch));
 }
 
 bool Certifier::startsAs(Pending& pending, const TrailRay& ray) {
-    if (!seen_.fromDevice || startsWithin(pending, ray)) return true;
+    if (startsWithin(pending, ray)) return true;
     if (!pending.from || pending.from->stretch > 0) return false;
     widen(pending.parent, *pending.from, nullptr);
     return startsWithin(pending, ray);
@@ -244,7 +245,7 @@ bool Certifier::follow() {
     branch.ray.direction = ray.direction;
     // Without textures the noise of the ray before stays: unmoved rays that touch a quadric need it.
     if (lookups_) branch.ray.noise = {};
-    if (seen_.fromDevice) branch.throughput.value = ray.throughput / seen_.weight;
+    branch.throughput.value = ray.throughput / seen_.weight;
     branch.throughput.error = dvec3(0);
     pending_.pop_back();
     if (explore(std::move(branch), ray)) return true;
@@ -357,6 +358,7 @@ Trail trailOf(const reference::PixelRecord& record) {
             ray.t = bounce.hit->t;
             ray.id = bounce.hit->id;
         }
+        ray.throughput = bounce.throughput;
         ray.sum = sum;
         sum += bounce.light;
         trail.push_back(ray);

@@ -27,7 +27,8 @@ struct SeenPath {
     const Trail* trail = nullptr;
     Quantities first{};  // colour and first hit, without the sample's weight
     double weight = 1;   // of the sample, which the trail holds
-    // False: traced by the reference through other numbers. Starts of rays are then not compared.
+    // False: traced by the reference through other numbers. Of the starts of rays, throughputs alone are then
+    // compared.
     bool fromDevice = true;
 };
 

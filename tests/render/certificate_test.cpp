@@ -138,11 +138,7 @@ TEST(ManyRays, PathsOfThousandsOfRaysAreCertified) {
     const reference::PixelRecord record = reference::Tracer(balls.packed).trace(ray, {}, true);
     const Trail trail = trailOf(record);
     EXPECT_GT(trail.size(), 5000u);
-    SeenPath seen = seenAs(record, trail);
-    seen.fromDevice = false;  // no throughputs
-    const Certificate own =
-        certify(reference::Tracer(balls.packed), balls.packed, ray, seen, kMostStepsOfPixel);
-    EXPECT_EQ(own.verdict, Verdict::Holds);
+    EXPECT_EQ(certificateOf(balls.packed, ray, record, trail).verdict, Verdict::Holds);
 }
 
 // Two triangles in one place: the device must hit the lower id. If the second lies
@@ -189,8 +185,7 @@ TEST(Certificate, EachFurtherRayIsJudged) {
     const auto verdictOf = [&](const Trail& trail, uint64_t steps = kMostStepsOfPixel) {
         return certify(tracer, c.packed, ray, seenAs(record, trail), steps).verdict;
     };
-    Trail right = trailOf(record);
-    for (size_t i = 1; i < right.size(); ++i) right[i].throughput = 0.8 * right[i - 1].throughput;
+    const Trail right = trailOf(record);
     EXPECT_EQ(verdictOf(right), Verdict::Holds);
     EXPECT_EQ(verdictOf(right, 2), Verdict::Undecided);
     using Break = void (*)(Trail&);
@@ -209,6 +204,13 @@ TEST(Certificate, EachFurtherRayIsJudged) {
         breaks[i](wrong);
         EXPECT_EQ(verdictOf(wrong), Verdict::Fails) << i;
     }
+    SeenPath packed = seenAs(record, right);
+    packed.fromDevice = false;
+    EXPECT_EQ(certify(tracer, c.packed, ray, packed, kMostStepsOfPixel).verdict, Verdict::Holds);
+    Trail weaker = right;
+    weaker[3].throughput *= 1 - 1e-4;
+    packed.trail = &weaker;
+    EXPECT_EQ(certify(tracer, c.packed, ray, packed, kMostStepsOfPixel).verdict, Verdict::Fails);
 }
 
 // ---- limits from counts ----

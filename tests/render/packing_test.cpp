@@ -255,6 +255,22 @@ TEST_F(RenderTest, RoundingExplainsAKnotFarAway) {
     EXPECT_GT(report.representation->explained, 0u);
 }
 
+// At 1e9 double precision moves a glass cylinder by a thousandth of a percent of its radius. Rays inside it
+// meet its side dozens of times.
+TEST_F(RenderTest, RoundingExplainsThinGlassFarAway) {
+    const Case c = textCase(R"({
+  "camera": {"eye": [1000000000.01, 0.02, 0.08], "target": [1000000000.01, 0, 0.01], "fovY": 8}, "maxDepth": 8,
+  "background": [0.2, 0.3, 0.5], "lights": [{"type": "point", "position": [1000000000.05, 0.06, 0.05]}],
+  "materials": {"glass": {"transmission": 0.95, "ior": 1.3, "attenuation": [0.3, 0.1, 0.2]}},
+  "objects": [{"type": "cylinder", "base": [0.01, -0.01, 0.012], "top": [0.012, 0.004, 0.01], "radius": 0.003,
+               "capped": true, "material": "glass", "transform": [{"translate": [1000000000, 0, 0]}]}]
+})",
+                            48, 36);
+    const verify::Report report = verifiedAsRead(c);
+    EXPECT_TRUE(report.passed()) << report.representation->unexplained << " unexplained";
+    EXPECT_GT(report.representation->explained, 0u);
+}
+
 // A glass ball with small facets: a corner's last place turns a facet as much as dozens of a ray's own units,
 // and behind each facet a ray goes on.
 TEST_F(RenderTest, RoundingExplainsFacetsOfGlass) {
