@@ -80,19 +80,23 @@ double fresnel(double incidence, double refraction, double ratio) {
     return (across * across + along * along) / 2;
 }
 
-Split splitAbout(const dvec3& d, const dvec3& m, double ratio, double sway) {
+// fp32 takes sin^2 of the refracted angle as e^2 (1 - c) (1 + c), which rounds seven times, and errs by 2 c
+// e^2 times the error of the cosine c. This decides where total reflection begins.
+Split splitAbout(const dvec3& d, const dvec3& m, double ratio, double noise, double turn) {
     const double depth = -glm::dot(d, m);
     const dvec3 across = d + depth * m;  // the part of d in the surface
     const double sine = glm::length(across);
     Split result;
     result.reflected = glm::normalize(across + depth * m);
-    const double sineAfter = ratio * sine * (1 + sway);
+    const double square = ratio * ratio * sine * sine;
+    const double error = 7 * square + 2 * ratio * ratio * std::abs(depth) * turn;
+    const double sineAfter = std::sqrt(std::max(square + noise * error, 0.0));
     result.total = sineAfter >= 1;
     if (result.total) {
         result.reflectance = 1;
         return result;
     }
-    const double incidence = std::atan2(sine, depth), refraction = std::asin(sineAfter);
+    const double incidence = std::atan2(sineAfter / ratio, depth), refraction = std::asin(sineAfter);
     result.reflectance = fresnel(incidence, refraction, ratio);
     result.refracted = glm::normalize(ratio * across - std::cos(refraction) * m);
     return result;
@@ -100,11 +104,11 @@ Split splitAbout(const dvec3& d, const dvec3& m, double ratio, double sway) {
 
 }  // namespace
 
-Split splitAt(const dvec3& d, const dvec3& n, const dvec3& s, double ratio, double sway) {
-    Split result = splitAbout(d, s, ratio, sway);
+Split splitAt(const dvec3& d, const dvec3& n, const dvec3& s, double ratio, double noise, double turn) {
+    Split result = splitAbout(d, s, ratio, noise, turn);
     const bool sound = glm::dot(d, s) < 0 && glm::dot(result.reflected, n) > 0 &&
                        (result.total || glm::dot(result.refracted, n) < 0);
-    return sound ? result : splitAbout(d, n, ratio, sway);
+    return sound ? result : splitAbout(d, n, ratio, noise, turn);
 }
 
 // ---- Lights
@@ -182,8 +186,6 @@ Reflection evaluate(const Interaction& at, const dvec3& l, double turn) {
     return result;
 }
 
-// sin^2 of the refracted angle, e^2 (1 - c) (1 + c), rounds seven times, and errs by 2 c e^2 times the error
-// of the cosine c; the sine errs by half of both. This decides where total reflection begins.
 Scattering scatteringAt(const Model& scene, const Interaction& at, double noise) {
     const bool dielectric = at.material.medium != 0;
     const auto iorOf = [&](uint32_t medium) { return medium == 0 ? 1.0 : scene.optics[medium - 1].ior; };
@@ -195,9 +197,7 @@ Scattering scatteringAt(const Model& scene, const Interaction& at, double noise)
     // About the shading normal, or about the geometric one where that would lead below the surface.
     split.reflected = glm::reflect(d, at.s);
     if (glm::dot(split.reflected, at.n) <= 0) split.reflected = glm::reflect(d, at.n);
-    const double roundings =
-        3.5 + ratio * ratio * std::abs(glm::dot(d, at.s)) * cosineError(0, at.normalError);
-    if (splits) split = splitAt(d, at.n, at.s, ratio, noise * roundings);
+    if (splits) split = splitAt(d, at.n, at.s, ratio, noise, cosineError(0, at.normalError));
     const double error = splits && !split.total ? kReflectanceError : 0;
     const auto weigh = [&](const dvec3& weight) -> RoundedColor {
         return {weight, kProductRoundings * weight + error};

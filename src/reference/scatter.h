@@ -39,9 +39,10 @@ struct Split {
 };
 
 // d: unit; n: geometric, s: shading normal, unit, against d; ratio: the refractive index on d's side over
-// that behind the surface.
-// sway: relative error of the sine of the refracted angle.
-Split splitAt(const glm::dvec3& d, const glm::dvec3& n, const glm::dvec3& s, double ratio, double sway = 0);
+// that behind the surface. noise: the rounding error of refraction as a part of its bound, times 2^-24;
+// turn: the error of the ray's cosine in units of 2^-24.
+Split splitAt(const glm::dvec3& d, const glm::dvec3& n, const glm::dvec3& s, double ratio, double noise = 0,
+              double turn = 0);
 
 // ---- Lights, without shadows
 

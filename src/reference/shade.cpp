@@ -44,7 +44,8 @@ class RayMover {
         if (!moves()) return;
         // A certificate needs enough rays on both sides of a mask.
         constexpr std::optional<uint32_t> kSolid[] = {std::nullopt, shared::kNone, RayNoise::kAll};
-        ray.noise = {state_, step_, jitter_.formulas, kSolid[jitter_.lookup == 0 ? 0 : state_ % 3]};
+        ray.noise = {state_, step_, jitter_.formulas, kSolid[jitter_.lookup == 0 ? 0 : state_ % 3],
+                     jitter_.seed / 2 % 2 == 1};
         for (int i = 0; i < 3; ++i) ray.origin[i] += shift(scale);
         turn(ray.direction, ray.directionScale);
     }

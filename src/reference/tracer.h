@@ -25,8 +25,9 @@
 namespace glint::reference {
 
 // Random error of what fp32 computes along a ray: the alpha of a hit (holeAt), the discriminant of quadrics
-// that the ray misses and the open rims of others (primitives/quadric.cpp), and with `formulas` a textbook
-// sphere test (primitives/sphere.cpp). None for step 0.
+// that the ray misses and the open rims of others (primitives/quadric.cpp), the faces of boxes
+// (primitives/cuboid.cpp), and with `formulas` a textbook sphere test (primitives/sphere.cpp). None for step
+// 0.
 struct RayNoise {
     uint64_t seed = 0;
     double step = 0;
@@ -35,6 +36,9 @@ struct RayNoise {
     // kAll: no hit is one, kNone: each is. Without a value the seed decides.
     static constexpr uint32_t kAll = 0xfffffffe;
     std::optional<uint32_t> solid = std::nullopt;
+    // The primitive with that id is solid for rays from its inner side alone, so that one that is hit twice
+    // may be hit behind a hole of itself.
+    bool solidInside = false;
 };
 
 // Points origin + t direction with tMin < t <= tMax (t = 0 is excluded). The direction need not be unit
@@ -109,7 +113,8 @@ struct Surface {
 //   origins are;
 // - the alpha of masks, by the rounding of its lookup (holeAt), and the sine of a refracted angle, by `ulps`
 //   times the rounding of Snell's law (scatteringAt);
-// - limbs and open rims of quadrics, within fp32's bounds (tangentError, swayAt).
+// - limbs and open rims of quadrics, and heights over the faces of boxes, within fp32's bounds (tangentError,
+//   swayAt, Seen).
 // seed 0 and ulps 0: no jitter. Deterministic for a seed.
 // `formulas`: also, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more than
 // fp32 does (RayNoise).

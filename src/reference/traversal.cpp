@@ -137,9 +137,12 @@ class Search {
         constexpr int kLookups = 16;
         const Surface surface = tracer_.surfaceAt(ray_, hit);
         RayNoise noise = ray_.noise;
+        const bool inside = glm::dot(surface.geometricNormal, ray_.direction) > 0;
+        const bool solid =
+            noise.solid == RayNoise::kAll || (noise.solid == hit.id && (inside || !noise.solidInside));
         bool hole = holeAt(scene_, surface, noise);
         for (int i = 1; i < kLookups && noise.solid; ++i) {
-            if (hole != (*noise.solid == RayNoise::kAll || *noise.solid == hit.id)) break;
+            if (hole != solid) break;
             noise.seed += kUniformStride;
             hole = holeAt(scene_, surface, noise);
         }

@@ -415,4 +415,27 @@ TEST_F(VerifyTest, PointsLieOnFlatQuadrics) {
     EXPECT_TRUE(report.passed()) << report.explained() << ' ' << report.allowedExplained();
 }
 
+// Fp32 takes each of these with errors that moves of the ray alone do not reach.
+TEST_F(VerifyTest, RoundingOfHeightsAndRefractionIsPredicted) {
+    const char* const scenes[] = {
+        // Its faces are nearly parallel: heights over them are off by a hundredth of its thickness.
+        R"("lights": [{"type": "point", "position": [3, 4, 5]}], "objects": [{"type": "box", "min": [-1, -1, -1], "max": [1, 1, 1],
+            "transform": [{"rotate": [1, 1, 0, 40]}, {"scale": [1, 0.0001, 1]}, {"rotate": [1, 0, 1, 70]}]}])",
+        // Nearly a plane through the point that it is measured from: there the terms of its equation vanish.
+        R"("objects": [{"type": "quadric", "coefficients": [0, 1e-6, 0, 0, 0, 0, 0, 1, 0, 0],
+            "bounds": [[-1, -1, -1], [1, 1, 1]], "transform": [{"rotate": [1, 2, 0.5, 25]}]}])",
+        // The cosine's error exceeds that of the critical angle.
+        R"("maxDepth": 8, "materials": {"m": {"transmission": 1, "ior": 10000}, "f": {"diffuse": {"checker": [0.2, 0.8]}}},
+            "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"},
+                        {"type": "box", "min": [1, -1, -1], "max": [2, 0.6, 0], "material": "m", "transform": [{"rotate": [0, 1, 0, 20]}]},
+                        {"type": "plane", "point": [0, -1.2, 0], "normal": [0, 1, 0], "material": "f"}])"};
+    for (const std::string text : scenes) {
+        const Report report = verified(textCase(
+            R"({"camera": {"eye": [1, 1.5, 5], "fovY": 40}, "background": [0.2, 0.3, 0.5], "ambient": 0.5, )" +
+                text + "}",
+            60, 45));
+        EXPECT_TRUE(report.passed()) << text << report.explained() << ' ' << report.allowedExplained();
+    }
+}
+
 }  // namespace glint::verify::certificate_test

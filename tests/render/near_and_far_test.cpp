@@ -82,6 +82,27 @@ TEST_F(NearSolidsTest, Needles) {
     EXPECT_EQ(verified(makeCase(scene, 96, 72)).unexplained, 0u);
 }
 
+// Rounding decides which texels of a mask are holes, so that rays may hit a box behind holes of itself.
+TEST_F(NearSolidsTest, MasksOfFarTexelsHideTheirOwnBackSides) {
+    const auto image = std::make_shared<Image>(8, 8, 4);
+    for (size_t i = 0; i < image->pixels.size(); ++i)
+        image->pixels[i] = static_cast<float>(i * 37 % 251) / 251;
+    Scene scene = emptyScene();
+    scene.ambient = scene.background = Color(1);
+    Material& material = scene.materials[addMaterial(scene, Color(0.7))];
+    scene.textures.push_back(
+        {ImageTexture{"", image, Wrap::Repeat, Wrap::Repeat, TexelFilter::Nearest}, glm::dvec2(1e6)});
+    material.diffuseTexture = 0;
+    material.alphaCutoff = 0.5;
+    addObject(scene, BoxShape{{-1, -1, -1}, {1, 1, 1}}, static_cast<uint32_t>(scene.materials.size() - 1));
+    scene.objects.back().transform = rotation({1, 2, 0}, 30);
+    aim(scene.camera, {0, 1, 6}, {0, 0, 0});
+    scene.camera.fovY = 30;
+    const verify::Report report = verified(makeCase(scene, 24, 18));
+    EXPECT_EQ(report.unexplained, 0u);
+    EXPECT_GT(report.explained(), 50u);
+}
+
 // Ten million away a plane is hit at about 1e-6 radians. One unit of a ray's direction moves the hit by 6 %,
 // and the device rounds the coordinates of each texture by themselves, to whole texels.
 TEST_F(NearSolidsTest, FarTexelsAreThoseOfTheDevicesOwnHit) {

@@ -25,6 +25,14 @@ struct Seen {
             o[i] = sumOfProducts(n, toVec<Extended>(ray.origin) - toVec<Extended>(c.point));
             d[i] = sumOfProducts(n, toVec<Extended>(ray.direction));
         }
+        if (ray.noise.step == 0) return;
+        // fp32 rounds each height and speed by itself, which moves nearly parallel faces against each other.
+        // Height: five roundings of its terms; speed: three, and its quotient and product in t five more.
+        uint64_t state = ray.noise.seed ^ c.id;
+        for (int i = 0; i < 3; ++i) {
+            o[i].value += std::min(ray.noise.step, gammaOf(5)) * uniform(state) * o[i].terms;
+            d[i].value += std::min(ray.noise.step, gammaOf(8)) * uniform(state) * d[i].terms;
+        }
     }
     // t at the plane y_axis = height; d[axis] is not 0.
     Extended reach(int axis, Extended height) const { return (height - o[axis].value) / d[axis].value; }
@@ -75,12 +83,17 @@ void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
     surface.geometricNormal = upper ? normal : -normal;
     // The point's fractions of the box along x, y and z. Seen from outside, v goes up the sides and u goes to
     // the right.
-    dvec3 share;
-    for (int i = 0; i < 3; ++i)
-        share[i] = (glm::dot(normals[i], surface.position - c.point) - c.lo[i]) / (c.hi[i] - c.lo[i]);
+    const dvec3 offset = surface.position - c.point;
+    dvec3 share, sums;
+    for (int i = 0; i < 3; ++i) {
+        share[i] = (glm::dot(normals[i], offset) - c.lo[i]) / (c.hi[i] - c.lo[i]);
+        sums[i] =
+            (2 * glm::dot(glm::abs(normals[i]), glm::abs(offset)) + std::abs(c.lo[i])) / (c.hi[i] - c.lo[i]);
+    }
     const double u[6] = {share.z, 1 - share.z, share.x, share.x, 1 - share.x, share.x};
     const double v[6] = {share.y, share.y, share.z, 1 - share.z, share.y, share.y};
     surface.uv = {u[place.part()], v[place.part()]};
+    surface.uvScale = {axis == 0 ? sums.z : sums.x, axis == 1 ? sums.z : sums.y};
 }
 
 }  // namespace glint::reference
