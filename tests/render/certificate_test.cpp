@@ -313,9 +313,11 @@ TEST_F(VerifyTest, BytesPerPixelAreThoseHeld) {
     std::vector<Trail> trails;
     const Picture picture = renderer.render(c.camera, options, &trails);
     const uint64_t pixels = 64 * 48, images = 9 * sizeof(float), differences = sizeof(float);
-    uint64_t bytes = trails.capacity() * sizeof(Trail) + picture.data.size() * sizeof(PixelData) +
-                     picture.color.pixels.size() * sizeof(float) + pixels * sizeof(DifferingPixel);
-    for (const Trail& trail : trails) bytes += trail.capacity() * sizeof(TrailRay);
+    uint64_t sample = trails.capacity() * sizeof(Trail) + picture.data.size() * sizeof(PixelData) +
+                      picture.color.pixels.size() * sizeof(float);
+    for (const Trail& trail : trails) sample += trail.capacity() * sizeof(TrailRay);
+    // The sample that is compared, and the next one.
+    const uint64_t bytes = 2 * sample + pixels * (sizeof(PixelData) + sizeof(DifferingPixel));
     EXPECT_EQ(bytesPerPixel(options, 0) * pixels, bytes + (images + differences) * pixels);
     // verify holds a part of a larger image: 48 rows, or 16 with deep paths.
     options.width = 640;
