@@ -26,8 +26,8 @@ namespace glint::reference {
 
 // Random error of what fp32 computes along a ray: the alpha of a hit (holeAt), the discriminant of quadrics
 // that the ray misses and the open rims of others (primitives/quadric.cpp), the faces of boxes
-// (primitives/cuboid.cpp), and with `formulas` a textbook sphere test (primitives/sphere.cpp). None for step
-// 0.
+// (primitives/cuboid.cpp), and with `formulas` a textbook sphere test (primitives/sphere.cpp); none
+// for step 0.
 struct RayNoise {
     uint64_t seed = 0;
     double step = 0;
