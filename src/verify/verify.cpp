@@ -136,7 +136,7 @@ class Verification {
     std::vector<float> differences_;
     uint64_t steps_;  // left to certificates
     size_t finishedRows_ = 0;
-    // Those of a part; kept for the next part, because memory is expensive to obtain.
+    // The pixels and trails of one part. The next part reuses them, because memory is expensive to obtain.
     std::vector<DifferingPixel> pixels_;
     std::vector<Trail> trails_[2];  // of even and odd samples
 };

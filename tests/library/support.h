@@ -102,7 +102,7 @@ struct Found {
         return hits;
     }
 };
-// What three queries answer to the same rays.
+// The answers of three queries to the same rays.
 struct Answers {
     Found closest;
     std::vector<uint8_t> any;
