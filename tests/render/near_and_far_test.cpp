@@ -9,6 +9,14 @@ namespace glint::render::test::near_and_far_test {
 
 using glm::dvec3;
 
+// A square image whose neighbouring values differ.
+std::shared_ptr<Image> scatteredValues(int size, int channels) {
+    auto image = std::make_shared<Image>(size, size, channels);
+    for (size_t i = 0; i < image->pixels.size(); ++i)
+        image->pixels[i] = static_cast<float>(i * 37 % 251) / 251;
+    return image;
+}
+
 class NearSolidsTest : public RenderTest {
   protected:
     // The report of verify on an image of one shape.
@@ -84,9 +92,7 @@ TEST_F(NearSolidsTest, Needles) {
 
 // Rounding decides which texels of a mask are holes, so that rays may hit a box behind holes of itself.
 TEST_F(NearSolidsTest, MasksOfFarTexelsHideTheirOwnBackSides) {
-    const auto image = std::make_shared<Image>(8, 8, 4);
-    for (size_t i = 0; i < image->pixels.size(); ++i)
-        image->pixels[i] = static_cast<float>(i * 37 % 251) / 251;
+    const auto image = scatteredValues(8, 4);
     Scene scene = emptyScene();
     scene.ambient = scene.background = Color(1);
     Material& material = scene.materials[addMaterial(scene, Color(0.7))];
@@ -106,9 +112,7 @@ TEST_F(NearSolidsTest, MasksOfFarTexelsHideTheirOwnBackSides) {
 // Ten million away a plane is hit at about 1e-6 radians. One unit of a ray's direction moves the hit by 6 %,
 // and the device rounds the coordinates of each texture by themselves, to whole texels.
 TEST_F(NearSolidsTest, FarTexelsAreThoseOfTheDevicesOwnHit) {
-    const auto image = std::make_shared<Image>(16, 16, 3);
-    for (size_t i = 0; i < image->pixels.size(); ++i)
-        image->pixels[i] = static_cast<float>(i * 37 % 251) / 251;
+    const auto image = scatteredValues(16, 3);
     Scene scene = emptyScene();
     scene.ambient = scene.background = Color(1);
     Material& material = scene.materials[addMaterial(scene, Color(0.7), Color(0.7))];
