@@ -11,10 +11,9 @@
 void testTriangle(inout Traversal one, vec3 a, vec3 b, vec3 c, vec3 v0, vec3 normal, uint primitive, uint id,
                   bool present) {
     float t, u, v;
-    uint trips = 0u;
     doubts = 0u;
     bool live = present && one.ray.tMax > one.ray.tMin;
-    if (live && crossTriangle(one.ray, seenAlong(one.frame, a, b, c), trips, t, u, v)) ++one.crossings;
+    if (live && crossTriangle(one.ray, seenAlong(one.frame, a, b, c), t, u, v)) ++one.crossings;
     one.hit.id |= doubts;
 }
 

@@ -6,19 +6,11 @@
 #include "primitives/robust.glsl"
 #include "traversal/leaf.glsl"
 
-// Records a hit. Any-hit queries store the primitive alone, which is 10 % faster (docs/lab/traversal.md).
-void takeHit(inout Traversal one, Hit hit) {
-    if (isAnyHit(one))
-        one.hit.primitive = hit.primitive;
-    else
-        accept(one, hit);
-}
-
 void testTriangle(inout Traversal one, vec3 a, vec3 b, vec3 c, vec3 v0, vec3 normal, uint primitive, uint id,
                   bool present) {
     float t, u, v;
     if (intersectTurned(one.ray, one.frame, a, b, c, v0, normal, t, u, v) && present)
-        takeHit(one, Hit(t, u, v, primitive, kNone, id));
+        accept(one, Hit(t, u, v, primitive, kNone, id));
 }
 
 // Tests primitives `first` to `end` - 1 against all rays.

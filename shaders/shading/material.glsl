@@ -18,7 +18,7 @@ void applyTextures(Surface surface, inout Material material) {
     do {
         if (looking) {
             uint number = max(max(left.x, left.y), max(left.z, left.w));
-            vec3 color = textureAt(number, surface).xyz;
+            vec3 color = textureAt(number, surface);
             bvec4 here = equal(left, uvec4(number));
             if (here.x) material.ambient *= color;
             if (here.y) material.diffuse *= color;
@@ -58,7 +58,9 @@ vec3 surroundings(Environment environment, vec3 direction) {
 bool holeAt(Surface surface) {
     Material material = loadMaterial(surface.material);
     uint number = material.alphaCutoff > 0.0 ? material.diffuseTexture : 0u;
-    return textureAt(number, surface).w < material.alphaCutoff;
+    Texture image = loadTexture(max(number, 1u) - 1u);
+    bool masks = number != 0u && !(FEATURE_CHECKERS && (image.flags & kTextureChecker) != 0u);
+    return masks && imageAt(image, scaledUv(image, surface.uv)).w < material.alphaCutoff;
 }
 
 // ---- Dielectrics ----
@@ -213,7 +215,7 @@ bool passes(inout Passage passage, Surface surface, bool leaving, bool counts, f
     Optics optics = opticsOf(medium);
     vec3 depth = optics.density;
     if (FEATURE_TEXTURED_GLASS && optics.transmissionTexture != 0u)
-        depth -= logarithm(textureAt(optics.transmissionTexture, surface).xyz);
+        depth -= logarithm(textureAt(optics.transmissionTexture, surface));
     if (FEATURE_ATTENUATION) {
         float way = (passage.reach - t) * passage.scale;
         depth += optics.attenuation * (leaving ? -way : way);

@@ -114,22 +114,27 @@ vec3 checkerAt(Texture checker, vec3 cell) {
     return odd ? checker.colorB : checker.colorA;
 }
 
-// Colour and alpha of a material's texture on a surface; white without one.
-vec4 textureAt(uint number, Surface surface) {
-    vec4 color = vec4(1.0);
+vec2 scaledUv(Texture source, vec2 uv) {
+    precise vec2 scaled = uv * vec2(source.scaleU, source.scaleV) + source.place.xy;
+    return scaled;
+}
+
+// Colour of a material's texture on a surface; white without one.
+vec3 textureAt(uint number, Surface surface) {
+    vec3 color = vec3(1.0);
     if (number != 0u) {
         Texture source = loadTexture(number - 1u);
         bool checker = FEATURE_CHECKERS && (source.flags & kTextureChecker) != 0u;
         bool solid = checker && (source.flags & kTextureSolid) != 0u;
-        precise vec2 uv = surface.uv * vec2(source.scaleU, source.scaleV) + source.place.xy;
-        if (FEATURE_TEXTURES && !checker) color = imageAt(source, uv);
+        vec2 uv = scaledUv(source, surface.uv);
+        if (FEATURE_TEXTURES && !checker) color = imageAt(source, uv).xyz;
         if (FEATURE_CHECKERS && checker) {
             ObjectFrame frame = loadObjectFrame(surface.object);
             // The two large numbers are subtracted first, so that nothing cancels near the corner.
             vec3 corner = vec3(frame.offsetX, frame.offsetY, frame.offsetZ) - source.place;
             vec3 point =
                 timesRows(frame.toObjectX, frame.toObjectY, frame.toObjectZ, surface.position) + corner;
-            color.xyz = checkerAt(source, solid ? point * source.scaleU : vec3(uv, 0.0));
+            color = checkerAt(source, solid ? point * source.scaleU : vec3(uv, 0.0));
         }
     }
     return color;

@@ -74,21 +74,12 @@ float boundOfSum(SeenTriangle seen, vec3 z) {
     return 16.0 * kUnit * dot(terms, abs(z));
 }
 
-// True if the ray crosses a triangle that it meets at an edge or a corner. A loop, as this is rare
-// (traversal/lanes.glsl).
-bool crossesExactly(SeenTriangle seen, bool atEdge, inout uint trips) {
-    bool crosses = true;
-    do {
-        if (atEdge) {
-            int sa = seen.ea != 0.0 ? (seen.ea > 0.0 ? 1 : -1) : sideExactly(seen.c, seen.b);
-            int sb = seen.eb != 0.0 ? (seen.eb > 0.0 ? 1 : -1) : sideExactly(seen.a, seen.c);
-            int sc = seen.ec != 0.0 ? (seen.ec > 0.0 ? 1 : -1) : sideExactly(seen.b, seen.a);
-            crosses = sa != 0 && sa == sb && sa == sc;
-            atEdge = false;
-            ++trips;
-        }
-    } while (atEdge);
-    return crosses;
+// True if the ray crosses a triangle that it meets at an edge or a corner.
+bool crossesExactly(SeenTriangle seen) {
+    int sa = seen.ea != 0.0 ? (seen.ea > 0.0 ? 1 : -1) : sideExactly(seen.c, seen.b);
+    int sb = seen.eb != 0.0 ? (seen.eb > 0.0 ? 1 : -1) : sideExactly(seen.a, seen.c);
+    int sc = seen.ec != 0.0 ? (seen.ec > 0.0 ? 1 : -1) : sideExactly(seen.b, seen.a);
+    return sa != 0 && sa == sb && sa == sc;
 }
 
 // Doubts about crossings since `doubts` was last 0. kAtEdge: an edge function is zero; the ray is counted
@@ -100,13 +91,13 @@ uint doubts = 0u;
 // True if the ray crosses the triangle at a t of its interval, 0 excluded. Three nonzero signs are right (a
 // rounded difference of rounded products has the sign of the exact difference), and t lies between those of
 // the corners.
-bool crossTriangle(Ray ray, SeenTriangle seen, inout uint trips, out float t, out float u, out float v) {
+bool crossTriangle(Ray ray, SeenTriangle seen, out float t, out float u, out float v) {
     float nearest = min(seen.ts.x, min(seen.ts.y, seen.ts.z));
     float farthest = max(seen.ts.x, max(seen.ts.y, seen.ts.z));
     bool crosses = hasOneSign(seen) && farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
     bool atEdge = crosses && (seen.ea == 0.0 || seen.eb == 0.0 || seen.ec == 0.0);
     if (MODE_RESUME)
-        crosses = crosses && crossesExactly(seen, atEdge, trips);
+        crosses = crosses && (!atEdge || crossesExactly(seen));
     else
         doubts |= atEdge ? kAtEdge : 0u;
 
@@ -150,7 +141,7 @@ void count(inout Traversal traversal, Hit hit) {
 
 bool hitTriangle(Ray ray, RayFrame frame, Triangle triangle, uint primitive, inout uint trips, out Hit hit) {
     float t, u, v;
-    bool isHit = crossTriangle(ray, seenFrom(ray, frame, triangle), trips, t, u, v);
+    bool isHit = crossTriangle(ray, seenFrom(ray, frame, triangle), t, u, v);
     hit = Hit(t, u, v, primitive, kNone, triangle.id);
     return isHit;
 }
@@ -158,10 +149,11 @@ bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uin
     return intersectSphere(ray, frame, sphere, primitive, hit);
 }
 
-// Counts a hit, unless it is a hole.
-void handleHit(inout Traversal traversal, Hit hit) {
+// Counts a hit, unless it is a hole; further hits count, too.
+bool goesOnAfter(inout Traversal traversal, Hit hit) {
     bool isHole = FEATURE_ALPHA_MASK && holeAt(surfaceOfHit(traversal, hit));
     if (!isHole) count(traversal, hit);
+    return true;
 }
 
 void testPlanes(inout Traversal traversal, uint planeCount) {
@@ -190,10 +182,9 @@ void testLeaves(inout Traversal traversal, uint leaves[kMostLeaves]) {
             Ray rest = traversal.ray;
             rest.tMin = after;
             Hit hit;
-            bool isHit =
+            bool further =
                 hitPrimitive(rest, traversal.frame, kind, leaves[0] & kLeafFirstMask, traversal.trips, hit);
-            if (isHit) handleHit(traversal, hit);
-            bool further = isHit && hit.t > after && hasFurtherHits(kind);
+            if (further) further = goesOnAfter(traversal, hit) && hit.t > after && hasFurtherHits(kind);
             after = further ? hit.t : traversal.ray.tMin;
             if (!further) dropPrimitive(leaves);
             traversal.trips += 2u;  // of this loop, and of those in the tests

@@ -1,8 +1,8 @@
 // llvmpipe (Mesa's lavapipe) in one place: what it compiles differently from a GPU, and what shaders do about
 // it. The figures are in docs/lab/nodes.md; the driver is Mesa 22.3.6.
 //
-// - An `if` never jumps: both sides run with a mask. Only a loop that no lane enters is skipped. So rare work
-//   has a loop of its own, `do { if (mine) {...} } while (mine)`: a `while` loop runs its body once.
+// - An `if` never jumps: both sides run with a mask. Only a loop jumps, back, while a lane goes on. So every
+//   loop runs its body at least once; `do { if (mine) {...} } while (mine)` once less than a `while` loop.
 // - After 65,535 trips of a subgroup through all of its loops together, every loop ends silently. So each ray
 //   counts its trips and gives up at dispatch.tripBudget (src/render/path_limits.cpp).
 // - A store to a private array jumps lane by lane on whether the lane is in the loop, and mispredicts once

@@ -29,8 +29,10 @@ bool passesThrough(inout Traversal traversal, Hit hit) {
     return through;
 }
 
-void handleHit(inout Traversal traversal, Hit hit) {
-    if (!passesThrough(traversal, hit)) accept(traversal, hit);
+bool goesOnAfter(inout Traversal traversal, Hit hit) {
+    bool through = passesThrough(traversal, hit);
+    if (!through) accept(traversal, hit);
+    return through;
 }
 
 // Tests the primitives `first` to `end` - 1 of a kind, which is a constant at each call.
@@ -48,8 +50,8 @@ void testEach(inout Traversal traversal, uint kind, uint first, uint end) {
     } while (index < end);
 }
 
-// Tests the primitives of a leaf, which are of one kind. Each kind has a loop, and a subgroup skips those
-// that no lane enters.
+// Tests the primitives of a leaf, which are of one kind. Each kind has a loop, so that a subgroup tests
+// further primitives of one kind alone.
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint kind = kindOfLeaf(leaf);
     uint first = leaf & kLeafFirstMask;
