@@ -103,12 +103,9 @@ std::vector<uint8_t> quantizeData(const Image& image) {
     const double extent = range.max - range.min;
     const auto from = static_cast<size_t>(image.channels), to = from == 2 ? 3 : from;
     std::vector<uint8_t> bytes(image.pixels.size() / from * to, 0);
-    if (!(extent > 0.0)) return bytes;
-    for (size_t i = 0; i < image.pixels.size(); ++i) {
-        if (std::isfinite(image.pixels[i]))
-            bytes[i / from * to + i % from] =
-                linearByte((static_cast<double>(image.pixels[i]) - range.min) / extent);
-    }
+    for (size_t i = 0; i < image.pixels.size(); ++i)
+        bytes[i / from * to + i % from] =
+            linearByte((static_cast<double>(image.pixels[i]) - range.min) / extent);
     return bytes;
 }
 

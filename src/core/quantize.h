@@ -26,8 +26,8 @@ uint8_t linearByte(double value);
 std::vector<uint8_t> quantizeColor(const Image& image);
 
 // Bytes of a data layer: all channels together scaled from [min, max] of the finite samples to [0, 255].
-// Samples that are not finite become 0, and so do all samples of a constant layer. Two channels get a third
-// of zeros.
+// Infinity (the depth of a miss) becomes 255; -infinity, NaN and finite samples of one value become 0. Two
+// channels get a third of zeros.
 std::vector<uint8_t> quantizeData(const Image& image);
 
 }  // namespace glint

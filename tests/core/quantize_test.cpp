@@ -71,12 +71,14 @@ TEST(QuantizeData, ScalesTheFiniteRangeOfAllChannelsTogether) {
     Image image(2, 1, 3);
     image.pixels = {-1.0f, 0.0f, 3.0f, kNan, kInfinity, -kInfinity};
     // (-1, 0, 3) -> (0, 1/4, 1) * 255
-    EXPECT_EQ(quantizeData(image), (std::vector<uint8_t>{0, 64, 255, 0, 0, 0}));
+    EXPECT_EQ(quantizeData(image), (std::vector<uint8_t>{0, 64, 255, 0, 255, 0}));
 }
 
-TEST(QuantizeData, ConstantAndNeverFiniteLayersAreBlack) {
-    EXPECT_EQ(quantizeData(Image(2, 1, 1, 7.0f)), (std::vector<uint8_t>{0, 0}));
-    EXPECT_EQ(quantizeData(Image(2, 1, 1, kInfinity)), (std::vector<uint8_t>{0, 0}));
+TEST(QuantizeData, OneDistanceIsBlackAndInfinityWhite) {
+    Image image(2, 1, 1, 7.0f);
+    EXPECT_EQ(quantizeData(image), (std::vector<uint8_t>{0, 0}));
+    image.pixels[1] = kInfinity;
+    EXPECT_EQ(quantizeData(image), (std::vector<uint8_t>{0, 255}));
 }
 
 TEST(QuantizeData, RangeBeyondFloat) {

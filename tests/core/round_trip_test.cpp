@@ -313,8 +313,8 @@ TEST_F(Layers, PngPutsAlphaIntoThePicture) {
 
 TEST_F(Layers, PngScalesData) {
     writeLayers(file("a.png"), {{"depth", imageOf(4, 1, 1, {10.0f, 20.0f, 50.0f, kInfinity})}});
-    // (v - 10) / 40 * 255; infinity is no depth
-    EXPECT_EQ(readPng(file("a.depth.png")).samples, (std::vector<uint8_t>{0, 64, 255, 0}));
+    // (v - 10) / 40 * 255; infinity, a miss, is white
+    EXPECT_EQ(readPng(file("a.depth.png")).samples, (std::vector<uint8_t>{0, 64, 255, 255}));
     EXPECT_EQ(readPng(file("a.depth.png")).colorType, 0);
     writeLayers(file("a.png"), {{"uv", imageOf(2, 1, 2, {1.0f, 2.0f, 3.0f, 5.0f})}});
     // (v - 1) / 4 * 255, then a third channel of 0
