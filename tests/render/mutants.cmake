@@ -38,7 +38,7 @@ mutant(texel_corner shading/texture.glsl "s * count - 0.5" "s * count - 0.25" li
 mutant(upside_down shading/texture.glsl "(image.height - 1u - row.first)" "row.first" light shade)
 mutant(late_checker shading/texture.glsl "vec3 whole = floor(cell)" "vec3 whole = floor(cell + 0.02)" light shade)
 mutant(turned_sky shading/material.glsl "-direction.z)" "direction.z)" shade)
-mutant(deep_cut shading/material.glsl "surface).w < material.alphaCutoff" "surface).w < 0.9 * material.alphaCutoff" intersect light)
+mutant(deep_cut shading/material.glsl "surface.uv)).w < material.alphaCutoff" "surface.uv)).w < 0.9 * material.alphaCutoff" intersect light)
 mutant(packet_bounds packet/packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
        "bounds.inverseHigh = leastOfLanes(inverseHigh);" packet_intersect)
 mutant(packet_pair packet/packet.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
