@@ -13,6 +13,8 @@ namespace {
 constexpr uint32_t kLlvmpipeTrips = 65535;
 // Memory of the path state: 2^20 paths of 176 bytes (208 with mirrors), or fewer with trees of branches.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
+// On llvmpipe, whose first touch of each page costs as much as tracing some rays (docs/lab/speed.md).
+constexpr uint64_t kMaxPathBytesOfLlvmpipe = 32ull << 20;
 
 // Loop trips of a lane so that its subgroup stays within kLlvmpipeTrips; docs/design/traversal.md derives the
 // formula. rays: that a path traces one after the other. uncounted: trips that no lane counts.
@@ -51,9 +53,10 @@ constexpr uint32_t kTripsOfALight = 375;
 
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows) {
     const uint64_t pathBytes = static_cast<uint64_t>(rows) * sizeof(RowEntry);
+    const uint64_t most =
+        std::min(device.limits.memory / 4, device.llvmpipe ? kMaxPathBytesOfLlvmpipe : kMaxPathBytes);
     while (wanted > shared::kWorkgroupSize &&
-           (!gpu::fits(wanted * pathBytes, access, device.limits) ||
-            wanted * pathBytes > std::min<uint64_t>(device.limits.memory / 4, kMaxPathBytes))) {
+           (!gpu::fits(wanted * pathBytes, access, device.limits) || wanted * pathBytes > most)) {
         wanted /= 2;
     }
     return wanted;
