@@ -5,8 +5,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <optional>
 #include <span>
+#include <utility>
 
 #include "core/device_layout.h"
 #include "core/room.h"
@@ -131,16 +131,29 @@ bool clamps(const Texture& texture, int axis) {
     return image != nullptr && (axis == 0 ? image->wrapU : image->wrapV) == Wrap::Clamp;
 }
 
-// The common period, along u or v of the surface, of all solid checkers or all others among these textures;
-// 0 if they differ, one is clamped or none exists.
-double commonPeriod(std::span<const Texture* const> textures, bool solid, int axis) {
-    std::optional<double> common;
+// The greatest number that divides both, up to rounding (Euclid's algorithm).
+double commonDivisor(double a, double b) {
+    const double rounding = 0x1p-40 * std::max(a, b);
+    while (b > rounding) a = std::exchange(b, std::abs(std::remainder(a, b)));
+    return a;
+}
+
+// Repeats along u or v of the surface, of all solid checkers or all others among these textures. None if one
+// is clamped, or if the common period exceeds kMostPeriods of the longest period.
+Repeats repeatsOf(std::span<const Texture* const> textures, bool solid, int axis) {
+    constexpr double kMostPeriods = 1024;
+    double least = std::numeric_limits<double>::infinity(), greatest = 0, divisor = 0;
     for (const Texture* texture : textures) {
         if ((solidChecker(*texture) != nullptr) != solid) continue;
-        const double period = clamps(*texture, axis) ? 0 : 2 / std::abs(texture->scale[axis]);
-        common = period == common.value_or(period) ? period : 0;
+        if (clamps(*texture, axis)) return {};
+        const double scale = std::abs(texture->scale[axis]);
+        least = std::min(least, scale);
+        greatest = std::max(greatest, scale);
+        divisor = commonDivisor(divisor, scale);
     }
-    return common.value_or(0);
+    const double count = std::round(least / divisor);
+    if (greatest == 0 || count > kMostPeriods) return {};
+    return {count * (2 / least), 2 / greatest};
 }
 
 std::vector<const Texture*> texturesOf(const Scene& scene, const Object& object) {
@@ -157,25 +170,25 @@ CubeOrigin cubeOrigin(const Scene& scene) {
     for (const Texture& texture : scene.textures)
         if (solidChecker(texture)) solid.push_back(&texture);
     if (solid.empty()) return {};
-    return {solidChecker(*solid.front())->corner, commonPeriod(solid, true, 0)};
+    return {solidChecker(*solid.front())->corner, repeatsOf(solid, true, 0)};
 }
 
-// A coordinate of a texture that repeats. If fp32 cannot resolve the texture there, it is reduced to the
-// period around 0. Whole periods do not change the texture, so an object and a solid checker's corner may be
-// moved by different numbers of periods. period 0: no reduction.
-double nearZero(double coordinate, double period) {
+// A coordinate of textures that repeat. If fp32 cannot resolve the finest of them there, it is reduced to the
+// common period around 0. Whole periods do not change the textures, so an object and a solid checker's corner
+// may be moved by different numbers of periods.
+double nearZero(double coordinate, const Repeats& repeats) {
     // A thousand periods away, fp32 still resolves 2^-13 of a cube.
     constexpr double kManyPeriods = 1024;
     // 1 / pi separates the ranges from round numbers: the reference rounds otherwise and must choose alike.
-    const double shift = std::numbers::inv_pi * period;
-    const bool far = period > 0 && std::abs(coordinate - shift) > kManyPeriods * period;
-    return far ? std::remainder(coordinate - shift, period) + shift : coordinate;
+    const double shift = std::numbers::inv_pi * repeats.common;
+    const bool far = repeats.common > 0 && std::abs(coordinate - shift) > kManyPeriods * repeats.shortest;
+    return far ? std::remainder(coordinate - shift, repeats.common) + shift : coordinate;
 }
 
 // An offset of u or v, up to whole periods. It stays beyond kMaxTextureCoordinate half periods.
-float reduced(double offset, double period) {
-    const bool counts = std::abs(offset) <= 0.5 * shared::kMaxTextureCoordinate * period;
-    return static_cast<float>(counts ? nearZero(offset, period) : offset);
+float reduced(double offset, const Repeats& repeats) {
+    const bool counts = std::abs(offset) <= 0.5 * shared::kMaxTextureCoordinate * repeats.common;
+    return static_cast<float>(counts ? nearZero(offset, repeats) : offset);
 }
 
 }  // namespace
@@ -195,10 +208,10 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
     frame.toObjectZ = glm::vec3(rows[2]);
     const auto textures = texturesOf(scene, object);
     const auto* mesh = std::get_if<MeshShape>(&object.shape);
-    const bool isScenes = cubes.period > 0 || (mesh != nullptr && !mesh->mesh->materials.empty());
-    const double period = isScenes ? cubes.period : commonPeriod(textures, true, 0);
+    const bool isScenes = cubes.repeats.common > 0 || (mesh != nullptr && !mesh->mesh->materials.empty());
+    const Repeats repeats = isScenes ? cubes.repeats : repeatsOf(textures, true, 0);
     const auto fromCubes = [&](double offset, double corner) {
-        return static_cast<float>(nearZero(offset - corner, period));
+        return static_cast<float>(nearZero(offset - corner, repeats));
     };
     frame.offsetX = fromCubes(all.offset.x, cubes.corner.x);
     frame.offsetY = fromCubes(all.offset.y, cubes.corner.y);
@@ -206,8 +219,8 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
     frame.toU = glm::vec3(rows * uv.u.direction);
     frame.toV = glm::vec3(rows * uv.v.direction);
     const bool flat = uv.kind == shared::kUvFlat;
-    frame.offsetU = reduced(offsetOf(uv.u), flat ? commonPeriod(textures, false, 0) : 0);
-    frame.offsetV = reduced(offsetOf(uv.v), flat ? commonPeriod(textures, false, 1) : 0);
+    frame.offsetU = reduced(offsetOf(uv.u), flat ? repeatsOf(textures, false, 0) : Repeats{});
+    frame.offsetV = reduced(offsetOf(uv.v), flat ? repeatsOf(textures, false, 1) : Repeats{});
     frame.toW = glm::vec3(rows * uv.w.direction);
     frame.offsetW = static_cast<float>(offsetOf(uv.w));
     frame.uvKind = uv.kind;
@@ -250,14 +263,16 @@ class TexturePacker {
         if (known != textures_.end()) return known->second;
         const Texture& texture = scene_.textures[index];
         shared::Texture out;
-        for (int i = 0; i < 2; ++i) out.place[i] = reduced(texture.offset[i], clamps(texture, i) ? 0 : 2);
+        for (int i = 0; i < 2; ++i)
+            out.place[i] = reduced(texture.offset[i], clamps(texture, i) ? Repeats{} : Repeats{2, 2});
         out.scaleU = static_cast<float>(texture.scale.x);
         out.scaleV = static_cast<float>(texture.scale.y);
         if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {
             out.flags = shared::kTextureChecker | (checker->solid ? shared::kTextureSolid : 0);
             const glm::dvec3 corner = checker->corner - cubes_.corner;
+            const double period = 2 / texture.scale.x;
             for (int i = 0; i < 3 && checker->solid; ++i)
-                out.place[i] = static_cast<float>(nearZero(corner[i], 2 / texture.scale.x));
+                out.place[i] = static_cast<float>(nearZero(corner[i], {period, period}));
             out.colorA = glm::vec3(checker->a);
             out.colorB = glm::vec3(checker->b);
             packed_.features.checkers = true;

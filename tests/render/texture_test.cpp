@@ -177,15 +177,21 @@ TEST_F(TextureTest, FarPlanesKeepTheirCells) {
         {"type": "plane", "point": [0.03, 0, 0.125], "normal": [0, 1, 0], "material": "m",
          "transform": [{"rotate": [0, 1, 0, 90]}]}]})",
                  160, 120);
-    const verify::Report report = verifiedAsRead(floor);
-    EXPECT_TRUE(report.passed());
-    EXPECT_EQ(report.explained() + report.representation->explained, 0u);
     Scene scene = floor.scene;
-    scene.textures.push_back({CheckerTexture{}, dvec2(3, 4)});
+    scene.textures.push_back(scene.textures[0]);
     scene.materials[scene.objects[0].material].specularTexture = 1;
-    const shared::ObjectFrame frame = packScene(scene).objectFrames.at(0);
-    EXPECT_GT(std::abs(frame.offsetU), 9e6f);
-    EXPECT_LT(std::abs(frame.offsetV), 1.0f);
+    const auto frame = [&](const dvec2& scale) {
+        scene.textures[1].scale = scale;
+        return packScene(scene).objectFrames.at(0);
+    };
+    for (const dvec2& scale : {dvec2(4), dvec2(3, 2.8), dvec2(1e3, 0.016)}) {
+        EXPECT_LT(std::abs(frame(scale).offsetU), 251.0f);
+        EXPECT_LT(std::abs(frame(scale).offsetV), 251.0f);
+        const verify::Report report = verifiedAsRead(makeCase(scene, 160, 120));
+        EXPECT_TRUE(report.passed());
+        EXPECT_EQ(report.explained() + report.representation->explained, 0u);
+    }
+    EXPECT_GT(std::abs(frame(dvec2(std::sqrt(2))).offsetU), 9e6f);
 }
 
 // The device's u and v against atan2 and asin in double of the normal that it reports. turnsOf is good to

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -238,21 +239,33 @@ struct CoordinatesOf {
     }
 };
 
-// The whole periods that the packed scene leaves out of an offset of u or v of a flat object: between 1024
-// periods and 1e9 halves of one, all. A repeated image also repeats after 2.
+// The whole common periods that the packed scene leaves out of an offset of u or v of a flat object: all,
+// between 1024 periods of the finest texture and 5e8 common ones. A repeated image also repeats after 2. The
+// common period is the least whole number of the longest that is one of each other period.
 double leftOut(const Model& model, const Material& material, double offset, bool isV) {
-    double period = 0;
+    std::vector<double> scales;
     for (const auto& [key, number] : kMaterialTextures) {
         if (material.*number == Material::kNoTexture) continue;
         const rows::Texture& t = model.textures[material.*number];
         if (t.flags & shared::kTextureSolid) continue;
         const uint32_t wrap = t.flags >> (isV ? shared::kTextureWrapVShift : 0) & shared::kTextureWrapMask;
-        const double own = std::abs(2 / (isV ? t.scaleV : t.scaleU));
-        if (wrap == shared::kTextureWrapClamp || (period > 0 && period != own)) return 0;
-        period = own;
+        if (wrap == shared::kTextureWrapClamp) return 0;
+        scales.push_back(std::abs(isV ? t.scaleV : t.scaleU));
     }
-    const double count = offset / period - std::numbers::inv_pi;  // never at a tie
-    return std::abs(offset) <= 5e8 * period && std::abs(count) > 1024 ? std::round(count) * period : 0;
+    if (scales.empty()) return 0;
+    const auto [coarsest, finest] = std::minmax_element(scales.begin(), scales.end());
+    for (int n = 1; n <= 1024; ++n) {
+        const double longest = 2 / *coarsest, period = n * longest;
+        const bool isCommon = std::all_of(scales.begin(), scales.end(), [&](double scale) {
+            const double own = period / (2 / scale);
+            return std::abs(own - std::round(own)) <= 0x1p-40 * own;
+        });
+        if (!isCommon) continue;
+        const double beyond = offset - period * std::numbers::inv_pi;  // never at a tie
+        const bool reduces = std::abs(offset) <= 5e8 * period && std::abs(beyond) > 1024 * (2 / *finest);
+        return reduces ? std::round(beyond / period) * period : 0;
+    }
+    return 0;
 }
 
 rows::ObjectFrame frameOf(const Model& model, const Material& material, const Object& object) {
