@@ -98,6 +98,14 @@ dvec2 lookupError(const rows::Texture& texture, const dvec2& uv) {
     return 2.0 * glm::abs(uv * scaleOf(texture)) + glm::abs(dvec2(texture.place)) + 2.5;
 }
 
+// True if rounding takes the lookup at most one texel away, along u and v. Checkers always resolve: they have
+// two cells.
+bool resolvesTexels(const rows::Texture& texture, const Surface& surface) {
+    const dvec2 coordinates = kUvRoundings * glm::max(surface.uvScale, 1.0) * glm::abs(scaleOf(texture));
+    const dvec2 error = kFloatUnit * (coordinates + lookupError(texture, surface.uv));
+    return std::max(error.x * texture.width, error.y * texture.height) <= 1;
+}
+
 // The texture's own coordinates, as Surface::lookup rounds them. Far from 0 the textures of one material
 // round to places that do not belong to one point.
 dvec2 placeIn(const rows::Texture& texture, const Surface& surface) {
@@ -226,7 +234,7 @@ dvec3 transmissionAt(const Model& scene, uint32_t medium, const Surface& surface
     return optics.transmission * dvec3(textureAt(scene, optics.transmissionTexture, surface));
 }
 
-uint32_t cellsAt(const Model& scene, const Surface& surface) {
+uint32_t cellsAt(const Model& scene, const Surface& surface, bool resolvedAlone) {
     const rows::Material& material = scene.materials[surface.material];
     const uint32_t transmission =
         material.medium == 0 ? 0 : scene.optics[material.medium - 1].transmissionTexture;
@@ -236,6 +244,7 @@ uint32_t cellsAt(const Model& scene, const Surface& surface) {
         if (number == 0) continue;
         rows::Texture cells = scene.textures[number - 1];
         if (!(cells.flags & (shared::kTextureChecker | shared::kTextureNearest))) continue;
+        if (resolvedAlone && !resolvesTexels(cells, surface)) continue;
         // Which cell, not what colour it has: that may be moved by rounding, too.
         cells.colorA = dvec3(0);
         cells.colorB = dvec3(1);

@@ -22,8 +22,9 @@ rows::Material materialAt(const Model& scene, const Surface& surface);
 // Transmission of a surface of this medium (rows::Material::medium, not 0).
 glm::dvec3 transmissionAt(const Model& scene, uint32_t medium, const Surface& surface);
 
-// A hash of what textures show that change in steps: checkers, and images without filtering.
-uint32_t cellsAt(const Model& scene, const Surface& surface);
+// Hashes the cells of checkers and the texels of images without filtering. resolvedAlone: omits texels that
+// rounding replaces by more than their neighbours.
+uint32_t cellsAt(const Model& scene, const Surface& surface, bool resolvedAlone);
 
 // True where the diffuse texture's alpha is below the material's alphaCutoff. noise: moves the alpha within
 // the rounding of fp32's lookup, times its step.

@@ -80,7 +80,7 @@ class PathTracer {
     }
     // Decides quantities that change in steps.
     void decideCells(const Surface& textured) {
-        if (!scene_.textures.empty()) decide(cellsAt(scene_, textured));
+        if (!scene_.textures.empty()) decide(cellsAt(scene_, textured, jitter_.lookup != 0));
     }
     void addLight(const RoundedColor& light);
     // Counts a ray; returns the counter of its tests.
@@ -274,7 +274,10 @@ RoundedColor PathTracer::shadeLight(const Interaction& at, size_t index, bool fi
     const bool directional = light.kind == shared::kLightDirectional;
     const double end =
         directional ? std::numeric_limits<double>::infinity() : static_cast<double>(shared::kShadowEnd);
-    const auto through = lightThrough(rayFrom(at, sample.toLight, end), at, directional);
+    Ray shadow = rayFrom(at, sample.toLight, end);
+    if (jitter_.hidden && index < shared::kShadowBits)
+        shadow.noise.solid = (*jitter_.hidden >> index & 1) != 0 ? RayNoise::kAll : shared::kNone;
+    const auto through = lightThrough(shadow, at, directional);
     if (!through) {
         decide(3);
         if (first && index < shared::kShadowBits) record_.shadowBits |= 1u << index;

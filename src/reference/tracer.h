@@ -127,6 +127,7 @@ struct Surface {
 // `t`: the first hit's t, if not 0, for all that follows from the hit. The ray then moves everything except
 // the texture coordinates: they are those of the unmoved ray at t, within kUvRoundings. `lookup`: with t, the
 // seed of these coordinates. Even: textures round as IEEE 754 demands; odd: by any error within fp32's bound.
+// `hidden`: where rounding decides whether masks hide a light, they hide those with a bit here.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
@@ -136,6 +137,7 @@ struct Jitter {
     uint32_t hit = shared::kNone;
     double t = 0;
     uint64_t lookup = 0;
+    std::optional<uint32_t> hidden = std::nullopt;
 };
 inline constexpr double kMostSlips = 2;
 

@@ -19,7 +19,6 @@ enum {
     kGeometric = 10,
     kU = 13,
     kV = 14,
-    kShadows = 15,
     kObject = 16,
     kPrimitive = 17,
     kMaterial = 18,

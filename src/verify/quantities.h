@@ -15,6 +15,7 @@ namespace glint::verify {
 // bits of hidden lights, object, primitive and material, which must agree; the distance from the hit at which
 // further rays begin, which depends on the packing of a scene.
 inline constexpr size_t kColorQuantities = 3, kSceneQuantities = 19, kQuantities = 20;
+inline constexpr size_t kShadows = 15;  // index of the bits of hidden lights
 using Quantities = std::array<double, kQuantities>;
 
 // Error of fp32 numbers near 0: a device may take subnormal numbers for 0.

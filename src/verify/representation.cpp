@@ -19,12 +19,16 @@ namespace {
 // In larger images one random pixel of each 2 x 2 is examined.
 constexpr size_t kSmallImage = 4096;
 // Numbers of scenes with each number moved by up to one unit, as by packing: at first, at least, and at most
-// for the few pixels that are left (kFewPixels and one in kFewPixels of those examined; more are a defect).
+// for the few pixels that are left (kFewPixels and one in kFewPixels of those examined; more are a defect,
+// unless mayLeave allows them).
 // At an edge one scene in dozens takes the path of the packed one, and two or three scenes make no box for
 // quantities that rounding changes much, such as the normal of a face whose corners' last places are a
 // thousandth of it.
 constexpr uint64_t kFirstScenes = 8, kMovedScenes = 24, kLastScenes = 1024;
 constexpr size_t kFewPixels = 64;
+// Scenes in place of the packed one. One number that decides many pixels may decide none of them in half of
+// the scenes.
+constexpr uint64_t kStandIns = 8;
 // A class's box may be missed by this many times its size. Packing is one more random move of the numbers. Of
 // two random moves one is 5 times as long as the other in one case of ten; it is hardly ever that much longer
 // than the longest of ten.
@@ -71,13 +75,23 @@ reference::Ray RepresentationCheck::rayOf(const reference::Tracer& tracer,
     return reference::pixelSample(tracer, camera, options_.samples, doubt.sample, doubt.x, doubt.y).ray;
 }
 
+std::vector<RepresentationCheck::Doubt*> RepresentationCheck::doubtsOf(std::vector<Row>& rows) {
+    std::vector<Doubt*> doubts;
+    for (Row& row : rows)
+        for (Doubt& doubt : row.doubts) doubts.push_back(&doubt);
+    return doubts;
+}
+
 void RepresentationCheck::compare(int x, int y, uint32_t sample, const reference::PixelRecord& rounded) {
-    if (!examines(x, y, sample)) return;
-    Row& row = rows_[static_cast<size_t>(y)];
-    Doubt doubt{.x = x, .y = y, .sample = sample, .pathHash = rounded.pathHash};
+    if (examines(x, y, sample))
+        compareIn(rows_[static_cast<size_t>(y)], {.x = x, .y = y, .sample = sample}, rounded);
+}
+
+void RepresentationCheck::compareIn(Row& row, Doubt doubt, const reference::PixelRecord& rounded) const {
     const reference::Ray ray = rayOf(truth_, camera_, doubt);
     const reference::PixelRecord truth = truth_.trace(ray);
     const glm::dvec3 d = rounded.color - truth.color;
+    doubt.pathHash = rounded.pathHash;
     doubt.difference = greatestMagnitude(d);
     row.differences.push_back(static_cast<float>(doubt.difference));
     row.squares += glm::dot(d, d);
@@ -91,16 +105,20 @@ void RepresentationCheck::compare(int x, int y, uint32_t sample, const reference
     row.doubts.push_back(std::move(doubt));
 }
 
+RepresentationCheck::Moved RepresentationCheck::moved(uint64_t seed) const {
+    const reference::rows::Camera camera = reference::disturbed(camera_, seed, 1);
+    const auto model = std::make_shared<reference::Model>(reference::disturbed(*model_, seed, 1));
+    reference::setEye(*model, camera.eye);  // it may lie on the other side of a glass surface
+    return {reference::Tracer(model, options_, radianceBound_), camera};
+}
+
 // Traces all doubtful pixels in a scene with moved numbers, and removes those that it explains.
 void RepresentationCheck::draw(uint64_t seed, std::vector<Doubt*>& open) const {
-    const reference::rows::Camera camera = reference::disturbed(camera_, seed, 1);
-    const auto moved = std::make_shared<reference::Model>(reference::disturbed(*model_, seed, 1));
-    reference::setEye(*moved, camera.eye);  // it may lie on the other side of a glass surface
-    const reference::Tracer tracer(moved, options_, radianceBound_);
+    const Moved scene = moved(seed);
     parallelFor(Context{}, open.size(), [&](size_t i) {
         Doubt& doubt = *open[i];
-        const reference::Ray ray = rayOf(tracer, camera, doubt);
-        const reference::PixelRecord record = tracer.trace(ray);
+        const reference::Ray ray = rayOf(scene.tracer, scene.camera, doubt);
+        const reference::PixelRecord record = scene.tracer.trace(ray);
         if (record.pathHash != doubt.pathHash) return;
         const Box box(quantitiesOf(record, packed_.origin), floorsOf(packed_, record, ray));
         auto at = std::find_if(doubt.classes.begin(), doubt.classes.end(),
@@ -125,36 +143,58 @@ void RepresentationCheck::certifyDoubt(Doubt& doubt) const {
     if (certificate.verdict == Certificate::Verdict::Holds) doubt.state = Doubt::State::Explained;
 }
 
-// Leaves doubts open that nothing explains, or whose search would be too long.
-void RepresentationCheck::search(std::vector<Doubt*> open, size_t examined) const {
+// All pixels share the same few moves, so one number may leave many pixels in doubt. Triples the scenes while
+// that halves the pixels in doubt; returns their number.
+uint64_t RepresentationCheck::drawFirst(std::vector<Doubt*>& open) const {
     uint64_t drawn = 0;
-    const auto drawUpTo = [&](uint64_t last) {
-        while (drawn < last && !open.empty()) draw(++drawn, open);
-    };
-    // All pixels share the same few moves, so one number may leave many pixels in doubt. Triple the scenes
-    // while that halves the pixels in doubt.
     size_t before = open.size();
     for (uint64_t last = kFirstScenes; last <= kLastScenes; last *= 3) {
         if (last > kMovedScenes && 2 * open.size() > before) break;
         before = open.size();
-        drawUpTo(last);
+        while (drawn < last && !open.empty()) draw(++drawn, open);
     }
-    if (open.size() > kFewPixels + examined / kFewPixels) return;
+    return drawn;
+}
+
+// True if one of kStandIns moved scenes, in place of the packed one, leaves half as many pixels in doubt.
+bool RepresentationCheck::mayLeave(size_t doubts) const {
+    for (uint64_t seed = kLastScenes + 1; seed <= kLastScenes + kStandIns; ++seed) {
+        const Moved scene = moved(seed);
+        std::vector<Row> rows(rows_.size());
+        parallelFor(Context{}, rows.size(), [&](size_t row) {
+            for (uint32_t sample = 0; sample < options_.samples.round; ++sample)
+                for (int x = 0, y = static_cast<int>(row); x < options_.width; ++x) {
+                    const Doubt doubt{.x = x, .y = y, .sample = sample};
+                    if (!examines(x, y, sample)) continue;
+                    compareIn(rows[row], doubt, scene.tracer.trace(rayOf(scene.tracer, scene.camera, doubt)));
+                }
+        });
+        std::vector<Doubt*> open = doubtsOf(rows);
+        drawFirst(open);
+        if (2 * open.size() >= doubts) return true;
+    }
+    return false;
+}
+
+// Leaves doubts open that nothing explains, or whose search would be too long.
+void RepresentationCheck::search(std::vector<Doubt*> open, size_t examined) const {
+    uint64_t drawn = drawFirst(open);
+    const size_t few = kFewPixels + examined / kFewPixels;
+    if (open.size() > few && !mayLeave(open.size())) return;
     parallelFor(Context{}, open.size(), [&](size_t i) { certifyDoubt(*open[i]); });
     std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
-    drawUpTo(kLastScenes);
+    while (open.size() <= few && drawn < kLastScenes && !open.empty()) draw(++drawn, open);
 }
 
 Representation RepresentationCheck::judge(size_t worstCount) {
     Representation result;
     std::vector<float> differences;
-    std::vector<Doubt*> doubts;
     double squares = 0;
-    for (Row& row : rows_) {
+    for (const Row& row : rows_) {
         differences.insert(differences.end(), row.differences.begin(), row.differences.end());
         squares += row.squares;
-        for (Doubt& doubt : row.doubts) doubts.push_back(&doubt);
     }
+    std::vector<Doubt*> doubts = doubtsOf(rows_);
     result.asked = differences.size();
     for (const float d : differences) result.greatest = std::max(result.greatest, static_cast<double>(d));
     result.rmse = std::sqrt(squares / (3 * static_cast<double>(std::max<uint64_t>(result.asked, 1))));

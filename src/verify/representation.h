@@ -55,7 +55,7 @@ class RepresentationCheck {
     struct Doubt {
         int x, y;
         uint32_t sample;
-        uint32_t pathHash;                       // of the packed scene
+        uint32_t pathHash = 0;                   // of the packed scene
         Quantities rounded{};                    // of the packed scene
         std::optional<uint32_t> decisions = {};  // of the truth, on the same path
         double difference = 0;
@@ -70,7 +70,17 @@ class RepresentationCheck {
     bool examines(int x, int y, uint32_t sample) const;
     reference::Ray rayOf(const reference::Tracer& tracer, const reference::rows::Camera& camera,
                          const Doubt& doubt) const;
+    // The truth with each number moved by up to one unit.
+    struct Moved {
+        reference::Tracer tracer;
+        reference::rows::Camera camera;
+    };
+    Moved moved(uint64_t seed) const;
+    static std::vector<Doubt*> doubtsOf(std::vector<Row>& rows);
+    void compareIn(Row& row, Doubt doubt, const reference::PixelRecord& rounded) const;
     void draw(uint64_t seed, std::vector<Doubt*>& open) const;
+    uint64_t drawFirst(std::vector<Doubt*>& open) const;
+    bool mayLeave(size_t doubts) const;
     void certifyDoubt(Doubt& doubt) const;
     void search(std::vector<Doubt*> open, size_t examined) const;
 

@@ -90,7 +90,8 @@ TEST_F(NearSolidsTest, Needles) {
     EXPECT_EQ(verified(makeCase(scene, 96, 72)).unexplained, 0u);
 }
 
-// Rounding decides which texels of a mask are holes, so that rays may hit a box behind holes of itself.
+// Rounding decides which texels of a mask are holes: rays may hit a box behind holes of itself, each light
+// may be hidden, and any texel may be seen.
 TEST_F(NearSolidsTest, MasksOfFarTexelsHideTheirOwnBackSides) {
     const auto image = scatteredValues(8, 4);
     Scene scene = emptyScene();
@@ -102,10 +103,12 @@ TEST_F(NearSolidsTest, MasksOfFarTexelsHideTheirOwnBackSides) {
     material.alphaCutoff = 0.5;
     addObject(scene, BoxShape{{-1, -1, -1}, {1, 1, 1}}, static_cast<uint32_t>(scene.materials.size() - 1));
     scene.objects.back().transform = rotation({1, 2, 0}, 30);
+    for (const dvec3& place : {dvec3(3, 4, 5), dvec3(-3, 5, 2), dvec3(0, 6, 3)})
+        scene.lights.push_back(PointLight{place, Color(0.5)});
     aim(scene.camera, {0, 1, 6}, {0, 0, 0});
     scene.camera.fovY = 30;
-    const verify::Report report = verified(makeCase(scene, 24, 18));
-    EXPECT_EQ(report.unexplained, 0u);
+    const verify::Report report = verifiedAsRead(makeCase(scene, 24, 18));
+    EXPECT_TRUE(report.passed());
     EXPECT_GT(report.explained(), 50u);
 }
 
