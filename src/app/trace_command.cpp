@@ -4,12 +4,12 @@
 #include "app/commands.h"
 #include "app/ray_file.h"
 #include "app/rendering.h"
+#include "app/trace_batch.h"
 #include "core/format.h"
 #include "reference/render.h"
 #include "reference/truth/truth.h"
 #include "render/ray_queries.h"
 #include "render/renderer.h"
-#include "verify/trace_batch.h"
 
 namespace glint::app {
 
@@ -52,7 +52,7 @@ std::vector<WorldHit> traceOnDevice(const TraceCommand& command, const LoadedSce
                                     const Request& request, const gpu::Device& device, std::ostream& err) {
     if (!command.pixel) {
         render::RayQueries queries(device, loaded.packed, command.device.traversal);
-        return verify::traceBatch(queries, loaded.packed, batchOf(command, err));
+        return traceBatch(queries, loaded.packed, batchOf(command, err));
     }
     render::Options options;
     options.traversal = command.device.traversal;

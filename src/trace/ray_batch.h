@@ -1,4 +1,4 @@
-// Rays that the caller brings, in world coordinates, and their hits: verify::traceBatch on a device,
+// Rays that the caller brings, in world coordinates, and their hits: app::traceBatch on a device,
 // reference::trace in double.
 #pragma once
 

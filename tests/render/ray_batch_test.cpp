@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "app/trace_batch.h"
 #include "reference/render.h"
 #include "support.h"
-#include "verify/trace_batch.h"
 
 namespace glint::render::test::ray_batch_test {
 using glm::dvec3;
@@ -50,7 +50,7 @@ TEST_P(RayBatchScenes, ABatchIsItsSingleRays) {
     const Case c = fileCase(GetParam(), 16, 12);
     RayQueries queries(device(), c.packed);
     const RayBatch batch = raysInto(c, 300, 1);
-    const std::vector<WorldHit> together = verify::traceBatch(queries, c.packed, batch),
+    const std::vector<WorldHit> together = app::traceBatch(queries, c.packed, batch),
                                 host = reference::trace(c.packed, batch);
     ASSERT_EQ(together.size(), batch.rays.size());
     size_t hits = 0;
@@ -58,7 +58,7 @@ TEST_P(RayBatchScenes, ABatchIsItsSingleRays) {
         RayBatch one = batch;
         one.rays = {batch.rays[i]};
         if (i % 3 == 0) {
-            EXPECT_TRUE(same(verify::traceBatch(queries, c.packed, one)[0], together[i])) << i;
+            EXPECT_TRUE(same(app::traceBatch(queries, c.packed, one)[0], together[i])) << i;
         }
         EXPECT_TRUE(same(reference::trace(c.packed, one)[0], host[i])) << i;
         hits += host[i].hit;
@@ -67,7 +67,7 @@ TEST_P(RayBatchScenes, ABatchIsItsSingleRays) {
         }
     }
     EXPECT_GT(hits, 50u);
-    EXPECT_EQ(verify::traceBatch(queries, c.packed, RayBatch{}).size(), 0u);
+    EXPECT_EQ(app::traceBatch(queries, c.packed, RayBatch{}).size(), 0u);
 }
 
 // The device and the reference agree on random rays, but for the rounding of fp32.
@@ -75,7 +75,7 @@ TEST_P(RayBatchScenes, BothTracersMeetTheSame) {
     const Case c = fileCase(GetParam(), 16, 12);
     RayQueries queries(device(), c.packed);
     const RayBatch batch = raysInto(c, 2000, 2);
-    const std::vector<WorldHit> device = verify::traceBatch(queries, c.packed, batch),
+    const std::vector<WorldHit> device = app::traceBatch(queries, c.packed, batch),
                                 host = reference::trace(c.packed, batch);
     size_t agree = 0;
     for (size_t i = 0; i < host.size(); ++i) {
@@ -98,14 +98,14 @@ TEST_F(RayBatchTest, DetailsAreAsManyAsAskedFor) {
     const Case c = fileCase("knot", 16, 12);
     RayQueries queries(device(), c.packed);
     RayBatch batch = raysInto(c, 500, 3);
-    const std::vector<WorldHit> full = verify::traceBatch(queries, c.packed, batch),
+    const std::vector<WorldHit> full = app::traceBatch(queries, c.packed, batch),
                                 host = reference::trace(c.packed, batch);
     batch.detail = HitDetail::Nearest;
-    const std::vector<WorldHit> nearest = verify::traceBatch(queries, c.packed, batch),
+    const std::vector<WorldHit> nearest = app::traceBatch(queries, c.packed, batch),
                                 hostNearest = reference::trace(c.packed, batch);
     batch.detail = HitDetail::Any;
     BatchTimes times;
-    const std::vector<WorldHit> any = verify::traceBatch(queries, c.packed, batch, false, &times),
+    const std::vector<WorldHit> any = app::traceBatch(queries, c.packed, batch, false, &times),
                                 hostAny = reference::trace(c.packed, batch);
     EXPECT_GT(times.wall, 0);
     EXPECT_GT(times.processor, 0);

@@ -1,11 +1,11 @@
-#include "verify/trace_batch.h"
+#include "app/trace_batch.h"
 
 #include <optional>
 #include <span>
 
 #include "reference/render.h"
 
-namespace glint::verify {
+namespace glint::app {
 
 namespace {
 
@@ -53,4 +53,4 @@ std::vector<WorldHit> traceBatch(render::RayQueries& queries, const PackedScene&
     return hits;
 }
 
-}  // namespace glint::verify
+}  // namespace glint::app
