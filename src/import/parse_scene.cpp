@@ -342,25 +342,25 @@ Material parseMaterial(const JsonCursor& material, std::string_view name, Textur
     return result;
 }
 
-// Warns of material colours as [r, g, b] codes, of angles in radians, and of opaque materials with the optics
-// of glass.
-void warnOfMistakes(Scene& scene, const std::string& name) {
+// Warns of the optics of an opaque material, the last of the scene.
+void warnOfOptics(const JsonCursor& material, Scene& scene, const std::string& name) {
+    if (scene.materials.back().transmission != Color(0)) return;
+    for (const char* key : {"ior", "priority", "attenuation", "attenuationColor"})
+        if (const auto found = material.find(key))
+            scene.warnings.push_back(name + ": " + printable(found->pointer()) +
+                                     ": has no effect without transmission");
+}
+
+// Warns of material colours as [r, g, b] codes, and of angles in radians.
+void warnOfUnits(Scene& scene, const std::string& name) {
     constexpr double kBright = 10, kLeastRadians = 0.2, kMostRadians = 1.6;
     const auto bright = [&](const Color& c) { return std::max({c.x, c.y, c.z}) > kBright; };
     const auto warn = [&](const std::string& pointer) {
         scene.warnings.push_back(name + ": " + printable(pointer) +
                                  ": colours are linear from 0 to 1, not codes to 255");
     };
-    for (const Material& material : scene.materials) {
-        const std::string pointer = "/materials/" + escapePointer(material.name);
-        if (bright(material.diffuse)) warn(pointer + "/diffuse");
-        const Material plain;
-        const bool isGlass = material.ior != plain.ior || material.priority != plain.priority ||
-                             material.attenuation != plain.attenuation;
-        if (isGlass && material.transmission == Color(0))
-            scene.warnings.push_back(name + ": " + printable(pointer) +
-                                     ": ior, priority and attenuation have no effect without transmission");
-    }
+    for (const Material& material : scene.materials)
+        if (bright(material.diffuse)) warn("/materials/" + escapePointer(material.name) + "/diffuse");
     if (bright(scene.background)) warn("/background");
     if (scene.camera.projection == Projection::Perspective && scene.camera.fovY > kLeastRadians &&
         scene.camera.fovY < kMostRadians)
@@ -476,8 +476,10 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
         for (const auto& member : materials->members()) {
             // Objects may name a faulty material, too.
             scene.materials.emplace_back().name = member.first;
-            errors.attempt(
-                [&] { scene.materials.back() = parseMaterial(member.second, member.first, textures); });
+            errors.attempt([&] {
+                scene.materials.back() = parseMaterial(member.second, member.first, textures);
+                warnOfOptics(member.second, scene, name);
+            });
         }
     });
     errors.attempt([&] { parseObjects(root, in); });
@@ -491,7 +493,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
         validateScene(scene, name);
     });
     errors.finish();
-    warnOfMistakes(scene, name);
+    warnOfUnits(scene, name);
     return scene;
 }
 

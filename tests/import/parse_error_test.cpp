@@ -364,13 +364,13 @@ TEST(ParseErrors, SeveralWithTheirPlaces) {
 
 TEST(ParseErrors, LikelyMistakesAreWarnedOf) {
     const Scene scene = parse(R"({"camera": {"fovY": 0.7}, "background": [30, 144, 255],
-        "materials": {"m": {"diffuse": [255, 0, 0]}, "n": {"diffuse": 1}, "p": {"ior": 1.3}, "q": {"priority": 1, "transmission": 1}}})");
-    EXPECT_EQ(
-        scene.warnings,
-        (Lines{"s.json: /materials/m/diffuse: colours are linear from 0 to 1, not codes to 255",
-               "s.json: /materials/p: ior, priority and attenuation have no effect without transmission",
-               "s.json: /background: colours are linear from 0 to 1, not codes to 255",
-               "s.json: /camera/fovY: is in degrees (got 0.7)"}));
+        "materials": {"m": {"diffuse": [255, 0, 0]}, "n": {"diffuse": 1},
+            "p": {"ior": 1.5}, "q": {"priority": 1, "transmission": 1}}})");
+    EXPECT_EQ(scene.warnings,
+              (Lines{"s.json: /materials/p/ior: has no effect without transmission",
+                     "s.json: /materials/m/diffuse: colours are linear from 0 to 1, not codes to 255",
+                     "s.json: /background: colours are linear from 0 to 1, not codes to 255",
+                     "s.json: /camera/fovY: is in degrees (got 0.7)"}));
 }
 
 }  // namespace glint::test::parse_error_test
