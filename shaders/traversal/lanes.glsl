@@ -7,8 +7,7 @@
 //   counts its trips and gives up at dispatch.tripBudget (src/render/path_limits.cpp).
 // - A store to a private array jumps lane by lane on whether the lane is in the loop, and mispredicts once
 //   for each lane that leaves. With kConvergent all lanes leave all loops of a traversal together; a finished
-//   lane changes nothing. A shuffle needs both lanes active, so all loops around such a loop are convergent,
-//   too.
+//   lane changes nothing. A shuffle needs both lanes active, so all loops around are convergent.
 // - subgroupShuffleXor is one instruction; votes, ballots and broadcasts are loops over the lanes.
 // - A store to a buffer takes 14 instructions for each word and lane: rows that do not change are not stored.
 //   A push constant costs 25 instructions at each use: loops use a local copy. Loads ignore conditions.

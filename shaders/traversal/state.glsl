@@ -141,13 +141,11 @@ Surface surfaceOfHit(Traversal traversal, Hit hit) {
     return surfaceAt(ray, hit, false);
 }
 
-// Accepts or counts a hit, or lets the ray pass; true if further hits of the same primitive matter
-// (traversal/leaf.glsl or traversal/count.glsl).
+// Accepts or counts a hit, or lets the ray pass; true if further hits of the primitive matter.
 bool goesOnAfter(inout Traversal traversal, Hit hit);
 
-// Tests primitives `first` to `end` - 1 for a ray that may pass through hits: after such a
-// hit, the next hit of the same primitive is looked for. One loop for all kinds, as goesOnAfter is much code,
-// in which drivers' compilers would spend seconds for each copy.
+// Tests primitives `first` to `end` - 1 for a ray that may pass through hits, to further ones of the same
+// primitive. One loop for all kinds: drivers' compilers would spend seconds on each copy of goesOnAfter.
 void testEachHit(inout Traversal traversal, uint kind, uint first, uint end) {
     uint index = first;
     float after = traversal.ray.tMin;
