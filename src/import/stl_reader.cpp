@@ -62,8 +62,8 @@ class FacetCollector {
 
     ImportedMesh finish() {
         if (disagreeing_ > 0)
-            warnings().add("the stored normals of ", disagreeing_,
-                           " facets point against the winding of their vertices, which counts");
+            warnings().add("ignored the stored normals of ", counted(disagreeing_, "facet"),
+                           ", which point against the winding of the vertices");
         return builder_.finish();
     }
 
@@ -167,10 +167,10 @@ ImportedMesh readBinary(const Context& context, std::string_view bytes, const st
         if (loadNumber<uint16_t>(facet + 48) != 0) attributes++;
     }
     if (attributes > 0)
-        facets.warnings().add("the attribute bytes of ", attributes,
-                              " facets, in which some programs keep colours, are ignored");
+        facets.warnings().add("ignored the attribute bytes of ", counted(attributes, "facet"),
+                              ", in which some programs keep colours");
     const uint64_t rest = bytes.size() - kHeaderSize - count * kFacetSize;
-    if (rest > 0) facets.warnings().add(rest, " bytes after the last triangle are ignored");
+    if (rest > 0) facets.warnings().add("ignored ", counted(rest, "byte"), " after the last triangle");
     return facets.finish();
 }
 

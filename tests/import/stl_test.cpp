@@ -125,7 +125,7 @@ TEST(Stl, NormalsAgainstTheWindingAreWarnedAbout) {
     facets[3].normal = dvec3(0);
     EXPECT_EQ(
         import(binary(facets)).warnings,
-        Lines{"the stored normals of 1 facets point against the winding of their vertices, which counts"});
+        Lines{"ignored the stored normals of 1 facet, which point against the winding of the vertices"});
     EXPECT_DOUBLE_EQ(signedVolume(import(binary(facets)).mesh), 1.0 / 6);
 }
 
@@ -134,8 +134,8 @@ TEST(Stl, WhatElseIsWarnedAbout) {
     facets[0].attribute = 0x8123;
     facets[2].attribute = 1;
     EXPECT_EQ(import(binary(facets) + "tail").warnings,
-              (Lines{"the attribute bytes of 2 facets, in which some programs keep colours, are ignored",
-                     "4 bytes after the last triangle are ignored"}));
+              (Lines{"ignored the attribute bytes of 2 facets, in which some programs keep colours",
+                     "ignored 4 bytes after the last triangle"}));
     facets = kTetrahedron;
     facets.push_back({{0, 0, 1}, {1, 1, 1}, {1, 1, 1}, {2, 2, 2}});
     EXPECT_EQ(import(binary(facets)).warnings,
