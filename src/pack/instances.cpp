@@ -51,13 +51,10 @@ std::vector<Box> topBoxes(const std::vector<shared::Node>& nodes, size_t most) {
     return boxes;
 }
 
-// Spheres and discs are all the unit one (scene/placement.h), meshes are shared by address.
-std::pair<size_t, const void*> prototypeKey(const Object& object) {
-    if (const auto* mesh = std::get_if<MeshShape>(&object.shape))
-        return {object.shape.index(), mesh->mesh.get()};
-    const bool unit =
-        std::holds_alternative<SphereShape>(object.shape) || std::holds_alternative<DiscShape>(object.shape);
-    return {object.shape.index(), unit ? nullptr : static_cast<const void*>(&object)};
+// Its mesh, or null for a disc: all of these are the unit disc (scene/placement.h).
+const Mesh* prototypeKey(const Object& object) {
+    const auto* mesh = std::get_if<MeshShape>(&object.shape);
+    return mesh != nullptr ? mesh->mesh.get() : nullptr;
 }
 
 Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxLevels,
@@ -181,7 +178,7 @@ Box worldBox(const std::vector<Box>& boxes, const glm::dmat3& linear, const glm:
 Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options,
                      const Context& context)
     : slot_(scene.objects.size(), shared::kNone) {
-    std::map<std::pair<size_t, const void*>, uint32_t> known;
+    std::map<const Mesh*, uint32_t> known;
     std::vector<const Object*> shown;
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
