@@ -90,9 +90,8 @@ struct CoordinatesOf {
     Coordinates operator()(const ConeShape& c) const { return axial(c.base, c.apex); }
     Coordinates operator()(const HyperboloidShape& h) const { return axial(h.base, h.top); }
     Coordinates operator()(const ParaboloidShape& p) const { return axial(p.vertex, p.top); }
-    Coordinates operator()(const BoxShape&) const { return {}; }
-    Coordinates operator()(const TriangleShape&) const { return {}; }
-    Coordinates operator()(const MeshShape&) const { return {}; }
+    // Shapes with coordinates of their own (kOwnUvKinds).
+    Coordinates operator()(const auto&) const { return {}; }
 
     static Coordinates round(const dvec3& center, const dvec3& radii) {
         return {along({1, 0, 0}, center, 1 / radii.x, 0), along({0, 1, 0}, center, 1 / radii.y, 0),

@@ -213,9 +213,8 @@ struct CoordinatesOf {
     Coordinates operator()(const ConeShape& c) const { return along(c.base, c.apex); }
     Coordinates operator()(const HyperboloidShape& h) const { return along(h.base, h.top); }
     Coordinates operator()(const ParaboloidShape& p) const { return along(p.vertex, p.top); }
-    Coordinates operator()(const BoxShape&) const { return {}; }
-    Coordinates operator()(const TriangleShape&) const { return {}; }
-    Coordinates operator()(const MeshShape&) const { return {}; }
+    // Shapes with coordinates of their own (kOwnUvKinds).
+    Coordinates operator()(const auto&) const { return {}; }
 
   private:
     Linear spread(const dvec3& axis, const std::vector<dvec3>& vertices) const {
