@@ -67,20 +67,6 @@ double lowerMedianOf(std::vector<double> values) {
 
 }  // namespace
 
-void Extent::include(const glm::dvec3& p) {
-    if (!(greatestMagnitude(p) <= std::numeric_limits<float>::max())) return;
-    BoundingBox::include(p);
-}
-
-void Extent::include(const Extent& other) {
-    lo = glm::min(lo, other.lo);
-    hi = glm::max(hi, other.hi);
-}
-
-double Extent::halfSize() const {
-    return greatestMagnitude(0.5 * hi - 0.5 * lo);
-}
-
 glm::dvec3 planeAnchor(const glm::dvec3& point, const glm::dvec3& normal, const Extent& extent) {
     constexpr double kMuchFarther = 16;
     const glm::dvec3 center = extent.center();

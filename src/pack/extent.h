@@ -6,34 +6,16 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "core/context.h"
-#include "core/vectors.h"
-#include "scene/scene.h"
+#include "pack/packed_scene.h"
 
 namespace glint {
 
 class PrimitiveNumbers;
 
-// A box in world coordinates.
-struct Extent : BoundingBox {
-    // Takes in a point that is finite and within the range of fp32; leaves out others.
-    void include(const glm::dvec3& p);
-    void include(const Extent& other);
-    glm::dvec3 center() const { return 0.5 * lo + 0.5 * hi; }
-    double halfSize() const;  // along the longest edge
-};
-
 // The point by which fp32 can best hold a plane that is used near `extent`: the given one, or, where that
 // lies 16 times farther from the extent's centre than it need, the plane's point nearest the centre. normal:
 // unit.
 glm::dvec3 planeAnchor(const glm::dvec3& point, const glm::dvec3& normal, const Extent& extent);
-
-// Bounds of the finite geometry, and of most of it.
-struct Geometry {
-    Extent extent;
-    glm::dvec3 middle{0};  // the median, axis by axis, of the centres of the nearer half of the objects
-    double reach = 0;      // half of all objects lie no farther from there in any axis, with all their parts
-};
 
 // The corners of the box around an instance, in the world (Instances::corners).
 using CornersOf = std::function<std::vector<glm::dvec3>(uint32_t object)>;

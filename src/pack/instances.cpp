@@ -12,8 +12,6 @@
 #include "core/vectors.h"
 #include "pack/extent.h"
 #include "pack/pack_geometry.h"
-#include "pack/pack_textures.h"
-#include "pack/primitives.h"
 #include "pack/scene_arrays.h"
 #include "scene/transform.h"
 
@@ -176,8 +174,8 @@ Box worldBox(const std::vector<Box>& boxes, const glm::dmat3& linear, const glm:
 }  // namespace
 
 Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options,
-                     const Context& context)
-    : slot_(scene.objects.size(), shared::kNone) {
+                     const Context& context) {
+    placed_.slot.assign(scene.objects.size(), shared::kNone);
     std::map<const Mesh*, uint32_t> known;
     std::vector<const Object*> shown;
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
@@ -185,7 +183,7 @@ Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const 
         if (kindOf(object) != shared::PrimitiveKind::Instance) continue;
         const auto [entry, fresh] = known.try_emplace(prototypeKey(object), sizeOf(shown));
         if (fresh) shown.push_back(&object);
-        slot_[i] = sizeOf(objects_);
+        placed_.slot[i] = sizeOf(objects_);
         prototype_.push_back(entry->second);
         objects_.push_back(i);
     }
@@ -217,12 +215,12 @@ std::vector<glm::dvec3> Instances::corners(const Scene& scene, uint32_t object) 
 // |o - T| + 3 u r) on any axis, with K the greatest row sum of |W^-1| |W|, and r the reach of the box from T,
 // since t |d| <= |o - T| + r. So a hit may lie that far outside of the box, and the ray's boxes are widened
 // by 10 u K (|o| + B), B bounding |T| + r, which also covers the rounding of the sum.
-Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint32_t id,
-                                      const glm::dvec3& origin) const {
+PlacedInstance Instances::placedAt(const Scene& scene, uint32_t object, uint32_t id,
+                                   const glm::dvec3& origin) const {
     const Prototype& prototype = prototypeOf(object);
     const Affine world = fromLocal(*scene.objects[object].transform, prototype.geometry.origin);
     const glm::dmat3 rows = glm::transpose(inverse(world).linear);
-    Placed placed;
+    PlacedInstance placed;
     shared::Instance& row = placed.row;
     row.place = glm::vec3(world.offset - origin);
     row.toObjectX = glm::vec3(rows[0]);
@@ -236,14 +234,16 @@ Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint3
     row.toWorldX = glm::vec3(backRows[0]);
     row.toWorldY = glm::vec3(backRows[1]);
     row.toWorldZ = glm::vec3(backRows[2]);
-    row.root = prototype_[slot_[object]];
+    row.root = prototype_[placed_.slot[object]];
     row.idBase = id;
     row.mirrored = glm::dot(backRows[0], glm::cross(backRows[1], backRows[2])) < 0 ? 1 : 0;
     row.object = object;
     const Object& shown = scene.objects[object];
     const auto* mesh = std::get_if<MeshShape>(&shown.shape);
     row.material = mesh != nullptr && !mesh->mesh->materials.empty() ? shared::kNone : shown.material;
+    if (prototype.boxes.empty()) return placed;
     placed.box = worldBox(prototype.boxes, back, glm::dvec3(row.place));
+    placed.status = placed.box.empty() ? PrimitiveStatus::NotFinite : PrimitiveStatus::Kept;
     if (placed.box.empty()) return placed;
     placed.gain = greatestMagnitude(magnitudes(back) * (magnitudes(toObject) * glm::dvec3(1)));
     const glm::dvec3 far = glm::max(glm::abs(glm::dvec3(placed.box.lo)), glm::abs(glm::dvec3(placed.box.hi)));
@@ -253,9 +253,9 @@ Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint3
 
 void Instances::place(const Scene& scene, const PrimitiveNumbers& numbers, const glm::dvec3& origin,
                       const Context& context) {
-    placed_.resize(objects_.size());
+    placed_.instances.resize(objects_.size());
     const auto place = [&](size_t i) {
-        placed_[i] = placedAt(scene, objects_[i], numbers.firstId(objects_[i]), origin);
+        placed_.instances[i] = placedAt(scene, objects_[i], numbers.firstId(objects_[i]), origin);
     };
     parallelFor(context, objects_.size(), place);
 }
@@ -283,12 +283,13 @@ void Instances::append(PackedScene& packed) {
 
 bool Instances::move(PackedScene& packed) const {
     size_t shown = 0;
-    for (const uint32_t object : objects_) shown += showsAnything(object) && isFinite(object) ? 1 : 0;
+    for (const PlacedInstance& placed : placed_.instances) shown += placed.status == PrimitiveStatus::Kept;
     if (shown != packed.instances.size()) return false;
     for (shared::Instance& instance : packed.instances) {
-        if (!isFinite(instance.object)) return false;
+        const PlacedInstance& placed = placed_.of(instance.object);
+        if (placed.status != PrimitiveStatus::Kept) return false;
         const uint32_t root = instance.root;
-        instance = row(instance.object);
+        instance = placed.row;
         instance.root = root;
     }
     setPads(packed);
@@ -297,7 +298,7 @@ bool Instances::move(PackedScene& packed) const {
 
 void Instances::setPads(PackedScene& packed) const {
     double gain = 0, reach = 0;
-    for (const Placed& placed : placed_) {
+    for (const PlacedInstance& placed : placed_.instances) {
         gain = std::max(gain, placed.gain);
         reach = std::max(reach, placed.reach);
     }

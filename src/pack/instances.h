@@ -10,12 +10,10 @@
 
 #include "bvh/bvh.h"
 #include "pack/packed_scene.h"
+#include "pack/primitives.h"
 #include "scene/scene.h"
 
 namespace glint {
-
-class PrimitiveNumbers;
-struct PackOptions;
 
 // A prototype that instances share.
 struct Prototype {
@@ -42,12 +40,7 @@ class Instances {
     // Rounds transforms relative to the origin of the packed scene and boxes the instances.
     void place(const Scene& scene, const PrimitiveNumbers& numbers, const glm::dvec3& origin,
                const Context& context);
-    // Instance of a visible object whose placement is within the range of fp32. `root` is the number of its
-    // prototype until append is called.
-    bool showsAnything(uint32_t object) const { return !prototypeOf(object).boxes.empty(); }
-    bool isFinite(uint32_t object) const { return !placed_[slot_[object]].box.empty(); }
-    const Box& box(uint32_t object) const { return placed_[slot_[object]].box; }
-    const shared::Instance& row(uint32_t object) const { return placed_[slot_[object]].row; }
+    const PlacedInstances& placed() const { return placed_; }
 
     // Writes the instances' new places, see place(), into the rows of a packed scene after append(). False if
     // the set of instances within the range of fp32 has changed.
@@ -61,21 +54,16 @@ class Instances {
 
   private:
     static constexpr uint32_t kDepth = shared::kMaxBvhDepth;
-    struct Placed {
-        shared::Instance row;
-        Box box;
-        double gain = 0;   // see place()
-        double reach = 0;  // greatest coordinate of the box and the place
-    };
-    const Prototype& prototypeOf(uint32_t object) const { return prototypes_[prototype_[slot_[object]]]; }
+    const Prototype& prototypeOf(uint32_t object) const {
+        return prototypes_[prototype_[placed_.slot[object]]];
+    }
     void setPads(PackedScene& packed) const;
-    Placed placedAt(const Scene& scene, uint32_t object, uint32_t id, const glm::dvec3& origin) const;
+    PlacedInstance placedAt(const Scene& scene, uint32_t object, uint32_t id, const glm::dvec3& origin) const;
 
     std::vector<Prototype> prototypes_;
-    std::vector<uint32_t> slot_;       // of each object among the instances
     std::vector<uint32_t> prototype_;  // of each instance
     std::vector<uint32_t> objects_;    // of each instance
-    std::vector<Placed> placed_;
+    PlacedInstances placed_;
     uint32_t depthOfPrototypes_ = 0;
     size_t ownNodes_ = 0;  // of the scene that was appended to
 };

@@ -183,7 +183,7 @@ bool MovingScene::moveLeaves(const Scene& scene, const PrimitiveNumbers& numbers
         const uint32_t first = leaf & shared::kLeafFirstMask;
         if (kind == shared::kKindInstance) {
             const uint32_t object = packed_.instances[first].object;
-            return moved[object] ? std::optional(instances_->box(object)) : std::nullopt;
+            return moved[object] ? std::optional(instances_->placed().of(object).box) : std::nullopt;
         }
         if (kind != shared::kKindTriangle) return std::nullopt;
         const uint32_t end = first + (leaf >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;

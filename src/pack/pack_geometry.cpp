@@ -10,7 +10,6 @@
 #include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "pack/build_tree.h"
-#include "pack/instances.h"
 #include "pack/primitives.h"
 #include "pack/scene_arrays.h"
 #include "scene/limits.h"
@@ -35,11 +34,6 @@ struct ChunkCount {
 constexpr const char* kKindNames[shared::kKindCount] = {GLINT_PRIMITIVES(GLINT_KIND_NAMES, GLINT_KIND_NAMES)};
 #undef GLINT_KIND_NAMES
 
-PrimitiveStatus statusOfInstance(const Instances& instances, uint32_t object) {
-    if (!instances.showsAnything(object)) return PrimitiveStatus::Absent;
-    return instances.isFinite(object) ? PrimitiveStatus::Kept : PrimitiveStatus::NotFinite;
-}
-
 ChunkCount statusesOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame,
                            size_t chunk, std::vector<PrimitiveStatus>& statuses) {
     ChunkCount count;
@@ -49,7 +43,7 @@ ChunkCount statusesOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, 
         Dropped dropped{object, 0, 0};
         for (uint32_t face = begin; face < end; ++face) {
             status[face] = kind == shared::PrimitiveKind::Instance
-                               ? statusOfInstance(*frame.instances, object)
+                               ? frame.instances->of(object).status
                                : packerOf(kind).statusOf(scene.objects[object], face, frame);
             count.kept[static_cast<size_t>(kind)] += status[face] == PrimitiveStatus::Kept;
             dropped.noArea += status[face] == PrimitiveStatus::NoArea;
@@ -99,7 +93,7 @@ void collectChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
         for (uint32_t face = begin; face < end; ++face) {
             if (status[face] != PrimitiveStatus::Kept) continue;
             out.boxes[next] = kind == shared::PrimitiveKind::Instance
-                                  ? frame.instances->box(object)
+                                  ? frame.instances->of(object).box
                                   : packerOf(kind).box(scene.objects[object], face, frame);
             out.kinds[next] = static_cast<uint8_t>(kind);
             out.sources[next++] = {object, face};

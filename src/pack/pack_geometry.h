@@ -8,6 +8,8 @@
 
 namespace glint {
 
+class Instances;
+
 // Fills the arrays of nodes and primitives, the bounds, the statistics and the warnings.
 void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxLevels,
                   const PackOptions& options, const Context& context, PackedScene& packed,

@@ -150,8 +150,8 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
     instances.place(scene, numbers, packed.origin, context);
 
     Materials materials(scene.materials.size());
-    packGeometry(scene, numbers, {packed.origin, scene.camera.eye, &instances}, instances.depthOfTop(),
-                 options, context, packed, materials);
+    packGeometry(scene, numbers, {packed.origin, scene.camera.eye, &instances.placed()},
+                 instances.depthOfTop(), options, context, packed, materials);
     packShading(scene, packed);
     instances.append(packed);
     for (const shared::Plane& plane : packed.planes) materials.use(plane.material);

@@ -226,11 +226,6 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
     return frame;
 }
 
-bool hasTexture(const Material& m) {
-    return std::ranges::any_of(kMaterialTextures,
-                               [&](const auto& named) { return m.*named.second != Material::kNoTexture; });
-}
-
 namespace {
 
 uint32_t wrapFlag(Wrap wrap) {
@@ -356,33 +351,6 @@ void warnOfMissingCoordinates(const Scene& scene, PackedScene& packed) {
 }
 
 }  // namespace
-
-uint32_t attributeFlags(const Scene& scene, const Mesh* mesh, uint32_t face, uint32_t material) {
-    if (mesh == nullptr) return 0;
-    const glm::uvec3 none(Mesh::kNoIndex);
-    const bool uvs =
-        !mesh->uvCorners.empty() && mesh->uvCorners[face] != none && hasTexture(scene.materials[material]);
-    const bool colors = !mesh->colorCorners.empty() && mesh->colorCorners[face] != none;
-    return (uvs ? shared::kAttributeUvs : 0) | (colors ? shared::kAttributeColors : 0);
-}
-
-uint32_t attributeRows(uint32_t flags) {
-    return ((flags & shared::kAttributeUvs) != 0 ? 2 : 0) + ((flags & shared::kAttributeColors) != 0 ? 3 : 0);
-}
-
-void writeAttributes(const Mesh& mesh, uint32_t face, uint32_t flags, shared::VertexAttribute* rows) {
-    if (flags & shared::kAttributeUvs) {
-        const glm::uvec3 corners = mesh.uvCorners[face];
-        for (int i = 0; i < 3; ++i) {
-            rows[0].value[i] = static_cast<float>(mesh.uvs[corners[i]].x);
-            rows[1].value[i] = static_cast<float>(mesh.uvs[corners[i]].y);
-        }
-        rows += 2;
-    }
-    if (flags & shared::kAttributeColors) {
-        for (int i = 0; i < 3; ++i) rows[i].value = glm::vec3(mesh.colors[mesh.colorCorners[face][i]]);
-    }
-}
 
 void packTextures(const Scene& scene, const Materials& materials, PackedScene& packed,
                   const Context& context) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,7 +11,7 @@
 #include "bvh/bvh.h"
 #include "core/context.h"
 #include "core/device_layout.h"
-#include "pack/extent.h"
+#include "core/vectors.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -39,6 +40,27 @@ struct PackStatistics {
     uint32_t droppedZeroArea = 0;     // triangles and polygons without area after rounding to fp32
     uint32_t droppedNotFinite =
         0;  // triangles and polygons with a vertex that is not finite, or overflows fp32
+};
+
+// A box in world coordinates.
+struct Extent : BoundingBox {
+    // Takes in a point that is finite and within the range of fp32; leaves out others.
+    void include(const glm::dvec3& p) {
+        if (greatestMagnitude(p) <= std::numeric_limits<float>::max()) BoundingBox::include(p);
+    }
+    void include(const Extent& other) {
+        lo = glm::min(lo, other.lo);
+        hi = glm::max(hi, other.hi);
+    }
+    glm::dvec3 center() const { return 0.5 * lo + 0.5 * hi; }
+    double halfSize() const { return greatestMagnitude(0.5 * hi - 0.5 * lo); }  // along the longest edge
+};
+
+// Bounds of the finite geometry, and of most of it.
+struct Geometry {
+    Extent extent;
+    glm::dvec3 middle{0};  // the median, axis by axis, of the centres of the nearer half of the objects
+    double reach = 0;      // half of all objects lie no farther from there in any axis, with all their parts
 };
 
 // Nothing changes a packed scene: what may vary from picture to picture is in a Request (trace/request.h).

@@ -14,7 +14,6 @@
 
 #include "bvh/bvh.h"
 #include "core/device_layout.h"
-#include "pack/extent.h"
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
 
@@ -73,13 +72,28 @@ class TriangleSource {
     const Mesh* mesh_ = nullptr;
 };
 
-class Instances;
+// Outcome for a primitive: absent without a warning, kept, or dropped with a warning.
+enum class PrimitiveStatus : uint8_t { Absent, Kept, NoArea, NotFinite };
+
+// An instance in the world, relative to the origin of the packed scene.
+struct PlacedInstance {
+    PrimitiveStatus status = PrimitiveStatus::Absent;  // never NoArea
+    shared::Instance row;  // `root` is the number of its prototype until Instances::append is called
+    Box box;               // empty unless it is kept
+    double gain = 0;       // of rounding errors, see Instances::placedAt
+    double reach = 0;      // greatest coordinate of the box and the place
+};
+struct PlacedInstances {
+    std::vector<uint32_t> slot;  // of each object among the instances
+    std::vector<PlacedInstance> instances;
+    const PlacedInstance& of(uint32_t object) const { return instances[slot[object]]; }
+};
 
 // Viewpoint of the packed scene, for bounds on rounding errors.
 struct Frame {
     glm::dvec3 origin{0};
-    glm::dvec3 eye{0};                     // world
-    const Instances* instances = nullptr;  // placed
+    glm::dvec3 eye{0};  // world
+    const PlacedInstances* instances = nullptr;
 };
 
 using Corners = std::array<glm::vec3, 3>;
@@ -186,9 +200,6 @@ class Materials {
   private:
     std::vector<std::atomic<bool>> used_;
 };
-
-// Outcome for a primitive: absent without a warning, kept, or dropped with a warning.
-enum class PrimitiveStatus : uint8_t { Absent, Kept, NoArea, NotFinite };
 
 // Rows that primitives have in further arrays; where the next ones begin.
 struct FurtherRows {

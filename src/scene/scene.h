@@ -2,6 +2,7 @@
 // RGB colours.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -216,6 +217,10 @@ inline constexpr std::pair<const char*, uint32_t Material::*> kMaterialTextures[
     {"specular", &Material::specularTexture},
     {"mirror", &Material::mirrorTexture},
     {"transmission", &Material::transmissionTexture}};
+inline bool hasTexture(const Material& m) {
+    return std::ranges::any_of(kMaterialTextures,
+                               [&](const auto& named) { return m.*named.second != Material::kNoTexture; });
+}
 
 // Polygons already split into triangles. `corners` index `positions`; `normalCorners` index `normals` and is
 // either empty (no vertex normals at all) or as long as `corners`, with kNoIndex thrice for a triangle

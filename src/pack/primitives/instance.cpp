@@ -1,5 +1,3 @@
-#include "pack/instances.h"
-
 #include "pack/primitives.h"
 
 namespace glint {
@@ -14,7 +12,7 @@ class InstancePacker final : public KindPacker {
     void write(const Packing& packing, Primitives::Source source, uint32_t slot,
                FurtherRows&) const override {
         shared::Instance& instance = packing.packed.instances[slot];
-        instance = packing.frame.instances->row(source.object);
+        instance = packing.frame.instances->of(source.object).row;
         if (instance.material != shared::kNone) return packing.materials.use(instance.material);
         for (const uint32_t material : std::get<MeshShape>(packing.objectOf(source).shape).mesh->materials)
             packing.materials.use(material);

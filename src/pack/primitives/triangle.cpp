@@ -1,6 +1,5 @@
 #include "core/vectors.h"
 #include "pack/area_vector.h"
-#include "pack/pack_textures.h"
 #include "pack/primitives.h"
 
 namespace glint {
@@ -33,6 +32,35 @@ namespace {
 uint32_t materialOf(const Object& object, uint32_t face) {
     const Mesh* mesh = TriangleSource(object).mesh();
     return mesh != nullptr && !mesh->materials.empty() ? mesh->materials[face] : object.material;
+}
+
+// The rows that a triangle of this material has in PackedScene::vertexAttributes, as shared::kAttribute...
+// flags; 0: none. Coordinates are kept only where the material has a texture.
+uint32_t attributeFlags(const Scene& scene, const Mesh* mesh, uint32_t face, uint32_t material) {
+    if (mesh == nullptr) return 0;
+    const glm::uvec3 none(Mesh::kNoIndex);
+    const bool uvs =
+        !mesh->uvCorners.empty() && mesh->uvCorners[face] != none && hasTexture(scene.materials[material]);
+    const bool colors = !mesh->colorCorners.empty() && mesh->colorCorners[face] != none;
+    return (uvs ? shared::kAttributeUvs : 0) | (colors ? shared::kAttributeColors : 0);
+}
+
+uint32_t attributeRows(uint32_t flags) {
+    return ((flags & shared::kAttributeUvs) != 0 ? 2 : 0) + ((flags & shared::kAttributeColors) != 0 ? 3 : 0);
+}
+
+void writeAttributes(const Mesh& mesh, uint32_t face, uint32_t flags, shared::VertexAttribute* rows) {
+    if (flags & shared::kAttributeUvs) {
+        const glm::uvec3 corners = mesh.uvCorners[face];
+        for (int i = 0; i < 3; ++i) {
+            rows[0].value[i] = static_cast<float>(mesh.uvs[corners[i]].x);
+            rows[1].value[i] = static_cast<float>(mesh.uvs[corners[i]].y);
+        }
+        rows += 2;
+    }
+    if (flags & shared::kAttributeColors) {
+        for (int i = 0; i < 3; ++i) rows[i].value = glm::vec3(mesh.colors[mesh.colorCorners[face][i]]);
+    }
 }
 
 class TrianglePacker final : public KindPacker {
