@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/device_layout.h"
-#include "reference/intersect.h"
+#include "pack/scene_arrays.h"
 #include "reference/numbers.h"
 
 namespace glint::reference {

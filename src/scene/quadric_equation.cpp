@@ -1,4 +1,4 @@
-#include "scene/quadric_equation.h"
+#include "scene/validate.h"
 
 #include <algorithm>
 #include <cmath>

@@ -15,7 +15,6 @@
 #include "scene/limits.h"
 #include "scene/placement.h"
 #include "scene/polygon_plane.h"
-#include "scene/quadric_equation.h"
 #include "scene/sampling.h"
 #include "scene/transform.h"
 

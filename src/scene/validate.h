@@ -39,5 +39,8 @@ void validateMaterial(const Material& material, const Place& place);
 void validateVertices(const Mesh& mesh, const std::string& name);
 // Every vertex of a mesh is looked at; materials are checked against `materialCount`.
 void validateShape(const Shape& shape, const Place& place, size_t materialCount);
+// Throws for a plane counted twice, and for a surface that lies in a face of its bounds: no ray hits these
+// quadrics reliably.
+void checkEquation(const QuadricShape& shape, const Place& place);
 
 }  // namespace glint
