@@ -14,7 +14,6 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/text_file.h"
-#include "farm/unit.h"
 #include "report/plan.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"
@@ -152,7 +151,7 @@ Size parseSize(const std::string& text) {
 PartChoice parsePart(const std::string& text) {
     const std::string form = "K/N with 1 <= K <= N, such as 3/8";
     const auto v = wholeNumbers(text, '/', 2, form);
-    if (v[1] < 1 || v[1] > farm::kMostParts || v[0] < 1 || v[0] > v[1]) refuse(form, text);
+    if (v[1] < 1 || v[1] > kMostParts || v[0] < 1 || v[0] > v[1]) refuse(form, text);
     return {v[0], v[1]};
 }
 
@@ -259,6 +258,10 @@ CLI::Option& OptionTable::optionNamed(const std::string& name) {
     for (CLI::Option* option : command_.get_options())
         if (option->check_name(name)) return *option;
     throw std::logic_error("no option " + name);
+}
+
+void OptionTable::acceptAll() {
+    command_.allow_extras();
 }
 
 void OptionTable::require(const std::string& needed, const std::vector<std::string>& options) {

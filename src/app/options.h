@@ -133,6 +133,9 @@ class OptionTable {
     void read(const std::string& names, const std::string& form, const std::string& help,
               const std::function<void(const std::string& text)>& use, Need need = Need::Optional);
 
+    // Accepts, and ignores, words and options that are not declared.
+    void acceptAll();
+
     // Each of `options`, all of them declared before, requires `needed`.
     void require(const std::string& needed, const std::vector<std::string>& options);
     // Refuses `other` together with `option`; both are declared before. `remedy` names the alternative.

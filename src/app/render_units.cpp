@@ -87,8 +87,8 @@ uint64_t mostPixelsOf(const std::vector<std::vector<Region>>& cut) {
 std::vector<std::vector<Region>> cutToHold(const farm::CostMap& costs, int parts, uint64_t bytesPerPixel) {
     constexpr uint64_t kUnitBytes = uint64_t{1} << 28;
     auto cut = farm::cutPicture(costs, parts);
-    while (mostPixelsOf(cut) * bytesPerPixel > kUnitBytes && parts < farm::kMostParts) {
-        parts = std::min(2 * parts, farm::kMostParts);
+    while (mostPixelsOf(cut) * bytesPerPixel > kUnitBytes && parts < kMostParts) {
+        parts = std::min(2 * parts, kMostParts);
         cut = farm::cutPicture(costs, parts);
     }
     return cut;
@@ -227,7 +227,7 @@ void checkRoom(const RenderCommand& command, uint64_t pixels) {
 // Enough units for each rank that all ranks finish at about the same time.
 int leastUnits(const farm::Transport& transport) {
     constexpr int kUnitsOfRank = 8;
-    return std::min(kUnitsOfRank * transport.size(), farm::kMostParts);
+    return std::min(kUnitsOfRank * transport.size(), kMostParts);
 }
 
 // Finished units that may wait for one above them, if the image goes into the file row by row.

@@ -31,7 +31,8 @@ bool hasRanksModule() {
     return false;
 }
 
-Run mergeCommand(OptionTable&) {
+Run mergeCommand(OptionTable& table) {
+    table.acceptAll();
     return [](std::ostream&, std::ostream&) -> ExitCode { refuse("merge"); };
 }
 

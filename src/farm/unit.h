@@ -15,9 +15,6 @@
 
 namespace glint::farm {
 
-// Maximum number of parts of an image.
-inline constexpr int kMostParts = 1 << 20;
-
 // Identity of an image: the facts that it is made from, in a fixed order, such as {"size", "640x480"} or
 // {"file bunny.obj", "1f2e..."}. Results are merged only if they agree on all of them.
 struct Identity {

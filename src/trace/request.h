@@ -64,6 +64,9 @@ struct Tracing {
     std::optional<Lighting> lighting = std::nullopt;
 };
 
+// Parts of an image at most (src/farm).
+inline constexpr int kMostParts = 1 << 20;
+
 struct Request : Tracing {
     // ---- which pixels ----
     int width = 0, height = 0;  // of the whole picture
