@@ -29,7 +29,8 @@ std::string unsupportedByPackets(const SceneFeatures& features) {
     return names;
 }
 
-// A ray seldom takes more than a hundred, and paths are short.
+// A trip tests two boxes. In each scene of scenes/, 99 % of the pixels test at most 2,100 boxes and
+// primitives (layer `cost`, 96x72; glass.json the most). If a path runs out, other kernels render the image.
 constexpr uint32_t kMinTrips = 1500;
 // Rays from which packets repay their longer start: measured between 0.7 million (scenes/arcade.json) and
 // two.

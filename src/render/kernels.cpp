@@ -1,5 +1,7 @@
 #include "render/kernels.h"
 
+#include <stdexcept>
+
 #include "core/device_layout.h"
 #include "kernel_modules.inc"
 
@@ -54,9 +56,11 @@ const KernelInfo& infoOf(KernelId id) {
 }
 
 KernelId packetKernel(KernelId id) {
+    if (id == KernelId::Intersect) return KernelId::PacketIntersect;
+    if (id == KernelId::IntersectAny) return KernelId::PacketIntersectAny;
     if (id == KernelId::Light) return KernelId::PacketLight;
     if (id == KernelId::Count) return KernelId::PacketCount;
-    return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
+    throw std::logic_error(infoOf(id).name + std::string(": no such kernel for packets"));
 }
 
 TraceModes modesOf(const Request& request) {
