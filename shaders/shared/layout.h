@@ -248,8 +248,8 @@ GLINT_CONST_UINT(kPacketTurns, 8u);  // any-hit packets that a subgroup traces o
 
 // ---- The model of light and of samples (docs/reference/shading.md, docs/guide/sampling.md) ----
 
-// A shadow ray ends this far before a point light, 1 - 2^-16 of the distance to it, so that the surface a
-// light lies on does not shade it.
+// A shadow ray ends at 1 - 2^-16 of the distance to a point light, so that the surface on which a light lies
+// does not shade it.
 GLINT_CONST_FLOAT(kShadowEnd, 0.9999847412109375f);
 GLINT_CONST_FLOAT(kNearestLight, 1e-15f);  // closer lights are ignored: 1/d^2 would overflow
 // Lights below this cosine (2^-20) are ignored, as rounding decides the sign of smaller ones.
