@@ -10,7 +10,6 @@
 #include "reference/sampling.h"
 #include "reference/truth/truth.h"
 #include "verify/certificate.h"
-#include "verify/verify.h"
 
 namespace glint::verify {
 
@@ -51,20 +50,20 @@ reference::Anchors anchorsOf(const PackedScene& packed) {
 
 RepresentationCheck::RepresentationCheck(const Scene& read, const PackedScene& packed,
                                          const reference::Tracer& rounded, const shared::Camera& camera,
-                                         const Options& options)
+                                         const Request& request)
     : packed_(packed),
-      options_(options),
-      radianceBound_(radianceBoundOf(packed, options)),
+      request_(request),
+      radianceBound_(radianceBoundOf(packed, request)),
       model_(std::make_shared<const reference::Model>(
           reference::truthOf(read, packed.origin, anchorsOf(packed)))),
-      truth_(model_, options, radianceBound_),
-      camera_(reference::truthCamera(read.camera, options.width, options.height, packed.origin)),
+      truth_(model_, request, radianceBound_),
+      camera_(reference::truthCamera(read.camera, request.width, request.height, packed.origin)),
       rounded_(rounded),
       roundedCamera_(camera),
-      rows_(static_cast<size_t>(options.height)) {}
+      rows_(static_cast<size_t>(request.height)) {}
 
 bool RepresentationCheck::examines(int x, int y, uint32_t sample) const {
-    const auto width = static_cast<size_t>(options_.width), height = static_cast<size_t>(options_.height);
+    const auto width = static_cast<size_t>(request_.width), height = static_cast<size_t>(request_.height);
     if (width * height <= kSmallImage) return true;
     const size_t row = sample * height + static_cast<size_t>(y / 2);
     return placeInCell(row * width + static_cast<size_t>(x / 2), 2) == glm::ivec2(x % 2, y % 2);
@@ -72,7 +71,7 @@ bool RepresentationCheck::examines(int x, int y, uint32_t sample) const {
 
 reference::Ray RepresentationCheck::rayOf(const reference::Tracer& tracer,
                                           const reference::rows::Camera& camera, const Doubt& doubt) const {
-    return reference::pixelSample(tracer, camera, options_.samples, doubt.sample, doubt.x, doubt.y).ray;
+    return reference::pixelSample(tracer, camera, request_.samples, doubt.sample, doubt.x, doubt.y).ray;
 }
 
 std::vector<RepresentationCheck::Doubt*> RepresentationCheck::doubtsOf(std::vector<Row>& rows) {
@@ -109,7 +108,7 @@ RepresentationCheck::Moved RepresentationCheck::moved(uint64_t seed) const {
     const reference::rows::Camera camera = reference::disturbed(camera_, seed, 1);
     const auto model = std::make_shared<reference::Model>(reference::disturbed(*model_, seed, 1));
     reference::setEye(*model, camera.eye);  // it may lie on the other side of a glass surface
-    return {reference::Tracer(model, options_, radianceBound_), camera};
+    return {reference::Tracer(model, request_, radianceBound_), camera};
 }
 
 // Traces all doubtful pixels in a scene with moved numbers, and removes those that it explains.
@@ -162,8 +161,8 @@ bool RepresentationCheck::mayLeave(size_t doubts) const {
         const Moved scene = moved(seed);
         std::vector<Row> rows(rows_.size());
         parallelFor(Context{}, rows.size(), [&](size_t row) {
-            for (uint32_t sample = 0; sample < options_.samples.round; ++sample)
-                for (int x = 0, y = static_cast<int>(row); x < options_.width; ++x) {
+            for (uint32_t sample = 0; sample < request_.samples.round; ++sample)
+                for (int x = 0, y = static_cast<int>(row); x < request_.width; ++x) {
                     const Doubt doubt{.x = x, .y = y, .sample = sample};
                     if (!examines(x, y, sample)) continue;
                     compareIn(rows[row], doubt, scene.tracer.trace(rayOf(scene.tracer, scene.camera, doubt)));

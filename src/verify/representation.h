@@ -9,11 +9,10 @@
 
 #include "reference/tracer.h"
 #include "scene/scene.h"
+#include "trace/request.h"
 #include "verify/quantities.h"
 
 namespace glint::verify {
-
-struct Options;
 
 // A pixel that rounding the scene changes by more than its response, and whether that is explained.
 struct RepresentedPixel {
@@ -38,7 +37,7 @@ class RepresentationCheck {
   public:
     // `read`: the source of `packed`; rounded, camera: of `packed`. All must outlive the check.
     RepresentationCheck(const Scene& read, const PackedScene& packed, const reference::Tracer& rounded,
-                        const shared::Camera& camera, const Options& options);
+                        const shared::Camera& camera, const Request& request);
 
     // Thread-safe for different rows. rounded: the reference's record of the packed scene.
     void compare(int x, int y, uint32_t sample, const reference::PixelRecord& rounded);
@@ -85,7 +84,7 @@ class RepresentationCheck {
     void search(std::vector<Doubt*> open, size_t examined) const;
 
     const PackedScene& packed_;
-    const Options& options_;
+    const Request& request_;
     double radianceBound_;
     std::shared_ptr<const reference::Model> model_;
     reference::Tracer truth_;
