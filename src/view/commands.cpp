@@ -26,7 +26,7 @@ void perform(Model& m, Command command) {
 void noteChanges(Model& m) {
     if (!m.changed()) return;
     const bool moved = m.control.camera() != m.history.seen().camera;
-    m.history.note(m.undoable(), m.clock.seconds());
+    m.history.note(m.undoable());
     if (!moved) return;
     m.follow(Hint::Turn);
     m.forgetView();

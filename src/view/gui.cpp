@@ -237,6 +237,8 @@ void Gui::noteControl(const std::string& label, float part) {
 
 void Gui::end(Canvas& target) {
     ImGui::Render();
+    const ImGuiID before = std::exchange(held_, ImGui::GetActiveID());
+    leftControl_ = before != 0 && before != held_;
     controls_ = std::exchange(nextControls_, {});
     tip_ = std::exchange(nextTip_, {});
     // Open lists and menus reach beyond their windows.

@@ -23,7 +23,8 @@ class Gui {
     // True if a press at this place, in pixels, is the panel's (as of the last frame), or if a list is open.
     // `inert`: true also over windows that leave the mouse to the image.
     bool covers(double x, double y, bool inert = false) const;
-    bool wantsKeys() const;  // something is being typed, or a control is held
+    bool wantsKeys() const;                            // something is being typed, or a control is held
+    bool leftControl() const { return leftControl_; }  // in the last frame; it was held before
     // Closes open lists and pickers in the next frame; false if there are none.
     bool closePopups();
     // A place on a control of the last frame where a click works it, by its label.
@@ -47,7 +48,8 @@ class Gui {
     float fontPixels_ = 0;
     std::map<std::string, glm::dvec2> controls_, nextControls_;
     std::string tip_, nextTip_;
-    bool anyPopup_ = false, closesPopups_ = false;
+    bool anyPopup_ = false, closesPopups_ = false, leftControl_ = false;
+    unsigned held_ = 0;  // ImGuiID of the control that is held or typed into
 };
 
 }  // namespace glint::view

@@ -186,14 +186,13 @@ std::string editedSceneText(const std::string& text, const PictureSettings& sett
     return json.dump(2) + '\n';
 }
 
-void History::note(Undoable now, double seconds) {
-    if (std::exchange(stepEnded_, false) || seconds - changedAt_ > kStepSeconds) {
+void History::note(Undoable now) {
+    if (std::exchange(stepEnded_, false)) {
         states_.resize(++at_);
         states_.emplace_back();
         if (at_ > kMost) states_.erase(states_.begin());
         at_ = states_.size() - 1;
     }
-    changedAt_ = seconds;
     states_[at_] = std::move(now);
 }
 

@@ -87,9 +87,8 @@ class History {
     // `now` becomes the state that changes are measured from, without a step to undo.
     void reset(Undoable now) { states_[at_] = std::move(now); }
     const Undoable& seen() const { return states_[at_]; }
-    // Takes a change, at `seconds` of any clock. It is a step of its own if endStep() was called since the
-    // last change, or if that one is older than kStepSeconds.
-    void note(Undoable now, double seconds);
+    // Takes a change, which begins a step if endStep() was called since the last change.
+    void note(Undoable now);
     void endStep() { stepEnded_ = true; }
 
     // The previous or next state; null at the ends of the history.
@@ -97,7 +96,6 @@ class History {
     const Undoable* redo() { return at_ + 1 < states_.size() ? go(at_ + 1) : nullptr; }
 
     static constexpr size_t kMost = 100;
-    static constexpr double kStepSeconds = 0.5;
 
   private:
     const Undoable* go(size_t at) {
@@ -108,7 +106,6 @@ class History {
     std::vector<Undoable> states_ = std::vector<Undoable>(1);
     size_t at_ = 0;
     bool stepEnded_ = true;
-    double changedAt_ = 0;
 };
 
 }  // namespace glint::view

@@ -84,6 +84,7 @@ bool Input::handle(const Event& event) {
             return false;  // ImGui needs a press and its release in different frames
         case Event::Type::Wheel:
             if (covered()) return false;
+            if (!m_.moving()) m_.history.endStep();
             m_.control.dolly(std::pow(kWheelStep, event.y));
             break;
         case Event::Type::Key:
@@ -150,6 +151,7 @@ void Input::key(const Event& event) {
     if (event.code == GLFW_KEY_ESCAPE && gui_.closePopups()) return;
     fastFlight_ = (event.mods & kShift) != 0;
     if (m_.flying && isFlyKey(event.code, event.mods)) {
+        if (held_.empty()) m_.history.endStep();
         held_.insert(event.code);
         return;
     }
@@ -309,9 +311,14 @@ void Viewer::drawFrame() {
     takePanel();
 }
 
-// Applies changes made in the panel.
+// Applies changes made in the panel. All changes by a control, until another one takes the keyboard, are one
+// step of undo.
 void Viewer::takePanel() {
     takeSettings(model_);
+    if (gui_.leftControl()) {
+        noteChanges(model_);
+        model_.history.endStep();
+    }
     pace_.setTarget(model_.targetSeconds);
     if (const Command wish = std::exchange(model_.wish, nullptr)) {
         model_.history.endStep();

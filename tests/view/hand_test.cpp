@@ -99,14 +99,14 @@ TEST_F(Hand, ThePanelLeavesThePictureFree) {
     EXPECT_LT(std::stod(printed(ran, "covered").at(0)), 0.25);
 }
 
-// A color typed as the screen shows it; undo takes it back and leaves the camera.
+// A color typed slowly, as the screen shows it; undo takes it back whole and leaves the camera.
 TEST_F(Hand, UndoAndRedoOfAColor) {
     size_ = "640x760";
     const Ran ran = view(
         "set samples 1\nwait 4\nhand key Left\nwait 2\nprint camera\nhand mousemove @diffuse_hex click "
-        "--repeat 2 1\nhand key ctrl+a\nhand key numbersign key 2 key 0 key c key 0 key 4 key 0 key "
-        "Return\nsettle\nhand key c\nhand key ctrl+z\nsettle\nprint camera\nhand key c\nhand key "
-        "ctrl+y\nsettle\nhand key c\n");
+        "--repeat 2 1\nhand key ctrl+a\nhand key numbersign key 2 key 0\nidle 0.6\nhand key c key 0 key 4 "
+        "key 0 key Return\nsettle\nhand key c\nhand key ctrl+z\nsettle\nprint camera\nhand key c\nhand "
+        "key ctrl+y\nsettle\nhand key c\n");
     const std::vector<Json> materials = copied(ran, "materials");
     ASSERT_EQ(materials.size(), 2u) << ran.out;
     EXPECT_EQ(materials[0], materials[1]);

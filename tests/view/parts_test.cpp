@@ -33,25 +33,25 @@ TEST(History, GoesBackAndForth) {
     history.reset(stateAt(0));
     for (const double x : {1.0, 2.0}) {
         history.endStep();
-        history.note(stateAt(x), x);
+        history.note(stateAt(x));
     }
     EXPECT_FALSE(history.redo());
     EXPECT_EQ(history.undo()->camera.eye.x, 1);
     EXPECT_EQ(history.undo()->camera.eye.x, 0);
     EXPECT_FALSE(history.undo());
     EXPECT_EQ(history.redo()->camera.eye.x, 1);
-    history.note(stateAt(7), 9);  // another way from here on
+    history.note(stateAt(7));  // another way from here on
     EXPECT_FALSE(history.redo());
     EXPECT_EQ(history.undo()->camera.eye.x, 1);
 }
 
-// A drag is one step however many rounds it takes; a pause starts another one.
+// A drag is one step however many rounds it takes.
 TEST(History, ChangesOfOneGestureAreOneStep) {
     History history;
     history.reset(stateAt(0));
-    history.note(stateAt(1), 10);
-    history.note(stateAt(2), 10 + 0.9 * History::kStepSeconds);
-    history.note(stateAt(3), 10 + 2 * History::kStepSeconds);
+    for (const double x : {1.0, 2.0}) history.note(stateAt(x));
+    history.endStep();
+    history.note(stateAt(3));
     EXPECT_EQ(history.undo()->camera.eye.x, 2);
     EXPECT_EQ(history.undo()->camera.eye.x, 0);
 }
