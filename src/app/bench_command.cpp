@@ -66,8 +66,8 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
     SceneOptions scene = command.common;
     scene.scene = path;
     bench::Options options = command.options;
-    options.cancelled = interrupted;
-    options.progress = [&](double fraction) { progress.update(fraction); };
+    options.context.cancelled = interrupted;
+    options.context.progress = [&](double fraction) { progress.update(fraction); };
     const LoadedScene loaded = loadAndPack(scene, err);
     options.request = requestOf(loaded, scene);
     options.renderer.traversal = command.device.traversal;
@@ -109,8 +109,7 @@ ExitCode run(const BenchCommand& command, std::ostream& out, std::ostream& err) 
                 out << (results.size() > 1 ? "\n" : "") << bench::table(results.back(), program)
                     << std::flush;
         }
-    } catch (const Error& e) {
-        if (e.kind() != ErrorKind::Interrupted) throw;
+    } catch (const Cancelled&) {
         finish();
         throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(results.size()) + " of " +
                                                 counted(command.scenes.size(), "scene") + " measured");

@@ -9,7 +9,6 @@
 
 #include "core/content_hash.h"
 #include "core/device_layout.h"
-#include "core/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
@@ -44,10 +43,6 @@ render::StageTimes difference(render::StageTimes after, const render::StageTimes
                                       &KernelTimes::whole, &KernelTimes::mirrored, &KernelTimes::refracted})
         after.kernels.*time -= before.kernels.*time;
     return after;
-}
-
-[[noreturn]] void stop() {
-    throw Error(ErrorKind::Interrupted, "interrupted");
 }
 
 std::vector<std::string> namesOf(const SceneFeatures& features) {
@@ -99,20 +94,21 @@ Task taskOf(const LoadedScene& loaded, const Options& options) {
     static_cast<Tracing&>(task.request) = options.request;
     // Same request as `glint render` without --stats.
     task.request.ledger = loaded.packed.features.transmission;
-    task.request.cancelled = options.cancelled;
+    task.request.cancelled = options.context.cancelled;
     return task;
 }
 
 // The reference's rays of every `stride`-th pixel in either direction.
 void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
     const reference::Tracer tracer(task.loaded.packed, task.request);
-    const auto cancelled = [&] { return task.options.cancelled(); };
+    const Context& context = task.options.context;
     const int columns = (result.width + stride - 1) / stride, rows = (result.height + stride - 1) / stride;
     std::mutex mutex;
-    parallelFor(Context{}, static_cast<size_t>(rows), [&](size_t row) {
+    parallelFor(context, static_cast<size_t>(rows), [&](size_t row) {
         std::array<reference::RayTally, reference::kRayClasses> sums;
         const int y = static_cast<int>(row) * stride;
-        for (int x = 0; x < result.width && !cancelled(); x += stride) {
+        for (int x = 0; x < result.width; x += stride) {
+            context.checkCancelled();
             for (uint32_t i = 0; i < samples; ++i) {
                 const reference::PixelRecord record = tracer.trace(
                     reference::pixelSample(tracer, task.camera, task.request.samples, i, x, y).ray);
@@ -122,7 +118,6 @@ void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
         const std::lock_guard lock(mutex);
         for (size_t k = 0; k < sums.size(); ++k) result.counted[k] += sums[k];
     });
-    if (cancelled()) stop();
     result.countedPixels = static_cast<uint64_t>(columns) * static_cast<uint64_t>(rows);
 }
 
@@ -152,7 +147,7 @@ void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, Req
     std::vector<double> mirrored, refracted;
     for (int i = 0; i <= kApartRepeats; ++i) {
         const render::KernelTimes before = renderer.times().kernels;
-        if (!renderer.render(camera, request).complete) stop();
+        if (!renderer.render(camera, request).complete) throw Cancelled();
         const render::KernelTimes& after = renderer.times().kernels;
         if (i == 0) result.rays = renderer.rays();
         if (result.rays.mirrored == 0 || result.rays.refracted == 0) return;
@@ -210,7 +205,7 @@ class Contestant {
     Picture draw() {
         Picture picture = renderer_ ? renderer_->render(task_.camera, task_.request)
                                     : reference::render(task_.loaded.packed, task_.camera, task_.request);
-        if (!picture.complete) stop();
+        if (!picture.complete) throw Cancelled();
         return picture;
     }
 
@@ -231,7 +226,7 @@ std::vector<Result> measureInTurns(const Task& task, const gpu::Device* device,
         contestants.emplace_back(task, device, options, described).warmUp();
     }
     for (int i = 0; i < task.options.repeats; ++i) {
-        task.options.progress((i + 1.0) / (task.options.repeats + 2));
+        task.options.context.report((i + 1.0) / (task.options.repeats + 2));
         for (Contestant& contestant : contestants) contestant.timeOne();
     }
     std::vector<Result> results;

@@ -3,10 +3,10 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
+#include "core/context.h"
 #include "core/quartiles.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
@@ -64,18 +64,16 @@ struct Result {
 };
 
 struct Options {
-    Request request;                                       // without adaptivity, see measure()
-    render::Options renderer;                              // `profile` is on in any case but WholePaths::On
-    int repeats = 7;                                       // images that are timed
-    bool everyWalk = false;                                // each traversal alone too, see Result::walks
-    std::function<void(double)> progress = [](double) {};  // 0..1
-    std::function<bool()> cancelled = [] { return false; };
+    Request request;           // without adaptivity, see measure()
+    render::Options renderer;  // `profile` is on in any case but WholePaths::On
+    int repeats = 7;           // images that are timed
+    bool everyWalk = false;    // each traversal alone too, see Result::walks
+    Context context = {};
 };
 
 // Renders the scene's image on `device`, or by the reference if it is null. Every pixel takes the same
 // samples, even if the scene requests adaptive sampling: pixels that stop early would distort the rays a
-// second. `scene` becomes the name of the result; its `open` is left at 0. Throws Error(Interrupted) after
-// cancellation.
+// second. `scene` becomes the name of the result; its `open` is left at 0. Throws Cancelled.
 Result measure(const std::string& scene, const LoadedScene& loaded, const gpu::Device* device,
                const Options& options);
 

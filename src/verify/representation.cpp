@@ -114,7 +114,7 @@ RepresentationCheck::Moved RepresentationCheck::moved(uint64_t seed) const {
 // Traces all doubtful pixels in a scene with moved numbers, and removes those that it explains.
 void RepresentationCheck::draw(uint64_t seed, std::vector<Doubt*>& open) const {
     const Moved scene = moved(seed);
-    parallelFor(Context{}, open.size(), [&](size_t i) {
+    parallelFor({.cancelled = request_.cancelled}, open.size(), [&](size_t i) {
         Doubt& doubt = *open[i];
         const reference::Ray ray = rayOf(scene.tracer, scene.camera, doubt);
         const reference::PixelRecord record = scene.tracer.trace(ray);
@@ -160,7 +160,7 @@ bool RepresentationCheck::mayLeave(size_t doubts) const {
     for (uint64_t seed = kLastScenes + 1; seed <= kLastScenes + kStandIns; ++seed) {
         const Moved scene = moved(seed);
         std::vector<Row> rows(rows_.size());
-        parallelFor(Context{}, rows.size(), [&](size_t row) {
+        parallelFor({.cancelled = request_.cancelled}, rows.size(), [&](size_t row) {
             for (uint32_t sample = 0; sample < request_.samples.round; ++sample)
                 for (int x = 0, y = static_cast<int>(row); x < request_.width; ++x) {
                     const Doubt doubt{.x = x, .y = y, .sample = sample};
@@ -180,7 +180,7 @@ void RepresentationCheck::search(std::vector<Doubt*> open, size_t examined) cons
     uint64_t drawn = drawFirst(open);
     const size_t few = kFewPixels + examined / kFewPixels;
     if (open.size() > few && !mayLeave(open.size())) return;
-    parallelFor(Context{}, open.size(), [&](size_t i) { certifyDoubt(*open[i]); });
+    parallelFor({.cancelled = request_.cancelled}, open.size(), [&](size_t i) { certifyDoubt(*open[i]); });
     std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
     while (open.size() <= few && drawn < kLastScenes && !open.empty()) draw(++drawn, open);
 }

@@ -135,7 +135,8 @@ double Sensitivity::explainedShare() const {
 }
 
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, const PackedSamples& samples, int seeds, size_t mostPixels) {
+                          int height, const PackedSamples& samples, const Context& context, int seeds,
+                          size_t mostPixels) {
     const double pixels = static_cast<double>(width) * height;
     const int step =
         std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(mostPixels)))));
@@ -143,7 +144,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
     const size_t rows = static_cast<size_t>((height + step - 1) / step);
     std::vector<float> changes(columns * rows);
     std::vector<Sensitivity> counts(rows);
-    parallelFor(Context{}, rows, [&](size_t row) {
+    parallelFor(context, rows, [&](size_t row) {
         for (size_t column = 0; column < columns; ++column) {
             const size_t index = row * columns + column;
             const glm::ivec2 inCell = placeInCell(index, step);
@@ -169,7 +170,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
 
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds) {
-    return sensitivityOf(tracer, camera, width, height, PackedSamples::fixed({{0.5, 0.5}}), seeds).kappa;
+    return sensitivityOf(tracer, camera, width, height, PackedSamples::fixed({{0.5, 0.5}}), {}, seeds).kappa;
 }
 
 double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,

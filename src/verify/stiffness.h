@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/context.h"
 #include "reference/rounding.h"
 #include "reference/tracer.h"
 #include "trace/request.h"
@@ -58,9 +59,9 @@ struct Sensitivity {
     double explainedShare() const;
 };
 
-// Through the pixels' samples in turn.
+// Through the pixels' samples in turn. Throws Cancelled.
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, const PackedSamples& samples, int seeds = 3,
+                          int height, const PackedSamples& samples, const Context& context, int seeds = 3,
                           size_t mostPixels = kMaxKappaPixels);
 // Sensitivity::kappa through the pixels' middles.
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,

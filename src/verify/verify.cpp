@@ -147,7 +147,7 @@ void Verification::run() {
         *image = Image(width, height, 3);
     report_.allowedUnexplained = options_.allowedUnexplained;
     report_.pixels = static_cast<uint64_t>(width) * height * samples_.round;
-    report_.sensitivity = sensitivityOf(tracer_, camera_, width, height, samples_);
+    report_.sensitivity = sensitivityOf(tracer_, camera_, width, height, samples_, context_);
     differences_.reserve(report_.pixels);
     const int rows = rowsOfPart(options_, tracer_.environment().maxDepth);
     for (int y = 0; y < height; y += rows) verifyPart({0, y, width, std::min(y + rows, height)});
@@ -187,8 +187,8 @@ void Verification::conclude() {
     // A few thousand pixels are a poor estimate of rare events: examine more before they fail an image.
     const bool tooMany = report_.explained() + report_.undecided > report_.allowedExplained();
     if (tooMany && report_.unexplained == 0)
-        report_.sensitivity = sensitivityOf(tracer_, camera_, options_.width, options_.height, samples_, 3,
-                                            16 * kMaxKappaPixels);
+        report_.sensitivity = sensitivityOf(tracer_, camera_, options_.width, options_.height, samples_,
+                                            context_, 3, 16 * kMaxKappaPixels);
     if (representation_) report_.representation = representation_->judge(options_.worstCount);
     report_.p99 = percentile99(std::move(differences_));
     const auto rootOfMean = [](double squares, uint64_t pixels) {
