@@ -33,7 +33,7 @@ Tracer::Tracer(const Scene& scene)
       geometry_(scene, materials_, origin_),
       ambient_(scene.ambient),
       camera_(packCamera(scene.camera, scene.image.width, scene.image.height, origin_)),
-      samples_(packSamples(scene.image, scene.camera.lensRadius > 0)) {
+      samples_(requestOf(scene.image, scene.camera).samples) {
     for (const glint::Light& light : scene.lights) lights_.push_back(lightOf(light, origin_));
     eye_ = mediaAtEye();
 }

@@ -44,7 +44,8 @@ ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     const SceneOptions& scene = command.scene;
     const view::Options options = {
         .scene = scene.scene,
-        .loading = {scene.loading, scene.limits.depth, scene.spp, scene.buildQuality},
+        .loading = {scene.loading, scene.buildQuality},
+        .wishes = {scene.limits.depth, scene.spp},
         .until = command.target,
         .time = scene.time,
         .width = scene.size.value_or(Size()).width,
@@ -54,7 +55,8 @@ ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
         .validation = command.device.validation,
         .frames = static_cast<uint64_t>(command.frames),
         .presentMode = command.present,
-        .targetSeconds = command.pace * 1e-3};
+        .targetSeconds = command.pace * 1e-3,
+    };
     view::view(options, out, err);
     return interrupted() ? ExitCode::Interrupted : ExitCode::Done;
 }

@@ -94,7 +94,7 @@ std::string cameraText(const Camera& camera) {
     } else {
         json["fovY"] = camera.fovY;
     }
-    if (!parallel && camera.lensRadius > 0) json["lensRadius"] = camera.lensRadius;
+    if (hasLens(camera)) json["lensRadius"] = camera.lensRadius;
     if (!parallel && camera.focusDistance > 0) json["focusDistance"] = camera.focusDistance;
     if (camera.nearT > 0) json["near"] = camera.nearT;
     if (std::isfinite(camera.farT)) json["far"] = camera.farT;

@@ -138,7 +138,7 @@ Picture Snapshot::render(const shared::Camera& camera, const Request& request) c
         for (const NamedCamera& named : scene_.cameras) {
             const bool parallel = named.camera.projection == Projection::Orthographic;
             options.also.parallelCamera = options.also.parallelCamera || parallel;
-            options.also.thinLens = options.also.thinLens || (!parallel && named.camera.lensRadius > 0);
+            options.also.thinLens = options.also.thinLens || hasLens(named.camera);
         }
         renderer_ = std::make_unique<render::Renderer>(*device_->vulkan, part_.packed, options);
     }

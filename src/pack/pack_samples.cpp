@@ -356,7 +356,7 @@ Request requestOf(const ImageSettings& image, const Camera& camera) {
     request.image = image;
     request.width = image.width;
     request.height = image.height;
-    request.samples = packSamples(image, camera.lensRadius > 0);
+    request.samples = packSamples(image, hasLens(camera));
     return request;
 }
 

@@ -37,7 +37,8 @@ class SampleSequence {
 // How few samples have weights at all: a filter with negative parts takes some of each.
 uint32_t leastSamples(Filter filter);
 
-// A request for the whole image with these settings; everything else is the default.
+// A request for the whole image with these settings; everything else is the default. Here alone is decided
+// that a camera needs samples which differ from pixel to pixel.
 Request requestOf(const ImageSettings& image, const Camera& camera);
 
 // ---- Reconstruction filters as tables of inverse cumulative distributions

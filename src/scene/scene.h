@@ -100,6 +100,11 @@ struct Camera {
     bool operator==(const Camera&) const = default;
 };
 
+// True if camera rays start on a disc; parallel rays never do.
+inline bool hasLens(const Camera& camera) {
+    return camera.lensRadius > 0 && camera.projection == Projection::Perspective;
+}
+
 // One of several cameras of a file, for --camera and the window to choose.
 struct NamedCamera {
     std::string name;  // not empty

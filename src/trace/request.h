@@ -1,7 +1,8 @@
 // Everything that a user may wish of an image of a scene: size, samples, depth, methods, AOVs. A request is a
 // plain value, made once from the command line, the window, a script or a call, and given to either tracer
-// with a packed scene. Scenes are never copied or changed for a wish. Camera and moment choose the scene
-// itself (LoadOptions); settings of the device alone (traversal, access, slices ...) are in render::Options.
+// with a packed scene. A wish never changes a scene; the window's panel also edits the scene itself
+// (SceneEdits in view/settings.h). Camera and moment choose the scene (LoadOptions). Settings of the device
+// alone (traversal, access, slices ...) are in render::Options.
 #pragma once
 
 #include <cstdint>

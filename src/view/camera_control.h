@@ -74,9 +74,4 @@ class CameraControl {
     bool upright_ = false;  // the image plane follows the view direction
 };
 
-// True if camera rays start on a disc; parallel rays never do.
-inline bool hasLens(const Camera& camera) {
-    return camera.lensRadius > 0 && camera.projection == Projection::Perspective;
-}
-
 }  // namespace glint::view

@@ -132,6 +132,7 @@ Model::Model(const Options& start, std::ostream& output, std::ostream& errors)
       err(errors),
       path(start.scene),
       options(start.loading),
+      wishes(start.wishes),
       moments(std::make_shared<Moments>(path, options, start.time)),
       scene(moments->show().scene),
       time(start.time),
@@ -140,7 +141,7 @@ Model::Model(const Options& start, std::ostream& output, std::ostream& errors)
       recent(stateFile("recent")),
       docked(start.width == 0) {
     file = {scene, &scene->scene};
-    settings = fileSettings = PictureSettings::of(*file);
+    settings = fileSettings = PictureSettings::of(*file, wishes);
     settings.until = start.until;
     timeline.follow(file->animation);
     timeline.setTime(time);

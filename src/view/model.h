@@ -139,6 +139,7 @@ struct Model {
     // ---- the scene ----
     std::filesystem::path path;  // of the scene to show; that of `scene` while another one is loading
     Loading options;             // of every load
+    const Wishes wishes;
     std::shared_ptr<Moments> moments;
     std::shared_ptr<const Scene> file;       // of the moment that is shown, without the user's edits
     std::shared_ptr<const ViewScene> scene;  // that is shown

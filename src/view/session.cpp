@@ -105,11 +105,8 @@ void Session::apply(const PictureSettings& settings) {
     if (settings == settings_) return;
     const bool kept = tracesAlike(settings, settings_);
     settings_ = settings;
-    if (kept) {
-        ++version_;
-        return;
-    }
-    restart();
+    if (!kept) restart();
+    ++version_;
 }
 
 // Lights that are off are left out altogether: their shadow rays cost most of a frame.
@@ -145,13 +142,6 @@ void Session::restart() {
     rounding_.reset();
     ++view_;
     ++version_;
-}
-
-// A lens needs samples that differ from pixel to pixel, and so does a filter that is wider than the pixel.
-bool Session::scattered() const {
-    const ImageSettings& s = settings_.sampling;
-    return hasLens(camera_) || s.filter != Filter::Box || s.filterRadius != 0.5 ||
-           s.sampler == Sampler::Jittered;
 }
 
 shared::Camera Session::packedCamera() const {
@@ -260,8 +250,13 @@ ImageSettings Session::progressiveSampling() const {
     return image;
 }
 
+// progressiveOffset replaces a grid that all pixels share.
 std::optional<SampleSequence> Session::sequence() const {
-    return scattered() ? std::optional(SampleSequence(progressiveSampling())) : std::nullopt;
+    ImageSettings image = settings_.sampling;
+    image.adaptive.reset();
+    if (image.sampler != Sampler::Jittered) image.sampler = Sampler::Grid;
+    if (!requestOf(image, camera_).samples.scattered()) return std::nullopt;
+    return SampleSequence(progressiveSampling());
 }
 
 PackedSamples Session::taken() const {
@@ -297,9 +292,7 @@ void Session::askForRounding() {
     roundingView_ = view_;
     findsRounding_ = std::async(std::launch::async, [scene = scene_, tracing = tracing(),
                                                      camera = packedCamera(), w = width_, h = height_] {
-        Request request;
-        static_cast<Tracing&>(request) = tracing;
-        return verify::roundingError(reference::Tracer(scene->packed, request), camera, w, h,
+        return verify::roundingError(reference::Tracer(scene->packed, tracing), camera, w, h,
                                      verify::kFloatUnit);
     });
 }

@@ -116,7 +116,6 @@ class Session {
 
   private:
     void restart();
-    bool scattered() const;
     Request requestFor(int width, int height, bool data) const;
     Picture render(const Request& request);
     ImageSettings progressiveSampling() const;

@@ -77,12 +77,13 @@ void followLight(Light& mine, const Light& before, const Light& now) {
 
 }  // namespace
 
-PictureSettings PictureSettings::of(const Scene& scene) {
+PictureSettings PictureSettings::of(const Scene& scene, const Wishes& wishes) {
     PictureSettings s;
-    s.maxDepth = scene.maxDepth;
+    s.maxDepth = wishes.depth ? static_cast<int>(*wishes.depth) : scene.maxDepth;
     for (const Light& light : scene.lights) s.lights.push_back({.light = light});
     s.background = glm::vec3(scene.environment ? scene.environment->intensity : scene.background);
     s.sampling = scene.image;
+    s.sampling.samplesPerPixel = wishes.samplesPerPixel.value_or(scene.image.samplesPerPixel);
     s.edits = SceneEdits::of(scene);
     return s;
 }
@@ -113,12 +114,6 @@ void SceneEdits::follow(const SceneEdits& before, const SceneEdits& now) {
             if (mine[i].*field != before.materials[i].*field) materials[i].*field = mine[i].*field;
         });
     }
-}
-
-Scene edited(Scene scene, const SceneEdits& edits) {
-    scene.materials = edits.materials;
-    scene.transmissiveShadows = edits.transmissiveShadows;
-    return scene;
 }
 
 void setDiffuse(Material& material, const Color& diffuse) {

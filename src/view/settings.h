@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct LightSetting {
     bool operator==(const LightSetting&) const = default;
 };
 
-// Values that need the scene packed again.
+// Edits of the scene itself, which "save scene" writes into its file. They need the scene packed again. All
+// other settings, lights included, are wishes, which Session puts into its requests.
 struct SceneEdits {
     std::vector<Material> materials;  // as in Scene::materials
     TransmissiveShadows transmissiveShadows = TransmissiveShadows::Colored;
@@ -41,6 +43,12 @@ struct PathSettings {
     bool operator==(const PathSettings&) const = default;
 };
 
+// Values of the command line in place of the file's, for every scene that the window loads.
+struct Wishes {
+    std::optional<uint32_t> depth;  // PathLimits::depth
+    std::optional<int> samplesPerPixel;
+};
+
 struct PictureSettings : PathSettings {
     ViewLayer layer = ViewLayer::Color;
     std::vector<LightSetting> lights;
@@ -50,15 +58,13 @@ struct PictureSettings : PathSettings {
     SceneEdits edits;
     bool operator==(const PictureSettings&) const = default;
 
-    // The settings of the file.
-    static PictureSettings of(const Scene& scene);
+    // The settings of the file, with `wishes`.
+    static PictureSettings of(const Scene& scene, const Wishes& wishes = {});
     uint32_t depth() const { return reflections ? static_cast<uint32_t>(maxDepth) : 0u; }
     // After the file has changed: values that are as in `before` become those of `now`; the user's own values
     // stay.
     void follow(const PictureSettings& before, const PictureSettings& now);
 };
-
-Scene edited(Scene scene, const SceneEdits& edits);
 
 // Changes the diffuse color, and the ambient color with it while both are equal: in a scene file "ambient" is
 // "diffuse" unless it is given.

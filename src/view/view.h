@@ -18,15 +18,14 @@
 namespace glint::view {
 
 // How scenes are loaded, the first one and all later.
-struct Loading : LoadOptions {      // its memory is the available one
-    std::optional<uint32_t> depth;  // PathLimits::depth
-    std::optional<int> samplesPerPixel;
+struct Loading : LoadOptions {  // its memory is the available one
     BuildQuality quality = BuildQuality::Default;
 };
 
 struct Options {
     std::filesystem::path scene;
     Loading loading;
+    Wishes wishes;
     converge::Target until{.error = 0};  // see PictureSettings
     std::optional<double> time;          // of the animation, seconds; empty: the file's values
     int width = 0, height = 0;           // of the window's image; 0: the scene's

@@ -14,13 +14,6 @@ namespace glint::view {
 
 namespace {
 
-// Applies the values that the command line gives.
-Scene withOverrides(Scene scene, const Loading& loading) {
-    if (loading.depth) scene.maxDepth = static_cast<int>(*loading.depth);
-    if (loading.samplesPerPixel) scene.image.samplesPerPixel = *loading.samplesPerPixel;
-    return scene;
-}
-
 Loading withMemory(Loading loading) {
     loading.memory = availableMemory();
     return loading;
@@ -94,7 +87,7 @@ Moment Moments::show(std::optional<double> time, const SceneEdits& edits, const 
         moved_ = reader_.moveTo(*time) == SceneReader::Change::Scene || moved_;
         time_ = time;
     }
-    auto file = std::make_shared<const Scene>(withOverrides(reader_.scene(), loading_));
+    auto file = std::make_shared<const Scene>(reader_.scene());
     Moment moment = {time_, file, edits, nullptr};
     moment.edits.follow(before, SceneEdits::of(*file));
     const bool kept =
@@ -103,8 +96,10 @@ Moment Moments::show(std::optional<double> time, const SceneEdits& edits, const 
     if (kept) return moment;
     // Trees are kept if the scene is shown again, not for one that is shown once.
     remembers_ = remembers_ || last_ != nullptr;
-    moment.scene =
-        packViewScene(path_, edited(*file, moment.edits), loading_.quality, remembers_ ? &memory_ : nullptr);
+    Scene edited = *file;
+    edited.materials = moment.edits.materials;
+    edited.transmissiveShadows = moment.edits.transmissiveShadows;
+    moment.scene = packViewScene(path_, std::move(edited), loading_.quality, remembers_ ? &memory_ : nullptr);
     moved_ = false;
     last_ = moment.scene;
     lastEdits_ = moment.edits;

@@ -29,13 +29,13 @@ struct View {
           scene(session.scene()),
           camera(session.packedCamera()),
           request(session.request()),
-          lens(hasLens(session.camera())) {}
+          source(session.camera()) {}
 
     const gpu::Device* device;
     std::shared_ptr<const ViewScene> scene;
     shared::Camera camera;
     Request request;
-    bool lens;
+    Camera source;  // of `camera`
 
     render::Renderer renderer() const { return {*device, scene->packed, windowOptions(*scene)}; }
     Request requestOf(JobControl& control) const {
@@ -74,7 +74,7 @@ std::string saveRendered(const View& view, const std::filesystem::path& file, co
     if (!conflict.empty()) throw Error(ErrorKind::Failed, "not saved: " + conflict);
     Request wanted = view.requestOf(control);
     wanted.image = sampling;
-    wanted.samples = packSamples(sampling, view.lens);
+    wanted.samples = glint::requestOf(sampling, view.source).samples;
     wanted.data = wanted.cost = isExr(file);
     Picture picture = finished(view.renderer().render(view.camera, wanted));
     if (!isExr(file)) applyDisplay(picture.color, display);
@@ -116,7 +116,7 @@ void showScene(Model& m, std::shared_ptr<const ViewScene> scene) {
 
 // Values that the user has not changed follow the file.
 void takeMoment(Model& m, Moment moment) {
-    const PictureSettings file = PictureSettings::of(*moment.file);
+    const PictureSettings file = PictureSettings::of(*moment.file, m.wishes);
     m.settings.follow(m.fileSettings, file);
     m.fileSettings = file;
     m.editsAtWork = std::move(moment.edits);
@@ -140,13 +140,12 @@ void noteLoaded(Model& m) {
 void useScene(Model& m, std::shared_ptr<Moments> moments, Moment shown) {
     const bool another = std::exchange(m.opensAnother, false);
     if (another) {
-        const Scene& scene = *shown.file;
-        const PictureSettings mine = std::exchange(m.settings, PictureSettings::of(scene));
+        const PictureSettings mine = std::exchange(m.settings, PictureSettings::of(*shown.file, m.wishes));
         m.settings.layer = mine.layer;
         m.settings.sampleLimit = mine.sampleLimit;
         m.settings.until = mine.until;
         m.fileSettings = m.settings;
-        m.control = CameraControl(scene.camera);
+        m.control = CameraControl(shown.file->camera);
         m.history = {};
         m.bookmarks.clear();
         m.camera = Model::kNoCamera;

@@ -21,7 +21,7 @@ Options optionsOf(const Words& args) {
     using Value = const std::string&;
     const std::map<std::string, std::function<void(Value)>> options = {
         {"--size", [&](Value v) { std::sscanf(v.c_str(), "%dx%d", &o.width, &o.height); }},
-        {"--spp", [&](Value v) { o.loading.samplesPerPixel = std::stoi(v); }},
+        {"--spp", [&](Value v) { o.wishes.samplesPerPixel = std::stoi(v); }},
         {"--frames", [&](Value v) { o.frames = std::stoull(v); }},
         {"--scale", [&](Value v) { o.scale = std::stod(v); }},
         {"--error", [&](Value v) { o.until.error = std::stod(v); }},
