@@ -10,6 +10,7 @@
 #include "reference/sampling.h"
 #include "reference/truth/truth.h"
 #include "verify/certificate.h"
+#include "verify/stiffness.h"
 
 namespace glint::verify {
 
