@@ -42,6 +42,16 @@ bool isCovered(float alpha, const PixelData& data, double weight) {
     return std::abs(static_cast<double>(alpha) - expected) <= 4 * kFloatUnit * std::abs(expected);
 }
 
+// False for a miss with a layer of a hit.
+bool isBlankIfMiss(const PixelData& d) {
+    const PixelData miss;
+    const auto layers = [](const PixelData& p) {
+        return std::tuple(p.depth, p.position, p.normal, p.geometricNormal, p.u, p.v, p.primitive,
+                          p.material);
+    };
+    return d.object != PixelData::kNoIndex || layers(d) == layers(miss);
+}
+
 // True if device and reference hit the same primitives.
 bool isSamePath(const DifferingPixel& pixel) {
     return pixel.device.pathHash == pixel.reference.pathHash;
@@ -250,6 +260,7 @@ DifferingPixel Verification::comparedPixel(int x, int y, uint32_t sample, const 
     pixel.difference = finite ? greatestMagnitude(difference) : std::numeric_limits<double>::infinity();
     if (representation_) representation_->compare(x, y, sample, pixel.reference);
     if (!isCovered(color[3], pixel.device, weight)) pixel.quantities = {"alpha"};
+    if (!isBlankIfMiss(pixel.device)) pixel.quantities.push_back("layers of a miss");
     if (!finite || !pixel.quantities.empty()) return pixel;
     const Quantities seen = quantitiesOf(pixel.deviceColor, pixel.device);
     if (isAlike(pixel) && isPredicted(tracer_, ray, pixel.reference, scene_, seen))

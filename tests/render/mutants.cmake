@@ -42,6 +42,7 @@ mutant(deep_cut shading/material.glsl "surface.uv)).w < material.alphaCutoff" "s
 mutant(packet_bounds packet/packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
        "bounds.inverseHigh = leastOfLanes(inverseHigh);" packet_intersect)
 mutant(packet_pair packet/packet.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
+mutant(blank_miss shade.comp "surface.geometricNormal : vec3(0.0)" "surface.geometricNormal : vec3(0.001)" shade)
 mutant(shadow_bits shading/lighting.glsl "lit.shadowBits |= 1u << index;" "lit.shadowBits |= 2u << index;" light)
 # Samples that are right, added up wrong.
 mutant(first_sample_lost generate.comp "MODE_ADAPTIVE || dispatch.sampleIndex == 0u" "MODE_ADAPTIVE || dispatch.sampleIndex < 2u" generate)

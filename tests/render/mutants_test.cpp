@@ -73,11 +73,15 @@ class MutantTest : public RenderTest, public testing::WithParamInterface<Defect>
 };
 
 // A quantity that the report of a mutant names.
-const std::map<std::string, std::string_view> kWrongQuantities = {
-    {"edge_sign", "path"},           {"sphere_normal", "geometricNormal"},
-    {"shadow_bits", "hiddenLights"}, {"quadric_disc", "position"},
-    {"instance_normal", "u"},        {"narrow_box", "clearance"},
-    {"late_checker", "color"},       {"mirrored_alpha", "alpha"}};
+const std::map<std::string, std::string_view> kWrongQuantities = {{"edge_sign", "path"},
+                                                                  {"sphere_normal", "geometricNormal"},
+                                                                  {"shadow_bits", "hiddenLights"},
+                                                                  {"quadric_disc", "position"},
+                                                                  {"instance_normal", "u"},
+                                                                  {"narrow_box", "clearance"},
+                                                                  {"late_checker", "color"},
+                                                                  {"mirrored_alpha", "alpha"},
+                                                                  {"blank_miss", "layers of a miss"}};
 
 TEST_P(MutantTest, IsFound) {
     const verify::Report sound = run(embeddedKernels());
@@ -112,7 +116,8 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"turned_sky", "environment"}, Defect{"deep_cut", "textures"}, Defect{"packet_bounds", "knot"},
         Defect{"packet_pair", "knot"}, Defect{"instance_normal", "instances"},
         Defect{"instance_ray", "instances"}, Defect{"quadric_disc", "quadrics"},
-        Defect{"not_finite", "spheres"}, Defect{"mirrored_alpha", "spheres"}),
+        Defect{"not_finite", "spheres"}, Defect{"mirrored_alpha", "spheres"},
+        Defect{"blank_miss", "spheres"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
 class VerdictTest : public RenderTest {
