@@ -400,10 +400,7 @@ void requireGpu(const DeviceChoice& device, std::initializer_list<std::pair<bool
 }
 
 void checkDeviceOptions(const DeviceChoice& device) {
-    refuseIf(device.validation && device.fallback != Fallback::None,
-             "--fallback excludes --validation: leave out --fallback to see the device fail");
-    requireGpu(device, {{device.fallback != Fallback::None, "--fallback"},
-                        {!device.selector.empty(), "--device"},
+    requireGpu(device, {{!device.selector.empty(), "--device"},
                         {device.validation, "--validation"},
                         {device.traversal != render::Traversal::Auto, "--traversal"},
                         {device.reproducible, "--reproducible"}});

@@ -170,7 +170,6 @@ struct DeviceChoice {
     bool validation = false;
     render::Traversal traversal = render::Traversal::Auto;
     bool reproducible = false;  // render::Options::ownArithmetic
-    Fallback fallback = Fallback::None;
 };
 
 // Options that several commands share, with the same names, texts and values in each.

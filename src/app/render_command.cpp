@@ -102,9 +102,6 @@ void declare(OptionTable& table, RenderCommand& c) {
     addBackend(table, c.device);
     addDevice(table, c.device);
     addTraversal(table, c.device);
-    table.choice<Fallback>("--fallback",
-                           "if the device fails or cannot be opened: " + explainedChoices<Fallback>(),
-                           c.device.fallback);
     table.flag("--reproducible", "do not use the device's division and square root, even if its probe passes",
                c.device.reproducible);
     table.value("--aov", "LIST",
@@ -211,7 +208,7 @@ int bandRowsOf(const RenderCommand& command, const fs::path& output, const Regio
 ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     if (command.output != "-") checkPicturePath(outputOf(command));
-    Drawing drawing(command.device, err);
+    Drawing drawing(command.device);
     const LoadedScene loaded = loadAndPack(command.scene, err);
     Request request = requestOf(command, loaded);
     const fs::path output = outputOf(command, loaded.scene);
@@ -284,7 +281,7 @@ class FrameRenderer {
           err_(err),
           frames_(framesToDraw(command)),
           there_(static_cast<size_t>(command.frames->last - command.frames->first + 1) - frames_.size()),
-          drawing_(command.device, err) {}
+          drawing_(command.device) {}
 
     ExitCode run() {
         const bool complete = frames_.empty() || drawAll();

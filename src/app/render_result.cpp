@@ -232,12 +232,10 @@ void SampleTotals::add(const Picture& picture) {
 }
 
 nlohmann::json drawnJson(const DrawingFacts& drawn) {
-    nlohmann::json json = {{"backend", nameOf(drawn.backend)},
-                           {"device", drawn.device},
-                           {"driver", drawn.driver},
-                           {"reproducible", drawn.sharesBits()}};
-    if (drawn.failed) json["fallback"] = {{"device", drawn.failed->name}, {"reason", drawn.failed->reason}};
-    return json;
+    return {{"backend", nameOf(drawn.backend)},
+            {"device", drawn.device},
+            {"driver", drawn.driver},
+            {"reproducible", drawn.sharesBits()}};
 }
 
 nlohmann::json filesJson(const std::vector<std::filesystem::path>& files) {
@@ -352,11 +350,9 @@ Outcome drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& comma
         const auto share = [&](int row) { return static_cast<double>(row - region.y0) / region.height(); };
         const double from = share(y), to = share(part.region.y1);
         part.progress = [&](double done) { request.progress(from + (to - from) * done); };
-        Picture band = drawing.whole([&] {
-            if (!job) return drawing.draw(part);
+        if (job)
             outcome.converged = converge::converge([&](const Request& r) { return drawing.draw(r); }, *job);
-            return std::move(outcome.converged->picture);
-        });
+        Picture band = job ? std::move(outcome.converged->picture) : drawing.draw(part);
         if (alike) {
             const auto reason = pictureAdvice(band, loaded, request, file.scale());
             alike = reason && (y == region.y0 || reason == outcome.advice);

@@ -126,7 +126,7 @@ class UnitRenderer {
     UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts = 1)
         : command_(command),
           err_(err),
-          drawing_(command.device, err),
+          drawing_(command.device),
           loaded_(loadAndPack(command.scene, err)),
           request_(requestOf(command, loaded_)) {
         constexpr int kLikelyParts = 64;  // assumed before the image is cut
@@ -192,10 +192,8 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function
     if (unwanted) request.cancelled = [&] { return interrupted() || unwanted(); };
     if (!uploaded_) drawing_.load(loaded_, request);
     uploaded_ = true;
-    auto result = drawing_.whole([&] {
-        return farm::drawUnit([&](const Request& r) { return drawing_.draw(r); }, request,
-                              cut_[static_cast<size_t>(part) - 1], command_.aovs);
-    });
+    auto result = farm::drawUnit([&](const Request& r) { return drawing_.draw(r); }, request,
+                                 cut_[static_cast<size_t>(part) - 1], command_.aovs);
     if (!result) return result;
     // Losses are reported in the same cases as for an image without units.
     if (!loaded_.packed.features.transmission && command_.scene.limits.minContribution == 0)

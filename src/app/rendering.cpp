@@ -202,8 +202,23 @@ std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedS
     return job;
 }
 
-Drawing::Drawing(const DeviceChoice& choice, std::ostream& warnings)
-    : backend_(choice.backend), choice_(choice), warnings_(warnings) {
+namespace {
+
+// Runs `work`. An error of the device advises to render without it.
+template <typename Work>
+auto advised(const Work& work) {
+    try {
+        return work();
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::Device) throw;
+        throw Error(error.kind(),
+                    std::string(error.what()) + "; use --backend cpu to render without the device");
+    }
+}
+
+}  // namespace
+
+Drawing::Drawing(const DeviceChoice& choice) : backend_(choice.backend), choice_(choice) {
     if (backend_ == Backend::Cpu) return;
     opening_ = std::async(std::launch::async | std::launch::deferred, [&choice] {
         gpu::Device device = openDevice(choice, true);
@@ -216,31 +231,15 @@ void Drawing::load(const LoadedScene& loaded, const Request& expected, uint64_t 
     loaded_ = &loaded;
     expected_ = expected;
     truth_.reset();
-    whole([&] {
-        if (backend_ == Backend::Cpu) return;
-        if (!device_) device_.emplace(opening_.get());
-        render::Options options;
-        options.traversal = choice_.traversal;
-        options.ownArithmetic = choice_.reproducible;
-        options.expected = &expected;
-        options.also = alsoFor(loaded, expected);
-        options.cameraRays = cameraRays;
-        renderer_.emplace(*device_, loaded.packed, options);
-    });
-}
-
-bool Drawing::fallBack(const Error& error) {
-    if (backend_ == Backend::Cpu || choice_.fallback != Fallback::Cpu || error.kind() != ErrorKind::Device)
-        return false;
-    backend_ = Backend::Cpu;
-    failed_ = {device_ ? device_->info().name : "", error.what()};
-    // On a terminal the warning overwrites the bar, which is shorter.
-    warnings_ << (isTerminal(warnings_) ? "\r" : "") << "glint: warning: " << failed_->reason
-              << "; rendered by the reference instead (--fallback cpu)\n"
-              << std::flush;
-    renderer_.reset();
-    device_.reset();
-    return true;
+    if (backend_ == Backend::Cpu) return;
+    if (!device_) device_.emplace(opening_.get());
+    render::Options options;
+    options.traversal = choice_.traversal;
+    options.ownArithmetic = choice_.reproducible;
+    options.expected = &expected;
+    options.also = alsoFor(loaded, expected);
+    options.cameraRays = cameraRays;
+    advised([&] { renderer_.emplace(*device_, loaded.packed, options); });
 }
 
 void Drawing::reload(const Request& expected, bool cameraAlone) {
@@ -251,7 +250,8 @@ void Drawing::reload(const Request& expected, bool cameraAlone) {
 }
 
 Picture Drawing::draw(const Request& request) {
-    if (backend_ == Backend::Gpu) return renderer_->render(cameraOf(*loaded_, request), request);
+    if (backend_ == Backend::Gpu)
+        return advised([&] { return renderer_->render(cameraOf(*loaded_, request), request); });
     const Stopwatch watch;
     const Scene& scene = loaded_->scene;
     const glm::dvec3& origin = loaded_->packed.origin;
@@ -271,7 +271,6 @@ DrawingFacts Drawing::facts() const {
         facts.device = "CPU reference (double precision)";
         facts.driver = counted(defaultThreadCount(), "thread");
         facts.times.trace = hostSeconds_;
-        facts.failed = failed_;
         return facts;
     }
     facts.device = device_->info().name;

@@ -77,19 +77,12 @@ Error withAdvice(const Error& error);
 // Throws Error(Device) with the messages of the validation layer, if there are any.
 void checkValidation(const gpu::Device& device, const DeviceChoice& choice);
 
-// A device that failed, where --fallback had the reference draw on.
-struct FailedDevice {
-    std::string name;  // empty if it could not be opened
-    std::string reason;
-};
-
 struct DrawingFacts {
     Backend backend = Backend::Gpu;             // that rendered
     std::string device, driver;                 // empty if nothing was rendered
     std::string traversal;                      // empty on the host
     std::optional<gpu::Arithmetic> arithmetic;  // the device's
     render::StageTimes times;
-    std::optional<FailedDevice> failed;
     bool sharesBits() const { return arithmetic && arithmetic->sharesBits(); }
 };
 
@@ -102,8 +95,8 @@ class Drawing {
   public:
     // Starts to open the device, which needs nothing of the scene (50 ms for lavapipe, whose libraries are
     // large). load() throws the device's errors, so that the scene's errors come first. `choice` must outlive
-    // the object. `warnings`: gets one if the reference takes over, see whole().
-    Drawing(const DeviceChoice& choice, std::ostream& warnings);
+    // the object. An error of the device that was opened advises to use --backend cpu.
+    explicit Drawing(const DeviceChoice& choice);
 
     // Uploads the scene, which must outlive its images, and translates kernels for `expected`. `cameraRays`:
     // as in render::Options.
@@ -116,37 +109,20 @@ class Drawing {
     // An image of the scene that was loaded, by its camera.
     Picture draw(const Request& request);
 
-    // Runs `work`, which calls draw(). If the device fails and --fallback allows it, the partial result is
-    // dropped and `work` starts again on the reference: a result comes from one backend only.
-    template <typename Work>
-    auto whole(const Work& work) {
-        try {
-            return work();
-        } catch (const Error& error) {
-            if (!fallBack(error)) throw;
-        }
-        return work();
-    }
-
     // Facts of all images so far.
     DrawingFacts facts() const;
 
     void checkValidation() const;
 
   private:
-    // False if the error is not the device's, or it must not be replaced.
-    bool fallBack(const Error& error);
-
     Backend backend_;
     const DeviceChoice& choice_;
-    std::ostream& warnings_;
     std::future<gpu::Device> opening_;
     std::optional<gpu::Device> device_;
     std::optional<render::Renderer> renderer_;
     const LoadedScene* loaded_ = nullptr;
     std::shared_ptr<reference::Model> truth_;  // the host's model, made for the first image
     Request expected_;
-    std::optional<FailedDevice> failed_;
     double hostSeconds_ = 0;
 };
 

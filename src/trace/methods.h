@@ -17,14 +17,6 @@ constexpr auto entriesOf(Backend) {
     return std::to_array<EnumEntry<Backend>>({{Backend::Gpu, "gpu"}, {Backend::Cpu, "cpu"}});
 }
 
-// Backend that continues after a device failure.
-enum class Fallback { None, Cpu };
-constexpr auto entriesOf(Fallback) {
-    return std::to_array<EnumEntry<Fallback>>(
-        {{Fallback::None, "none", "exit with code 4"},
-         {Fallback::Cpu, "cpu", "render with the reference, with a warning"}});
-}
-
 // The values are those of INTERSECTOR and SPHERE_FORM in shaders/shared/dispatch.h.
 enum class TriangleMethod : uint32_t { Watertight, Barycentric, Projection, Planar3d };
 constexpr auto entriesOf(TriangleMethod) {
