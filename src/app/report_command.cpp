@@ -1,8 +1,6 @@
 // `glint report`: error against run time.
 #include <algorithm>
-#include <deque>
 #include <ostream>
-#include <utility>
 
 #include "app/commands.h"
 #include "app/rendering.h"
@@ -30,18 +28,8 @@ struct ReportCommand {
     report::Options options;
     std::optional<int> budget;  // seconds
     DeviceChoice device;
-    std::vector<std::string> devices;  // as --device names them, or "cpu"
     ProgressMode progress = ProgressMode::Auto;
 };
-
-constexpr const char* kReferenceName = "cpu";  // among --devices
-
-std::vector<std::string> parseDevices(const std::string& text) {
-    const std::vector<std::string> names = split(text, ',');
-    refuseIf(std::find(names.begin(), names.end(), "") != names.end(),
-             "a device's name is empty in " + quoted(text));
-    return names;
-}
 
 void declare(OptionTable& table, ReportCommand& c) {
     addScenes(table, c.scenes, c.common);
@@ -53,70 +41,25 @@ void declare(OptionTable& table, ReportCommand& c) {
     table.whole("--truth-spp", "N",
                 "samples per pixel of the converged image (default: what a third of the time allows)", 2,
                 kMaxSamplesPerPixel, c.options.truthSamples);
-    table.choice<Backend>("--truth",
-                          "render the converged image with the reference (cpu, default) or the device",
-                          c.options.truth);
     table.whole("--budget", "SECONDS", "time for the whole report (default 60 per scene)", 1, 10'000'000,
                 c.budget);
     const auto& families = report::familyStarts();
     table.value("--only", "LIST", "settings to measure, with commas: " + joined(families), c.options.only,
                 parseFamilies);
     addDevice(table, c.device);
-    table.value("--devices", "LIST",
-                "devices to compare with that of --device, with commas; cpu is the reference", c.devices,
-                parseDevices);
     addProgress(table, c.progress);
-}
-
-// The report's own device, and those that it is compared with.
-struct OpenDevices {
-    std::deque<gpu::Device> open;              // the report's own first
-    std::vector<report::DeviceBeside> beside;  // empty without --devices
-};
-
-OpenDevices openDevices(const ReportCommand& command) {
-    OpenDevices devices;
-    const auto open = [&](const std::string& selector) {
-        DeviceChoice choice = command.device;
-        choice.selector = selector;
-        // Compile times are part of the results, so programs are not cached.
-        gpu::Device device = openDevice(choice, false, false);
-        const gpu::DeviceInfo info = device.info();
-        for (const gpu::Device& known : devices.open)
-            if (known.info().index == info.index) return;
-        devices.open.push_back(std::move(device));
-        if (command.devices.empty()) return;
-        report::DeviceBeside beside{info.name, info.driver, &devices.open.back()};
-        for (const report::DeviceBeside& other : devices.beside)
-            if (other.label() == beside.label())  // two of a kind
-                beside.name = info.name + " #" + std::to_string(info.index);
-        devices.beside.push_back(beside);
-    };
-    open(command.device.selector);
-    bool reference = false;
-    for (const std::string& name : command.devices) {
-        if (name != kReferenceName)
-            open(name);
-        else if (!std::exchange(reference, true))
-            devices.beside.push_back({"reference", "", nullptr});
-    }
-    return devices;
 }
 
 ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
-    const std::vector<std::string>& only = command.options.only;
-    refuseIf(std::find(only.begin(), only.end(), "device") != only.end() && command.devices.empty(),
-             "--only device requires --devices");
     for (const fs::path& scene : command.scenes) checkScene(scene);
-    const OpenDevices devices = openDevices(command);
-    const gpu::Device& device = devices.open.front();
+    // Compile times are part of the results, so programs are not cached.
+    const gpu::Device device = openDevice(command.device, false, false);
     report::Options options = command.options;
     makeFolder(options.folder);
     installInterruptHandler();
     options.version = GLINT_VERSION;
     options.cancelled = interrupted;
-    options.devices = devices.beside;
     const double budget = command.budget.value_or(kSecondsForScene * static_cast<int>(command.scenes.size()));
     options.secondsLeft = [&watch, budget] { return budget - watch.seconds(); };
     std::string warning;
@@ -136,7 +79,7 @@ ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err)
     progress.finish();
     out << report::toMarkdown(report) << "\nwrote " << shown(options.folder / "report.html")
         << ", report.csv, report.json and the diagrams\n";
-    for (const gpu::Device& each : devices.open) checkValidation(each, command.device);
+    checkValidation(device, command.device);
     if (!report.complete)
         throw Error(ErrorKind::Interrupted, "interrupted: " + (options.folder / "report.json").string() +
                                                 " holds the results so far; repeat the command to resume");

@@ -30,9 +30,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measured, key, family, sampler, spp, depth, m
                                    total, error, ssim, hidden, samples, asked, bound, seconds, rmse,
                                    deviceSeconds, compile, rays)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SceneReport, path, camera, name, hash, width, height, depth, kappa,
-                                   stiffness, truthSamples, truthError, thumbnail, measured, leftOut)
+                                   stiffness, truthSamples, truthError, measured, leftOut)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Report, version, device, driver, api, cores, repeats, truthSamples,
-                                   truthBackend, complete, scenes)
+                                   complete, scenes)
 
 namespace {
 

@@ -9,7 +9,7 @@
 namespace glint::report {
 
 std::string keyOf(const Setting& s) {
-    std::string key = s.on.empty() ? s.family : kOnDevice + s.on;
+    std::string key = s.family;
     if (s.limits.depth) key += format(" %u", *s.limits.depth);
     if (s.limits.minContribution > 0) key += format(" %g", s.limits.minContribution);
     return key + ", " + std::to_string(s.spp) + " spp";
@@ -20,8 +20,7 @@ bool hasArithmetic(const Setting& s) {
     return !s.error && !s.contrast && !s.onReference && s.spp <= kMostSamples;
 }
 
-std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int sceneDepth,
-                               const std::vector<DeviceBeside>& devices) {
+std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int sceneDepth) {
     std::vector<Setting> plan;
     const auto add = [&](const std::string& family, int spp, const auto&... change) {
         Setting& setting = plan.emplace_back();
@@ -39,15 +38,7 @@ std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int 
         for (const Method value : values)
             add(name + ": " + std::string(nameOf(value)), 1, [&](Setting& s) { s.methods.*member = value; });
     };
-    addSamplers({1, 4, 16});
-    // One sampler for all devices, so that the curves differ only in time.
-    for (const int spp : {1, 4, 16})
-        for (const DeviceBeside& beside : devices)
-            add(kOnDevice + beside.name, spp, [&](Setting& s) {
-                s.on = beside.label();
-                s.onReference = beside.device == nullptr;
-            });
-    addSamplers({64, 256});
+    addSamplers({1, 4, 16, 64, 256});
     add(kDefaultMethods, 1);
     if (features.triangles)
         addMethods("triangles", &Methods::triangles,
@@ -78,7 +69,7 @@ std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int 
 const std::vector<std::string>& familyStarts() {
     static const std::vector<std::string> starts = [] {
         std::vector<std::string> list;
-        for (const Setting& s : planScene(allFeatures(), true, 1, {{"cpu", "", nullptr}})) {
+        for (const Setting& s : planScene(allFeatures(), true, 1)) {
             const std::string start = s.family.substr(0, s.family.find_first_of(" :"));
             if (std::find(list.begin(), list.end(), start) == list.end()) list.push_back(start);
         }

@@ -31,16 +31,8 @@ struct Setting {
     std::optional<double> error;     // instead of `spp` samples: --error
     std::optional<double> contrast;  // adaptive sampling from `spp` samples
     bool onReference = false;        // rendered by the reference, in double precision
-    std::string on;                  // DeviceBeside::label(); empty: the report's own device
 };
 
-// A device that the report compares with its own.
-struct DeviceBeside {
-    std::string name, driver;
-    const gpu::Device* device = nullptr;  // null: the reference
-    std::string label() const { return driver.empty() ? name : name + ", " + driver; }
-};
-inline constexpr const char* kOnDevice = "device: ";  // the family of its settings is this and its name
 inline constexpr const char* kDefaultMethods = "default methods";
 
 // A name that no other setting of the plan has: "grid, 4 spp", "depth 2, 4 spp".
@@ -50,9 +42,8 @@ std::string keyOf(const Setting& setting);
 // error does not depend on the number of samples, so settings of more than 4 are left out.
 bool hasArithmetic(const Setting& setting);
 
-// In order of importance. `devices`: to be compared; may be empty.
-std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int sceneDepth,
-                               const std::vector<DeviceBeside>& devices = {});
+// In order of importance.
+std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int sceneDepth);
 
 // The first words of all families, for --only: "grid", ..., "default", "triangles" ...
 const std::vector<std::string>& familyStarts();
@@ -110,7 +101,6 @@ struct SceneReport {
     std::string stiffness;
     int truthSamples = 0;   // per pixel of the converged image
     double truthError = 0;  // its own RMSE, from its two halves of different seeds
-    std::string thumbnail;  // of the converged image: a PNG in base64
     std::vector<Measured> measured;
     std::vector<std::string> leftOut;  // keys
 };
@@ -119,8 +109,7 @@ struct Report {
     std::string version, device, driver, api;
     unsigned cores = 0;
     int repeats = 0;
-    int truthSamples = 0;      // 0: as time allows
-    std::string truthBackend;  // "reference" or "device"
+    int truthSamples = 0;  // 0: as time allows
     std::vector<SceneReport> scenes;
     bool complete = true;
 };

@@ -29,7 +29,6 @@ Report freshReport(const Options& options, const gpu::DeviceInfo& device) {
     report.cores = defaultThreadCount();
     report.repeats = options.repeats;
     report.truthSamples = options.truthSamples;
-    report.truthBackend = options.truth == Backend::Cpu ? "reference" : "device";
     return report;
 }
 
@@ -65,7 +64,6 @@ void writeReport(const fs::path& folder, const Report& report) {
     for (const SceneReport& scene : report.scenes) {
         add(scene.name + ".precision.svg", precisionDiagram(scene));
         add(scene.name + ".truncation.svg", truncationDiagram(scene));
-        add(scene.name + ".devices.svg", devicesDiagram(scene));
     }
     writeFiles(files);
 }
@@ -135,11 +133,11 @@ std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInf
     if (!fs::exists(path)) return std::nullopt;
     Report report = fromJson(readWholeFile(path, {}, ErrorKind::Failed), path.string());
     const auto made = [](const Report& r) {
-        return std::tie(r.version, r.device, r.driver, r.api, r.cores, r.truthSamples, r.truthBackend);
+        return std::tie(r.version, r.device, r.driver, r.api, r.cores, r.truthSamples);
     };
     if (made(report) == made(freshReport(options, device))) return report;
     warning = path.string() +
-              ": made by another version, device, driver, number of cores or kind of converged image: "
+              ": made by another version, device, driver, number of cores or samples of the converged image: "
               "everything is measured again, scenes that are not named are dropped";
     return std::nullopt;
 }

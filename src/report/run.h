@@ -18,14 +18,12 @@
 namespace glint::report {
 
 struct Options {
-    std::filesystem::path folder;       // exists and is writable
-    std::string version;                // of the program; a report of another version is not resumed
-    int width = 256;                    // of the images, in pixels
-    int repeats = 10;                   // runs of each setting
-    int truthSamples = 0;               // per pixel of the converged image; 0: as time allows
-    Backend truth = Backend::Cpu;       // renders the converged image
-    std::vector<std::string> only;      // first words of families; empty: all
-    std::vector<DeviceBeside> devices;  // to be compared; may be empty
+    std::filesystem::path folder;   // exists and is writable
+    std::string version;            // of the program; a report of another version is not resumed
+    int width = 256;                // of the images, in pixels
+    int repeats = 10;               // runs of each setting
+    int truthSamples = 0;           // per pixel of the converged image; 0: as time allows
+    std::vector<std::string> only;  // first words of families; empty: all
     std::function<double()> secondsLeft = [] { return std::numeric_limits<double>::infinity(); };
     std::function<bool()> cancelled = [] { return false; };
     std::function<uint64_t()> memory = [] { return availableMemory(); };  // bytes that may be taken

@@ -200,11 +200,11 @@ Point totalPoint(const Measured& m, const std::string& mark) {
                 shortNumber(m.error)};
 }
 
-// Families in order of measurement: of the comparison of devices, or all others but depths and cuts.
-std::vector<std::string> familiesOf(const SceneReport& scene, bool devices) {
+// All families but depths and cuts, in order of measurement.
+std::vector<std::string> familiesOf(const SceneReport& scene) {
     std::vector<std::string> families;
     for (const Measured& m : scene.measured)
-        if (m.family != "depth" && m.family != "cut" && m.family.starts_with(kOnDevice) == devices &&
+        if (m.family != "depth" && m.family != "cut" &&
             std::find(families.begin(), families.end(), m.family) == families.end())
             families.push_back(m.family);
     return families;
@@ -215,7 +215,7 @@ std::vector<std::string> familiesOf(const SceneReport& scene, bool devices) {
 std::string precisionDiagram(const SceneReport& scene) {
     Drawing drawing(scene.name + ": error against time", "RMSE against the converged image");
     char letter = 'a';
-    for (const std::string& family : familiesOf(scene, false)) {
+    for (const std::string& family : familiesOf(scene)) {
         const auto points = familyOf(scene, family);
         Series series{family, {}, isSampler(family)};
         if (series.line)
@@ -244,17 +244,6 @@ std::string truncationDiagram(const SceneReport& scene) {
                                      series.label + " " + mark + ": " + shortNumber(m->median()) +
                                          " s, error " + shortNumber(m->arithmetic->all.rmse)});
         }
-        drawing.add(std::move(series));
-    }
-    return drawing.draw();
-}
-
-std::string devicesDiagram(const SceneReport& scene) {
-    Drawing drawing(scene.name + ": devices side by side, lowDiscrepancy",
-                    "RMSE against the converged image");
-    for (const std::string& family : familiesOf(scene, true)) {
-        Series series{family.substr(std::string_view(kOnDevice).size()), {}};
-        for (const Measured* m : familyOf(scene, family)) series.points.push_back(totalPoint(*m, ""));
         drawing.add(std::move(series));
     }
     return drawing.draw();

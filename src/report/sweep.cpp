@@ -8,10 +8,8 @@
 #include "converge/bounds.h"
 #include "converge/converge.h"
 #include "converge/replicates.h"
-#include "core/codecs.h"
 #include "core/content_hash.h"
 #include "core/image_diff.h"
-#include "core/quantize.h"
 #include "core/text_file.h"
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"
@@ -59,22 +57,6 @@ std::string hashOf(const std::string& file, const PackedScene& scene) {
     return hashText(contentHash(hashes));
 }
 
-// At most 320 pixels wide, by the means of square blocks.
-std::string thumbnailOf(const Image& image) {
-    const int block = (image.width + 319) / 320;
-    Image small(std::max(1, image.width / block), std::max(1, image.height / block), 3);
-    for (int y = 0; y < small.height; ++y)
-        for (int x = 0; x < small.width; ++x)
-            for (int c = 0; c < 3; ++c) {
-                float sum = 0;
-                for (int i = 0; i < block * block; ++i)
-                    sum += image.at(std::min(x * block + i % block, image.width - 1),
-                                    std::min(y * block + i / block, image.height - 1), c);
-                small.at(x, y, c) = sum / static_cast<float>(block * block);
-            }
-    return base64(encodePng(small.width, small.height, 3, quantizeColor(small)));
-}
-
 }  // namespace
 
 SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, LoadedScene loaded,
@@ -94,7 +76,7 @@ SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, Lo
     camera_ = cameraOf(loaded_, requestFor({}, 0));
     arrayBytes_ = rendererOf({})->deviceBytes();
     settings_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
-                          static_cast<int>(depthOf(loaded_.packed, {})), options_.devices);
+                          static_cast<int>(depthOf(loaded_.packed, {})));
     std::erase_if(settings_, [&](const Setting& s) {
         return !options.only.empty() &&
                std::none_of(options.only.begin(), options.only.end(),
@@ -117,7 +99,7 @@ SceneReport SceneSweep::emptyReport() const {
 // paths of at most 1 GiB, the arrays, and 48 MiB for the code of each renderer.
 uint64_t SceneSweep::memory() const {
     const uint64_t pixels = static_cast<uint64_t>(image_.width) * static_cast<uint64_t>(image_.height);
-    const uint64_t renderers = 2 + options_.devices.size();
+    constexpr uint64_t renderers = 2;
     const uint64_t images = (4 + 6 + 4) * sizeof(glm::dvec4) + 2 * sizeof(PixelData) + 8 * sizeof(float) * 4;
     return pixels * images + renderers * (arrayBytes_ + (uint64_t{48} << 20));
 }
@@ -137,14 +119,11 @@ Request SceneSweep::requestFor(const Setting& s, uint32_t seed) const {
 
 render::Renderer* SceneSweep::rendererOf(const Setting& s) {
     if (s.onReference) return nullptr;
-    std::unique_ptr<render::Renderer>& renderer = renderers_[s.on + (s.leaveOut ? "" : " full")];
+    std::unique_ptr<render::Renderer>& renderer = renderers_[s.leaveOut];
     if (renderer) return renderer.get();
-    const gpu::Device* device = &device_;
-    for (const DeviceBeside& beside : options_.devices)
-        if (beside.device != nullptr && beside.label() == s.on) device = beside.device;
     render::Options options;
     options.leaveOut = s.leaveOut;
-    renderer = std::make_unique<render::Renderer>(*device, loaded_.packed, options);
+    renderer = std::make_unique<render::Renderer>(device_, loaded_.packed, options);
     return renderer.get();
 }
 
@@ -176,15 +155,13 @@ bench::Timing SceneSweep::drawTimed(const Setting& s, uint32_t seed, Picture& pi
 
 // Seconds for one sample per pixel, warm.
 double SceneSweep::secondsOf(const Setting& s) {
-    const std::string who = s.onReference ? "the reference" : s.on;
-    if (const auto known = seconds_.find(who); known != seconds_.end()) return known->second;
+    if (const auto known = seconds_.find(s.onReference); known != seconds_.end()) return known->second;
     Setting one;
-    one.on = s.on;
     one.onReference = s.onReference;
     one.spp = 1;
     Picture picture;
     if (!s.onReference) drawTimed(one, image_.seed, picture);
-    return seconds_[who] = drawTimed(one, image_.seed, picture).wall;
+    return seconds_[s.onReference] = drawTimed(one, image_.seed, picture).wall;
 }
 
 double SceneSweep::predictedSeconds(const Setting& s, const Measured* known) {
@@ -221,7 +198,7 @@ bool SceneSweep::drawTruth(SceneReport& report) {
     }
     kappa_ = report.kappa;
     Setting half;
-    half.onReference = options_.truth == Backend::Cpu;
+    half.onReference = true;
     int samples = report.truthSamples > 0 ? report.truthSamples : options_.truthSamples;
     if (samples == 0) {
         const double allowed = truthSeconds_ / secondsOf(half);
@@ -232,7 +209,7 @@ bool SceneSweep::drawTruth(SceneReport& report) {
     std::vector<glm::dvec3> halves[2];
     for (uint32_t i = 0; i < 2; ++i) {
         Request request = requestFor(half, image_.seed + kTruthSeed + i);
-        request.exact = half.onReference;
+        request.exact = true;
         const Picture picture = draw(half, request);
         if (!picture.complete) return false;
         halves[i] = colorsOf(picture);
@@ -245,7 +222,6 @@ bool SceneSweep::drawTruth(SceneReport& report) {
     }
     report.truthSamples = 2 * half.spp;
     report.truthError = std::sqrt(converge::meanSquareOf(halves[0], halves[1]).value);
-    report.thumbnail = thumbnailOf(convergedImage_);
     return true;
 }
 

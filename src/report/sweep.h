@@ -63,10 +63,10 @@ class SceneSweep {
     double kappa_ = 0, compileSeconds_ = 0;  // the most for a setting so far
     std::vector<Setting> settings_;
     std::map<std::tuple<Sampler, int>, SameSamples> sameSamples_;
-    std::vector<glm::dvec3> converged_;  // empty before drawTruth
-    Image convergedImage_;               // the same
-    std::map<std::string, double> seconds_;
-    std::map<std::string, std::unique_ptr<render::Renderer>> renderers_;  // by device and leaveOut
+    std::vector<glm::dvec3> converged_;                            // empty before drawTruth
+    Image convergedImage_;                                         // the same
+    std::map<bool, double> seconds_;                               // by onReference
+    std::map<bool, std::unique_ptr<render::Renderer>> renderers_;  // by leaveOut
 };
 
 }  // namespace glint::report

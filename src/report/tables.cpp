@@ -58,9 +58,7 @@ Block methodTable(const SceneReport& scene) {
                    {{"at 1 spp", "ms (q1..q3)", "compile ms", "RMSE, same path", "max, same path",
                      "other path, pixels", "RMSE, all", "> 1/255 %", "bias"}}};
     for (const Measured& m : scene.measured) {
-        if (m.spp != 1 || !m.arithmetic || isTruncated(m) || isSampler(m.family) ||
-            m.family.starts_with(kOnDevice))
-            continue;
+        if (m.spp != 1 || !m.arithmetic || isTruncated(m) || isSampler(m.family)) continue;
         const ArithmeticError& a = *m.arithmetic;
         table.rows.push_back({m.family, wallOf(m), milliseconds(m.compile), shortNumber(a.samePath.rmse),
                               shortNumber(a.samePath.max), std::to_string(a.otherPath.pixels),
@@ -91,22 +89,6 @@ Block otherWaysTable(const SceneReport& scene) {
         if (m.family.starts_with("adaptive") || m.family.starts_with("error") || m.family == "reference")
             table.rows.push_back({m.family, shortNumber(m.samples), wallOf(m), errorOf(scene, m),
                                   m.asked > 0 ? shortNumber(m.error / m.asked) : std::string("-")});
-    return table;
-}
-
-Block devicesTable(const SceneReport& scene) {
-    Block table = {Block::Table,
-                   {{"device", "spp", "ms (q1..q3)", "time / the first one's", "RMSE",
-                     "rounding (at most 4 spp, same path)", "Mrays/s"}}};
-    for (const Measured& m : scene.measured) {
-        if (!m.family.starts_with(kOnDevice)) continue;
-        const auto first = std::find_if(
-            scene.measured.begin(), scene.measured.end(),
-            [&](const Measured& other) { return other.family.starts_with(kOnDevice) && other.spp == m.spp; });
-        table.rows.push_back({m.family.substr(std::string_view(kOnDevice).size()), std::to_string(m.spp),
-                              wallOf(m), shortNumber(m.median() / first->median()), errorOf(scene, m),
-                              m.arithmetic ? shortNumber(m.arithmetic->samePath.rmse) : "-", rateOf(m)});
-    }
     return table;
 }
 
@@ -166,7 +148,7 @@ std::vector<const Measured*> familyOf(const SceneReport& scene, const std::strin
 std::vector<const Measured*> frontOf(const SceneReport& scene) {
     std::vector<const Measured*> order, front;
     for (const Measured& m : scene.measured)
-        if (!m.hidden && !m.family.starts_with(kOnDevice)) order.push_back(&m);
+        if (!m.hidden) order.push_back(&m);
     std::stable_sort(order.begin(), order.end(), [](const Measured* a, const Measured* b) {
         return std::pair(a->median(), a->error) < std::pair(b->median(), b->error);
     });
@@ -208,11 +190,11 @@ std::vector<Block> textOf(const Report& report) {
                            std::to_string(report.repeats) + " runs."});
     add(Block::Paragraph, {"device: " + report.device + ", " + report.driver + ", Vulkan " + report.api +
                            "; " + std::to_string(report.cores) + " cores; glint " + report.version +
-                           "; converged images: " + report.truthBackend + ", lowDiscrepancy, other seeds"});
+                           "; converged images: reference, lowDiscrepancy, other seeds"});
     for (const SceneReport& scene : report.scenes) {
         add(Block::Heading, {scene.name});
         add(Block::Paragraph, {sceneLine(scene)});
-        for (const auto table : {samplingTable, methodTable, truncationTable, otherWaysTable, devicesTable})
+        for (const auto table : {samplingTable, methodTable, truncationTable, otherWaysTable})
             text.push_back(table(scene));
         if (scene.leftOut.empty()) continue;
         add(Block::Paragraph, {"Not measured in the time (repeat the command to resume):"});
@@ -254,8 +236,7 @@ constexpr const char* kHead =
     "<style>body{font:15px/1.45 sans-serif;max-width:1100px;margin:1em auto;padding:0 1em;color:#222}"
     "table{border-collapse:collapse;margin:1em 0;font-size:13px}td,th{border:1px solid #ddd;padding:2px 7px;"
     "text-align:right}td:first-child,th:first-child{text-align:left}th{background:#f3f3f3}"
-    "svg{max-width:100%;height:auto;display:block}.top{display:flex;gap:2em;align-items:center}"
-    ".top img{max-width:320px;border:1px solid #ddd}.use{font-size:17px}</style></head><body>\n"
+    "svg{max-width:100%;height:auto;display:block}.use{font-size:17px}</style></head><body>\n"
     "<h1>Error against run time</h1>\n";
 
 std::string element(const std::string& tag, const std::string& text) {
@@ -263,12 +244,10 @@ std::string element(const std::string& tag, const std::string& text) {
 }
 
 std::string firstScreen(const SceneReport& scene) {
-    std::string out = "<h2>" + escapeMarkup(scene.name) + "</h2>\n<div class=\"top\">\n";
-    if (!scene.thumbnail.empty())
-        out += "<img alt=\"the converged image\" src=\"data:image/png;base64," + scene.thumbnail + "\"/>\n";
-    out += "<div><h3>Use these settings</h3>\n<ul class=\"use\">\n";
+    std::string out =
+        "<h2>" + escapeMarkup(scene.name) + "</h2>\n<h3>Use these settings</h3>\n<ul class=\"use\">\n";
     for (const std::string& line : useTheseSettings(scene)) out += element("li", line) + "\n";
-    return out + "</ul></div></div>\n" + precisionDiagram(scene);
+    return out + "</ul>\n" + precisionDiagram(scene);
 }
 
 std::string blockText(const Block& block) {
@@ -300,25 +279,12 @@ std::string escapeMarkup(const std::string& text) {
     return out;
 }
 
-// RFC 4648, section 4.
-std::string base64(const std::vector<uint8_t>& bytes) {
-    constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (size_t i = 0; i < bytes.size(); i += 3) {
-        const auto at = [&](size_t k) { return k < bytes.size() ? uint32_t{bytes[k]} : 0u; };
-        const uint32_t word = at(i) << 16 | at(i + 1) << 8 | at(i + 2);
-        for (size_t k = 0; k < 4; ++k)
-            text += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63] : '=';
-    }
-    return text;
-}
-
 std::string toHtml(const Report& report) {
     std::string out = kHead;
     if (!report.complete) out += "<p><b>Interrupted: the results so far.</b></p>\n";
     for (const SceneReport& scene : report.scenes) out += firstScreen(scene);
     for (const Block& block : textOf(report)) out += blockText(block);
-    for (const SceneReport& scene : report.scenes) out += truncationDiagram(scene) + devicesDiagram(scene);
+    for (const SceneReport& scene : report.scenes) out += truncationDiagram(scene);
     return out + "</body></html>\n";
 }
 

@@ -35,11 +35,9 @@ std::vector<std::string> useTheseSettings(const SceneReport& scene);
 // Complete SVG files; empty if there is nothing to draw.
 std::string precisionDiagram(const SceneReport& scene);   // error against seconds
 std::string truncationDiagram(const SceneReport& scene);  // depth and least contribution
-std::string devicesDiagram(const SceneReport& scene);     // error against seconds, a curve for each device
 
 // < > & " ' as entities.
 std::string escapeMarkup(const std::string& text);
-std::string base64(const std::vector<uint8_t>& bytes);
 // "0.00123", "1.2e-07"; three digits.
 std::string shortNumber(double value);
 

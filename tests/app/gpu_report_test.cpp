@@ -125,39 +125,6 @@ TEST_F(GpuReport, TheConvergedPicturesErrorIsTakenOut) {
     EXPECT_TRUE(found);
 }
 
-// The report's own device once, however often it is named, and the reference: the same samples, so the same
-// errors but for rounding.
-TEST_F(GpuReport, DevicesAreCompared) {
-    const Words args =
-        "report a.json -o out --only device --size 16 --repeats 2 --truth-spp 64 --budget 600 --device 0 "
-        "--devices";
-    const auto with = [&](const std::string& devices) { return runGlint(args, {devices}); };
-    const Ran ran = with("cpu,0,cpu");
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    const nlohmann::json report = readJson();
-    const nlohmann::json& rows = report["scenes"][0]["measured"];
-    ASSERT_EQ(rows.size(), 6u) << "two devices at 1, 4 and 16 samples";
-    const std::string device = report["device"];
-    for (size_t i = 0; i < rows.size(); i += 2) {
-        EXPECT_EQ(rows[i]["family"], "device: " + device);
-        EXPECT_EQ(rows[i + 1]["family"], "device: reference");
-        EXPECT_EQ(rows[i]["spp"], rows[i + 1]["spp"]);
-        EXPECT_GT(rows[i]["error"].get<double>(), 0);
-        EXPECT_NEAR(rows[i]["total"]["rmse"].get<double>(), rows[i + 1]["total"]["rmse"].get<double>(), 1e-6);
-        EXPECT_GT(rows[i]["rays"].get<uint64_t>(), 0u) << "it is the device that drew";
-        EXPECT_EQ(rows[i + 1]["rays"], 0) << "and the reference";
-    }
-    EXPECT_TRUE(std::filesystem::exists("out/a.devices.svg"));
-    EXPECT_HAS(ran.out, "| reference | 16 |");
-    EXPECT_EQ(with("cpu").out, ran.out) << "nothing was run again";
-
-    std::filesystem::remove_all("out");
-    const Ran wrong = with("cpu,no such device");
-    EXPECT_EQ(wrong.code, 4);
-    EXPECT_STARTS(wrong.err, "glint: no Vulkan device has \"no such device\" in its name; devices: 0 ");
-    EXPECT_FALSE(std::filesystem::exists("out"));
-}
-
 // The scene's own file is the same: it is the mesh that is another one.
 TEST_F(GpuReport, AnotherMeshStartsOver) {
     writeText("a.json", sceneText(16, 12, R"("background": 0.5, "meshes": {"m": {"file": "m.obj"}},

@@ -91,25 +91,6 @@ TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
     EXPECT_EQ(planScene(features, true, 5).size(), settings.size() + 9);
 }
 
-// Each at the same counts, and distinct from the report's own device if that is among them.
-TEST(ReportPlan, DevicesTakeTurns) {
-    const gpu::Device* const some = reinterpret_cast<const gpu::Device*>(&kOnDevice);  // not used
-    const std::vector<DeviceBeside> devices = {
-        {"a", "driver", some}, {"a", "other", some}, {"cpu", "", nullptr}};
-    std::map<std::string, std::set<int>> counts;
-    std::set<std::string> keys;
-    for (const Setting& s : planScene({}, false, 5, devices)) {
-        EXPECT_TRUE(keys.insert(keyOf(s)).second) << keyOf(s);
-        if (!s.family.starts_with(kOnDevice)) continue;
-        EXPECT_EQ(s.onReference, s.on == "cpu");
-        EXPECT_EQ(s.family, s.on == "cpu" ? "device: cpu" : "device: a");
-        counts[s.on].insert(s.spp);
-    }
-    const std::set<int> all = {1, 4, 16};
-    EXPECT_EQ(counts,
-              (std::map<std::string, std::set<int>>{{"a, driver", all}, {"a, other", all}, {"cpu", all}}));
-}
-
 Measured measuredAt(const std::string& family, const std::string& sampler, int spp, double seconds,
                     double error) {
     Measured m;
@@ -136,7 +117,6 @@ Report sampleReport() {
     data.version = "1";
     data.device = "a \"device\" <&>";
     data.cores = 2;
-    data.truthBackend = "reference";
     SceneReport scene;
     scene.name = "bowl, \"red\" & <blue>";
     scene.width = 4;
@@ -151,7 +131,6 @@ Report sampleReport() {
                       measuredAt("offset: none", "lowDiscrepancy", 4, 3.9, 0.3),
                       measuredAt("depth", "lowDiscrepancy", 4, 2, 0.1)};
     scene.leftOut = {"grid, 64 spp"};
-    scene.thumbnail = base64({0x89, 'P', 'N', 'G'});
     data.scenes.push_back(scene);
     return data;
 }
@@ -206,14 +185,6 @@ TEST(ReportWriting, CsvHasAFieldForEveryHeading) {
     EXPECT_EQ(field(7, "arithmetic.all.rmse"), "");
     EXPECT_EQ(field(3, "ssim"), "");
     EXPECT_EQ(field(7, "ssim"), "0.75");
-}
-
-TEST(ReportWriting, Base64IsThatOfRfc4648) {
-    const auto of = [](const std::string& text) { return base64({text.begin(), text.end()}); };
-    EXPECT_EQ(of(""), "");
-    EXPECT_EQ(of("f"), "Zg==");
-    EXPECT_EQ(of("fo"), "Zm8=");
-    EXPECT_EQ(of("foobar"), "Zm9vYmFy");
 }
 
 // Every tag closed in the order of opening; no script, nothing fetched.
@@ -297,47 +268,19 @@ TEST(ReportWriting, LettersDoNotOverlap) {
                 << i << " and " << k;
 }
 
-// The first screen has the image, the settings to use and the curve, before any table; lists are lists.
+// The first screen has the settings to use and the curve, before any table; lists are lists.
 TEST(ReportWriting, ThePageBeginsWithTheSettingsToUse) {
     const std::string page = toHtml(sampleReport());
     const auto at = [&](const std::string& text) {
         EXPECT_HAS(page, text) << text;
         return page.find(text);
     };
-    const size_t image = at("<img alt=\"the converged image\" src=\"data:image/png;base64,iVBORw==\"/>");
     const size_t use = at("<li>for an error of 0.01: --sampler lowDiscrepancy --spp 4 (4000 ms)</li>");
-    EXPECT_LT(image, use);
     EXPECT_LT(use, at("<svg "));
     EXPECT_LT(at("<svg "), at("<table>"));
     at("<li>for an error of 0.001: --error 0.001 --within-depth (no measured setting reaches it)</li>");
     at("<ul>\n<li>grid, 64 spp</li>\n</ul>");
     EXPECT_LACKS(page, "<p>- ");
-}
-
-// Devices have a table and a diagram of their own: a user of one device cannot choose them.
-TEST(ReportWriting, DevicesAreCompared) {
-    Report data = sampleReport();
-    SceneReport& scene = data.scenes[0];
-    const std::string without = precisionDiagram(scene);
-    EXPECT_EQ(devicesDiagram(scene), "");
-    for (const auto& [family, seconds] :
-         {std::pair("device: <llvmpipe>", 2.0), std::pair("device: reference", 6.0)})
-        scene.measured.push_back(measuredAt(family, "lowDiscrepancy", 4, seconds, 0.001));
-    const std::string text = toMarkdown(data);
-    EXPECT_HAS(text,
-               "| <llvmpipe> | 4 | 2000 (1900..2100) | 1 | 0.001 | 0 | - |\n"
-               "| reference | 4 | 6000 (5700..6300) | 3 | 0.001 | 0 | - |\n");
-    EXPECT_LACKS(text, "| device: ") << "no method, no other way";
-    EXPECT_HAS(text, "for an error of 0.001: --error 0.001") << "a device is no setting";
-    EXPECT_EQ(precisionDiagram(scene), without);
-    const std::string diagram = devicesDiagram(scene);
-    expectWellFormed(diagram);
-    EXPECT_HAS(diagram, "&lt;llvmpipe&gt;");
-    EXPECT_HAS(toHtml(data), diagram);
-    scene.measured.erase(scene.measured.begin(), scene.measured.end() - 2);
-    const std::string alone = toMarkdown(data);
-    EXPECT_HAS(alone, "no sampler was measured");
-    EXPECT_LACKS(alone, "| sampler | spp |");
 }
 
 }  // namespace glint::report::test::report_test
