@@ -3,7 +3,6 @@
 #include "app/options.h"
 #include "core/error.h"
 #include "core/interrupt.h"
-#include "gpu/swapchain.h"
 #ifdef GLINT_WINDOW
 #include "view/view.h"
 #endif
@@ -17,8 +16,6 @@ struct ViewCommand {
     DeviceChoice device;
     converge::Target target = {.error = 0};  // 0: without --error
     int frames = 0;
-    gpu::PresentMode present = gpu::PresentMode::Fifo;
-    int pace = 0;  // milliseconds; 0: by the device
     double scale = 0;
 };
 
@@ -28,11 +25,6 @@ void declare(OptionTable& table, ViewCommand& c) {
     addError(table, c.target);
     addDevice(table, c.device);
     table.whole("--frames", "N", "close after N frames", 1, 1'000'000, c.frames);
-    table.choice<gpu::PresentMode>(
-        "--present", explainedChoices<gpu::PresentMode>() + "; fifo if the screen lacks the mode", c.present);
-    table.whole("--target", "MS",
-                "milliseconds per frame while the camera moves (default 33, software devices 66)", 1, 10'000,
-                c.pace);
     table.real("--scale", "X", "scale of text and controls, 0.5 to 4 (default: the screen's)", 0.5, 4,
                c.scale);
 }
@@ -54,8 +46,6 @@ ExitCode run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
         .device = command.device.selector,
         .validation = command.device.validation,
         .frames = static_cast<uint64_t>(command.frames),
-        .presentMode = command.present,
-        .targetSeconds = command.pace * 1e-3,
     };
     view::view(options, out, err);
     return interrupted() ? ExitCode::Interrupted : ExitCode::Done;

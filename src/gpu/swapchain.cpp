@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <iterator>
 #include <vector>
 
 #include "core/error.h"
@@ -11,11 +10,6 @@
 namespace glint::gpu {
 
 namespace {
-
-// In the order of PresentMode.
-constexpr VkPresentModeKHR kModes[] = {VK_PRESENT_MODE_FIFO_KHR, VK_PRESENT_MODE_MAILBOX_KHR,
-                                       VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_FIFO_RELAXED_KHR};
-static_assert(std::size(kModes) == kEnumNames<PresentMode>.size());
 
 // An image that no other program gives back within this time will not come: the window system hangs.
 constexpr uint64_t kAcquireNanoseconds = 5'000'000'000;
@@ -46,7 +40,6 @@ VkSurfaceFormatKHR chooseFormat(const DeviceState& device) {
 struct SwapchainState {
     const Device& device;
     DeviceState& state;
-    PresentMode mode = PresentMode::Fifo;
 
     Handle<VkSwapchainKHR> chain;
     VkExtent2D extent{};
@@ -62,7 +55,7 @@ struct SwapchainState {
     ~SwapchainState();
 
     // Drops the old chain and makes one of the window's present size; none while that is zero.
-    void rebuild(int width, int height, PresentMode wantedMode);
+    void rebuild(int width, int height);
     VkSwapchainCreateInfoKHR describe(const VkSurfaceCapabilitiesKHR& capabilities, int width, int height);
     void fillPixels(std::span<const uint32_t> source, int width, int height);
     void recordCopy(VkImage image);
@@ -123,19 +116,13 @@ VkSwapchainCreateInfoKHR SwapchainState::describe(const VkSurfaceCapabilitiesKHR
     return info;
 }
 
-void SwapchainState::rebuild(int width, int height, PresentMode wantedMode) {
+void SwapchainState::rebuild(int width, int height) {
     waitUntilIdle();
     askedWidth = width;
     askedHeight = height;
     const VkSurfaceCapabilitiesKHR capabilities = capabilitiesOf(state);
     VkSwapchainCreateInfoKHR info = describe(capabilities, width, height);
-    const auto offered = enumerate<VkPresentModeKHR>("vkGetPhysicalDeviceSurfacePresentModesKHR",
-                                                     vkGetPhysicalDeviceSurfacePresentModesKHR,
-                                                     state.physical.handle, state.surface);
-    const VkPresentModeKHR wanted = kModes[static_cast<size_t>(wantedMode)];
-    const bool isOffered = std::find(offered.begin(), offered.end(), wanted) != offered.end();
-    mode = isOffered ? wantedMode : PresentMode::Fifo;
-    info.presentMode = kModes[static_cast<size_t>(mode)];
+    info.presentMode = VK_PRESENT_MODE_FIFO_KHR;  // every screen offers it
     drawn.clear();
     images.clear();
     if (extent.width == 0 || extent.height == 0) {  // minimised
@@ -248,19 +235,19 @@ bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, in
     return got != VK_SUBOPTIMAL_KHR;
 }
 
-Swapchain::Swapchain(const Device& device, int width, int height, PresentMode presentMode)
+Swapchain::Swapchain(const Device& device, int width, int height)
     : state_(std::make_unique<SwapchainState>(device)) {
-    state_->rebuild(width, height, presentMode);
+    state_->rebuild(width, height);
 }
 
 Swapchain::~Swapchain() = default;
 
 bool Swapchain::present(std::span<const uint32_t> pixels, int width, int height) {
     SwapchainState& s = *state_;
-    if (!s.chain || s.askedWidth != width || s.askedHeight != height) s.rebuild(width, height, s.mode);
+    if (!s.chain || s.askedWidth != width || s.askedHeight != height) s.rebuild(width, height);
     if (!s.chain) return false;
     if (s.presentOnce(pixels, width, height)) return true;
-    s.rebuild(width, height, s.mode);
+    s.rebuild(width, height);
     return s.chain && s.presentOnce(pixels, width, height);
 }
 

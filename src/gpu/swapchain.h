@@ -6,27 +6,17 @@
 #include <memory>
 #include <span>
 
-#include "core/enum_names.h"
 #include "gpu/device.h"
 
 namespace glint::gpu {
-
-// When a picture reaches the screen, in Vulkan's terms (VkPresentModeKHR).
-enum class PresentMode { Fifo, Mailbox, Immediate, FifoRelaxed };
-constexpr auto entriesOf(PresentMode) {
-    return std::to_array<EnumEntry<PresentMode>>({{PresentMode::Fifo, "fifo", "default"},
-                                                  {PresentMode::Mailbox, "mailbox"},
-                                                  {PresentMode::Immediate, "immediate"},
-                                                  {PresentMode::FifoRelaxed, "fifoRelaxed"}});
-}
 
 struct SwapchainState;
 
 class Swapchain {
   public:
-    // `device` must have been made with DeviceOptions::window and outlive the swapchain. A mode that is not
-    // offered falls back to fifo.
-    Swapchain(const Device& device, int width, int height, PresentMode presentMode = PresentMode::Fifo);
+    // `device` must have been made with DeviceOptions::window and outlive the swapchain, which waits for the
+    // screen (VK_PRESENT_MODE_FIFO_KHR).
+    Swapchain(const Device& device, int width, int height);
     ~Swapchain();
     Swapchain(const Swapchain&) = delete;
     Swapchain& operator=(const Swapchain&) = delete;

@@ -11,7 +11,6 @@
 
 #include "bvh/bvh.h"
 #include "core/available_memory.h"
-#include "gpu/swapchain.h"
 #include "import/scene_files.h"
 #include "view/settings.h"
 
@@ -33,8 +32,6 @@ struct Options {
     std::string device;                  // selector, see gpu::chooseDevice
     bool validation = false;
     uint64_t frames = 0;  // close after so many; 0: when the user does
-    gpu::PresentMode presentMode = gpu::PresentMode::Fifo;
-    double targetSeconds = 0;  // of a frame while the camera moves; 0: by the device
     std::function<uint64_t()> memory = [] { return availableMemory(); };  // bytes that may be taken
 };
 

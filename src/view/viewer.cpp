@@ -215,10 +215,8 @@ void Viewer::openDevice() {
     checkRoom(window_.size());
     device_ = std::make_unique<gpu::Device>(options);
     const PixelSize size = window_.size();
-    swapchain_ = std::make_unique<gpu::Swapchain>(*device_, size.width, size.height, options_.presentMode);
-    model_.targetSeconds = options_.targetSeconds > 0 ? options_.targetSeconds
-                           : device_->info().software ? kSoftwareTarget
-                                                      : kGpuTarget;
+    swapchain_ = std::make_unique<gpu::Swapchain>(*device_, size.width, size.height);
+    model_.targetSeconds = device_->info().software ? kSoftwareTarget : kGpuTarget;
     setDevice(model_, *device_);
     showView();
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "gpu/swapchain.h"
 #include "view/commands.h"
 #include "view/gui.h"
 #include "view/view.h"

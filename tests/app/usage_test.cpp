@@ -25,8 +25,6 @@ const Case kCases[] = {
     {"view", "view: SCENE is missing; see glint view --help"},
     {"view a.json --confidence 0.9", "view: --confidence requires --error; see glint view --help"},
     {"view a.json --within-depth", "view: --within-depth requires --error; see glint view --help"},
-    {"view a.json --present fast",
-     "--present: expected fifo, mailbox, immediate or fifoRelaxed, got \"fast\""},
     {"render", "render: SCENE is missing; see glint render --help"},
     {"diff a.png", "diff: B is missing; see glint diff --help"},
     {"devices gpu", "devices: unexpected argument \"gpu\"; see glint devices --help"},

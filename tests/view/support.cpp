@@ -27,7 +27,6 @@ Options optionsOf(const Words& args) {
         {"--error", [&](Value v) { o.until.error = std::stod(v); }},
         {"--time", [&](Value v) { o.time = std::stod(v); }},
         {"--camera", [&](Value v) { o.loading.camera = v; }},
-        {"--present", [&](Value v) { o.presentMode = named<gpu::PresentMode>(v).value(); }},
         {"--build-quality", [&](Value v) { o.loading.quality = named<BuildQuality>(v).value(); }}};
     for (size_t i = 1; i < args.size(); ++i) {
         if (args[i] == "--validation")

@@ -185,13 +185,6 @@ TEST_F(Window, OpensALostDeviceAgainOnce) {
     EXPECT_HAS(twice.err, "lost again");
 }
 
-TEST_F(Window, EveryPresentModeWorks) {
-    for (const char* mode : {"fifo", "mailbox", "immediate"}) {
-        SCOPED_TRACE(mode);
-        view("wait 3\norbit 30 0\nwait 3\n", {"--present", mode});
-    }
-}
-
 // Before the device is opened, with both figures and what would fit.
 TEST_F(Window, PicturesBeyondMemoryAreRefused) {
     Options options;
