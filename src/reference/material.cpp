@@ -98,8 +98,8 @@ dvec2 lookupError(const rows::Texture& texture, const dvec2& uv) {
     return 2.0 * glm::abs(uv * scaleOf(texture)) + glm::abs(dvec2(texture.place)) + 2.5;
 }
 
-// True if rounding takes the lookup at most one texel away, along u and v. Checkers always resolve: they have
-// two cells.
+// True if rounding takes the lookup at most one texel away, along u and v. Always for checkers, which have no
+// texels.
 bool resolvesTexels(const rows::Texture& texture, const Surface& surface) {
     const dvec2 coordinates = kUvRoundings * glm::max(surface.uvScale, 1.0) * glm::abs(scaleOf(texture));
     const dvec2 error = kFloatUnit * (coordinates + lookupError(texture, surface.uv));

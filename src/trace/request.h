@@ -65,7 +65,7 @@ struct Tracing {
     std::optional<Lighting> lighting = std::nullopt;
 };
 
-// Parts of an image at most (src/farm).
+// The most parts of an image (src/farm).
 inline constexpr int kMostParts = 1 << 20;
 
 struct Request : Tracing {
