@@ -50,31 +50,7 @@ class SceneReader {
     std::unique_ptr<State> state_;
 };
 
-// ---- Mesh files: one mesh each, polygons split into triangles, numbers in double
-
-struct ImportedMesh {
-    Mesh mesh;                        // mesh.materials index `materials` below (empty if the file names none)
-    std::vector<Material> materials;  // from the file, in order of first definition
-    std::vector<Texture> textures;    // that the materials index
-    std::vector<std::string> warnings;
-};
-
 // True if loadScene reads files with this extension.
 bool isSceneFile(const std::filesystem::path& path);
-
-// True if importMesh reads files with this extension; its message for all others.
-bool isMeshFile(const std::filesystem::path& path);
-inline constexpr const char* kNoMeshFile = "a mesh file must end in .obj, .ply, .stl, .gltf or .glb";
-
-// Reads .obj (with its .mtl), .ply (ascii, binary little and big endian), .stl (ascii, binary) or the meshes
-// of .gltf and .glb, by extension. docs/reference/file-formats.md describes each format.
-//
-// glTF: all meshes of the default scene as one, where their nodes place them, without cameras and lights.
-//
-// The reader names each unknown part of a file in one warning. A number that cannot be parsed is an error.
-// Vertices that are not finite are kept (see validateScene). Throws Error(Scene), e.g.
-// "bunny.obj:88: face uses vertex 9, the file has 8". The first form reads only files in the model's folder.
-ImportedMesh importMesh(const std::filesystem::path& path);
-ImportedMesh importMesh(const std::filesystem::path& path, SceneFiles& files);
 
 }  // namespace glint

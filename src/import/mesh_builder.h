@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "import/load.h"
+#include "import/readers.h"
 #include "import/text_scanner.h"
 
 namespace glint {

@@ -5,8 +5,8 @@
 
 #include "core/enum_names.h"
 #include "core/error.h"
-#include "import/load.h"
 #include "import/parse_scene.h"
+#include "import/readers.h"
 #include "scene/limits.h"
 #include "scene/transform.h"
 #include "scene/validate.h"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "import/json_document.h"
-#include "import/load.h"
+#include "import/readers.h"
 #include "import/scene_files.h"
 #include "scene/keyframes.h"
 #include "scene/scene.h"
@@ -25,7 +25,7 @@ namespace glint {
 // of its first material in the scene, from which on the mesh indexes materials.
 using MeshMemory = std::map<std::pair<std::filesystem::path, uint32_t>, std::shared_ptr<const ImportedMesh>>;
 
-// Same as the function of import/load.h, but does not read meshes again that `memory` holds.
+// Parses a scene file, but does not read meshes again that `memory` holds.
 Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files, MeshMemory& memory);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "import/load.h"
+#include "import/readers.h"
 #include "support/support.h"
 
 namespace glint::test::models_test {

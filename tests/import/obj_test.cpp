@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "import/load.h"
+#include "import/readers.h"
 #include "support.h"
 
 namespace glint::test::obj_test {

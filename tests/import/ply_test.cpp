@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/image_io.h"
-#include "import/load.h"
+#include "import/readers.h"
 #include "support.h"
 
 namespace glint::test::ply_test {

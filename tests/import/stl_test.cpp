@@ -1,7 +1,7 @@
 // STL files written byte by byte.
 #include <map>
 
-#include "import/load.h"
+#include "import/readers.h"
 #include "support.h"
 
 namespace glint::test::stl_test {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "import/load.h"
+#include "import/readers.h"
 #include "scene/scene.h"
 #include "support/support.h"
 
