@@ -14,11 +14,19 @@ namespace {
 
 constexpr glm::uvec3 kNoCorners(Mesh::kNoIndex);
 
-bool hasThreeDifferent(const std::vector<uint32_t>& corners) {
+// The lists of a mesh's triangles, by the index of a corner that they hold.
+constexpr std::pair<uint32_t MeshCorner::*, std::vector<glm::uvec3> Mesh::*> kLists[] = {
+    {&MeshCorner::vertex, &Mesh::corners},
+    {&MeshCorner::normal, &Mesh::normalCorners},
+    {&MeshCorner::uv, &Mesh::uvCorners},
+    {&MeshCorner::color, &Mesh::colorCorners}};
+
+bool hasThreeDifferent(const std::vector<MeshCorner>& corners) {
     if (corners.size() < 3) return false;
     // Neighbours differ already, so the first two count; any third corner differs from both.
-    return std::any_of(corners.begin(), corners.end(),
-                       [&](uint32_t corner) { return corner != corners[0] && corner != corners[1]; });
+    return std::ranges::any_of(corners, [&](const MeshCorner& corner) {
+        return corner.vertex != corners[0].vertex && corner.vertex != corners[1].vertex;
+    });
 }
 
 }  // namespace
@@ -34,29 +42,18 @@ void dropUnusedAttributes(Mesh& mesh) {
     drop(mesh.colors, mesh.colorCorners);
 }
 
-void MeshBuilder::reserve(size_t triangles) {
-    Mesh& mesh = result.mesh;
-    mesh.corners.reserve(triangles);
-    if (!mesh.normals.empty()) mesh.normalCorners.reserve(triangles);
-    if (!mesh.uvs.empty()) mesh.uvCorners.reserve(triangles);
-    if (!mesh.colors.empty()) mesh.colorCorners.reserve(triangles);
-}
-
-void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material) {
+void MeshBuilder::addTriangle(const MeshCorner& a, const MeshCorner& b, const MeshCorner& c,
+                              uint32_t material) {
     Mesh& mesh = result.mesh;
     const size_t triangle = mesh.corners.size();
-    const auto pick = [&](const std::vector<uint32_t>& from) {
-        return from.empty() ? kNoCorners : glm::uvec3(from[a], from[b], from[c]);
-    };
-    mesh.corners.push_back(pick(corners_));
-    // The list of an attribute starts with the first triangle that has one.
-    const auto keep = [&](std::vector<glm::uvec3>& list, const std::vector<uint32_t>& from) {
-        list.resize(triangle, kNoCorners);
-        list.push_back(pick(from));
-    };
-    if (!mesh.normals.empty()) keep(mesh.normalCorners, normalCorners_);
-    if (!mesh.uvs.empty()) keep(mesh.uvCorners, uvCorners_);
-    if (!mesh.colors.empty()) keep(mesh.colorCorners, colorCorners_);
+    for (const auto& [index, list] : kLists) {
+        std::vector<glm::uvec3>& corners = mesh.*list;
+        // The list of an attribute starts with the first triangle that has it.
+        if (corners.empty() && a.*index == Mesh::kNoIndex) continue;
+        if (corners.empty()) corners.reserve(mesh.corners.capacity());
+        corners.resize(triangle, kNoCorners);
+        corners.emplace_back(a.*index, b.*index, c.*index);
+    }
     if (!mesh.materials.empty() || material != Mesh::kNoIndex) {
         mesh.materials.resize(triangle, Mesh::kNoIndex);
         mesh.materials.push_back(material);
@@ -67,26 +64,20 @@ void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t mater
     mesh.faces.push_back(polygons_);
 }
 
-void MeshBuilder::addPolygon(const Corners& polygon, uint32_t material) {
-    for (auto* scratch : {&corners_, &normalCorners_, &uvCorners_, &colorCorners_}) scratch->clear();
-    const auto& corners = polygon.vertices;
-    for (size_t i = 0; i < corners.size(); i++) {
-        if (corners[i] == corners[(i + 1) % corners.size()]) continue;  // a repeated corner
-        corners_.push_back(corners[i]);
-        if (!polygon.normals.empty()) normalCorners_.push_back(polygon.normals[i]);
-        if (!polygon.uvs.empty()) uvCorners_.push_back(polygon.uvs[i]);
-        if (!polygon.colors.empty()) colorCorners_.push_back(polygon.colors[i]);
-    }
+void MeshBuilder::addPolygon(std::span<const MeshCorner> corners, uint32_t material) {
+    corners_.clear();
+    for (size_t i = 0; i < corners.size(); i++)
+        if (corners[i].vertex != corners[(i + 1) % corners.size()].vertex) corners_.push_back(corners[i]);
     if (!hasThreeDifferent(corners_)) {
         degenerate_++;
     } else if (corners_.size() == 3) {
-        addTriangle(0, 1, 2, material);
+        addTriangle(corners_[0], corners_[1], corners_[2], material);
     } else {
         points_.clear();
         triangles_.clear();
-        for (const uint32_t corner : corners_) points_.push_back(result.mesh.positions[corner]);
+        for (const MeshCorner& corner : corners_) points_.push_back(result.mesh.positions[corner.vertex]);
         if (!splitPolygon(points_, triangles_)) crossing_++;
-        for (const auto& [a, b, c] : triangles_) addTriangle(a, b, c, material);
+        for (const auto& [a, b, c] : triangles_) addTriangle(corners_[a], corners_[b], corners_[c], material);
     }
     polygons_++;
 }

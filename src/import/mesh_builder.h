@@ -13,6 +13,11 @@
 
 namespace glint {
 
+// Indices of what a corner of a polygon has, in range; kNoIndex for attributes that the polygon lacks.
+struct MeshCorner {
+    uint32_t vertex = Mesh::kNoIndex, normal = Mesh::kNoIndex, uv = Mesh::kNoIndex, color = Mesh::kNoIndex;
+};
+
 class MeshBuilder {
   public:
     explicit MeshBuilder(const std::string& file) : warnings(file, result.warnings), file_(file) {}
@@ -26,25 +31,18 @@ class MeshBuilder {
     enum class ColorCodes { Linear, Srgb, Integers } colorCodes = ColorCodes::Linear;
     static constexpr Color kNoColor{std::numeric_limits<double>::infinity()};
 
-    // The corners of a polygon: indices of positions, and of normals, texture coordinates and colours, each
-    // empty or as long; all in range.
-    struct Corners {
-        std::span<const uint32_t> vertices;
-        std::span<const uint32_t> normals = {}, uvs = {}, colors = {};
-    };
-    // Drops and counts polygons with fewer than three different corners. If all polygons have the material
+    // Drops and counts polygons with fewer than three different vertices. If all polygons have the material
     // kNoIndex, the mesh has no materials.
-    void addPolygon(const Corners& corners, uint32_t material = Mesh::kNoIndex);
+    void addPolygon(std::span<const MeshCorner> corners, uint32_t material = Mesh::kNoIndex);
 
-    void reserve(size_t triangles);
+    void reserve(size_t triangles) { result.mesh.corners.reserve(triangles); }
 
     // Moves the result out. Throws Error(Scene) if there is no triangle. Polygons without a material get a
     // default one if others have one.
     ImportedMesh finish();
 
   private:
-    // Adds a triangle of the current polygon, given the places of its corners in the scratch arrays.
-    void addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material);
+    void addTriangle(const MeshCorner& a, const MeshCorner& b, const MeshCorner& c, uint32_t material);
     void decodeColors();
     void dropBadNormals();
     void assignDefaultMaterial();
@@ -54,7 +52,7 @@ class MeshBuilder {
     size_t degenerate_ = 0;
     size_t crossing_ = 0;
     // Scratch of addPolygon.
-    std::vector<uint32_t> corners_, normalCorners_, uvCorners_, colorCorners_;
+    std::vector<MeshCorner> corners_;
     std::vector<glm::dvec3> points_;
     std::vector<std::array<uint32_t, 3>> triangles_;
 };

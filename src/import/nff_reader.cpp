@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <optional>
 
 #include "core/text_file.h"
@@ -241,15 +240,15 @@ class NffReader {
             patches_.emplace(file_);
             patchLine_ = line;
         }
-        const auto append = [](const std::vector<glm::dvec3>& elements, std::vector<glm::dvec3>& all) {
-            std::vector<uint32_t> indices(elements.size());
-            std::iota(indices.begin(), indices.end(), static_cast<uint32_t>(all.size()));
-            all.insert(all.end(), elements.begin(), elements.end());
-            return indices;
-        };
-        const auto corners = append(vertices, patches_->result.mesh.positions);
-        const auto normalCorners = append(normals, patches_->result.mesh.normals);
-        patches_->addPolygon({corners, normalCorners});
+        Mesh& mesh = patches_->result.mesh;
+        std::vector<MeshCorner> corners(vertices.size());
+        for (size_t i = 0; i < corners.size(); i++) {
+            corners[i].vertex = static_cast<uint32_t>(mesh.positions.size() + i);
+            if (!normals.empty()) corners[i].normal = static_cast<uint32_t>(mesh.normals.size() + i);
+        }
+        mesh.positions.insert(mesh.positions.end(), vertices.begin(), vertices.end());
+        mesh.normals.insert(mesh.normals.end(), normals.begin(), normals.end());
+        patches_->addPolygon(corners);
     }
 
     void flushPatches() {

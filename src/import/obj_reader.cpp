@@ -18,7 +18,7 @@ namespace glint {
 
 namespace {
 
-constexpr int64_t kNone = -1;
+constexpr int64_t kNone = -1;                   // Mesh::kNoIndex in 32 bits
 constexpr int64_t kMissing = int64_t{1} << 40;  // index into a list that is still empty
 constexpr Color kWhite = MeshBuilder::kNoColor;
 
@@ -225,16 +225,19 @@ class ObjReader {
     }
 
     void addFace(const Face& face) {
-        for (const Kind kind : kAllKinds) {
-            std::vector<uint32_t>& list = scratch_[kind];
-            list.clear();
-            for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++)
-                if (corners_[i][kind] != kNone) list.push_back(static_cast<uint32_t>(corners_[i][kind]));
-            if (list.size() != face.cornerCount) list.clear();  // some have none: flat
-        }
-        MeshBuilder::Corners corners{scratch_[kVertex], scratch_[kNormal], scratch_[kUv]};
-        if (!mesh_.colors.empty()) corners.colors = scratch_[kVertex];
-        builder_.addPolygon(corners, face.material ? face.material->material : Mesh::kNoIndex);
+        const auto corners = std::span(corners_).subspan(face.firstCorner, face.cornerCount);
+        polygon_.assign(corners.size(), {});
+        // An attribute counts only if all corners have it.
+        const auto put = [&](Kind kind, uint32_t MeshCorner::*index) {
+            if (std::ranges::any_of(corners, [&](const Corner& c) { return c[kind] == kNone; })) return;
+            for (size_t i = 0; i < corners.size(); i++)
+                polygon_[i].*index = static_cast<uint32_t>(corners[i][kind]);
+        };
+        put(kVertex, &MeshCorner::vertex);
+        put(kNormal, &MeshCorner::normal);
+        put(kUv, &MeshCorner::uv);
+        if (!mesh_.colors.empty()) put(kVertex, &MeshCorner::color);
+        builder_.addPolygon(polygon_, face.material ? face.material->material : Mesh::kNoIndex);
     }
 
     std::filesystem::path path_;
@@ -248,7 +251,7 @@ class ObjReader {
     std::set<std::filesystem::path> libraries_;       // that were looked for
     std::map<std::string, NamedMaterial> materials_;  // by name
     const NamedMaterial* material_ = nullptr;
-    std::array<std::vector<uint32_t>, 3> scratch_;  // of addFace
+    std::vector<MeshCorner> polygon_;  // scratch of addFace
 };
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <numeric>
 #include <set>
 
 #include "core/binary_numbers.h"
@@ -430,25 +429,22 @@ class PlyReader {
         mesh_.uvs.insert(mesh_.uvs.end(), faceUvs_.begin(), faceUvs_.end());
         mesh_.colors.insert(mesh_.colors.end(), faceColors_.begin(), faceColors_.end());
         builder_.reserve(faces_.size());
-        std::vector<uint32_t> ownUvs, ownColors;
+        std::vector<MeshCorner> polygon;
         FaceEnd begin;
         for (size_t i = 0; i < faces_.size(); begin = faces_[i++]) {
             files_.context().pace(i, faces_.size());
-            const FaceEnd& end = faces_[i];
-            const size_t count = end.corners - begin.corners;
-            const auto corners = std::span<const uint32_t>(corners_).subspan(begin.corners, count);
-            MeshBuilder::Corners polygon{corners};
-            if (!mesh_.normals.empty()) polygon.normals = corners;
-            if (vertexUvs) polygon.uvs = corners;
-            if (vertexColors) polygon.colors = corners;
-            if (count > 0 && end.uvs - begin.uvs == count) {
-                ownUvs.resize(count);
-                std::iota(ownUvs.begin(), ownUvs.end(), static_cast<uint32_t>(firstUv + begin.uvs));
-                polygon.uvs = ownUvs;
-            }
-            if (!faceColors_.empty() && end.colors != begin.colors) {
-                ownColors.assign(count, static_cast<uint32_t>(firstColor + begin.colors));
-                polygon.colors = ownColors;
+            const size_t count = faces_[i].corners - begin.corners;
+            const bool ownUvs = faces_[i].uvs - begin.uvs == count;
+            const bool ownColor = !faceColors_.empty() && faces_[i].colors != begin.colors;
+            polygon.assign(count, {});
+            for (size_t k = 0; k < count; k++) {
+                const uint32_t vertex = corners_[begin.corners + k];
+                polygon[k].vertex = vertex;
+                if (!mesh_.normals.empty()) polygon[k].normal = vertex;
+                if (vertexUvs) polygon[k].uv = vertex;
+                if (vertexColors) polygon[k].color = vertex;
+                if (ownUvs) polygon[k].uv = static_cast<uint32_t>(firstUv + begin.uvs + k);
+                if (ownColor) polygon[k].color = static_cast<uint32_t>(firstColor + begin.colors);
             }
             builder_.addPolygon(polygon, material);
         }

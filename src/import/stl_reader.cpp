@@ -55,9 +55,8 @@ class FacetCollector {
     void add(const glm::dvec3& normal, const std::array<glm::dvec3, 3>& vertices) {
         if (glm::dot(normal, glm::cross(vertices[1] - vertices[0], vertices[2] - vertices[0])) < 0)
             disagreeing_++;
-        std::array<uint32_t, 3> corners;
-        for (size_t i = 0; i < 3; i++) corners[i] = indexOf(vertices[i]);
-        builder_.addPolygon({corners});
+        builder_.addPolygon(std::array<MeshCorner, 3>{
+            {{indexOf(vertices[0])}, {indexOf(vertices[1])}, {indexOf(vertices[2])}}});
     }
 
     ImportedMesh finish() {
