@@ -21,7 +21,7 @@ if(CMAKE_SCRIPT_MODE_FILE)
     endif()
   endif()
   file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
-"#include \"app/cli.h\"
+"#include \"app/commands.h\"
 
 const char* glint::app::builtCommit() {
     return \"@commit@\";

@@ -10,7 +10,6 @@
 #include <string_view>
 #include <thread>
 
-#include "app/commands.h"
 #include "core/enum_names.h"
 #include "core/error.h"
 #include "core/text_file.h"

@@ -10,12 +10,39 @@
 #include <string>
 #include <vector>
 
-#include "app/cli.h"
 #include "app/options.h"
+#include "core/error.h"
 #include "core/format.h"
 #include "core/progress.h"
 
 namespace glint::app {
+
+// Scripts depend on the values (docs/reference/exit-codes.md).
+enum class ExitCode : int {
+    Done = 0,
+    Failed = 1,        // could not render or write
+    Usage = 2,         // the command line is invalid
+    Scene = 3,         // the scene or a file that it names is faulty
+    Device = 4,        // no usable device, or a Vulkan call failed
+    Difference = 5,    // diff or verify found a difference, render --strict an error
+    Interrupted = 130  // Ctrl-C; the finished part has been saved
+};
+
+constexpr ExitCode exitCodeOf(ErrorKind kind) {
+    switch (kind) {
+        case ErrorKind::Failed:
+            return ExitCode::Failed;
+        case ErrorKind::Argument:
+            return ExitCode::Usage;
+        case ErrorKind::Scene:
+            return ExitCode::Scene;
+        case ErrorKind::Device:
+            return ExitCode::Device;
+        case ErrorKind::Interrupted:
+            return ExitCode::Interrupted;
+    }
+    return ExitCode::Failed;
+}
 
 // Does the command's work once its options have their values. Results go to `out`, warnings and progress to
 // `err`.
@@ -42,9 +69,9 @@ Run infoCommand(OptionTable& table);
 Run devicesCommand(OptionTable& table);
 Run pagesCommand(OptionTable& table);
 
-// Declares the program's options and commands. Parsing sets `chosen`, which must outlive `app`, to the work
-// of the command that it finds.
-void declareProgram(CLI::App& app, Run& chosen);
+// The commit that the program was built from, as git describes it ("unknown" outside a repository, except in
+// an archive that names it).
+const char* builtCommit();
 
 // Prints the completions of the last word of an unfinished command line, one a line, each with a tab and its
 // help: commands, options or an option's values.

@@ -5,7 +5,6 @@
 #include <iostream>
 
 #include "app/cli.h"
-#include "app/commands.h"
 
 namespace {
 

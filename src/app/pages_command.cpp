@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <ostream>
 
-#include "app/commands.h"
+#include "app/cli.h"
 #include "core/file_io.h"
 #include "core/text_file.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "app/cli.h"
+#include "app/commands.h"
 #include "app/options.h"
 #include "app/rendering.h"
 #include "converge/converge.h"

@@ -8,7 +8,6 @@
 #include <ostream>
 #include <vector>
 
-#include "app/cli.h"
 #include "app/commands.h"
 #include "app/render_command.h"
 #include "app/units.h"

@@ -2,17 +2,81 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "converge/replicates.h"
+#include "core/error.h"
+#include "core/format.h"
 #include "core/stopwatch.h"
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"
+#include "scene/limits.h"
 
 namespace glint::converge {
 
 namespace {
+
+// The greatest depth that is tried for advice; deeper paths carry light only between lossless mirrors.
+constexpr uint32_t kDeepestAdvice = 127;
+static_assert(kDeepestAdvice <= kMaxBounces);
+
+constexpr double kAdviceSeconds = 2;
+
+std::string number(double value) {
+    return format("%.2g", value);
+}
+
+// Finds a depth that leaves out less than `allowed`, by one sample of each pixel.
+std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
+    const Stopwatch watch;
+    Request request = job.request;
+    const uint32_t count = leastSamples(request.image.filter);
+    request.samples = SampleSequence(request.image).next(count);
+    request.data = request.cost = false;
+    request.cancelled = [&] {
+        return watch.seconds() > kAdviceSeconds || (job.request.cancelled && job.request.cancelled());
+    };
+    uint32_t depth = job.request.limits.depth.value();
+    while (depth < kDeepestAdvice) {
+        depth = std::min<uint32_t>(2 * depth + 1, kDeepestAdvice);
+        request.limits.depth = depth;
+        const Picture picture = draw(request);
+        if (!picture.complete) return "maxDepth " + std::to_string(depth) + " takes too long to try";
+        Ledger ledger;
+        ledger.add(picture, picture.done.size(), count);
+        if (ledger.depth() < allowed) return "--max-depth " + std::to_string(depth) + " would do";
+    }
+    return "no maxDepth up to " + std::to_string(kDeepestAdvice) + " would do";
+}
+
+// Half an ulp at 1 of the fp32 that images store.
+constexpr double kStored = 0x1p-24;
+
+std::string roundingAdvice(const Job& job, double rounding) {
+    if (job.inDouble) return " though computed in double, as pixels are stored as floats";
+    const double inDouble = kStored + (rounding - kStored) * 0x1p-29;  // 2^-53 instead of 2^-24
+    if (inDouble < job.target.error) return " on this device; --backend cpu computes in double";
+    return " on this device, and " + number(inDouble) + " in double precision";
+}
+
+// Throws if the fixed parts leave nothing of the target; tries greater depths by `draw` for the advice.
+void checkReachable(const Draw& draw, const Job& job, const ErrorBudget& budget) {
+    const double wanted = job.target.error;
+    if (budget.fixed() < wanted) return;
+    const std::string start = "an error of " + number(wanted) + " is out of reach: ";
+    if (budget.rounding >= wanted)
+        throw Error(ErrorKind::Argument, start + "rounding alone may take " + number(budget.rounding) +
+                                             roundingAdvice(job, budget.rounding));
+    if (budget.rounding + budget.cut >= wanted)
+        throw Error(ErrorKind::Argument, start + "branches that were cut may have added " +
+                                             number(budget.cut) + "; use a lower --min-contribution");
+    throw Error(ErrorKind::Argument, start + "reflections and refractions beyond maxDepth may add " +
+                                         number(budget.depth) + "; " +
+                                         depthAdvice(draw, job, wanted / 2 - budget.rounding - budget.cut) +
+                                         "; --within-depth counts nothing beyond maxDepth");
+}
 
 class Loop {
   public:

@@ -6,9 +6,8 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <optional>
 
-#include "core/enum_names.h"
+#include "converge/replicates.h"
 #include "scene/scene.h"
 #include "trace/picture.h"
 #include "trace/request.h"
@@ -18,54 +17,6 @@ struct PackedScene;
 }
 
 namespace glint::converge {
-
-struct Target {
-    // Root mean square over all pixels and channels of image - truth, in linear radiance (full scale 1);
-    // positive, finite.
-    double error = 1e-2;
-    double confidence = 0.95;                                     // in (0.5, 1)
-    double maxSeconds = std::numeric_limits<double>::infinity();  // of rendering
-    uint32_t maxSamples = 65536;                                  // of a pixel, at least 2
-    // True: the truth has no limit of depth. False: it ends at the depth of the request, and what may lie
-    // beyond is reported but not counted.
-    bool depthCounts = true;
-    bool operator==(const Target&) const = default;
-};
-
-// Bounds of the parts of the error. Their sum bounds the whole, by the triangle inequality.
-struct ErrorBudget {
-    double sampling = std::numeric_limits<double>::infinity();  // with Target::confidence
-    double rounding = 0;                                        // the scene's condition number times the ulp
-    double cut = 0;    // branches below PathLimits::minContribution, or without room on the stack
-    double depth = 0;  // branches beyond the depth
-    bool depthCounts = true;
-    // The part that more samples do not reduce.
-    double fixed() const { return rounding + cut + (depthCounts ? depth : 0); }
-    double total() const { return sampling + fixed(); }
-};
-
-// The reason to stop. Fixed: after the first round, ErrorBudget::fixed() grew above the target.
-enum class Stop { Reached, Samples, Seconds, Fixed, Interrupted };
-constexpr auto entriesOf(Stop) {
-    return std::to_array<EnumEntry<Stop>>(
-        {{Stop::Reached, "reached"},
-         {Stop::Samples, "samples", "--max-spp"},
-         {Stop::Seconds, "seconds", "--max-seconds"},
-         {Stop::Fixed, "fixed", "more would not help: cuts and rounding alone exceed the target"},
-         {Stop::Interrupted, "interrupted"}});
-}
-
-struct State {
-    ErrorBudget budget;
-    uint32_t samplesPerPixel = 0;
-    uint32_t rounds = 0;
-    double estimate = 0;  // the sampling error that the replicates show; no bound
-    // The error, with the confidence, of one detail as bright as the scene allows that all samples of its
-    // pixel missed. The budget's sampling part allows for full scale only.
-    double unseen = std::numeric_limits<double>::infinity();
-    std::optional<Stop> stop;  // empty while samples are taken
-    bool reached() const { return stop == Stop::Reached; }
-};
 
 struct Result : State {
     // All samples together. `errors`: each pixel's standard error from its two replicates (a map, no bound).

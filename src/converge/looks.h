@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "converge/bounds.h"
-#include "converge/converge.h"
 
 namespace glint::converge {
 
@@ -15,7 +14,7 @@ namespace glint::converge {
 // the reasons and what trials decide.
 class Looks {
   public:
-    explicit Looks(const Target& target) : risk_(1 - target.confidence) {}
+    explicit Looks(double confidence) : risk_(1 - confidence) {}
 
     // Examines the replicates, each with `count` samples. `allowed`: part of the target that is left for
     // sampling. True if the claim may be made that the sampling error is at most `allowed`.

@@ -4,11 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/error.h"
-#include "core/format.h"
-#include "core/stopwatch.h"
-#include "scene/limits.h"
-
 namespace glint::converge {
 
 namespace {
@@ -34,52 +29,9 @@ void addWeighted(LostBranches& sum, const LostBranches& batch, double weight) {
     sum.greatest += batch.greatest * weight;
 }
 
-// The greatest depth that is tried for advice; deeper paths carry light only between lossless mirrors.
-constexpr uint32_t kDeepestAdvice = 127;
-static_assert(kDeepestAdvice <= kMaxBounces);
-
-constexpr double kAdviceSeconds = 2;
-
-std::string number(double value) {
-    return format("%.2g", value);
-}
-
 // The first `count` samples of a replicate.
 PackedSamples samplesOf(const ImageSettings& image, uint32_t number, uint32_t count) {
     return SampleSequence(settingsOf(image, number)).next(count);
-}
-
-// Finds a depth that leaves out less than `allowed`, by one sample of each pixel.
-std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
-    const Stopwatch watch;
-    Request request = job.request;
-    const uint32_t count = leastSamples(request.image.filter);
-    request.samples = samplesOf(request.image, 0, count);
-    request.data = request.cost = false;
-    request.cancelled = [&] {
-        return watch.seconds() > kAdviceSeconds || (job.request.cancelled && job.request.cancelled());
-    };
-    uint32_t depth = job.request.limits.depth.value();
-    while (depth < kDeepestAdvice) {
-        depth = std::min<uint32_t>(2 * depth + 1, kDeepestAdvice);
-        request.limits.depth = depth;
-        const Picture picture = draw(request);
-        if (!picture.complete) return "maxDepth " + std::to_string(depth) + " takes too long to try";
-        Ledger ledger;
-        ledger.add(picture, picture.done.size(), count);
-        if (ledger.depth() < allowed) return "--max-depth " + std::to_string(depth) + " would do";
-    }
-    return "no maxDepth up to " + std::to_string(kDeepestAdvice) + " would do";
-}
-
-// Half an ulp at 1 of the fp32 that images store.
-constexpr double kStored = 0x1p-24;
-
-std::string roundingAdvice(const Job& job, double rounding) {
-    if (job.inDouble) return " though computed in double, as pixels are stored as floats";
-    const double inDouble = kStored + (rounding - kStored) * 0x1p-29;  // 2^-53 instead of 2^-24
-    if (inDouble < job.target.error) return " on this device; --backend cpu computes in double";
-    return " on this device, and " + number(inDouble) + " in double precision";
 }
 
 }  // namespace
@@ -87,7 +39,7 @@ std::string roundingAdvice(const Job& job, double rounding) {
 Replicates::Replicates(const ImageSettings& image, const Target& target, bool knowsDepth)
     : first{SampleSequence(settingsOf(image, 0))},
       second{SampleSequence(settingsOf(image, 1))},
-      looks(target),
+      looks(target.confidence),
       image_(image),
       target_(target),
       knowsDepth_(knowsDepth) {}
@@ -200,22 +152,6 @@ PictureFlaws Ledger::flaws() const {
         lost->greatest /= taken;
     }
     return mean;
-}
-
-void checkReachable(const Draw& draw, const Job& job, const ErrorBudget& budget) {
-    const double wanted = job.target.error;
-    if (budget.fixed() < wanted) return;
-    const std::string start = "an error of " + number(wanted) + " is out of reach: ";
-    if (budget.rounding >= wanted)
-        throw Error(ErrorKind::Argument, start + "rounding alone may take " + number(budget.rounding) +
-                                             roundingAdvice(job, budget.rounding));
-    if (budget.rounding + budget.cut >= wanted)
-        throw Error(ErrorKind::Argument, start + "branches that were cut may have added " +
-                                             number(budget.cut) + "; use a lower --min-contribution");
-    throw Error(ErrorKind::Argument, start + "reflections and refractions beyond maxDepth may add " +
-                                         number(budget.depth) + "; " +
-                                         depthAdvice(draw, job, wanted / 2 - budget.rounding - budget.cut) +
-                                         "; --within-depth counts nothing beyond maxDepth");
 }
 
 }  // namespace glint::converge

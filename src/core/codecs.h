@@ -14,7 +14,8 @@
 #include <vector>
 
 #include "core/context.h"
-#include "core/image_io.h"
+#include "core/file_io.h"
+#include "core/image.h"
 
 namespace glint {
 

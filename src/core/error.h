@@ -6,7 +6,7 @@
 
 namespace glint {
 
-// Kind of an error. The command line maps kinds to exit codes (app/cli.h).
+// Kind of an error. The command line maps kinds to exit codes (app/commands.h).
 enum class ErrorKind {
     Failed,      // could not render or write
     Argument,    // the caller's request is invalid

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <variant>
@@ -26,6 +27,9 @@ struct Image {
         return pixels[(static_cast<size_t>(y) * width + x) * channels + c];
     }
 };
+
+// Pixels of the largest image that is decoded: 16,384 x 16,384, 4 GiB of RGBA floats.
+inline constexpr uint64_t kMostPixels = uint64_t{1} << 28;
 
 // A named image, e.g. the AOV "normal" with three channels. All layers of one image have the same size.
 struct Layer {

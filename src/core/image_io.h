@@ -16,9 +16,6 @@
 
 namespace glint {
 
-// Pixels of the largest image that is decoded: 16,384 x 16,384, 4 GiB of RGBA floats.
-inline constexpr uint64_t kMostPixels = uint64_t{1} << 28;
-
 // True if the extension of `path` names a format that writeImage can write (.png .exr .pfm .hdr, any case).
 bool isWritableImagePath(const std::filesystem::path& path);
 

@@ -1,14 +1,18 @@
-// The settings that `glint report` measures, and the results.
+// The options of a report, the settings that it measures, and the results.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <glm/glm.hpp>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/available_memory.h"
 #include "core/image.h"
 #include "core/quartiles.h"
 #include "gpu/device.h"
@@ -18,6 +22,19 @@
 #include "trace/request.h"
 
 namespace glint::report {
+
+struct Options {
+    std::filesystem::path folder;   // exists and is writable
+    std::string version;            // of the program; a report of another version is not resumed
+    int width = 256;                // of the images, in pixels
+    int repeats = 10;               // runs of each setting
+    int truthSamples = 0;           // per pixel of the converged image; 0: as time allows
+    std::vector<std::string> only;  // first words of families; empty: all
+    std::function<double()> secondsLeft = [] { return std::numeric_limits<double>::infinity(); };
+    std::function<bool()> cancelled = [] { return false; };
+    std::function<uint64_t()> memory = [] { return availableMemory(); };  // bytes that may be taken
+    std::function<void(double)> progress = [](double) {};                 // share of the runs, 0..1
+};
 
 inline constexpr std::array kSamplers = {Sampler::Grid, Sampler::Jittered, Sampler::LowDiscrepancy};
 

@@ -1,34 +1,16 @@
 // Measures scenes and writes the report.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/available_memory.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "report/plan.h"
-#include "trace/methods.h"
 
 namespace glint::report {
-
-struct Options {
-    std::filesystem::path folder;   // exists and is writable
-    std::string version;            // of the program; a report of another version is not resumed
-    int width = 256;                // of the images, in pixels
-    int repeats = 10;               // runs of each setting
-    int truthSamples = 0;           // per pixel of the converged image; 0: as time allows
-    std::vector<std::string> only;  // first words of families; empty: all
-    std::function<double()> secondsLeft = [] { return std::numeric_limits<double>::infinity(); };
-    std::function<bool()> cancelled = [] { return false; };
-    std::function<uint64_t()> memory = [] { return availableMemory(); };  // bytes that may be taken
-    std::function<void(double)> progress = [](double) {};                 // share of the runs, 0..1
-};
 
 struct Subject {
     std::filesystem::path path;

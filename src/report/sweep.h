@@ -11,7 +11,7 @@
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "render/renderer.h"
-#include "report/run.h"
+#include "report/plan.h"
 #include "trace/picture.h"
 
 namespace glint::report {

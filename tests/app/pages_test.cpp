@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 
-#include "app/commands.h"
+#include "app/cli.h"
 #include "support.h"
 
 namespace glint::app::test::pages_test {

@@ -59,24 +59,29 @@ struct Trials {
     double samples = 0;  // over those that one sequence would have taken, in the mean
 };
 
+// This share of the trials may be wrong, by chance a few more: 4 standard deviations of the binomial.
+inline constexpr double kTail = 0.05;
+inline double mostWrong(int trials) {
+    return trials * kTail + 4 * std::sqrt(trials * kTail * (1 - kTail));
+}
+
 // `floor`: of the error asked for, what no number of samples goes below.
 inline Trials trialsOf(size_t pixels, double power, double floor, int count) {
     Trials trials;
     for (int i = 0; i < count; ++i) {
         // Targets at all places between two powers of 2.
         const double fewest = 40 * std::exp2((i % 16) / 16.0);
-        Target target;
-        target.error = std::pow(fewest, -power);
-        FallingFilm film(pixels, power, floor * target.error, static_cast<uint32_t>(i));
-        Looks looks(target);
+        const double error = std::pow(fewest, -power);
+        FallingFilm film(pixels, power, floor * error, static_cast<uint32_t>(i));
+        Looks looks(1 - kTail);
         bool wrong = false;
         for (uint32_t samples = 1; samples < 4000; samples = looks.next()) {
             const MeanSquares seen = film.at(samples);
-            const bool holds = looks.look(meanSquareOf(seen.first, seen.second), samples, target.error);
+            const bool holds = looks.look(meanSquareOf(seen.first, seen.second), samples, error);
             // The bound holds at every look, and is the target at the last one.
             wrong = wrong || seen.realized > looks.bound();
             if (!holds) continue;
-            EXPECT_LE(looks.bound(), target.error);
+            EXPECT_LE(looks.bound(), error);
             ++trials.ended;
             trials.samples += 2 * samples / fewest / count;
             break;
@@ -84,12 +89,6 @@ inline Trials trialsOf(size_t pixels, double power, double floor, int count) {
         trials.wrong += wrong ? 1 : 0;
     }
     return trials;
-}
-
-// This share of the trials may be wrong, by chance a few more: 4 standard deviations of the binomial.
-inline constexpr double kTail = 0.05;
-inline double mostWrong(int trials) {
-    return trials * kTail + 4 * std::sqrt(trials * kTail * (1 - kTail));
 }
 
 }  // namespace glint::converge

@@ -1,8 +1,6 @@
-#include "gpu/device.h"
+#include "gpu/device_state.h"
 
 #include <utility>
-
-#include "gpu/device_state.h"
 
 namespace glint::gpu {
 namespace {
