@@ -102,9 +102,7 @@ void declareProgram(CLI::App& app, Run& chosen) {
     app.description(kDescription);
     app.formatter(std::make_shared<HelpFormatter>());  // commands added from here on inherit it
     app.set_help_flag("-h,--help", "print this help and exit");
-    app.add_flag("--verbose")
-        ->description("with --version: print what was built in, too")
-        ->disable_flag_override();
+    app.add_flag("--verbose")->description("with --version: print what was built in, too");
     app.add_flag_callback(
            "--version", [&app] { throw CLI::CallForVersion(versionText(app.count("--verbose") > 0), 0); },
            "print the version and exit")
@@ -137,19 +135,6 @@ std::string unexpected(const CLI::App& command, const std::string& argument) {
     return "unknown option " + quoted(name) + hint;
 }
 
-// For CLI11's "--size: 1 required WxH missing", "--size: At Most 1 required but received 2" and the like.
-std::string mismatch(const CLI::App& command, const std::string& text) {
-    for (const CLI::Option* option : command.get_options()) {
-        const std::string name = option->get_name();
-        if (text.starts_with(option->get_single_name() + " was given")) return name + " takes no value";
-        if (text.find(name) == std::string::npos) continue;
-        if (text.find("missing") != std::string::npos)
-            return name + " needs a value: " + option->get_type_name();
-        return name + " is given more than once";
-    }
-    return text;
-}
-
 // Error in the first word of a command line, which must be a command or an option that stands alone; empty if
 // the word is valid.
 std::string firstWordError(const std::vector<std::string>& args) {
@@ -173,22 +158,13 @@ std::string firstWordError(const std::vector<std::string>& args) {
 // One line for a command line that CLI11 refused.
 std::string parseErrorLine(const CLI::App& app, const CLI::ParseError& error) {
     const auto chosen = app.get_subcommands();
-    std::string text = error.what();
-    if (chosen.empty()) return text + "; see glint --help";
+    if (chosen.empty()) return std::string(error.what()) + "; see glint --help";
     const CLI::App& command = *chosen.front();
-    const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
     const std::vector<std::string> extras = app.remaining(true);
     // A mistyped option is the likelier reason if something else is missing too.
-    const auto option =
-        std::find_if(extras.begin(), extras.end(), [](const std::string& s) { return s.starts_with("-"); });
-    if (option != extras.end())
-        text = unexpected(command, *option);
-    else if (code == CLI::ExitCodes::ExtrasError && !extras.empty())
-        text = unexpected(command, extras.front());
-    else if (code == CLI::ExitCodes::RequiredError)
-        text = text.substr(0, text.find(' ')) + " is missing";
-    else if (code == CLI::ExitCodes::ArgumentMismatch)
-        text = mismatch(command, text);
+    auto extra = std::ranges::find_if(extras, [](const std::string& s) { return s.starts_with("-"); });
+    if (extra == extras.end()) extra = extras.begin();
+    const std::string text = extra == extras.end() ? error.what() : unexpected(command, *extra);
     return command.get_name() + ": " + text + "; see glint " + command.get_name() + " --help";
 }
 

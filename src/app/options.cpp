@@ -279,10 +279,8 @@ void OptionTable::exclude(const std::string& option, const std::string& other, c
 }
 
 void OptionTable::flag(const std::string& names, const std::string& help, bool& target, bool value) {
-    command_
-        .add_flag_callback(
-            names, [&target, value] { target = value; }, help)
-        ->disable_flag_override();
+    command_.add_flag_callback(
+        names, [&target, value] { target = value; }, help);
 }
 
 void addScene(OptionTable& table, SceneOptions& options, const std::string& more) {
