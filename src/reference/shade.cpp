@@ -94,6 +94,7 @@ class PathTracer {
     RoundedColor shadeLights(const Interaction& at, bool first);
     RoundedColor shadeLight(const Interaction& at, size_t index, bool first);
     std::optional<RoundedColor> lightThrough(const Ray& ray, const Interaction& at, bool directional);
+    bool masksDecide(Ray shadow, const Interaction& at, bool directional);
     void follow(const Branch& branch) {
         const uint32_t before = std::exchange(record_.decisions, 0);
         const std::vector<Branch> next = visit(branch);
@@ -255,6 +256,18 @@ std::optional<RoundedColor> PathTracer::lightThrough(const Ray& ray, const Inter
                         exponentialRoundings(terms, ends));
 }
 
+// True if rounding of lookups decides which masks a shadow ray passes. Any part of its light may then arrive.
+bool PathTracer::masksDecide(Ray shadow, const Interaction& at, bool directional) {
+    if (jitter_.lookup == 0 || !scene_.alphaMask) return false;
+    const uint32_t before = record_.decisions;
+    shadow.noise.solid = shared::kNone;
+    const bool arrives = lightThrough(shadow, at, directional).has_value();
+    const uint32_t byHoles = std::exchange(record_.decisions, before);
+    shadow.noise.solid = RayNoise::kAll;
+    const bool arrivesBySolids = lightThrough(shadow, at, directional).has_value();
+    return std::exchange(record_.decisions, before) != byHoles || arrives != arrivesBySolids;
+}
+
 // Returns no light if the light is occluded, lies on the surface or shines elsewhere.
 RoundedColor PathTracer::shadeLight(const Interaction& at, size_t index, bool first) {
     const rows::Light& light = tracer_.lights()[index];
@@ -275,8 +288,12 @@ RoundedColor PathTracer::shadeLight(const Interaction& at, size_t index, bool fi
     const double end =
         directional ? std::numeric_limits<double>::infinity() : static_cast<double>(shared::kShadowEnd);
     Ray shadow = rayFrom(at, sample.toLight, end);
-    if (jitter_.hidden && index < shared::kShadowBits)
-        shadow.noise.solid = (*jitter_.hidden >> index & 1) != 0 ? RayNoise::kAll : shared::kNone;
+    const RoundedColor most = roundedColor(incoming, units) * reflection;
+    if (masksDecide(shadow, at, directional)) {
+        decide(4);
+        if (first && index < shared::kShadowBits) record_.shadowBits |= jitter_.hidden & 1u << index;
+        return {0.5 * most.value, 0.5 / kFloatUnit * most.value + most.error};
+    }
     const auto through = lightThrough(shadow, at, directional);
     if (!through) {
         decide(3);
@@ -284,7 +301,7 @@ RoundedColor PathTracer::shadeLight(const Interaction& at, size_t index, bool fi
         if (keepPath_) record_.path.back().occluded[index] = 1;
         return {};
     }
-    return roundedColor(incoming, units) * reflection * *through;
+    return most * *through;
 }
 
 RoundedColor PathTracer::shadeLights(const Interaction& at, bool first) {

@@ -127,7 +127,8 @@ struct Surface {
 // `t`: the first hit's t, if not 0, for all that follows from the hit. The ray then moves everything except
 // the texture coordinates: they are those of the unmoved ray at t, within kUvRoundings. `lookup`: with t, the
 // seed of these coordinates. Even: textures round as IEEE 754 demands; odd: by any error within fp32's bound.
-// `hidden`: where rounding decides whether masks hide a light, they hide those with a bit here.
+// If rounding of these lookups decides whether masks hide a light from the first hit, it is hidden if it has
+// a bit in `hidden`, and its colour is a range.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
@@ -137,7 +138,7 @@ struct Jitter {
     uint32_t hit = shared::kNone;
     double t = 0;
     uint64_t lookup = 0;
-    std::optional<uint32_t> hidden = std::nullopt;
+    uint32_t hidden = 0;
 };
 inline constexpr double kMostSlips = 2;
 

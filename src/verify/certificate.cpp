@@ -298,11 +298,7 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
                 .seed = ++seed, .ulps = units, .formulas = true, .hit = ray.id, .t = lookups_ ? ray.t : 0};
             const bool again = lookups_ && i % 2 == 1 && !taken.empty();
             if (again) move = taken[seed % taken.size()];
-            // Masks hide the lights that the device records as hidden from the first hit, or any.
-            uint64_t state = seed;
-            const auto any = static_cast<uint32_t>(reference::randomWord(state));
-            const auto device = static_cast<uint32_t>(seen_.first[kShadows]);
-            if (seed % 8 < 6) move.hidden = cursor_ == 0 && seed % 8 < 4 ? device : any;
+            move.hidden = static_cast<uint32_t>(seen_.first[kShadows]);
             move.lookup = seen_.fromDevice ? 2 + seed / 2 : 2 * seed + 1;
             Step step = stepOf(branch, move);
             if (!takesHit(step, ray)) continue;
