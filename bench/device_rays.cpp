@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <span>
 
+#include "app/trace_batch.h"
 #include "reference/tracer.h"
 #include "render/path_state.h"
-#include "verify/trace_batch.h"
 
 namespace glint::bench {
 namespace {
@@ -31,7 +31,7 @@ DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, rend
 
 Timing DeviceRays::trace(const std::vector<BenchRay>& rays, bool any, std::vector<BenchHit>& hits) {
     BatchTimes times;
-    const std::vector<WorldHit> found = verify::traceBatch(
+    const std::vector<WorldHit> found = app::traceBatch(
         queries_, scene_, batchOf(rays, any ? HitDetail::Any : HitDetail::Nearest), true, &times);
     hits.assign(rays.size(), {});
     for (size_t i = 0; i < rays.size(); ++i) {
@@ -42,7 +42,7 @@ Timing DeviceRays::trace(const std::vector<BenchRay>& rays, bool any, std::vecto
 }
 
 std::vector<WorldHit> DeviceRays::surfaces(const std::vector<BenchRay>& rays) {
-    return verify::traceBatch(queries_, scene_, batchOf(rays, HitDetail::Surface), true);
+    return app::traceBatch(queries_, scene_, batchOf(rays, HitDetail::Surface), true);
 }
 
 RayBatch DeviceRays::batchOf(const std::vector<BenchRay>& rays, HitDetail detail) const {
