@@ -128,11 +128,10 @@ std::string unexpected(const CLI::App& command, const std::string& argument) {
     std::vector<std::string_view> known;  // without the dashes, which any two options have in common
     for (const CLI::Option* option : command.get_options())
         if (option->nonpositional()) known.push_back(option->get_single_name());
-    const size_t dashes = std::min(name.find_first_not_of('-'), name.size());
-    std::string hint = suggestion(name.substr(dashes), known, "");
-    constexpr std::string_view kDidYouMean = "did you mean \"";
-    hint = hint.starts_with(kDidYouMean) ? " (" + hint.insert(kDidYouMean.size(), "--") + ")" : "";
-    return "unknown option " + quoted(name) + hint;
+    const std::string_view meant =
+        nearest(name.substr(std::min(name.find_first_not_of('-'), name.size())), known);
+    return "unknown option " + quoted(name) +
+           (meant.empty() ? "" : concat(" (did you mean \"--", meant, "\"?)"));
 }
 
 // Error in the first word of a command line, which must be a command or an option that stands alone; empty if

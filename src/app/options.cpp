@@ -27,13 +27,8 @@ std::optional<int64_t> wholeNumber(std::string_view text) {
     int64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (text.empty() || end != text.data() + text.size()) return std::nullopt;
-    if (error == std::errc::result_out_of_range) {
-        value =
-            text.front() == '-' ? std::numeric_limits<int64_t>::min() : std::numeric_limits<int64_t>::max();
-    } else if (error != std::errc()) {
-        return std::nullopt;
-    }
-    return value;
+    if (error != std::errc::result_out_of_range) return value;
+    return text.front() == '-' ? std::numeric_limits<int64_t>::min() : std::numeric_limits<int64_t>::max();
 }
 
 std::optional<double> number(const std::string& text) {
@@ -45,7 +40,8 @@ std::optional<double> number(const std::string& text) {
 }
 
 // A number that fits.
-double numberWhere(bool (*fits)(double), const std::string& wanted, const std::string& text) {
+double numberWhere(const std::function<bool(double)>& fits, const std::string& wanted,
+                   const std::string& text) {
     const auto value = number(text);
     if (!value || !fits(*value)) refuse(wanted, text);
     return *value;
@@ -65,18 +61,14 @@ std::vector<int> wholeNumbers(const std::string& text, char separator, size_t co
     return values;
 }
 
-// The parts of "a, b", each of which must be one of `known`; messages show lists of up to kShown in full.
-constexpr size_t kShown = 16;
+// The parts of "a, b", each of which must be one of `known`.
 std::vector<std::string> namesIn(const std::string& text, const std::string& what,
                                  std::span<const std::string_view> known) {
     std::vector<std::string> names;
     for (const std::string& part : split(text, ',')) {
         const std::string name = trimmed(part);
-        if (std::find(known.begin(), known.end(), name) == known.end()) {
-            std::string hint = suggestion(name, known, "known");
-            if (!hint.starts_with("did") && known.size() <= kShown) hint = "known: " + joined(known);
-            throw Error(ErrorKind::Argument, "unknown " + what + " " + quoted(name) + " (" + hint + ")");
-        }
+        refuseIf(std::ranges::find(known, name) == known.end(),
+                 "unknown " + what + " " + quoted(name) + " (" + suggestion(name, known, "known") + ")");
         names.push_back(name);
     }
     return names;
@@ -219,10 +211,8 @@ double parsePositive(const std::string& text) {
 }
 
 double parseReal(const std::string& text, double least, double greatest) {
-    const auto value = number(text);
-    if (!value || *value < least || *value > greatest)
-        refuse("a number from " + describe(least) + " to " + describe(greatest), text);
-    return *value;
+    return numberWhere([=](double v) { return v >= least && v <= greatest; },
+                       "a number from " + describe(least) + " to " + describe(greatest), text);
 }
 
 const std::string& parseName(const std::string& text) {

@@ -33,24 +33,26 @@ size_t editDistance(std::string_view a, std::string_view b) {
     return rows[a.size()][b.size()];
 }
 
+std::string_view nearest(std::string_view name, std::span<const std::string_view> names) {
+    constexpr size_t kLongest = 64;  // longer names are not worth the quadratic time
+    std::string_view found;
+    size_t best = name.size() / 4 + 2;
+    for (const std::string_view candidate : names) {
+        if (name.size() > kLongest || candidate.size() > kLongest) continue;
+        const size_t distance = editDistance(name, candidate);
+        if (distance >= std::min(best, candidate.size())) continue;
+        best = distance;
+        found = candidate;
+    }
+    return found;
+}
+
 std::string suggestion(std::string_view name, std::span<const std::string_view> names,
                        std::string_view word) {
-    // One slip, and one more for every four letters; longer names than any sensible one are not worth the
-    // quadratic time.
-    const size_t tolerated = 1 + name.size() / 4;
-    std::string_view nearest;
-    size_t best = tolerated + 1;
-    for (const std::string_view candidate : names) {
-        if (name.size() > 64 || candidate.size() > 64) continue;
-        const size_t distance = editDistance(name, candidate);
-        if (distance < best && distance < candidate.size()) {
-            best = distance;
-            nearest = candidate;
-        }
-    }
-    if (!nearest.empty()) return "did you mean \"" + std::string(nearest) + "\"?";
+    const std::string_view meant = nearest(name, names);
+    if (!meant.empty()) return "did you mean \"" + std::string(meant) + "\"?";
     if (names.empty()) return {};
-    constexpr size_t kShown = 8;
+    constexpr size_t kShown = 16;
     const std::string list = joined(names.first(std::min(names.size(), kShown)));
     return std::string(word) + ": " + list + (names.size() > kShown ? ", ..." : "");
 }

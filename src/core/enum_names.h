@@ -128,8 +128,12 @@ std::string explainedChoices() {
 // being equal: the optimal string alignment distance (Damerau, CACM 7(3), 1964).
 size_t editDistance(std::string_view a, std::string_view b);
 
-// `did you mean "radius"?` if one of `names` is near `name`, else `WORD: a, b, c` (at most eight, then
-// "..."), else empty if there are no names.
+// The one of `names` that `name` may mean: it has one typing error, and one more for every four letters.
+// Empty if there is none.
+std::string_view nearest(std::string_view name, std::span<const std::string_view> names);
+
+// `did you mean "radius"?` for nearest(), else `WORD: a, b, c` (at most 16, then "..."), else empty if there
+// are no names.
 std::string suggestion(std::string_view name, std::span<const std::string_view> names, std::string_view word);
 
 }  // namespace glint

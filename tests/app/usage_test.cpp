@@ -12,11 +12,13 @@ struct Case {
 const Case kCases[] = {
     // Commands.
     {"paint",
-     "unknown command \"paint\" (there are: render, merge, view, verify, report, bench, trace, diff, ...); "
+     "unknown command \"paint\" (there are: render, merge, view, verify, report, bench, trace, diff, info, "
+     "devices, pages); "
      "see glint --help"},
     {"rendr a.json", "unknown command \"rendr\" (did you mean \"render\"?); see glint --help"},
     {{""},
-     "unknown command \"\" (there are: render, merge, view, verify, report, bench, trace, diff, ...); see "
+     "unknown command \"\" (there are: render, merge, view, verify, report, bench, trace, diff, info, "
+     "devices, pages); see "
      "glint --help"},
     {{"a.json"}, "\"a.json\" is no command; did you mean: glint render a.json"},
     {"--size 3x3 render a.json",

@@ -52,7 +52,7 @@ const Case kCases[] = {
     {R"({"cameras": {"": {}}})", "/cameras: a camera's name must not be empty"},
     {R"({"materials": {"a/b~c": {"x": 1}}})",
      "/materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror, transmission, "
-     "ior, attenuation, ...)"},
+     "ior, attenuation, attenuationColor, attenuationDistance, priority, alphaCutoff)"},
     // Words that other programs use.
     {MATERIAL(R"("color": 1)"), R"(/materials/m/color: unknown key (the colour of a material is "diffuse"))"},
     {MATERIAL(R"("opacity": 1)"),
