@@ -84,7 +84,6 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
     }
     loaded.packed = packScene(loaded.scene);
     Request request = requestOf(loaded.scene.image, loaded.scene.camera);
-    const shared::Camera camera = cameraOf(loaded, request);
     request.ledger = loaded.packed.features.transmission;
     render::Options options;
     options.expected = &request;
@@ -97,7 +96,7 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
     // The first round warms up: the driver translates kernels on first use, and slices find their size.
     for (int round = 0; round <= settings.rounds && (round < 3 || spent < settings.seconds); ++round) {
         const Timer first;
-        a = renderer.render(camera, request).color;
+        a = renderer.render(request).color;
         const Timing one = first.elapsed();
         const Timer second;
         b = tracer->render();

@@ -32,13 +32,12 @@ std::string arraysText(const PackedScene& packed) {
 }
 
 std::string imageText(const PackedScene& packed, const Request& request) {
-    const ImageSettings& image = request.image;
-    const Sampler sampler = samplerOf(image);
-    std::string text = format("%d x %d, ", image.width, image.height) +
-                       counted(static_cast<uint64_t>(image.samplesPerPixel), "sample") + " per pixel";
+    const Sampler sampler = samplerOf(request);
+    std::string text = format("%d x %d, ", request.width, request.height) +
+                       counted(static_cast<uint64_t>(request.samplesPerPixel), "sample") + " per pixel";
     // A single sample in the centre has no sampler.
-    if (image.samplesPerPixel > 1 || sampler != Sampler::Grid)
-        text += " (" + std::string(nameOf(sampler)) + (image.sampler == Sampler::Auto ? ", auto)" : ")");
+    if (request.samplesPerPixel > 1 || sampler != Sampler::Grid)
+        text += " (" + std::string(nameOf(sampler)) + (request.sampler == Sampler::Auto ? ", auto)" : ")");
     return text + ", at most " + counted(depthOf(packed, request), "reflection");
 }
 
@@ -172,7 +171,7 @@ ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream&
     const glm::dvec3& origin = packed.origin;
     const std::pair<const char*, std::string> lines[] = {
         {"image", imageText(packed, request)},
-        {"camera", cameraKind(scene.camera)},
+        {"camera", cameraKind(request.camera)},
         {"cameras", scene.cameras.empty() ? "" : cameraNames(scene, kMostNames)},
         {"objects", objectsText(scene, packed)},
         {"instances", instancesText(packed)},

@@ -24,7 +24,7 @@ struct Scouts {
 Scouts scoutsOf(const Picture& picture, const LoadedScene& loaded, const Request& request) {
     constexpr int kSide = 16;
     const reference::Tracer tracer(loaded.packed, request);
-    const auto camera = cameraOf(loaded, request);
+    const shared::Camera camera = cameraOf(loaded.packed, request);
     const Region& r = picture.region;
     Scouts scouts;
     for (int i = 0; i < kSide * kSide; ++i) {
@@ -130,11 +130,10 @@ bool looksLikeBackground(const Picture& picture, const Scene& scene) {
 }
 
 // A plane through the eye is edge-on: for example a floor at y = 0 by the default camera.
-std::optional<std::string> planeThroughEye(const Scene& scene) {
+std::optional<std::string> planeThroughEye(const Scene& scene, const glm::dvec3& eye) {
     for (const Object& object : scene.objects) {
         const auto* plane = std::get_if<PlaneShape>(&object.shape);
-        if (plane != nullptr && !object.transform &&
-            glm::dot(plane->normal, scene.camera.eye - plane->point) == 0)
+        if (plane != nullptr && !object.transform && glm::dot(plane->normal, eye - plane->point) == 0)
             return "the camera lies in the plane of " + object.name +
                    ", which is invisible from there; move the camera's eye";
     }
@@ -164,7 +163,7 @@ std::optional<std::string> pictureAdvice(const Picture& picture, const LoadedSce
     if (scale > 0 && srgbByte(found.brightest * scale) == 0) return exposureAdvice("dark", found.brightest);
     if (scale > 0 && found.darkest * scale >= 1 && found.brightest * scale > 1)
         return exposureAdvice("bright", found.brightest);
-    if (found.misses) return planeThroughEye(loaded.scene);
+    if (found.misses) return planeThroughEye(loaded.scene, request.camera.eye);
     return darkObjectAround(scoutsOf(picture, loaded, request), loaded.scene);
 }
 

@@ -337,13 +337,11 @@ class FrameRenderer {
         const bool first = drawn_.empty();
         const Change change = first ? Change::Scene : scene_->moveTo(time);
         Request request = requestOf(command_, loaded);
+        request.camera = scene_->camera();
         request.progress = show;
         const std::optional<converge::Job> job =
             jobOf(command_.target, loaded, command_.device.backend, request);
-        if (first)
-            drawing_.load(loaded, request);
-        else if (change != Change::Nothing)
-            drawing_.reload(request, change == Change::Camera);
+        if (first || change == Change::Scene) drawing_.load(loaded, request);
         const Region region = regionOf(request);
         PictureFile file(numbered(outputOf(command_), frame), region, command_.aovs, command_.exposure,
                          false);

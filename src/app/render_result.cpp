@@ -109,8 +109,8 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json.update(imageJson(outcome));
     json.update({{"scene", command.scene.scene.string()},
                  {"complete", outcome.complete},
-                 {"samplesPerPixel", request.image.samplesPerPixel},
-                 {"sampler", nameOf(samplerOf(request.image))},
+                 {"samplesPerPixel", request.samplesPerPixel},
+                 {"sampler", nameOf(samplerOf(request))},
                  {"samplesTaken", samplesJson(written.totals)},
                  {"maxDepth", depthOf(loaded.packed, request)},
                  {"intersector", nameOf(command.scene.methods.triangles)},

@@ -107,7 +107,7 @@ farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loade
     if (command.scene.time) add("time", describe(*command.scene.time));
     add("size", std::to_string(request.width) + "x" + std::to_string(request.height));
     add("crop", regionText(regionOf(request)));
-    add("samples", samplesText(request.image));
+    add("samples", samplesText(request));
     add("maxDepth", std::to_string(depthOf(loaded.packed, request)));
     add("min-contribution", describe(command.scene.limits.minContribution));
     add("intersector", std::string(nameOf(command.scene.methods.triangles)));
@@ -129,8 +129,7 @@ class UnitRenderer {
           loaded_(loadAndPack(command.scene, err)),
           request_(requestOf(command, loaded_)) {
         constexpr int kLikelyParts = 64;  // assumed before the image is cut
-        const auto costs = farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_,
-                                               parts > 0 ? parts : kLikelyParts);
+        const auto costs = farm::estimateCosts(loaded_.packed, request_, parts > 0 ? parts : kLikelyParts);
         cut_ = parts > 0 ? farm::cutPicture(costs, parts)
                          : cutToHold(costs, std::max(partsFor(costs, request_.samples.count()), leastParts),
                                      bytesPerPixel(command.aovs));

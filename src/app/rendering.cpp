@@ -88,10 +88,8 @@ AnimatedScene::Change AnimatedScene::moveTo(double time) {
     Change change = reader_->moveTo(time);
     if (change == Change::Nothing) return change;
     if (change == Change::Camera) {
-        const Camera& camera = reader_->scene().camera;
-        if (keepsArrays(loaded_.packed, loaded_.scene, camera)) {
-            setEye(loaded_.packed, camera);
-            loaded_.scene.camera = camera;
+        if (keepsArrays(loaded_.packed, loaded_.scene, camera())) {
+            setEye(loaded_.packed, camera());
             return change;
         }
     }
@@ -196,9 +194,7 @@ std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedS
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));
     job.inDouble = backend == Backend::Cpu;
     // The condition number times the ulp of the arithmetic, and the rounding error of storing as fp32.
-    job.rounding =
-        verify::roundingError(reference::Tracer(loaded.packed, request), cameraOf(loaded, request),
-                              request.width, request.height, job.inDouble ? 0x1p-53 : verify::kFloatUnit);
+    job.rounding = verify::roundingError(loaded.packed, request, job.inDouble ? 0x1p-53 : verify::kFloatUnit);
     return job;
 }
 
@@ -242,23 +238,16 @@ void Drawing::load(const LoadedScene& loaded, const Request& expected, uint64_t 
     advised([&] { renderer_.emplace(*device_, loaded.packed, options); });
 }
 
-void Drawing::reload(const Request& expected, bool cameraAlone) {
-    if (!cameraAlone) return load(*loaded_, expected);
-    if (!truth_) return;
-    const glm::dvec3& origin = loaded_->packed.origin;
-    reference::setEye(*truth_, reference::truthCamera(loaded_->scene.camera, 1, 1, origin).eye);
-}
-
 Picture Drawing::draw(const Request& request) {
-    if (backend_ == Backend::Gpu)
-        return advised([&] { return renderer_->render(cameraOf(*loaded_, request), request); });
+    if (backend_ == Backend::Gpu) return advised([&] { return renderer_->render(request); });
     const Stopwatch watch;
-    const Scene& scene = loaded_->scene;
     const glm::dvec3& origin = loaded_->packed.origin;
-    if (!truth_) truth_ = std::make_shared<reference::Model>(reference::truthOf(scene, origin));
+    if (!truth_) truth_ = std::make_shared<reference::Model>(reference::truthOf(loaded_->scene, origin));
+    const reference::rows::Camera camera =
+        reference::truthCamera(request.camera, request.width, request.height, origin);
+    reference::setEye(*truth_, camera.eye);
     const reference::Tracer tracer(truth_, request, radianceBoundOf(loaded_->packed, request));
-    Picture picture = reference::render(
-        tracer, reference::truthCamera(scene.camera, request.width, request.height, origin), request);
+    Picture picture = reference::render(tracer, camera, request);
     hostSeconds_ += watch.seconds();
     return picture;
 }

@@ -30,8 +30,10 @@ class AnimatedScene {
     // Warnings go to `err`, one line each and each once. `options` and `err` must outlive the object.
     AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err);
 
-    // The scene of the current frame; its arrays change in place.
+    // The scene of the current frame; its arrays change in place. Its camera is that of the last frame that
+    // was packed.
     const LoadedScene& loaded() const { return loaded_; }
+    const Camera& camera() const { return reader_->scene().camera; }  // of the current frame
     LoadedScene take() && { return std::move(loaded_); }
 
     using Change = SceneReader::Change;
@@ -98,15 +100,11 @@ class Drawing {
     // the object. An error of the device that was opened advises to use --backend cpu.
     explicit Drawing(const DeviceChoice& choice);
 
-    // Uploads the scene, which must outlive its images, and translates kernels for `expected`. `cameraRays`:
-    // as in render::Options.
+    // Uploads the scene, which must outlive its images, and translates kernels for `expected`. The device
+    // keeps the programs of kernels that an earlier scene needed too. `cameraRays`: as in render::Options.
     void load(const LoadedScene& loaded, const Request& expected, uint64_t cameraRays = 0);
 
-    // To be called when the scene that was loaded has been changed in its place: its camera alone, or
-    // anything. The device keeps the programs of kernels: those that are still needed are not compiled again.
-    void reload(const Request& expected, bool cameraAlone);
-
-    // An image of the scene that was loaded, by its camera.
+    // An image of the scene that was loaded.
     Picture draw(const Request& request);
 
     // Facts of all images so far.

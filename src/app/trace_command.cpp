@@ -57,8 +57,7 @@ std::vector<WorldHit> traceOnDevice(const TraceCommand& command, const LoadedSce
     render::Options options;
     options.traversal = command.device.traversal;
     render::Renderer renderer(device, loaded.packed, options);
-    return {hitOf(
-        renderer.pixel(cameraOf(loaded, request), request, command.pixel->first, command.pixel->second))};
+    return {hitOf(renderer.pixel(request, command.pixel->first, command.pixel->second))};
 }
 
 std::vector<WorldHit> traceOnHost(const TraceCommand& command, const LoadedScene& loaded,
@@ -71,7 +70,7 @@ std::vector<WorldHit> traceOnHost(const TraceCommand& command, const LoadedScene
     }
     const reference::Tracer tracer(truth, request, radianceBoundOf(loaded.packed, request));
     const reference::rows::Camera camera =
-        reference::truthCamera(loaded.scene.camera, request.width, request.height, loaded.packed.origin);
+        reference::truthCamera(request.camera, request.width, request.height, loaded.packed.origin);
     return {reference::trace(
         tracer, tracer.cameraRay(camera, command.pixel->first + 0.5, command.pixel->second + 0.5))};
 }

@@ -302,8 +302,7 @@ void verifyScene(const VerifyCommand& command, const gpu::Device& device, const 
     render::Renderer renderer(device, loaded.packed, tracing);
     Progress progress = progressOf("verify " + scene.scene.filename().string(), command.progress, err);
     options.progress = [&](double fraction) { progress.update(fraction); };
-    const verify::Report report =
-        verify::verify(renderer, loaded.packed, cameraOf(loaded, options), options, &loaded.scene);
+    const verify::Report report = verify::verify(renderer, loaded.packed, options, &loaded.scene);
     progress.finish();
     if (report.interrupted)
         throw Error(ErrorKind::Interrupted, "interrupted while verifying " + result.scene);

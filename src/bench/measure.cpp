@@ -65,7 +65,7 @@ void describe(const LoadedScene& loaded, const Request& request, Result& result)
     const PackedScene& packed = loaded.packed;
     result.width = request.width;
     result.height = request.height;
-    result.samples = request.image.samplesPerPixel;
+    result.samples = request.samplesPerPixel;
     result.depth = static_cast<int>(depthOf(packed, request));
     result.lights = packed.lights.size();
     result.triangles = packed.triangles.size() - packed.statistics.splitTriangles;
@@ -83,15 +83,13 @@ void describe(const LoadedScene& loaded, const Request& request, Result& result)
 struct Task {
     const LoadedScene& loaded;
     const Options& options;
-    shared::Camera camera;
     Request request;
 };
 
 Task taskOf(const LoadedScene& loaded, const Options& options) {
-    ImageSettings image = options.request.image;
-    image.adaptive.reset();
-    Task task = {loaded, options, cameraOf(loaded, options.request), requestOf(image, loaded.scene.camera)};
-    static_cast<Tracing&>(task.request) = options.request;
+    Task task = {loaded, options, options.request};
+    task.request.adaptive.reset();
+    task.request.samples = packSamples(task.request, task.request.camera);
     // Same request as `glint render` without --stats.
     task.request.ledger = loaded.packed.features.transmission;
     task.request.cancelled = options.context.cancelled;
@@ -101,6 +99,7 @@ Task taskOf(const LoadedScene& loaded, const Options& options) {
 // The reference's rays of every `stride`-th pixel in either direction.
 void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
     const reference::Tracer tracer(task.loaded.packed, task.request);
+    const shared::Camera camera = cameraOf(task.loaded.packed, task.request);
     const Context& context = task.options.context;
     const int columns = (result.width + stride - 1) / stride, rows = (result.height + stride - 1) / stride;
     std::mutex mutex;
@@ -110,8 +109,8 @@ void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
         for (int x = 0; x < result.width; x += stride) {
             context.checkCancelled();
             for (uint32_t i = 0; i < samples; ++i) {
-                const reference::PixelRecord record = tracer.trace(
-                    reference::pixelSample(tracer, task.camera, task.request.samples, i, x, y).ray);
+                const reference::PixelRecord record =
+                    tracer.trace(reference::pixelSample(tracer, camera, task.request.samples, i, x, y).ray);
                 for (size_t k = 0; k < sums.size(); ++k) sums[k] += record.tally[k];
             }
         }
@@ -141,13 +140,12 @@ void summarize(const std::vector<Timing>& timings, Result& result) {
 }
 
 // The rays of an image, and where they are of both kinds, what each takes for itself.
-void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, Request request,
-                   Result& result) {
+void countOnDevice(render::Renderer& renderer, Request request, Result& result) {
     request.tally = true;
     std::vector<double> mirrored, refracted;
     for (int i = 0; i <= kApartRepeats; ++i) {
         const render::KernelTimes before = renderer.times().kernels;
-        if (!renderer.render(camera, request).complete) throw Cancelled();
+        if (!renderer.render(request).complete) throw Cancelled();
         const render::KernelTimes& after = renderer.times().kernels;
         if (i == 0) result.rays = renderer.rays();
         if (result.rays.mirrored == 0 || result.rays.refracted == 0) return;
@@ -195,7 +193,7 @@ class Contestant {
     Result finish() {
         summarize(timings_, result_);
         if (!renderer_) return result_;
-        countOnDevice(*renderer_, task_.camera, task_.request, result_);
+        countOnDevice(*renderer_, task_.request, result_);
         result_.upload = renderer_->times().upload;
         result_.deviceBytes = renderer_->deviceBytes();
         return result_;
@@ -203,8 +201,8 @@ class Contestant {
 
   private:
     Picture draw() {
-        Picture picture = renderer_ ? renderer_->render(task_.camera, task_.request)
-                                    : reference::render(task_.loaded.packed, task_.camera, task_.request);
+        Picture picture = renderer_ ? renderer_->render(task_.request)
+                                    : reference::render(task_.loaded.packed, task_.request);
         if (!picture.complete) throw Cancelled();
         return picture;
     }

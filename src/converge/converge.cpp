@@ -32,8 +32,8 @@ std::string number(double value) {
 std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
     const Stopwatch watch;
     Request request = job.request;
-    const uint32_t count = leastSamples(request.image.filter);
-    request.samples = SampleSequence(request.image).next(count);
+    const uint32_t count = leastSamples(request.filter);
+    request.samples = SampleSequence(request).next(count);
     request.data = request.cost = false;
     request.cancelled = [&] {
         return watch.seconds() > kAdviceSeconds || (job.request.cancelled && job.request.cancelled());
@@ -101,7 +101,7 @@ class Loop {
   private:
     // Samples of each replicate in the next round; 0 if no time is left for a round.
     uint32_t nextCount() const {
-        const uint32_t least = leastSamples(job_.request.image.filter);
+        const uint32_t least = leastSamples(job_.request.filter);
         uint32_t count = std::max(least, both_.looks.next() - both_.first.count);
         if (state_.rounds == 0) return count;
         count = std::min(count, (job_.target.maxSamples - state_.samplesPerPixel) / 2);
@@ -161,7 +161,7 @@ class Loop {
     Job job_;
     std::function<void(double)> progress_;
     double done_ = 0;
-    Replicates both_{job_.request.image, job_.target};
+    Replicates both_{job_.request, job_.target};
     State& state_ = both_.state;
     std::vector<PixelData> data_;
     Stopwatch watch_;
@@ -177,11 +177,11 @@ Job jobFor(const PackedScene& packed, const Request& wanted, const Target& targe
     Job job;
     job.target = target;
     Request& request = job.request = wanted;
-    request.image.adaptive.reset();
-    if (request.image.sampler == Sampler::Grid) request.image.sampler = Sampler::LowDiscrepancy;
+    request.adaptive.reset();
+    if (request.sampler == Sampler::Grid) request.sampler = Sampler::LowDiscrepancy;
     request.limits.depth = depthOf(packed, request);
     request.ledger = true;
-    request.samples = SampleSequence(request.image).next(leastSamples(request.image.filter));
+    request.samples = SampleSequence(request).next(leastSamples(request.filter));
     return job;
 }
 

@@ -77,7 +77,7 @@ CostMap::CostMap(const Region& whole)
     costs.assign(static_cast<size_t>(columns) * rows, 1);
 }
 
-CostMap estimateCosts(const PackedScene& scene, const Camera& camera, const Request& request, int parts) {
+CostMap estimateCosts(const PackedScene& scene, const Request& request, int parts) {
     CostMap map(regionOf(request));
     if (parts <= 1 || map.costs.empty()) return map;
     const Region& whole = map.region;
@@ -85,14 +85,14 @@ CostMap estimateCosts(const PackedScene& scene, const Camera& camera, const Requ
     const auto scaled = [&](int pixels) { return static_cast<int>(std::floor(pixels / step)); };
     Request coarse;
     static_cast<Tracing&>(coarse) = request;
+    coarse.camera = request.camera;
     coarse.width = std::max(1, scaled(request.width));
     coarse.height = std::max(1, scaled(request.height));
     coarse.region = {
         std::min(scaled(whole.x0), coarse.width - 1), std::min(scaled(whole.y0), coarse.height - 1),
         std::min(scaled(whole.x1) + 1, coarse.width), std::min(scaled(whole.y1) + 1, coarse.height)};
     coarse.cost = true;
-    const shared::Camera packed = packCamera(camera, coarse.width, coarse.height, scene.origin);
-    const Picture picture = reference::render(scene, packed, coarse);
+    const Picture picture = reference::render(scene, coarse);
     const Region& seen = picture.region;
     for (int row = 0; row < map.rows; ++row) {
         for (int column = 0; column < map.columns; ++column) {

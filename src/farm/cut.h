@@ -29,7 +29,7 @@ struct CostMap {
 // them, at most a thirtieth of the rays of a part if parts are many. A constant for the work of every pixel
 // is added. The result depends on scene, camera and request alone, not on the device or the number of
 // threads.
-CostMap estimateCosts(const PackedScene& scene, const Camera& camera, const Request& request, int parts);
+CostMap estimateCosts(const PackedScene& scene, const Request& request, int parts);
 
 // The regions of each part, at most three: a run of tiles in reading order, whose cost is as near to an equal
 // share as whole tiles allow, or whole rows of them where each part has several. A part may be empty where

@@ -123,17 +123,14 @@ converge::Target targetOf(const glint_picture& wanted) {
     return target;
 }
 
-Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, const glint_picture& wanted,
-                    const Request& request) {
+Picture drawToError(const Snapshot& snapshot, const glint_picture& wanted, const Request& request) {
     const PackedScene& packed = snapshot.part().packed;
     converge::Job job = converge::jobFor(packed, request, targetOf(wanted));
     if (converge::missesReflections(snapshot.scene(), *job.request.limits.depth))
         refuse("picture.error cannot bound reflections at depth 0: set max_depth to at least 1");
     job.inDouble = !snapshot.onDevice();
-    job.rounding = verify::roundingError(reference::Tracer(packed, job.request), camera, request.width,
-                                         request.height, job.inDouble ? 0x1p-53 : verify::kFloatUnit);
-    converge::Result result =
-        converge::converge([&](const Request& r) { return snapshot.render(camera, r); }, job);
+    job.rounding = verify::roundingError(packed, job.request, job.inDouble ? 0x1p-53 : verify::kFloatUnit);
+    converge::Result result = converge::converge([&](const Request& r) { return snapshot.render(r); }, job);
     if (wanted.bound != nullptr) *wanted.bound = result.budget.total();
     if (result.stop == converge::Stop::Interrupted) result.picture.complete = false;
     return std::move(result.picture);
@@ -141,11 +138,8 @@ Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, cons
 
 void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_options* options) {
     const Scene& scene = snapshot.scene();
-    const ImageSettings image = settingsOf(wanted, scene);
-    const Camera camera = cameraFor(wanted, scene);
-    const auto pixels = static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height);
-    const Layers layers(wanted, pixels);
-    Request request = requestOf(image, camera);
+    Request request = requestOf(settingsOf(wanted, scene), cameraFor(wanted, scene));
+    const Layers layers(wanted, regionOf(request).pixels());
     // More is refused in files too (docs/reference/scene-format.md).
     if (wanted.max_depth != 0)
         request.limits.depth = static_cast<uint32_t>(std::clamp(wanted.max_depth, 0, 1000));
@@ -153,10 +147,8 @@ void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_opt
     const Context context = contextOf(snapshot.device(), options);
     request.cancelled = context.cancelled;
     request.progress = context.progress;
-    const shared::Camera packed =
-        packCamera(camera, image.width, image.height, snapshot.part().packed.origin);
     const Picture picture =
-        wanted.error == 0 ? snapshot.render(packed, request) : drawToError(snapshot, packed, wanted, request);
+        wanted.error == 0 ? snapshot.render(request) : drawToError(snapshot, wanted, request);
     layers.write(picture);
     if (!picture.complete) throw Cancelled();
 }

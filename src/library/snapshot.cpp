@@ -130,8 +130,8 @@ uint64_t Snapshot::triangles() const {
     return part_.packed.triangles.size() - s.splitTriangles - s.prototypeTriangles + s.instancedTriangles;
 }
 
-Picture Snapshot::render(const shared::Camera& camera, const Request& request) const {
-    if (!device_->vulkan) return reference::render(part_.packed, camera, request, device_->context);
+Picture Snapshot::render(const Request& request) const {
+    if (!device_->vulkan) return reference::render(part_.packed, request, device_->context);
     const std::lock_guard lock(pictureMutex_);
     if (!renderer_) {
         render::Options options;
@@ -142,7 +142,7 @@ Picture Snapshot::render(const shared::Camera& camera, const Request& request) c
         }
         renderer_ = std::make_unique<render::Renderer>(*device_->vulkan, part_.packed, options);
     }
-    return renderer_->render(camera, request);
+    return renderer_->render(request);
 }
 
 std::shared_ptr<const Snapshot> Retired::owned(const std::shared_ptr<Retired>& retired,

@@ -81,7 +81,7 @@ class Snapshot {
     uint32_t refits() const { return refits_; }
 
     // Renders one image at a time.
-    Picture render(const shared::Camera& camera, const Request& request) const;
+    Picture render(const Request& request) const;
 
   private:
     DeviceOwner device_;

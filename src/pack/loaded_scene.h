@@ -3,7 +3,6 @@
 
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
-#include "trace/request.h"
 
 namespace glint {
 
@@ -12,10 +11,5 @@ struct LoadedScene {
     PackedScene packed;
     double loadSeconds = 0, packSeconds = 0;
 };
-
-// The scene's camera for an image of the request's size.
-inline shared::Camera cameraOf(const LoadedScene& loaded, const Request& request) {
-    return packCamera(loaded.scene.camera, request.width, request.height, loaded.packed.origin);
-}
 
 }  // namespace glint

@@ -308,9 +308,9 @@ class SampleMaker {
 
 }  // namespace
 
-PackedSamples packSamples(const ImageSettings& image, bool lens) {
+PackedSamples packSamples(const ImageSettings& image, const Camera& camera) {
     const bool everywhere = samplerOf(image) == Sampler::Grid && image.filter == Filter::Box &&
-                            image.filterRadius == 0.5 && !lens && !image.adaptive;
+                            image.filterRadius == 0.5 && !hasLens(camera) && !image.adaptive;
     if (everywhere) return PackedSamples::fixed(sampleOffsets(image.samplesPerPixel));
     PackedSamples samples;
     samples.round = static_cast<uint32_t>(image.samplesPerPixel);
@@ -353,10 +353,9 @@ uint32_t leastSamples(Filter filter) {
 
 Request requestOf(const ImageSettings& image, const Camera& camera) {
     Request request;
-    request.image = image;
-    request.width = image.width;
-    request.height = image.height;
-    request.samples = packSamples(image, hasLens(camera));
+    static_cast<ImageSettings&>(request) = image;
+    request.camera = camera;
+    request.samples = packSamples(image, camera);
     return request;
 }
 

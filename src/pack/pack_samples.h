@@ -11,9 +11,10 @@
 
 namespace glint {
 
-// The samples of valid settings; `lens`: the camera has one. A regular grid under the box filter of radius
-// 0.5 comes as offsets, anything else as rows.
-PackedSamples packSamples(const ImageSettings& image, bool lens);
+// The samples of valid settings; only this function decides that a camera needs samples that differ from
+// pixel to pixel. A regular grid under the box filter of radius 0.5 comes as offsets, without a lens;
+// anything else as rows.
+PackedSamples packSamples(const ImageSettings& image, const Camera& camera);
 
 // The samples of an image piece by piece, for callers that find the number during the render. Only `next`
 // decides how many there are: samplesPerPixel and adaptive of `image` are ignored.
@@ -37,8 +38,7 @@ class SampleSequence {
 // How few samples have weights at all: a filter with negative parts takes some of each.
 uint32_t leastSamples(Filter filter);
 
-// A request for the whole image with these settings; everything else is the default. Here alone is decided
-// that a camera needs samples which differ from pixel to pixel.
+// A request for the whole image with these settings and their samples; everything else is the default.
 Request requestOf(const ImageSettings& image, const Camera& camera);
 
 // ---- Reconstruction filters as tables of inverse cumulative distributions

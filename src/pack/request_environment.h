@@ -1,10 +1,14 @@
-// A scene's environment with a request's settings, for both tracers.
+// A scene's environment and camera with a request's settings, for both tracers.
 #pragma once
 
 #include "pack/packed_scene.h"
 #include "trace/request.h"
 
 namespace glint {
+
+inline shared::Camera cameraOf(const PackedScene& scene, const Request& request) {
+    return packCamera(request.camera, request.width, request.height, scene.origin);
+}
 
 inline const std::vector<shared::Light>& lightsOf(const PackedScene& scene, const Tracing& tracing) {
     return tracing.lighting ? tracing.lighting->lights : scene.lights;

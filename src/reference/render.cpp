@@ -108,9 +108,8 @@ void sumUp(const std::vector<TreeLosses>& rows, Picture& picture) {
 
 }  // namespace
 
-Picture render(const PackedScene& scene, const shared::Camera& camera, const Request& request,
-               const Context& context) {
-    return render(Tracer(scene, request), camera, request, context);
+Picture render(const PackedScene& scene, const Request& request, const Context& context) {
+    return render(Tracer(scene, request), cameraOf(scene, request), request, context);
 }
 
 Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& request,

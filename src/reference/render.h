@@ -13,8 +13,7 @@
 namespace glint::reference {
 
 // The requested image. A cancelled render holds the finished rows.
-Picture render(const PackedScene& scene, const shared::Camera& camera, const Request& request,
-               const Context& context = {});
+Picture render(const PackedScene& scene, const Request& request, const Context& context = {});
 // Uses a tracer that was made for the request.
 Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& request,
                const Context& context = {});

@@ -259,7 +259,8 @@ struct Renderer::State : DeviceScene {
                                 kMaxSlicePaths / shared::kWorkgroupSize);
     }
 
-    Picture render(const shared::Camera& camera, const Request& wanted) {
+    Picture render(const Request& wanted) {
+        const shared::Camera camera = cameraOf(scene, wanted);
         const bool parallel = camera.originStepX != glm::vec3(0) || camera.originStepY != glm::vec3(0);
         if (parallel && !features.parallelCamera)
             throw std::invalid_argument("a parallel camera, but the pipeline has no code for one");
@@ -329,16 +330,16 @@ uint64_t Renderer::codeBytes() const {
     return state_->engine.codeBytes();
 }
 
-Picture Renderer::render(const shared::Camera& camera, const Request& request, std::vector<Trail>* trails) {
+Picture Renderer::render(const Request& request, std::vector<Trail>* trails) {
     state_->trails = trails;
-    return state_->render(camera, request);
+    return state_->render(request);
 }
 
-PixelData Renderer::pixel(const shared::Camera& camera, Request request, int x, int y) {
+PixelData Renderer::pixel(Request request, int x, int y) {
     request.region = {x, y, x + 1, y + 1};
     request.samples = PackedSamples::fixed({{0.5, 0.5}});
     request.data = true;
-    return render(camera, request).data[0];
+    return render(request).data[0];
 }
 
 }  // namespace glint::render

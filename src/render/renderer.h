@@ -51,11 +51,10 @@ class Renderer {
     // parallel camera that neither the scene's features nor Options::also have.
     // trails: receives the camera, reflected and refracted rays of each pixel of the region, for requests
     // with one sample and layers.
-    Picture render(const shared::Camera& camera, const Request& request,
-                   std::vector<Trail>* trails = nullptr);
+    Picture render(const Request& request, std::vector<Trail>* trails = nullptr);
 
     // The layers at the centre of pixel (x, y) of the requested image.
-    PixelData pixel(const shared::Camera& camera, Request request, int x, int y);
+    PixelData pixel(Request request, int x, int y);
 
     const StageTimes& times() const;  // of construction and all renders since
     const RayCounts& rays() const;

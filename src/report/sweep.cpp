@@ -73,7 +73,6 @@ SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, Lo
     image_.filter = Filter::Box;  // the same for all settings, and its samples all have the same weight
     image_.filterRadius = defaultRadius(Filter::Box);
     image_.adaptive.reset();
-    camera_ = cameraOf(loaded_, requestFor({}, 0));
     arrayBytes_ = rendererOf({})->deviceBytes();
     settings_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
                           static_cast<int>(depthOf(loaded_.packed, {})));
@@ -129,9 +128,9 @@ render::Renderer* SceneSweep::rendererOf(const Setting& s) {
 
 // Renders as `glint render` does without AOVs. An --error includes all its rounds.
 Picture SceneSweep::draw(const Setting& s, const Request& request) {
-    if (s.onReference) return reference::render(loaded_.packed, camera_, request);
+    if (s.onReference) return reference::render(loaded_.packed, request);
     render::Renderer& renderer = *rendererOf(s);
-    if (!s.error) return renderer.render(camera_, request);
+    if (!s.error) return renderer.render(request);
     converge::Target target;
     target.error = *s.error;
     target.depthCounts = false;  // the converged image has the same depth
@@ -139,7 +138,7 @@ Picture SceneSweep::draw(const Setting& s, const Request& request) {
     converge::Job job = converge::jobFor(loaded_.packed, request, target);
     job.rounding = (kappa_ + 1) * verify::kFloatUnit;
     converge::Result result =
-        converge::converge([&](const Request& part) { return renderer.render(camera_, part); }, job);
+        converge::converge([&](const Request& part) { return renderer.render(part); }, job);
     if (result.stop == converge::Stop::Interrupted) result.picture.complete = false;
     result.picture.samplesPerPixel = result.samplesPerPixel;
     return std::move(result.picture);
@@ -192,8 +191,7 @@ bool SceneSweep::drawTruth(SceneReport& report) {
     if (!converged_.empty()) return true;
     // Not before, so that nothing is drawn for a report that is complete.
     if (report.stiffness.empty()) {
-        report.kappa =
-            verify::conditionNumber(reference::Tracer(loaded_.packed), camera_, image_.width, image_.height);
+        report.kappa = verify::conditionNumber(loaded_.packed, requestFor({}, 0));
         report.stiffness = verify::stiffnessOf(report.kappa);
     }
     kappa_ = report.kappa;

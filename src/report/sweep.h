@@ -57,8 +57,7 @@ class SceneSweep {
     const Options& options_;
     double truthSeconds_;
     LoadedScene loaded_;
-    ImageSettings image_;  // of the report's images, but for sampler, samples and seed
-    shared::Camera camera_;
+    ImageSettings image_;                    // of the report's images, but for sampler, samples and seed
     uint64_t arrayBytes_ = 0;                // of the scene, for each renderer
     double kappa_ = 0, compileSeconds_ = 0;  // the most for a setting so far
     std::vector<Setting> settings_;

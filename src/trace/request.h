@@ -1,8 +1,8 @@
-// Everything that a user may wish of an image of a scene: size, samples, depth, methods, AOVs. A request is a
-// plain value, made once from the command line, the window, a script or a call, and given to either tracer
+// Everything that a user may wish of an image of a scene: camera, size, samples, depth, methods, AOVs. A
+// request is a plain value, made once from the command line, the window or a call, and given to either tracer
 // with a packed scene. A wish never changes a scene; the window's panel also edits the scene itself
-// (SceneEdits in view/settings.h). Camera and moment choose the scene (LoadOptions). Settings of the device
-// alone (traversal, access, slices ...) are in render::Options.
+// (SceneEdits in view/settings.h). The moment of an animation chooses the scene (SceneReader). Settings of
+// the device alone (traversal, access, slices ...) are in render::Options.
 #pragma once
 
 #include <cstdint>
@@ -68,15 +68,13 @@ struct Tracing {
 // The most parts of an image (src/farm).
 inline constexpr int kMostParts = 1 << 20;
 
-struct Request : Tracing {
+// ImageSettings: the size of the whole image; sampler, filter, seed and adaptivity as the user wishes.
+struct Request : ImageSettings, Tracing {
     // ---- which pixels ----
-    int width = 0, height = 0;  // of the whole picture
-    Region region;              // cut off at the image's edges; all zero: everything
-    // Size, sampler, filter, seed and adaptivity as the user wishes; `width`, `height` and `samples` are made
-    // from them (requestOf in pack/pack_samples.h).
-    ImageSettings image = {};
-    // Samples of each pixel; default: its centre. A thin lens needs scattered samples, or acts as a pinhole.
-    // They include sampler, filter, seed and adaptivity (pack/pack_samples.h).
+    Camera camera;
+    Region region;  // cut off at the image's edges; all zero: everything
+    // Samples of each pixel, packed from the settings and the camera (pack/pack_samples.h); default: its
+    // centre. A thin lens needs scattered samples, or acts as a pinhole.
     PackedSamples samples = PackedSamples::fixed({{0.5, 0.5}});
 
     // ---- layers and other outputs ----

@@ -168,14 +168,14 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
     return result;
 }
 
-double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
-                       int seeds) {
-    return sensitivityOf(tracer, camera, width, height, PackedSamples::fixed({{0.5, 0.5}}), {}, seeds).kappa;
+double conditionNumber(const PackedScene& scene, const Request& request, int seeds) {
+    return sensitivityOf(reference::Tracer(scene, request), cameraOf(scene, request), request.width,
+                         request.height, PackedSamples::fixed({{0.5, 0.5}}), {}, seeds)
+        .kappa;
 }
 
-double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
-                     double unit) {
-    return conditionNumber(tracer, camera, width, height, 1) * unit + kFloatUnit;
+double roundingError(const PackedScene& scene, const Request& request, double unit) {
+    return conditionNumber(scene, request, 1) * unit + kFloatUnit;
 }
 
 }  // namespace glint::verify

@@ -63,12 +63,10 @@ struct Sensitivity {
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
                           int height, const PackedSamples& samples, const Context& context, int seeds = 3,
                           size_t mostPixels = kMaxKappaPixels);
-// Sensitivity::kappa through the pixels' middles.
-double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
-                       int seeds = 4);
-// Error that arithmetic with a rounding unit of `unit`, and storing as fp32, may cause.
-double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
-                     double unit);
+// Sensitivity::kappa of the whole image, through the pixels' middles.
+double conditionNumber(const PackedScene& scene, const Request& request, int seeds = 4);
+// Error that arithmetic with a rounding unit of `unit`, and storing as fp32, may cause in the whole image.
+double roundingError(const PackedScene& scene, const Request& request, double unit);
 
 // A random pixel of cell number `cell` of step x step pixels. Pixels that rounding decides often lie along
 // one row or column, which a regular grid hits always or never.

@@ -87,11 +87,11 @@ void addDiffering(Report& report, DifferingPixel&& pixel) {
 
 class Verification {
   public:
-    Verification(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
-                 const Options& options, const Scene* read, Report& report)
+    Verification(render::Renderer& renderer, const PackedScene& scene, const Options& options,
+                 const Scene* read, Report& report)
         : renderer_(renderer),
           scene_(scene),
-          camera_(camera),
+          camera_(cameraOf(scene, options)),
           options_(options),
           samples_(options.samples),
           rounds_(firstRounds(options.samples)),
@@ -100,7 +100,7 @@ class Verification {
           report_(report),
           account_(static_cast<double>(tracer_.environment().radianceBound)),
           steps_(kLeastSteps * samples_.round) {
-        if (read != nullptr) representation_.emplace(*read, scene, tracer_, camera, options);
+        if (read != nullptr) representation_.emplace(*read, scene, tracer_, camera_, options);
     }
 
     // Throws Cancelled.
@@ -130,7 +130,7 @@ class Verification {
 
     render::Renderer& renderer_;
     const PackedScene& scene_;
-    const shared::Camera& camera_;
+    const shared::Camera camera_;
     const Options& options_;
     const PackedSamples& samples_;
     const PackedSamples rounds_;
@@ -217,7 +217,7 @@ Picture Verification::rendered(const Region& part, const PackedSamples& samples,
     request.data = trails != nullptr;
     request.ledger = trails != nullptr && (scene_.features.mirrors || scene_.features.transmission);
     request.progress = {};
-    Picture picture = renderer_.render(camera_, request, trails);
+    Picture picture = renderer_.render(request, trails);
     if (!picture.complete) throw Cancelled();
     return picture;
 }
@@ -397,11 +397,11 @@ uint64_t bytesPerPixel(const Options& options, uint32_t maxDepth) {
     return sizeof(float) * (3 * 3 + uint64_t{options.samples.round}) + (kOfPart * rows + height - 1) / height;
 }
 
-Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
-              const Options& options, const Scene* read) {
+Report verify(render::Renderer& renderer, const PackedScene& scene, const Options& options,
+              const Scene* read) {
     Report report;
     try {
-        Verification(renderer, scene, camera, options, read, report).run();
+        Verification(renderer, scene, options, read, report).run();
     } catch (const Cancelled&) {
         report.interrupted = true;
     }

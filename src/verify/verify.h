@@ -100,9 +100,9 @@ struct Report {
 // compared at a time, with one ray for each path. maxDepth: of the scene with these options.
 uint64_t bytesPerPixel(const Options& options, uint32_t maxDepth);
 
-// `scene`: the scene of `renderer`. read: the source of `scene`, to check its rounding too, with the camera
-// of the image.
-Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
-              const Options& options, const Scene* read = nullptr);
+// `scene`: the scene of `renderer`. read: the source of `scene`, to check its rounding too; its camera is the
+// request's.
+Report verify(render::Renderer& renderer, const PackedScene& scene, const Options& options,
+              const Scene* read = nullptr);
 
 }  // namespace glint::verify

@@ -52,8 +52,10 @@ std::vector<PickRay> raysOf(const ViewScene& scene, const reference::PixelRecord
 
 Pick pickPixel(Session& session, int x, int y) {
     Pick pick{x, y, session.pixel(x, y), {}};
-    const reference::Tracer tracer(session.scene()->packed, session.tracing());
-    const reference::Ray ray = tracer.cameraRay(session.packedCamera(), x + 0.5, y + 0.5);
+    const PackedScene& packed = session.scene()->packed;
+    const Request request = session.request();
+    const reference::Tracer tracer(packed, request);
+    const reference::Ray ray = tracer.cameraRay(cameraOf(packed, request), x + 0.5, y + 0.5);
     pick.rays = raysOf(*session.scene(), tracer.trace(ray, {}, true));
     return pick;
 }

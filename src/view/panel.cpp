@@ -154,7 +154,7 @@ void drawRays(const Model& m, const Pick& pick) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const auto left = static_cast<float>(m.left);
     list.PushClipRect(ImVec2(left, 0), ImGui::GetIO().DisplaySize);
-    const shared::Camera camera = m.session->packedCamera();
+    const shared::Camera camera = cameraOf(m.scene->packed, m.session->request());
     const glm::dvec3& origin = m.scene->packed.origin;
     const auto place = [&](const glm::dvec2& pixel) {
         return ImVec2(left + static_cast<float>(pixel.x), static_cast<float>(pixel.y));

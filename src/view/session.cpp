@@ -144,13 +144,11 @@ void Session::restart() {
     ++version_;
 }
 
-shared::Camera Session::packedCamera() const {
-    return packCamera(camera_, width_, height_, scene_->packed.origin);
-}
-
 Request Session::requestFor(int width, int height, bool data) const {
     Request request;
+    static_cast<ImageSettings&>(request) = settings_.sampling;
     static_cast<Tracing&>(request) = tracing();
+    request.camera = camera_;
     request.width = width;
     request.height = height;
     request.data = request.cost = data;
@@ -160,8 +158,7 @@ Request Session::requestFor(int width, int height, bool data) const {
 Picture Session::render(const Request& request) {
     const Stopwatch watch;
     const render::StageTimes before = renderer_.times();
-    Picture picture =
-        renderer_.render(packCamera(camera_, request.width, request.height, scene_->packed.origin), request);
+    Picture picture = renderer_.render(request);
     const render::StageTimes& now = renderer_.times();
     facts_.width = request.width;
     facts_.height = request.height;
@@ -255,7 +252,7 @@ std::optional<SampleSequence> Session::sequence() const {
     ImageSettings image = settings_.sampling;
     image.adaptive.reset();
     if (image.sampler != Sampler::Jittered) image.sampler = Sampler::Grid;
-    if (!requestOf(image, camera_).samples.scattered()) return std::nullopt;
+    if (!packSamples(image, camera_).scattered()) return std::nullopt;
     return SampleSequence(progressiveSampling());
 }
 
@@ -290,10 +287,8 @@ void Session::askForRounding() {
     }
     if (rounding_) return;
     roundingView_ = view_;
-    findsRounding_ = std::async(std::launch::async, [scene = scene_, tracing = tracing(),
-                                                     camera = packedCamera(), w = width_, h = height_] {
-        return verify::roundingError(reference::Tracer(scene->packed, tracing), camera, w, h,
-                                     verify::kFloatUnit);
+    findsRounding_ = std::async(std::launch::async, [scene = scene_, request = request()] {
+        return verify::roundingError(scene->packed, request, verify::kFloatUnit);
     });
 }
 
@@ -365,7 +360,7 @@ Canvas Session::canvas(const Display& display) const {
 }
 
 PixelData Session::pixel(int x, int y) {
-    return renderer_.pixel(packedCamera(), requestFor(width_, height_, true), x, y);
+    return renderer_.pixel(requestFor(width_, height_, true), x, y);
 }
 
 }  // namespace glint::view

@@ -71,10 +71,8 @@ class Session {
     void apply(const PictureSettings& settings);
     void setView(const Camera& camera, int width, int height);
 
-    // The settings as a tracer takes them; and the whole view, with one sample in the centre of each pixel.
-    Tracing tracing() const;
+    // The whole view, with one sample in the centre of each pixel.
     Request request() const { return requestFor(width_, height_, false); }
-    shared::Camera packedCamera() const;
     // Upper bound of the memory per pixel of a view's images and their display, for a device that is the
     // processor too. It counts the full and the coarse image with their source data. It also counts displayed
     // colours here, in the window and in up to four images of its swapchain.
@@ -116,6 +114,7 @@ class Session {
 
   private:
     void restart();
+    Tracing tracing() const;
     Request requestFor(int width, int height, bool data) const;
     Picture render(const Request& request);
     ImageSettings progressiveSampling() const;

@@ -25,17 +25,11 @@ constexpr double kFlickerSeconds = 0.5;  // for which each of two images is show
 // The view at the time of a command, for a job.
 struct View {
     explicit View(const Session& session)
-        : device(&session.device()),
-          scene(session.scene()),
-          camera(session.packedCamera()),
-          request(session.request()),
-          source(session.camera()) {}
+        : device(&session.device()), scene(session.scene()), request(session.request()) {}
 
     const gpu::Device* device;
     std::shared_ptr<const ViewScene> scene;
-    shared::Camera camera;
     Request request;
-    Camera source;  // of `camera`
 
     render::Renderer renderer() const { return {*device, scene->packed, windowOptions(*scene)}; }
     Request requestOf(JobControl& control) const {
@@ -66,20 +60,18 @@ std::vector<Aov> allLayers() {
 
 // The functions that save return words on the samples.
 
-// Saves the image of `glint render` for the view with this sampling. EXR: every layer; else colour, by
-// `display`.
-std::string saveRendered(const View& view, const std::filesystem::path& file, const ImageSettings& sampling,
-                         const Display& display, JobControl& control) {
-    const std::string conflict = samplingConflict(sampling);
-    if (!conflict.empty()) throw Error(ErrorKind::Failed, "not saved: " + conflict);
+// Saves the image of `glint render` for the view. EXR: every layer; else colour, by `display`.
+std::string saveRendered(const View& view, const std::filesystem::path& file, const Display& display,
+                         JobControl& control) {
     Request wanted = view.requestOf(control);
-    wanted.image = sampling;
-    wanted.samples = glint::requestOf(sampling, view.source).samples;
+    const std::string conflict = samplingConflict(wanted);
+    if (!conflict.empty()) throw Error(ErrorKind::Failed, "not saved: " + conflict);
+    wanted.samples = packSamples(wanted, wanted.camera);
     wanted.data = wanted.cost = isExr(file);
-    Picture picture = finished(view.renderer().render(view.camera, wanted));
+    Picture picture = finished(view.renderer().render(wanted));
     if (!isExr(file)) applyDisplay(picture.color, display);
     writeLayers(file, makeLayers(picture, isExr(file) ? allLayers() : std::vector{Aov::Radiance}));
-    return "samples per pixel: " + std::to_string(sampling.samplesPerPixel);
+    return "samples per pixel: " + std::to_string(wanted.samplesPerPixel);
 }
 
 // Saves every layer as EXR. The colour has `samples` samples as displayed, all other layers one in the middle
@@ -88,7 +80,7 @@ std::string saveLayers(const View& view, const std::filesystem::path& file, Imag
                        JobControl& control) {
     Request wanted = view.requestOf(control);
     wanted.data = wanted.cost = true;
-    Picture picture = finished(view.renderer().render(view.camera, wanted));
+    Picture picture = finished(view.renderer().render(wanted));
     if (samples > 0) picture.color = std::move(color);
     writeLayers(file, makeLayers(picture, allLayers()));
     return "as seen: " + counted(static_cast<uint64_t>(std::max(samples, 1)), "sample");
@@ -268,8 +260,8 @@ void save(Model& m, const std::filesystem::path& file, bool seen) {
     const View view(session);
     std::function<std::string(JobControl&)> work;
     if (!seen) {
-        work = [=, sampling = m.settings.sampling, display = m.display](JobControl& control) {
-            return saveRendered(view, file, sampling, display, control);
+        work = [=, display = m.display](JobControl& control) {
+            return saveRendered(view, file, display, control);
         };
     } else if (isExr(file)) {
         work = [=, color = session.picture().color, samples = session.samples()](JobControl& control) {
@@ -387,7 +379,7 @@ void verify(Model& m) {
         render::Renderer renderer = view.renderer();
         verify::Options options;
         static_cast<Request&>(options) = view.requestOf(control);
-        const verify::Report r = verify::verify(renderer, view.scene->packed, view.camera, options);
+        const verify::Report r = verify::verify(renderer, view.scene->packed, options);
         return [&m, r] {
             m.verdictPassed = r.passed();
             m.verdict = format("%s: %llu pixels, %llu explained (%llu edges), %llu unexplained, RMSE %.3g",
@@ -410,7 +402,7 @@ void traceReference(Model& m) {
         [&m, view = View(*m.session), samples = m.session->taken()](JobControl& control) -> Job::Rest {
             Request wanted = view.requestOf(control);
             wanted.samples = samples;
-            return [&m, image = finished(reference::render(view.scene->packed, view.camera, wanted)).color] {
+            return [&m, image = finished(reference::render(view.scene->packed, wanted)).color] {
                 compareWith(m, "reference", image);
                 if (m.comparison.mode == CompareMode::Off) m.comparison.mode = CompareMode::Wipe;
                 m.say("the reference image is ready to compare with");

@@ -200,7 +200,7 @@ TEST(ConvergeTest, PiecesOfASequenceAreTheSequence) {
         image.samplesPerPixel = 8;
         image.adaptive = AdaptiveSampling{};
         image.adaptive->maxSamples = 16;
-        const PackedSamples whole = packSamples(image, false);
+        const PackedSamples whole = packSamples(image, Camera{});
         SampleSequence pieces(image);
         for (uint32_t piece = 0; piece < 2; ++piece) {
             const PackedSamples part = pieces.next(8);

@@ -66,8 +66,8 @@ inline Draw drawOf(const Film& film) {
 inline Job jobOf(double error, uint32_t seed = 0) {
     Job job;
     job.request.width = job.request.height = kSide;
-    job.request.image.width = job.request.image.height = kSide;
-    job.request.image.seed = seed;
+    job.request.width = job.request.height = kSide;
+    job.request.seed = seed;
     job.request.limits.depth = 5;
     job.target.error = error;
     return job;

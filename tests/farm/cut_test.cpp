@@ -74,7 +74,7 @@ TEST(Cut, TheEstimateBalancesAnUnevenPicture) {
         return static_cast<double>(most) / share;
     };
     const double even = dearest(CostMap(picture.region));
-    const double estimated = dearest(estimateCosts(uneven().packed, uneven().scene.camera, request, 8));
+    const double estimated = dearest(estimateCosts(uneven().packed, request, 8));
     EXPECT_GT(even, 1.5);
     EXPECT_LT(estimated, 1.15);
 }
@@ -82,8 +82,8 @@ TEST(Cut, TheEstimateBalancesAnUnevenPicture) {
 // Each part of a picture makes the estimate by itself.
 TEST(Cut, TheEstimateIsTheSameEveryTime) {
     const Request request = requestFor(200, 100);
-    const CostMap a = estimateCosts(uneven().packed, uneven().scene.camera, request, 5);
-    EXPECT_EQ(a.costs, estimateCosts(uneven().packed, uneven().scene.camera, request, 5).costs);
+    const CostMap a = estimateCosts(uneven().packed, request, 5);
+    EXPECT_EQ(a.costs, estimateCosts(uneven().packed, request, 5).costs);
 }
 
 TEST(Cut, GreatPicturesHaveGreaterTiles) {

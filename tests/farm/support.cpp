@@ -33,20 +33,16 @@ Request requestFor(int width, int height) {
     image.width = width;
     image.height = height;
     image.samplesPerPixel = 4;
-    return glint::requestOf(image, Camera{});
+    return glint::requestOf(image, uneven().scene.camera);
 }
 
 Picture draw(const Request& request) {
-    const LoadedScene& loaded = uneven();
-    return reference::render(
-        loaded.packed, packCamera(loaded.scene.camera, request.width, request.height, loaded.packed.origin),
-        request);
+    return reference::render(uneven().packed, request);
 }
 
 std::vector<UnitResult> partsOf(const Request& request, int parts, const std::vector<Aov>& aovs, bool even) {
     const LoadedScene& loaded = uneven();
-    const CostMap map =
-        even ? CostMap(regionOf(request)) : estimateCosts(loaded.packed, loaded.scene.camera, request, parts);
+    const CostMap map = even ? CostMap(regionOf(request)) : estimateCosts(loaded.packed, request, parts);
     std::vector<UnitResult> results;
     for (const auto& regions : cutPicture(map, parts)) {
         results.push_back(drawUnit(draw, request, regions, aovs).value());

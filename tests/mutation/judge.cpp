@@ -101,6 +101,7 @@ Trial trialOf(std::istringstream& words) {
     trial.device.traversal = render::Traversal::Lane;
     for (const std::string& option : options) readOption(option, trial, image);
     const Request request = requestOf(image, read.camera);
+    trial.options.camera = request.camera;
     trial.options.width = request.width;
     trial.options.height = request.height;
     trial.options.samples = request.samples;
@@ -198,11 +199,11 @@ class Judge {
         request.ledger = !whole && (features.mirrors || features.transmission);
         for (uint32_t sample = 0; sample < trial.options.samples.round; ++sample) {
             request.samples = trial.options.samples.only(sample);
-            images.push_back(renderer.render(trial.scene.camera, request));
+            images.push_back(renderer.render(request));
         }
         request.data = request.ledger = false;
         request.samples = verify::firstRounds(trial.options.samples);
-        if (request.samples.count() > 1) images.push_back(renderer.render(trial.scene.camera, request));
+        if (request.samples.count() > 1) images.push_back(renderer.render(request));
         return images;
     }
 
@@ -217,8 +218,7 @@ class Judge {
     static std::string verdict(render::Renderer& renderer, const Trial& trial, bool whole) {
         verify::Options options = trial.options;
         options.plainToo = whole;
-        const verify::Report report =
-            verify::verify(renderer, trial.scene.packed, trial.scene.camera, options);
+        const verify::Report report = verify::verify(renderer, trial.scene.packed, options);
         if (report.passed()) return "";
         if (report.unexplained > 0) return "unexplained";
         if (report.plainDiffers > 0) return "other without layers";

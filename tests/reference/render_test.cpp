@@ -45,7 +45,7 @@ class ReferenceRender : public testing::Test {
         return request;
     }
     Picture draw(const Request& request = whole(), unsigned threads = 0) const {
-        return render(scene_, camera_, request, {.threads = threads});
+        return render(Tracer(scene_, request), camera_, request, {.threads = threads});
     }
     PackedScene scene_;
     shared::Camera camera_;

@@ -19,6 +19,12 @@ ImageSettings settingsOf(Sampler sampler, Filter filter, double radius, int spp)
     return {.samplesPerPixel = spp, .sampler = sampler, .filter = filter, .filterRadius = radius, .seed = 7};
 }
 
+Camera lensCamera() {
+    Camera camera;
+    camera.lensRadius = 1;
+    return camera;
+}
+
 // pcg4d as printed by Jarzynski and Olano (JCGT 9(3), 2020), statement by statement.
 std::array<uint32_t, 4> paperPcg4d(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
     x = x * 1664525u + 1013904223u;
@@ -61,7 +67,7 @@ std::array<uint32_t, 4> evenPcg4d(uint32_t x, uint32_t y, uint32_t z, uint32_t w
 // Points of film and lens, scrambled as in Burley's listing.
 TEST(Sampling, ScrambledPairsAreThePapers) {
     const PackedSamples samples =
-        packSamples(settingsOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 64), true);
+        packSamples(settingsOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 64), lensCamera());
     for (uint32_t index = 0; index < 64; ++index) {
         const shared::Sample& row = samples.rows[shared::kFirstSample + index];
         for (uint32_t x = 0; x < 60; x += 3) {
@@ -79,7 +85,7 @@ TEST(Sampling, ScrambledPairsAreThePapers) {
 
 // One cell as wide as the pixel: the place is the hash, cut to the 22 bits that the filter's table uses.
 TEST(Sampling, JitterIsThePapersHash) {
-    const PackedSamples samples = packSamples(settingsOf(Sampler::Jittered, Filter::Box, 0.5, 1), false);
+    const PackedSamples samples = packSamples(settingsOf(Sampler::Jittered, Filter::Box, 0.5, 1), Camera{});
     for (uint32_t y = 0; y < 40; ++y)
         for (uint32_t x = 0; x < 40; ++x) {
             const auto random = paperPcg4d(x, y, 0, samples.rows[shared::kFirstSample].seed);
@@ -103,7 +109,7 @@ TEST(Sampling, SobolsFirstPoints) {
 TEST(Sampling, LowDiscrepancyStratifies) {
     constexpr int m = 6;
     const PackedSamples samples =
-        packSamples(settingsOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 1 << m), false);
+        packSamples(settingsOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 1 << m), Camera{});
     for (uint32_t pixel = 0; pixel < 50; ++pixel)
         for (int a = 0; a <= m; ++a) {
             std::set<std::pair<int, int>> cells;
@@ -117,7 +123,7 @@ TEST(Sampling, LowDiscrepancyStratifies) {
 }
 
 TEST(Sampling, JitterStratifies) {
-    const PackedSamples samples = packSamples(settingsOf(Sampler::Jittered, Filter::Box, 0.5, 25), false);
+    const PackedSamples samples = packSamples(settingsOf(Sampler::Jittered, Filter::Box, 0.5, 25), Camera{});
     for (uint32_t pixel = 0; pixel < 200; ++pixel) {
         std::set<std::pair<int, int>> cells;
         for (uint32_t i = 0; i < 25; ++i) {
@@ -146,7 +152,7 @@ constexpr double kSigma = 1.0 / kSide;
 std::vector<glm::dvec4> placesOf(Sampler sampler, uint32_t seed, uint32_t index) {
     ImageSettings image = settingsOf(sampler, Filter::Box, 0.5, 4);
     image.seed = seed;
-    const PackedSamples samples = packSamples(image, true);
+    const PackedSamples samples = packSamples(image, lensCamera());
     const shared::Sample& row = samples.rows[shared::kFirstSample + index];
     std::vector<glm::dvec4> places;
     for (uint32_t i = 0; i < kSide * kSide; ++i) {
@@ -198,7 +204,7 @@ TEST(Sampling, FiltersHaveTheirMoments) {
             mass += w * filterValue(filter, x, r);
             second += w * x * x * filterValue(filter, x, r);
         }
-        const PackedSamples samples = packSamples(settingsOf(Sampler::Grid, filter, r, 4096), true);
+        const PackedSamples samples = packSamples(settingsOf(Sampler::Grid, filter, r, 4096), lensCamera());
         double weights = 0, moment = 0, mean = 0;
         for (uint32_t i = 0; i < samples.count(); ++i) {
             const FilmSample s = filmSample(samples, i, 0, 0);
@@ -216,7 +222,7 @@ TEST(Sampling, MitchellWeighsWholeRounds) {
     for (const int spp : {4, 5, 16, 100}) {
         ImageSettings image = settingsOf(Sampler::Jittered, Filter::Mitchell, 2, spp);
         image.adaptive = AdaptiveSampling{3 * spp + 1, 0.1};
-        const PackedSamples samples = packSamples(image, false);
+        const PackedSamples samples = packSamples(image, Camera{});
         ASSERT_EQ(samples.count(), 3u * spp);
         for (int round = 0; round < 3; ++round) {
             double sum = 0, least = 0;

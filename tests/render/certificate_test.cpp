@@ -23,7 +23,7 @@ Case squareCase() {
 
 reference::Ray rayAt(const Case& c, const dvec3& target) {
     reference::Ray ray;
-    ray.origin = dvec3(c.camera.eye);
+    ray.origin = dvec3(filmOf(c).eye);
     ray.direction = glm::normalize(target - ray.origin);
     return ray;
 }
@@ -286,7 +286,7 @@ TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
         EXPECT_GE(fraction, progress);
         progress = fraction;
     };
-    const Report report = verify(renderer, c.packed, c.camera, options);
+    const Report report = verify(renderer, c.packed, options);
     EXPECT_EQ(report.pixels, 4u * 256 * 144);
     EXPECT_EQ(progress, 1.0);
     EXPECT_TRUE(report.passed());
@@ -298,7 +298,7 @@ TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
     Request first = options;
     first.samples = options.samples.only(0);
     first.progress = {};
-    const Picture whole = renderer.render(c.camera, first);
+    const Picture whole = renderer.render(first);
     for (int y = 0; y < 144; ++y)
         for (int x = 0; x < 256; ++x)
             ASSERT_EQ(report.device.at(x, y, 1), whole.color.at(x, y, 1)) << x << ',' << y;
@@ -311,7 +311,7 @@ TEST_F(VerifyTest, BytesPerPixelAreThoseHeld) {
     options.limits.depth = 0;  // one ray for each path
     options.data = true;
     std::vector<Trail> trails;
-    const Picture picture = renderer.render(c.camera, options, &trails);
+    const Picture picture = renderer.render(options, &trails);
     const uint64_t pixels = 64 * 48, images = 9 * sizeof(float), differences = sizeof(float);
     uint64_t sample = trails.capacity() * sizeof(Trail) + picture.data.size() * sizeof(PixelData) +
                       picture.color.pixels.size() * sizeof(float);

@@ -155,9 +155,9 @@ TEST_F(LeastLimits, SamplersAdaptiveSamplingAndSlices) {
     ImageSettings image = c.scene.image;
     image.samplesPerPixel = 4;
     image.adaptive = AdaptiveSampling{16, 0.05};
-    request.samples = packSamples(image, true);
+    request.samples = packSamples(image, c.camera);
     Renderer small(least, c.packed, {.maxSlicePixels = 1024}), usual(device(), c.packed);
-    EXPECT_TRUE(sameBits(small.render(c.camera, request), usual.render(c.camera, request)));
+    EXPECT_TRUE(sameBits(small.render(request), usual.render(request)));
 }
 
 TEST_F(LeastLimits, RaysOfABatch) {

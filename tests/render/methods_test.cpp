@@ -173,7 +173,7 @@ size_t litPixels(const gpu::Device& device, const Case& c, OriginOffset offset) 
     Renderer renderer(device, c.packed);
     auto request = sized<Request>(c);
     request.methods.offsets = offset;
-    const Picture picture = renderer.render(c.camera, request);
+    const Picture picture = renderer.render(request);
     size_t lit = 0;
     for (size_t i = 0; i < picture.done.size(); ++i) lit += picture.color.pixels[4 * i + 1] > 0 ? 1 : 0;
     return lit;

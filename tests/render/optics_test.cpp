@@ -18,7 +18,7 @@ class OpticsTest : public RenderTest {
         settings.data = true;
         settings.ledger = true;
         settings.limits.minContribution = minContribution;
-        return renderer.render(c.camera, settings);
+        return renderer.render(settings);
     }
     static float channel(const Picture& picture, int c = 0) { return picture.color.at(0, 0, c); }
     // The red of the only pixel. Expects that the reference agrees.
@@ -26,7 +26,7 @@ class OpticsTest : public RenderTest {
         const Case c = makeCase(scene, 1, 1);
         const float red = channel(draw(device(), c));
         const reference::Tracer tracer(c.packed);
-        EXPECT_NEAR(red, tracer.trace(tracer.cameraRay(c.camera, 0.5, 0.5)).color.x, 1e-5);
+        EXPECT_NEAR(red, tracer.trace(tracer.cameraRay(filmOf(c), 0.5, 0.5)).color.x, 1e-5);
         return red;
     }
 };
@@ -239,7 +239,7 @@ TEST_F(OpticsTest, ShadowsCrossAnEdgeOnce) {
             };
             judge(whole.color.at(x, y, 0), "device");
             judge(pieces.color.at(x, y, 0), "device, in pieces");
-            judge(tracer.trace(tracer.cameraRay(c.camera, x + 0.5, y + 0.5)).color.x, "reference");
+            judge(tracer.trace(tracer.cameraRay(filmOf(c), x + 0.5, y + 0.5)).color.x, "reference");
         }
     }
     EXPECT_EQ(inside, 49);
@@ -283,7 +283,7 @@ TEST_F(OpticsTest, LightThatTouchesIsNotLostInside) {
             for (int y = 0; y < c.height; ++y) {
                 const std::string what = std::to_string(kind) + " by " + std::to_string(units);
                 judge(picture.color.at(0, y, 0), "device, " + what);
-                judge(tracer.trace(tracer.cameraRay(c.camera, 0.5, y + 0.5)).color.x, "reference, " + what);
+                judge(tracer.trace(tracer.cameraRay(filmOf(c), 0.5, y + 0.5)).color.x, "reference, " + what);
             }
         }
     }
@@ -327,7 +327,7 @@ TEST_F(OpticsTest, NothingIsMadeOfSubnormalThroughput) {
     Tracing cut;
     cut.limits.minContribution = 1e-4;
     const reference::Tracer tracer(c.packed, cut);
-    const reference::PixelRecord expected = tracer.trace(tracer.cameraRay(c.camera, 0.5, 0.5));
+    const reference::PixelRecord expected = tracer.trace(tracer.cameraRay(filmOf(c), 0.5, 0.5));
     const Picture picture = drawWithLosses(c, {}, cut.limits.minContribution);
     EXPECT_EQ(picture.at(0, 0).bounces, expected.bounces);
     EXPECT_EQ(picture.losses.cut.count, expected.lost.cut.count);
@@ -393,7 +393,7 @@ TEST_F(OpticsTest, FullWaitingRoomIsReported) {
     const Picture picture = drawWithLosses(c);
     EXPECT_EQ(picture.losses.room.count, 1u);
     const reference::Tracer tracer(c.packed);
-    const reference::PixelRecord record = tracer.trace(tracer.cameraRay(c.camera, 0.5, 0.5));
+    const reference::PixelRecord record = tracer.trace(tracer.cameraRay(filmOf(c), 0.5, 0.5));
     EXPECT_EQ(record.lost.room.count, 1u);
     EXPECT_EQ(record.pathHash, picture.at(0, 0).pathHash);
     EXPECT_EQ(record.bounces, picture.at(0, 0).bounces);

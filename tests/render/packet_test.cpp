@@ -408,15 +408,14 @@ TEST_F(PacketTest, ImagesWithCostsTraceSingleRays) {
     addSphere(scene, {0, 0, 0}, 1);
     aim(scene.camera, {0.5, 0, 5}, {0.5, 0, 0});
     scene.lights.push_back(DirectionalLight{{0, 0, -1}, Color(1)});
-    Request request;
-    request.width = request.height = 1;
-    request.data = request.cost = true;
     const Case c = makeCase(scene, 1, 1);
+    auto request = sized<Request>(c);
+    request.data = request.cost = true;
     Renderer packets(device(), c.packed, {.traversal = Traversal::Packet});
     Renderer lanes(device(), c.packed, {.traversal = Traversal::Lane});
-    const uint32_t cost = lanes.render(c.camera, request).at(0, 0).cost;
+    const uint32_t cost = lanes.render(request).at(0, 0).cost;
     EXPECT_GT(cost, 0u);
-    EXPECT_EQ(packets.render(c.camera, request).at(0, 0).cost, cost);
+    EXPECT_EQ(packets.render(request).at(0, 0).cost, cost);
 }
 
 // Two needles of 20 by 0.005 close above each other, and a wall before the light, which shades both.

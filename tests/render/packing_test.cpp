@@ -177,8 +177,9 @@ const Defect kOtherDefects[] = {
     {"eye_in_air", "inside_glass", [](Case& c) { c.packed.environment.eyeMedium0 = 0; }},
     {"light_place", "far_away",
      each(&PackedScene::lights, [](shared::Light& l) { l.position += vec3(0.5f); })},
-    {"film_step", "lens", [](Case& c) { c.camera.stepY *= 1.00001f; }},
-    {"film_middle", "lens", [](Case& c) { c.camera.center += c.camera.stepX; }},
+    {"film_step", "lens", [](Case& c) { c.camera.fovY *= 1.00001; }},
+    {"film_middle", "lens",
+     [](Case& c) { c.camera.target.x += 0.01 * glm::distance(c.camera.eye, c.camera.target); }},
     {"little_ambient", "spheres", [](Case& c) { c.packed.environment.ambient *= 1.00001f; }}};
 
 std::string nameOf(const testing::TestParamInfo<Defect>& defect) {

@@ -43,7 +43,7 @@ TEST_F(RequestTest, KernelsOfLaterBouncesAreLeftOut) {
         Renderer renderer(device(), c.packed, options);
         Request request = wholeWithData(c);
         request.limits.depth = maxDepth;
-        renderer.render(c.camera, request);
+        renderer.render(request);
         return renderer.codeBytes();
     };
     // Camera rays go by packets, others do not. Without packets one kernel serves both.
@@ -65,16 +65,15 @@ TEST_F(RequestTest, OneRendererDrawsWhatOneForEachRequestDraws) {
             for (const Wish& wish : kWishes) {
                 Request request = wholeWithData(c);
                 wish.ask(request);
-                first.push_back(renderer.render(c.camera, request));
+                first.push_back(renderer.render(request));
                 options.expected = &request;
                 Renderer fresh(device(), c.packed, options);
-                EXPECT_TRUE(sameBits(first.back(), fresh.render(c.camera, request)))
-                    << name << ", " << wish.name;
+                EXPECT_TRUE(sameBits(first.back(), fresh.render(request))) << name << ", " << wish.name;
             }
             for (size_t i = 0; i < first.size(); ++i) {
                 Request request = wholeWithData(c);
                 kWishes[i].ask(request);
-                EXPECT_TRUE(sameBits(renderer.render(c.camera, request), first[i]))
+                EXPECT_TRUE(sameBits(renderer.render(request), first[i]))
                     << name << ", again " << kWishes[i].name;
             }
         }
@@ -95,14 +94,14 @@ TEST_F(RequestTest, LightingIsAsIfTheSceneHadIt) {
     lighting.background = glm::vec3(0.5f, 0.25f, 0.125f);
     Renderer renderer(device(), all.packed);
     const Picture before = draw(renderer, all);
-    EXPECT_TRUE(sameBits(renderer.render(all.camera, request), draw(device(), less)));
-    EXPECT_EQ(reference::render(all.packed, all.camera, request).exact,
-              reference::render(less.packed, less.camera, wholeWithData(less)).exact);
+    EXPECT_TRUE(sameBits(renderer.render(request), draw(device(), less)));
+    EXPECT_EQ(reference::render(all.packed, request).exact,
+              reference::render(less.packed, wholeWithData(less)).exact);
     lighting.lights.clear();
-    EXPECT_NE(renderer.render(all.camera, request).color.pixels, before.color.pixels);
+    EXPECT_NE(renderer.render(request).color.pixels, before.color.pixels);
     EXPECT_TRUE(sameBits(draw(renderer, all), before)) << "the scene's own are back";
     lighting.lights.assign(all.packed.lights.size() + 1, all.packed.lights[0]);
-    EXPECT_THROW(renderer.render(all.camera, request), std::invalid_argument);
+    EXPECT_THROW(renderer.render(request), std::invalid_argument);
 }
 
 Tracing toDepth(uint32_t depth) {
@@ -134,17 +133,17 @@ TEST_F(RequestTest, FurtherFeaturesServeFurtherRequests) {
     const Case flat = makeCase(scene, 40, 30);
     ASSERT_FALSE(flat.packed.features.mirrors || flat.packed.features.parallelCamera);
     scene.camera.projection = Projection::Orthographic;
-    const shared::Camera parallel = packCamera(scene.camera, 40, 30, flat.packed.origin);
     Request request = wholeWithData(flat);
+    request.camera = scene.camera;
     Renderer bare(device(), flat.packed);
-    EXPECT_THROW(bare.render(parallel, request), std::invalid_argument);
+    EXPECT_THROW(bare.render(request), std::invalid_argument);
     Options options;
     options.also.mirrors = options.also.parallelCamera = true;
     Renderer able(device(), flat.packed, options);
-    EXPECT_TRUE(sameBits(able.render(parallel, request), draw(device(), makeCase(scene, 40, 30))));
+    EXPECT_TRUE(sameBits(able.render(request), draw(device(), makeCase(scene, 40, 30))));
     request.limits.depth = 3;
     scene.maxDepth = 3;
-    EXPECT_TRUE(sameBits(able.render(parallel, request), draw(device(), makeCase(scene, 40, 30))));
+    EXPECT_TRUE(sameBits(able.render(request), draw(device(), makeCase(scene, 40, 30))));
 }
 
 // The reference supports images without shadows, too.
@@ -157,7 +156,7 @@ TEST_F(RequestTest, WithoutShadowsBothTracersAgree) {
         EXPECT_TRUE(verified(renderer, c, options).passed()) << name;
         Request request = wholeWithData(c);
         request.shadows = false;
-        const Picture picture = renderer.render(c.camera, request);
+        const Picture picture = renderer.render(request);
         EXPECT_EQ(countPixels(picture, [](const PixelData& d) { return d.shadowBits != 0; }), 0u) << name;
     }
 }

@@ -12,7 +12,7 @@ class Sampling : public RenderTest {};
 
 Request settingsOf(const Case& c, const ImageSettings& image) {
     auto settings = sized<Request>(c);
-    settings.samples = packSamples(image, c.scene.camera.lensRadius > 0);
+    settings.samples = packSamples(image, c.camera);
     return settings;
 }
 
@@ -30,7 +30,7 @@ TEST_F(Sampling, VerifyExplainsEverySamplerAndFilter) {
         Renderer renderer(device(), c.packed);
         for (const auto& [sampler, filter] : choices) {
             verify::Options options;
-            options.samples = packSamples(imageOf(sampler, filter, 1.25, 4), std::string(name) == "lens");
+            options.samples = packSamples(imageOf(sampler, filter, 1.25, 4), c.camera);
             const verify::Report report = verified(renderer, c, options);
             EXPECT_EQ(report.unexplained, 0u) << name;
             EXPECT_EQ(report.pixels, 4u * 48 * 36);
@@ -45,9 +45,9 @@ TEST_F(Sampling, GridThroughTheTableIsTheGrid) {
     Request plain = settingsOf(c, imageOf(Sampler::Grid, Filter::Box, 0.5, 4));
     ASSERT_FALSE(plain.samples.scattered());
     Request table = plain;
-    table.samples = packSamples(imageOf(Sampler::Grid, Filter::Box, 0.5, 4), true);
+    table.samples = packSamples(imageOf(Sampler::Grid, Filter::Box, 0.5, 4), fileCase("lens", 1, 1).camera);
     ASSERT_TRUE(table.samples.scattered());
-    const Picture a = renderer.render(c.camera, plain), b = renderer.render(c.camera, table);
+    const Picture a = renderer.render(plain), b = renderer.render(table);
     EXPECT_TRUE(sameBits(a, b));
 }
 
@@ -59,17 +59,17 @@ TEST_F(Sampling, SlicesCropsAndOrderChangeNothing) {
         const Request settings = settingsOf(c, image);
         Renderer whole(device(), c.packed);
         Renderer sliced(device(), c.packed, {.maxSlicePixels = 1024});
-        const Picture a = whole.render(c.camera, settings);
-        EXPECT_TRUE(sameBits(a, sliced.render(c.camera, settings)));
+        const Picture a = whole.render(settings);
+        EXPECT_TRUE(sameBits(a, sliced.render(settings)));
         Request crop = settings;
         crop.region = {13, 9, 40, 33};
-        const Picture part = whole.render(c.camera, crop);
+        const Picture part = whole.render(crop);
         for (int y = 9; y < 33; ++y)
             for (int x = 13; x < 40; ++x)
                 for (int channel = 0; channel < 4; ++channel)
                     ASSERT_EQ(part.color.at(x - 13, y - 9, channel), a.color.at(x, y, channel));
         image.seed = 4;
-        EXPECT_FALSE(sameBits(a, whole.render(c.camera, settingsOf(c, image))));
+        EXPECT_FALSE(sameBits(a, whole.render(settingsOf(c, image))));
     }
 }
 
@@ -80,10 +80,10 @@ TEST_F(Sampling, AdaptiveIsUniformWhereAllIsFlagged) {
     Renderer renderer(device(), c.packed);
     ImageSettings image = imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 4);
     image.adaptive = AdaptiveSampling{16, 1e-9};
-    const Picture adaptive = renderer.render(c.camera, settingsOf(c, image));
+    const Picture adaptive = renderer.render(settingsOf(c, image));
     image.adaptive.reset();
     image.samplesPerPixel = 16;
-    const Picture uniform = renderer.render(c.camera, settingsOf(c, image));
+    const Picture uniform = renderer.render(settingsOf(c, image));
     size_t flagged = 0;
     for (int y = 0; y < 48; ++y)
         for (int x = 0; x < 64; ++x) {
@@ -113,11 +113,11 @@ TEST_F(Sampling, EveryRoundIsDecidedAsTheReferenceWould) {
             image.adaptive = AdaptiveSampling{kMost, threshold};
             Request request = settingsOf(c, image);
             const PackedSamples all = request.samples;
-            const Picture adaptive = renderer.render(c.camera, request);
+            const Picture adaptive = renderer.render(request);
             std::vector<std::vector<glm::dvec3>> colors(adaptive.samples.size());
             for (uint32_t i = 0; i < kMost; ++i) {
                 request.samples = all.only(i);
-                const Picture one = renderer.render(c.camera, request);
+                const Picture one = renderer.render(request);
                 for (size_t at = 0; at < colors.size(); ++at) {
                     const float* pixel = &one.color.pixels[4 * at];
                     colors[at].emplace_back(pixel[0], pixel[1], pixel[2]);
@@ -152,12 +152,12 @@ TEST_F(Sampling, EveryRoundIsDecidedAsTheReferenceWould) {
 TEST_F(Sampling, ManySamplesAreManySubmissions) {
     const Case c = fileCase("lens", 16, 16);
     Renderer renderer(device(), c.packed);
-    renderer.render(c.camera, settingsOf(c, imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 512)));
+    renderer.render(settingsOf(c, imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 512)));
     EXPECT_GE(renderer.times().submissions, 512u);
     Request stopped = settingsOf(c, imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 512));
     const uint64_t before = renderer.times().submissions;
     stopped.cancelled = [] { return true; };
-    EXPECT_FALSE(renderer.render(c.camera, stopped).complete);
+    EXPECT_FALSE(renderer.render(stopped).complete);
     EXPECT_LE(renderer.times().submissions, before + 2);
 }
 

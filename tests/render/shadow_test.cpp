@@ -54,7 +54,7 @@ TEST_F(ShadowTest, LightThatAddsNothingTakesNoRay) {
     const auto resumesOf = [&](const Scene& of, std::vector<float>& pixels) {
         const Case c = makeCase(of, 16, 16);
         Renderer renderer(device(), c.packed, {.tripBudget = 1, .traversal = Traversal::Lane});
-        pixels = renderer.render(c.camera, sized<Request>(c)).color.pixels;
+        pixels = renderer.render(sized<Request>(c)).color.pixels;
         return renderer.times().resumes;
     };
     std::vector<float> unlit, lit;
@@ -76,7 +76,7 @@ class RayCountsTest : public RenderTest {
         Renderer renderer(device(), c.packed, {.tripBudget = tripBudget});
         Request request = wholeWithData(c);
         request.tally = true;
-        renderer.render(c.camera, request);
+        renderer.render(request);
         return renderer.rays();
     }
 };
@@ -113,7 +113,7 @@ TEST_F(RayCountsTest, RaysLeaveABallThatIsAlone) {
                     {"type": "triangle", "vertices": [[5, 6, 7], [6, 6, 7], [5, 7, 7]], "material": "m"}]})",
                             96, 72);
     Renderer renderer(device(), c.packed);
-    const Picture picture = renderer.render(c.camera, wholeWithData(c));
+    const Picture picture = renderer.render(wholeWithData(c));
     const size_t hits = pixelsWithObject(picture);
     EXPECT_GT(hits, 1000u);
     EXPECT_EQ(counted(c).mirrored, hits);

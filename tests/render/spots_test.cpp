@@ -52,8 +52,7 @@ TEST_F(SpotTest, LightsADiscOfTheConesRadius) {
         spot.falloff = lamp.falloff;
         scene.lights.push_back(spot);
         const Case c = makeCase(scene, kSize, kSize);
-        const Picture pictures[] = {draw(device(), c),
-                                    reference::render(c.packed, c.camera, wholeWithData(c))};
+        const Picture pictures[] = {draw(device(), c), reference::render(c.packed, wholeWithData(c))};
         int lit = 0, dark = 0, between = 0;
         for (int i = 0; i < 2 * kSize * kSize; ++i) {
             const Picture& picture = pictures[i % 2];

@@ -126,7 +126,7 @@ RenderTest::Drawn RenderTest::drawn(const Case& c, const Request& request, Whole
                                     Options options) {
     options.wholePaths = whole;
     Renderer renderer(device(), c.packed, options);
-    Picture picture = renderer.render(c.camera, request);
+    Picture picture = renderer.render(request);
     return {std::move(picture), renderer.times(), renderer.rays()};
 }
 
@@ -137,9 +137,10 @@ verify::Report RenderTest::verified(const Case& c, const Options& rendering, con
 
 verify::Report RenderTest::verified(Renderer& renderer, const Case& c, verify::Options options,
                                     const Scene* read) {
+    options.camera = c.camera;
     options.width = c.width;
     options.height = c.height;
-    return verify::verify(renderer, c.packed, c.camera, options, read);
+    return verify::verify(renderer, c.packed, options, read);
 }
 
 verify::Report RenderTest::verifiedAsRead(const Case& c) {
@@ -156,7 +157,7 @@ Case makeCase(Scene scene, int width, int height, BuildQuality quality) {
     Case c;
     c.scene = std::move(scene);
     c.packed = packScene(c.scene, {quality});
-    c.camera = packCamera(c.scene.camera, width, height, c.packed.origin);
+    c.camera = c.scene.camera;
     c.width = width;
     c.height = height;
     return c;
@@ -273,7 +274,7 @@ Request wholeWithData(const Case& c) {
 }
 
 Picture draw(Renderer& renderer, const Case& c) {
-    return renderer.render(c.camera, wholeWithData(c));
+    return renderer.render(wholeWithData(c));
 }
 
 Picture draw(const gpu::Device& device, const Case& c, const Options& options) {

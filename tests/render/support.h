@@ -31,7 +31,7 @@ using namespace glint::test;
 struct Case {
     Scene scene;
     PackedScene packed;
-    shared::Camera camera;
+    Camera camera;  // of the image
     int width = 0, height = 0;
 };
 
@@ -146,9 +146,14 @@ class RayTracer {
 template <typename T>
 T sized(const Case& c) {
     T settings;
+    settings.camera = c.camera;
     settings.width = c.width;
     settings.height = c.height;
     return settings;
+}
+// The camera of its image, packed.
+inline shared::Camera filmOf(const Case& c) {
+    return cameraOf(c.packed, sized<Request>(c));
 }
 
 // The whole image of a case with its data, and the reference's colours in double.

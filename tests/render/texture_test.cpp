@@ -50,10 +50,10 @@ class Viewer {
         aim(camera, eye, target,
             std::abs(glm::normalize(target - eye).y) > 0.9 ? dvec3(0, 0, -1) : dvec3(0, 1, 0));
         camera.fovY = 1e-3;
-        case_.camera = packCamera(camera, 1, 1, case_.packed.origin);
+        case_.camera = camera;
         const Picture picture = draw(renderer_, case_);
         const vec3 color(picture.color.at(0, 0, 0), picture.color.at(0, 0, 1), picture.color.at(0, 0, 2));
-        const dvec3 exact = tracer_.trace(tracer_.cameraRay(case_.camera, 0.5, 0.5)).color;
+        const dvec3 exact = tracer_.trace(tracer_.cameraRay(filmOf(case_), 0.5, 0.5)).color;
         EXPECT_LT(glm::distance(dvec3(color), exact), 1e-5) << color.x << " and " << exact.x;
         return color;
     }
@@ -336,8 +336,7 @@ TEST_F(TextureTest, PolesAndSeamsShowOneEndOfTheImage) {
 TEST_F(TextureTest, LayersOfDeviceAndReferenceHaveTheSameCoordinates) {
     for (const char* name : {"textures", "textured_quadrics"}) {
         const Case c = fileCase(name, 24, 18);
-        const Picture drawn = draw(device(), c),
-                      exact = reference::render(c.packed, c.camera, wholeWithData(c));
+        const Picture drawn = draw(device(), c), exact = reference::render(c.packed, wholeWithData(c));
         for (size_t i = 0; i < drawn.data.size(); ++i) {
             const PixelData &a = drawn.data[i], &b = exact.data[i];
             if (a.primitive != b.primitive) continue;

@@ -246,10 +246,10 @@ TEST_F(RenderTest, TheOrderOfTraversalMattersWithinTheBoundAlone) {
              {std::pair{Traversal::Lane, 0u}, {Traversal::Lane, 1u}, {Traversal::Packet, 0u}}) {
             Renderer renderer(device(), c.packed, {.tripBudget = budget, .traversal = traversal});
             EXPECT_TRUE(verified(renderer, c).passed()) << i;
-            pictures.push_back(renderer.render(c.camera, wholeWithData(c)));
+            pictures.push_back(renderer.render(wholeWithData(c)));
         }
         for (int y = 0; y < c.height; ++y) {
-            const reference::Ray ray = tracer.cameraRay(c.camera, 8.5, y + 0.5);
+            const reference::Ray ray = tracer.cameraRay(filmOf(c), 8.5, y + 0.5);
             const double height = ray.origin.y - ray.origin.z / ray.direction.z * ray.direction.y +
                                   c.packed.origin.y - c.packed.origin.z / ray.direction.z * ray.direction.y -
                                   1;

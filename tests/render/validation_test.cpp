@@ -15,13 +15,13 @@ TEST_P(ValidationTest, LayerIsSilent) {
         const Options options = {.maxSlicePixels = 512, .tripBudget = 40, .access = GetParam()};
         Renderer renderer(device, c.packed, options);
         EXPECT_TRUE(draw(renderer, c).complete);
-        Request plain;
+        auto plain = sized<Request>(c);
         plain.width = plain.height = 16;
         plain.samples = PackedSamples::fixed(sampleOffsets(2));
-        EXPECT_TRUE(renderer.render(c.camera, plain).complete);
+        EXPECT_TRUE(renderer.render(plain).complete);
         plain.cost = true;
-        EXPECT_TRUE(renderer.render(c.camera, plain).complete);
-        const std::vector<RayInput> rays(100, rayOf(c.camera.eye, c.camera.center));
+        EXPECT_TRUE(renderer.render(plain).complete);
+        const std::vector<RayInput> rays(100, rayOf(filmOf(c).eye, filmOf(c).center));
         RayTracer tracer(device, c.packed, options);
         tracer.trace(rays, false);
         tracer.trace(rays, true);

@@ -30,7 +30,7 @@ TEST_F(PictureTest, CostIsCountedAndChangesNothing) {
     auto settings = sized<Request>(c);
     settings.cost = true;
     Renderer renderer(device(), c.packed);
-    Picture counted = renderer.render(c.camera, settings);
+    Picture counted = renderer.render(settings);
     uint64_t sum = 0;
     for (PixelData& data : counted.data) {
         sum += data.cost;
@@ -53,7 +53,7 @@ TEST_F(PictureTest, CancelledRenderKeepsFinishedSlices) {
         progress = fraction;
     };
     settings.cancelled = [&] { return progress > 0.5; };
-    Picture part = renderer.render(c.camera, settings);
+    Picture part = renderer.render(settings);
     EXPECT_FALSE(part.complete);
     EXPECT_LT(progress, 1.0);
     const auto done = std::count(part.done.begin(), part.done.end(), 1);
@@ -66,7 +66,7 @@ TEST_F(PictureTest, CancelledRenderKeepsFinishedSlices) {
     }
     settings.cancelled = nullptr;
     progress = 0;
-    EXPECT_TRUE(sameBits(renderer.render(c.camera, settings), whole));
+    EXPECT_TRUE(sameBits(renderer.render(settings), whole));
     EXPECT_EQ(progress, 1.0);
 }
 

@@ -141,7 +141,7 @@ TEST_F(WholePathsTest, SamplesOfAllKindsDrawTheSame) {
         for (const bool adaptive : {false, true}) {
             ImageSettings image = {.samplesPerPixel = 4, .sampler = Sampler::LowDiscrepancy};
             if (adaptive) image.adaptive = AdaptiveSampling{12, 0.05};
-            request.samples = packSamples(image, c.scene.camera.lensRadius > 0);
+            request.samples = packSamples(image, c.camera);
             expectSame(c, request);
         }
     }
@@ -244,7 +244,7 @@ TEST_F(WholePathsTest, AdaptivePicturesAreDrawnAgainFromTheFirstSample) {
     ImageSettings image = {.samplesPerPixel = 4, .sampler = Sampler::LowDiscrepancy};
     image.adaptive = AdaptiveSampling{12, 0.05};
     Request request = requestOf(c);
-    request.samples = packSamples(image, false);
+    request.samples = packSamples(image, c.camera);
     expectDrawnAgain(c, request, {.tripBudget = 6});
 }
 

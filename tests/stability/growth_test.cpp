@@ -135,12 +135,11 @@ TEST_P(GrowthTest, ErrorGrowsAsTheCurvatureSays) {
     std::vector<dvec3> truthBefore(kSide * kSide, dvec3(0));
     std::vector<double> measured;
     for (int k = 0; k <= trap.bounces; ++k) {
-        Request settings;
-        settings.width = settings.height = kSide;
+        auto settings = sized<Request>(c);
         settings.limits.depth = k;
-        const Picture picture = renderer.render(c.camera, settings);
+        const Picture picture = renderer.render(settings);
         settings.exact = true;
-        const Picture truth = reference::render(c.packed, c.camera, settings);
+        const Picture truth = reference::render(c.packed, settings);
         const int light = bestLight(steps[k].azimuth, turned);
         const double slope = slopeOf(steps[k].azimuth, turned + kBetween[light]);
         ASSERT_GT(slope, 0.1) << "the lights tell nothing about bounce " << k;

@@ -117,7 +117,7 @@ TEST_F(LeakTest, RoundBodiesAreDarkInside) {
     Case c = textCase(kRoundBodies, 32, 32);
     const reference::Tracer tracer(c.packed);
     render::Renderer renderer(device(), c.packed, {});
-    Camera& camera = c.scene.camera;
+    Camera& camera = c.camera;
     for (const dvec3& inside : kInside) {
         const dvec3 towards = glm::normalize(kLight - inside);
         const dvec3 across = glm::normalize(glm::cross(towards, dvec3(0.3, 1, 0.2)));
@@ -132,7 +132,6 @@ TEST_F(LeakTest, RoundBodiesAreDarkInside) {
             camera.eye = inside;
             camera.target = inside + *direction;
             camera.up = towards;
-            c.camera = packCamera(camera, c.width, c.height, c.packed.origin);
             const Image image = draw(renderer, c).color;
             for (int i = 0; i < c.width * c.height; ++i)
                 ASSERT_EQ(image.at(i % c.width, i / c.width, 0), 0.0f)
@@ -247,12 +246,12 @@ TEST_F(LeakTest, SliversDoNotShadeTheirNeighbours) {
     ASSERT_TRUE(c.packed.features.slivers);
     Request request = wholeWithData(c);
     request.region = {24, 140, 32, 148};
-    const Picture truth = reference::render(c.packed, c.camera, request);
+    const Picture truth = reference::render(c.packed, request);
     for (const render::Traversal traversal : {render::Traversal::Lane, render::Traversal::Packet}) {
         render::Options options;
         options.traversal = traversal;
         render::Renderer renderer(device(), c.packed, options);
-        const Picture picture = renderer.render(c.camera, request);
+        const Picture picture = renderer.render(request);
         ASSERT_EQ(picture.data.size(), truth.data.size());
         for (size_t i = 0; i < truth.data.size(); ++i)
             EXPECT_EQ(picture.data[i].shadowBits, truth.data[i].shadowBits) << i;

@@ -220,7 +220,7 @@ Case lidCase(double height, double gap) {
 }
 
 Picture pictureBy(const Subject& subject, const Case& c) {
-    if (!subject.device) return reference::render(c.packed, c.camera, render::test::wholeWithData(c));
+    if (!subject.device) return reference::render(c.packed, render::test::wholeWithData(c));
     SubjectRenderer renderer(subject, c.packed);
     return render::test::draw(*renderer, c);
 }

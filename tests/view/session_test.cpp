@@ -25,7 +25,7 @@ void passOver(converge::Replicates& goal, const converge::Film& film, double dep
 }
 
 converge::Replicates goalOf(double error, uint32_t seed = 0, bool knowsDepth = true) {
-    return {converge::jobOf(error, seed).request.image, {.error = error}, knowsDepth};
+    return {converge::jobOf(error, seed).request, {.error = error}, knowsDepth};
 }
 
 TEST(SessionUntil, EndsWhereRenderDoes) {
