@@ -49,8 +49,7 @@ std::string emptyReason(const Picture& picture, const LoadedScene& loaded, const
         return "nothing is left of its objects (see the warnings above)";
     if (scoutsOf(picture, loaded, request).clipped)
         return "everything is nearer than the camera's near or farther away than its far";
-    const Region wanted = regionOf(request);
-    if (wanted.width() < request.width || wanted.height() < request.height)
+    if (request.region.width() < request.width || request.region.height() < request.height)
         return "nothing is in this --crop; leave it out to see the whole image";
     return "the camera looks past the objects, or they are smaller than a pixel; check its eye and target "
            "(glint info prints the bounds)";

@@ -227,7 +227,7 @@ ExitCode renderPicture(const RenderCommand& command, std::ostream& out, std::ost
     warnAboutPicture(outcome, command, loaded, err);
     outcome.written = file.finish(out, errorNotes(command.target, outcome));
     outcome.totalSeconds = total.seconds();
-    printResult(outcome, command, loaded, out);
+    printResult(outcome, command, loaded, request, out);
     drawing.checkValidation();
     checkComplete(outcome);
     const bool missed = outcome.converged && !outcome.converged->reached();
@@ -342,10 +342,9 @@ class FrameRenderer {
         const std::optional<converge::Job> job =
             jobOf(command_.target, loaded, command_.device.backend, request);
         if (first || change == Change::Scene) drawing_.load(loaded, request);
-        const Region region = regionOf(request);
-        PictureFile file(numbered(outputOf(command_), frame), region, command_.aovs, command_.exposure,
-                         false);
-        Outcome outcome = drawInto(file, drawing_, command_, loaded, request, job, region.height());
+        PictureFile file(numbered(outputOf(command_), frame), request.region, command_.aovs,
+                         command_.exposure, false);
+        Outcome outcome = drawInto(file, drawing_, command_, loaded, request, job, request.region.height());
         const bool cut = outcome.converged && outcome.converged->stop == converge::Stop::Interrupted;
         // The next run would skip an incomplete frame as finished.
         if (!outcome.complete || cut) return false;

@@ -55,7 +55,8 @@ uint64_t bytesPerPixel(const RenderCommand& command);
 // Bytes for a unit, which has no PixelData.
 uint64_t bytesPerPixel(const std::vector<Aov>& aovs);
 
-// All wishes of the command; `progress` is left empty. Throws Error(Argument) for a --crop beyond the image.
+// All wishes of the command, with the region that it covers; `progress` is left empty. Throws Error(Argument)
+// for a --crop beyond the image.
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded);
 
 // --part, --checkpoint and MPI render an image unit by unit (farm/unit.h). Throws Error(Argument) for options
@@ -154,7 +155,7 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
 
 // The summary, or with --stats JSON; with --quiet nothing else.
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
-                 std::ostream& out);
+                 const Request& request, std::ostream& out);
 
 // Parts of the summary, and of the JSON for --stats: the backend and its device, the files.
 void printFiles(const Outcome& outcome, std::ostream& out);

@@ -101,9 +101,9 @@ void expose(std::vector<Layer>& layers, float scale) {
                 if (layer.image.channels < 4 || i % 4 < 3) layer.image.pixels[i] *= scale;
 }
 
-nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
+nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
+                         const Request& request) {
     const render::StageTimes& t = outcome.drawn.times;
-    const Request request = requestOf(command, loaded);
     const Written& written = outcome.written;
     nlohmann::json json = drawnJson(outcome.drawn);
     json.update(imageJson(outcome));
@@ -342,7 +342,7 @@ Written PictureFile::finish(std::ostream& out, const PictureNotes& notes) {
 Outcome drawInto(PictureFile& file, Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
                  const Request& request, const std::optional<converge::Job>& job, int rows) {
     Outcome outcome;
-    const Region region = outcome.region = regionOf(request);
+    const Region region = outcome.region = request.region;
     bool alike = !command.quiet;  // all bands so far lack the same
     Request part = request;
     for (int y = region.y0; y < region.y1 && outcome.complete; y += rows) {
@@ -387,11 +387,11 @@ PictureNotes errorNotes(const converge::Target& target, const Outcome& outcome) 
 }
 
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
-                 std::ostream& out) {
+                 const Request& request, std::ostream& out) {
     if (command.output == "-") {
         out.flush();  // the image
     } else if (command.json) {
-        printJson(statsJson(outcome, command, loaded), out);
+        printJson(statsJson(outcome, command, loaded, request), out);
     } else if (!command.quiet) {
         printSummary(outcome, command, loaded, out);
     }

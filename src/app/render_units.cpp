@@ -166,7 +166,7 @@ class UnitRenderer {
         outcome.drawn = drawing_.facts();
         outcome.written.totals = {pixels, pixels * samples, samples, samples};
         outcome.totalSeconds = total_.seconds();
-        printResult(outcome, command_, loaded_, out);
+        printResult(outcome, command_, loaded_, request_, out);
         drawing_.checkValidation();
         return ExitCode::Done;
     }

@@ -186,7 +186,7 @@ std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedS
     if (target.error == 0) return std::nullopt;
     refuseIf(target.depthCounts && converge::missesReflections(loaded.scene, depthOf(loaded.packed, request)),
              "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
-    refuseIf(regionOf(request).pixels() == 1,
+    refuseIf(request.region.pixels() == 1,
              "--error cannot bound the error of a single pixel: use a larger --crop");
     converge::Job job = converge::jobFor(loaded.packed, request, target);
     request = job.request;
