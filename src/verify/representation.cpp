@@ -18,13 +18,10 @@ namespace {
 
 // In larger images one random pixel of each 2 x 2 is examined.
 constexpr size_t kSmallImage = 4096;
-// Numbers of scenes with each number moved by up to one unit, as by packing: at first, at least, and at most
-// for the few pixels that are left (kFewPixels and one in kFewPixels of those examined; more are a defect,
-// unless mayLeave allows them).
-// At an edge one scene in dozens takes the path of the packed one, and two or three scenes make no box for
-// quantities that rounding changes much, such as the normal of a face whose corners' last places are a
-// thousandth of it.
-constexpr uint64_t kFirstScenes = 8, kMovedScenes = 24, kLastScenes = 1024;
+// Scenes with each number moved by up to one unit, as by packing: for all pixels, and for the few that are
+// left and have no certificate (kFewPixels and one in kFewPixels of those examined). More are a defect,
+// unless mayLeave allows them.
+constexpr uint64_t kMovedScenes = 24, kLastScenes = 1024;
 constexpr size_t kFewPixels = 64;
 // Scenes in place of the packed one. One number that decides many pixels may decide none of them in half of
 // the scenes.
@@ -143,17 +140,8 @@ void RepresentationCheck::certifyDoubt(Doubt& doubt) const {
     if (certificate.verdict == Certificate::Verdict::Holds) doubt.state = Doubt::State::Explained;
 }
 
-// All pixels share the same few moves, so one number may leave many pixels in doubt. Triples the scenes while
-// that halves the pixels in doubt; returns their number.
-uint64_t RepresentationCheck::drawFirst(std::vector<Doubt*>& open) const {
-    uint64_t drawn = 0;
-    size_t before = open.size();
-    for (uint64_t last = kFirstScenes; last <= kLastScenes; last *= 3) {
-        if (last > kMovedScenes && 2 * open.size() > before) break;
-        before = open.size();
-        while (drawn < last && !open.empty()) draw(++drawn, open);
-    }
-    return drawn;
+void RepresentationCheck::draw(uint64_t first, uint64_t last, std::vector<Doubt*>& open) const {
+    for (uint64_t seed = first; seed <= last && !open.empty(); ++seed) draw(seed, open);
 }
 
 // True if one of kStandIns moved scenes, in place of the packed one, leaves half as many pixels in doubt.
@@ -170,20 +158,19 @@ bool RepresentationCheck::mayLeave(size_t doubts) const {
                 }
         });
         std::vector<Doubt*> open = doubtsOf(rows);
-        drawFirst(open);
+        draw(1, kMovedScenes, open);
         if (2 * open.size() >= doubts) return true;
     }
     return false;
 }
 
-// Leaves doubts open that nothing explains, or whose search would be too long.
+// Leaves doubts open that nothing explains.
 void RepresentationCheck::search(std::vector<Doubt*> open, size_t examined) const {
-    uint64_t drawn = drawFirst(open);
-    const size_t few = kFewPixels + examined / kFewPixels;
-    if (open.size() > few && !mayLeave(open.size())) return;
+    draw(1, kMovedScenes, open);
+    if (open.size() > kFewPixels + examined / kFewPixels && !mayLeave(open.size())) return;
     parallelFor({.cancelled = request_.cancelled}, open.size(), [&](size_t i) { certifyDoubt(*open[i]); });
     std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
-    while (open.size() <= few && drawn < kLastScenes && !open.empty()) draw(++drawn, open);
+    draw(kMovedScenes + 1, kLastScenes, open);
 }
 
 Representation RepresentationCheck::judge(size_t worstCount) {
