@@ -74,12 +74,10 @@ void readValue(const JsonCursor& value, bool first, AnimationTrack& track) {
 void checkRotations(const JsonCursor& values, const AnimationTrack& track) {
     const Keyframes& k = track.keyframes;
     if (k.components != 4) values.failWanted("quaternions have four numbers [x, y, z, w]");
-    for (size_t i = 0; i < values.size(); ++i) {
-        if (k.interpolation == Interpolation::Cubic && i % 3 != 1) continue;
-        double squares = 0;
-        for (size_t c = 0; c < 4; ++c) squares += k.values[i * 4 + c] * k.values[i * 4 + c];
-        if (!(squares > 0)) values.item(i).failWanted("a quaternion must not be zero");
-    }
+    const size_t zero = zeroRotation(k);
+    if (zero < k.times.size())
+        values.item(k.interpolation == Interpolation::Cubic ? 3 * zero + 1 : zero)
+            .failWanted("a quaternion must not be zero");
 }
 
 AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {

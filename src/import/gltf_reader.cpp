@@ -27,38 +27,44 @@ Affine matrixOf(const JsonCursor& node, const std::vector<double>& m) {
     return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
 }
 
-// Rotation of a quaternion x y z w. Files store it with seven digits, so it is normalised here.
-glm::dmat3 rotationOf(const JsonCursor& node, const std::vector<double>& q) {
-    const double length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (!(length2 > 0) || !std::isfinite(length2)) node.fail("the rotation must not be zero");
-    const double s = 2 / length2;
-    const double x = q[0], y = q[1], z = q[2], w = q[3];
-    return {{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
-            {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
-            {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}};
-}
-
 glm::dvec3 vectorOf(const std::vector<double>& v) {
     return {v[0], v[1], v[2]};
+}
+
+// Scales, turns, then moves; an empty list leaves its part out.
+Affine composed(const JsonCursor& node, const std::vector<double>& scale,
+                const std::vector<double>& quaternion, const std::vector<double>& translation) {
+    Affine place;
+    if (!scale.empty()) place = scaling(vectorOf(scale));
+    if (!quaternion.empty()) {
+        const auto turn = rotation({quaternion[0], quaternion[1], quaternion[2], quaternion[3]});
+        if (!turn) node.fail("the rotation must not be zero");
+        place.linear = turn->linear * place.linear;
+    }
+    if (!translation.empty()) place.offset = vectorOf(translation);
+    return place;
 }
 
 // Transform of the node in the file, except for its animated parts.
 Affine placeOf(const JsonCursor& node, const GltfPlace& animated) {
     const std::vector<double> matrix = node.numbers("matrix", 16);
     if (!matrix.empty()) return matrixOf(node, matrix);
-    Affine place = scaling(animated.scale ? vectorOf(*animated.scale) : node.vector3("scale", glm::dvec3(1)));
-    const std::vector<double> rotation = animated.rotation.value_or(node.numbers("rotation", 4));
-    if (!rotation.empty()) place.linear = rotationOf(node, rotation) * place.linear;
-    place.offset =
-        animated.translation ? vectorOf(*animated.translation) : node.vector3("translation", glm::dvec3(0));
-    return place;
+    const auto part = [&](std::string_view key, size_t count) {
+        const auto moved = animated.find(key);
+        if (moved != animated.end()) return moved->second;
+        const auto own = node.find(key);
+        if (!own) return std::vector<double>();
+        return own->numbers(count, count == 3 ? "three numbers [x, y, z]" : "4 numbers");
+    };
+    const std::vector<double> scale = part("scale", 3), quaternion = part("rotation", 4);
+    return composed(node, scale, quaternion, part("translation", 3));
 }
 
 // ---- Animations (section 3.11), interpolation by appendix C
 
 struct Channel {
     size_t node = 0;
-    std::optional<std::vector<double>> GltfPlace::*path = nullptr;
+    std::string path;  // the part of a GltfPlace
     Keyframes keyframes;
 };
 
@@ -78,13 +84,8 @@ void checkKeyframes(const JsonCursor& sampler, const Keyframes& keyframes) {
     if (keyframes.values.size() != times.size() * keyframes.stride())
         sampler.fail("has ", times.size(), " times, and values for ",
                      keyframes.values.size() / keyframes.stride());
-    if (!keyframes.rotation) return;
-    const size_t stride = keyframes.stride(), first = stride == 12 ? 4 : 0;
-    for (size_t at = first; at < keyframes.values.size(); at += stride) {
-        double squares = 0;
-        for (size_t c = 0; c < 4; ++c) squares += keyframes.values[at + c] * keyframes.values[at + c];
-        if (!(squares > 0)) sampler.fail("a rotation must not be zero");
-    }
+    if (keyframes.rotation && zeroRotation(keyframes) < times.size())
+        sampler.fail("a rotation must not be zero");
 }
 
 Keyframes readSampler(GltfFile& file, const JsonCursor& sampler, bool rotation) {
@@ -108,24 +109,19 @@ std::optional<Channel> readChannel(GltfFile& file, const JsonCursor& samplers, c
     if (!node) return std::nullopt;  // an extension's
     Channel result;
     result.node = file.index("nodes", *node);
-    const std::string& path = target.require("path").string();
-    if (path == "weights") {
+    const JsonCursor path = target.require("path");
+    result.path = path.string();
+    if (result.path == "weights") {
         file.warn("morph targets are ignored");
         return std::nullopt;
     }
-    if (path == "translation")
-        result.path = &GltfPlace::translation;
-    else if (path == "rotation")
-        result.path = &GltfPlace::rotation;
-    else if (path == "scale")
-        result.path = &GltfPlace::scale;
-    else
-        target.require("path").failWanted("must be translation, rotation, scale or weights");
+    if (result.path != "translation" && result.path != "rotation" && result.path != "scale")
+        path.failWanted("must be translation, rotation, scale or weights");
     if (file.item("nodes", result.node).find("matrix")) node->fail("a node with a matrix cannot be animated");
     const JsonCursor reference = channel.require("sampler");
     const auto index = static_cast<size_t>(reference.integer(0, std::numeric_limits<int>::max()));
     if (index >= samplers.size()) reference.fail("there is no such sampler");
-    result.keyframes = readSampler(file, samplers.item(index), path == "rotation");
+    result.keyframes = readSampler(file, samplers.item(index), result.path == "rotation");
     return result;
 }
 
@@ -180,7 +176,7 @@ class Reader final : public GltfScene {
     GltfPlaces placesAt(double time) const override {
         GltfPlaces places;
         for (const Channel& channel : channels_)
-            places[channel.node].*channel.path = valueAt(channel.keyframes, time);
+            places[channel.node][channel.path] = valueAt(channel.keyframes, time);
         return places;
     }
     bool movesObjects() const override { return movesObjects_; }
@@ -294,12 +290,11 @@ class Reader final : public GltfScene {
         file_.files().take(count * 2 * sizeof(Object), file_.name() + ": " + node.pointer());
         for (size_t i = 0; i < count; i++) {
             const auto element = [i](const GltfNumbers& list) {
-                const auto first = list.values.begin() + static_cast<std::ptrdiff_t>(i * list.components);
-                return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(list.components));
+                if (list.count == 0) return std::vector<double>();
+                const double* const first = &list.values[i * list.components];
+                return std::vector<double>(first, first + list.components);
             };
-            Affine local = scaling(scale.count ? vectorOf(element(scale)) : glm::dvec3(1));
-            if (turn.count) local.linear = rotationOf(node, element(turn)) * local.linear;
-            if (move.count) local.offset = vectorOf(element(move));
+            const Affine local = composed(node, element(scale), element(turn), element(move));
             instances_.push_back({instance.node, instance.mesh, then(local, instance.place),
                                   instance.name + "/" + std::to_string(i)});
         }

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "core/text_file.h"
 #include "import/mesh_builder.h"
@@ -21,13 +22,8 @@ namespace glint {
 
 namespace {
 
-// The parts of a view, each with its numbers.
-struct ViewPart {
-    std::string_view name;
-    size_t count;
-};
-constexpr ViewPart kViewParts[] = {{"from", 3},  {"at", 3},     {"up", 3},
-                                   {"angle", 1}, {"hither", 1}, {"resolution", 2}};
+// The parts that a view must have; "hither" may be missing.
+constexpr const char* kViewParts[] = {"from", "at", "up", "angle", "resolution"};
 
 using Fill = std::array<double, 8>;  // red green blue Kd Ks Shine T index of refraction
 
@@ -67,6 +63,7 @@ class NffReader {
         }
         if (kind == "v") {
             view_.emplace();
+            scene_.camera = {};
             return;
         }
         readViewPart(kind);
@@ -88,18 +85,28 @@ class NffReader {
     }
 
     void readViewPart(const std::string& name) {
-        const auto known = std::ranges::find(kViewParts, name, &ViewPart::name);
-        if (known == std::end(kViewParts))
+        if (name != "hither" && std::ranges::find(kViewParts, name) == std::end(kViewParts))
             scanner_.fail('"', name.substr(0, 40), "\" is no entity of NFF (v, b, l, f, c, s, p, pp)");
         if (!view_) scanner_.fail('"', name, "\" must follow \"v\"");
-        std::vector<double> numbers(known->count);
-        for (double& value : numbers) value = number(name.c_str());
-        if (name == "angle" && !(numbers[0] > 0 && numbers[0] < 180))
+        view_->insert(name);
+        Camera& camera = scene_.camera;
+        if (name == "from") camera.eye = vector("from");
+        if (name == "at") camera.target = vector("at");
+        if (name == "up") camera.up = vector("up");
+        if (name == "hither") camera.nearT = std::max(number("hither"), 0.0);
+        if (name == "angle") angle_ = number("angle");
+        if (name == "angle" && !(angle_ > 0 && angle_ < 180))
             scanner_.fail("angle must be between 0 and 180 degrees");
-        for (const double value : numbers)
-            if (name == "resolution" && !(value >= 1 && value <= kMaxImageSize && std::floor(value) == value))
+        if (name == "resolution") readResolution();
+    }
+
+    void readResolution() {
+        const double width = number("resolution"), height = number("resolution");
+        for (const double value : {width, height})
+            if (!(value >= 1 && value <= kMaxImageSize && std::floor(value) == value))
                 scanner_.fail("resolution must be whole numbers from 1 to ", kMaxImageSize);
-        (*view_)[name] = std::move(numbers);
+        scene_.image.width = static_cast<int>(width);
+        scene_.image.height = static_cast<int>(height);
     }
 
     void readLight() {
@@ -268,26 +275,13 @@ class NffReader {
     }
 
     void finishCamera() {
-        for (const ViewPart& part : kViewParts)
-            if (part.name != "hither" && !view_->contains(std::string(part.name)))
-                scanner_.fail("the view (v) lacks \"", part.name, '"');
-        const auto vector = [this](const char* part) {
-            const std::vector<double>& v = view_->at(part);
-            return glm::dvec3(v[0], v[1], v[2]);
-        };
-        Camera& camera = scene_.camera;
-        camera.eye = vector("from");
-        camera.target = vector("at");
-        camera.up = vector("up");
-        if (view_->contains("hither")) camera.nearT = std::max(view_->at("hither")[0], 0.0);
-        const int width = static_cast<int>(view_->at("resolution")[0]);
-        const int height = static_cast<int>(view_->at("resolution")[1]);
-        scene_.image.width = width;
-        scene_.image.height = height;
+        for (const char* part : kViewParts)
+            if (!view_->contains(part)) scanner_.fail("the view (v) lacks \"", part, '"');
+        const int width = scene_.image.width, height = scene_.image.height;
         // The angle lies between the centres of the first and the last row, fovY between the outer edges.
         const double degree = std::numbers::pi / 180;
         const double rows = height > 1 ? height / (height - 1.0) : 1.0;
-        camera.fovY = 2 * std::atan(std::tan(view_->at("angle")[0] * degree / 2) * rows) / degree;
+        scene_.camera.fovY = 2 * std::atan(std::tan(angle_ * degree / 2) * rows) / degree;
         if (width != height)
             scene_.warnings.push_back(file_ +
                                       ": the resolution is not square; the angle is taken from top to "
@@ -298,7 +292,8 @@ class NffReader {
     std::string text_;
     TextScanner scanner_;
     Scene scene_;
-    std::optional<std::map<std::string, std::vector<double>>> view_;  // parts of the last one
+    std::optional<std::set<std::string>> view_;  // parts of the last one
+    double angle_ = 0;
     std::vector<size_t> plainLights_;  // those whose colour the file leaves out
     std::map<Fill, uint32_t> fills_;   // to materials
     uint32_t fill_ = Mesh::kNoIndex;

@@ -1,7 +1,6 @@
 // The "objects" of a scene file and the meshes and materials that they name.
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/quaternion.hpp>
 
 #include "core/enum_names.h"
 #include "core/error.h"
@@ -104,13 +103,9 @@ Affine parseRotation(const JsonCursor& turn) {
 
 Affine parseQuaternion(const JsonCursor& turn) {
     const std::vector<double> v = turn.numbers(4, "four numbers [x, y, z, w]");
-    glm::dvec4 q(v[0], v[1], v[2], v[3]);
-    const double length = glm::length(q);
-    if (!(length > 0 && std::isfinite(length))) turn.failWanted("must not be zero, and its length finite");
-    q /= length;
-    Affine result;
-    result.linear = glm::mat3_cast(glm::dquat(q.w, q.x, q.y, q.z));
-    return result;
+    const auto result = rotation({v[0], v[1], v[2], v[3]});
+    if (!result) turn.failWanted("must not be zero, and its length finite");
+    return *result;
 }
 
 Affine parseStep(const JsonCursor& step) {

@@ -18,6 +18,23 @@ namespace glint {
 
 namespace {
 
+// The use of a property: a number of a vertex or face, whose groups begin here, or a list.
+enum Role : size_t { kPosition, kNormal = 3, kUv = 6, kColor = 8, kIndices = 11, kCornerUvs, kUnused };
+
+// Names of the numbers that a mesh takes from an element, which must have all of a group; the first such
+// group counts. Blender writes s t, MeshLab texture_u texture_v.
+struct NumberGroup {
+    Role role;
+    std::vector<std::string_view> names;
+};
+const NumberGroup kGroups[] = {{kPosition, {"x", "y", "z"}},
+                               {kNormal, {"nx", "ny", "nz"}},
+                               {kUv, {"s", "t"}},
+                               {kUv, {"u", "v"}},
+                               {kUv, {"texture_u", "texture_v"}},
+                               {kColor, {"red", "green", "blue"}},
+                               {kColor, {"diffuse_red", "diffuse_green", "diffuse_blue"}}};
+
 // ---- The header
 
 struct PlyProperty {
@@ -25,6 +42,7 @@ struct PlyProperty {
     NumberType type = NumberType::Float32;
     bool isList = false;
     NumberType countType = NumberType::Uint8;  // of a list
+    size_t role = kUnused;
 };
 
 struct PlyElement {
@@ -33,9 +51,12 @@ struct PlyElement {
     std::vector<PlyProperty> properties;
 
     // The property of that name, or null.
-    const PlyProperty* find(std::string_view property) const {
+    PlyProperty* find(std::string_view property) {
         const auto at = std::ranges::find(properties, property, &PlyProperty::name);
         return at == properties.end() ? nullptr : &*at;
+    }
+    bool has(size_t role) const {
+        return std::ranges::find(properties, role, &PlyProperty::role) != properties.end();
     }
 };
 
@@ -202,32 +223,12 @@ class PlyNumbers {
     uint64_t index_ = 0;
 };
 
-// Names of the numbers that a mesh takes from an element, the first known one counts. Texture coordinates go
-// by several: Blender s t, MeshLab texture_u texture_v, others u v.
-constexpr const char* kNumberNames =
-    "x,y,z,nx,ny,nz,s u texture_u,t v texture_v,red diffuse_red,green diffuse_green,blue diffuse_blue";
-
-// The use of a property: a number of kNumberNames, whose groups begin here, or a list.
-enum Role : size_t { kPosition, kNormal = 3, kUv = 6, kColor = 8, kIndices = 11, kCornerUvs, kUnused };
-constexpr std::pair<Role, Role> kGroups[] = {
-    {kPosition, kNormal}, {kNormal, kUv}, {kUv, kColor}, {kColor, kIndices}};
-
-using Roles = std::vector<size_t>;  // of an element's properties
-
-bool has(const Roles& roles, size_t role) {
-    return std::ranges::find(roles, role) != roles.end();
-}
-
 class PlyReader {
     static constexpr double kRead = 0.9;  // part of the time for reading; the rest is for the faces
 
   public:
-    PlyReader(SceneFiles& files, const std::string& bytes, const PlyHeader& header, const std::string& file)
-        : files_(files),
-          header_(header),
-          file_(file),
-          numbers_(files.context(), std::string_view(bytes).substr(header.bodyOffset), file, header),
-          builder_(file) {}
+    PlyReader(const std::filesystem::path& path, SceneFiles& files)
+        : files_(files), file_(path.string()), bytes_(files.read(path)) {}
 
     ImportedMesh read() {
         for (size_t i = 0; i < std::min<size_t>(header_.textures.size(), 9); i++) {
@@ -253,7 +254,7 @@ class PlyReader {
     void readElements() {
         const ProgressPart part(files_, 0, kRead);
         uint64_t faces = 0;
-        for (const PlyElement& element : header_.elements) {
+        for (PlyElement& element : header_.elements) {
             if (element.name == "vertex") {
                 readVertices(element);
             } else if (element.name == "face") {
@@ -261,81 +262,70 @@ class PlyReader {
                 readFaces(element);
             } else if (element.name == "tristrips") {
                 faces += element.count;
-                forEach(element, rolesWithIndices(element, kIndices, "triangle strips"),
-                        [&](const double*) { addStrip(); });
+                giveRolesWithLists(element, kIndices, "triangle strips");
+                forEach(element, [&](const double*) { addStrip(); });
             } else {
                 builder_.warnings.ignore("element " + element.name);
                 if (element.properties.empty()) continue;  // they take no bytes in the file
-                forEach(element, Roles(element.properties.size(), kUnused), [](const double*) {});
+                forEach(element, [](const double*) {});
             }
         }
         if (faces == 0) failFile(file_, "holds no faces; a point cloud cannot be rendered");
     }
 
-    // Gives roles to the groups of numbers from `firstWanted` on that are complete, and to the lists of a
-    // face or strip whose vertices are `indices`. Ignores all other properties.
-    Roles rolesOf(const PlyElement& element, Role firstWanted, const PlyProperty* indices = nullptr) {
-        Roles roles(element.properties.size(), kUnused);
-        const auto give = [&](const PlyProperty* property, size_t role) {
-            roles[static_cast<size_t>(property - element.properties.data())] = role;
-        };
-        const std::vector<std::string> names = split(kNumberNames, ',');
-        for (size_t role = firstWanted; role < kIndices; role++)
-            for (const std::string& name : split(names[role], ' ')) {
-                const PlyProperty* const property = element.find(name);
-                if (property && !property->isList && !has(roles, role)) give(property, role);
-            }
-        for (const auto& group : kGroups) {
-            const auto belongs = [&](size_t role) { return role >= group.first && role < group.second; };
-            const auto found = static_cast<size_t>(std::ranges::count_if(roles, belongs));
-            if (found < group.second - group.first) std::ranges::replace_if(roles, belongs, size_t{kUnused});
+    // Gives roles to the groups of numbers from `firstWanted` on that are complete. Ignores all other
+    // properties without a role.
+    void giveRoles(PlyElement& element, Role firstWanted) {
+        for (const NumberGroup& group : kGroups) {
+            std::vector<PlyProperty*> found;
+            for (const std::string_view name : group.names)
+                if (PlyProperty* const p = element.find(name); p && !p->isList) found.push_back(p);
+            if (group.role < firstWanted || found.size() < group.names.size() || element.has(group.role))
+                continue;
+            for (size_t i = 0; i < found.size(); i++) found[i]->role = group.role + i;
         }
-        if (indices) {
-            give(indices, kIndices);
-            const PlyProperty* const uvs = element.find("texcoord");
-            if (uvs && uvs->isList) give(uvs, kCornerUvs);
-        }
-        for (size_t p = 0; p < roles.size(); p++)
-            if (roles[p] == kUnused)
-                builder_.warnings.ignore(element.name + " " + element.properties[p].name);
-        return roles;
+        for (const PlyProperty& property : element.properties)
+            if (property.role == kUnused) builder_.warnings.ignore(element.name + " " + property.name);
     }
 
-    // The same with the vertex lists of the faces or strips, which may stand before the vertices.
-    Roles rolesWithIndices(const PlyElement& element, Role firstWanted, const std::string& plural) {
+    // The same with the lists of a face or strip. The vertices may stand after it.
+    void giveRolesWithLists(PlyElement& element, Role firstWanted, const std::string& plural) {
         const auto vertices = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
         if (vertices == header_.elements.end()) failFile(file_, "holds no vertices");
         vertexCount_ = static_cast<int64_t>(vertices->count);
-        const PlyProperty* found = element.find("vertex_indices");
-        if (!found) found = element.find("vertex_index");
-        if (!found) failFile(file_, "the ", plural, " have neither a list vertex_indices nor vertex_index");
-        if (!found->isList || !isInteger(found->type))
-            failFile(file_, "\"", found->name, "\" must be a list of integers");
-        return rolesOf(element, firstWanted, found);
+        PlyProperty* indices = element.find("vertex_indices");
+        if (!indices) indices = element.find("vertex_index");
+        if (!indices) failFile(file_, "the ", plural, " have neither a list vertex_indices nor vertex_index");
+        if (!indices->isList || !isInteger(indices->type))
+            failFile(file_, "\"", indices->name, "\" must be a list of integers");
+        indices->role = kIndices;
+        PlyProperty* const uvs = element.find("texcoord");
+        if (uvs && uvs->isList) uvs->role = kCornerUvs;
+        giveRoles(element, firstWanted);
     }
 
     // Reads all elements of a kind: add(numbers) receives the numbers of each by role; its lists are in
     // indices_ and cornerUvs_.
     template <typename Add>
-    void forEach(const PlyElement& element, const Roles& roles, const Add& add) {
+    void forEach(const PlyElement& element, const Add& add) {
         for (uint64_t i = 0; i < element.count; i++) {
             double values[kUnused + 1] = {};
             indices_.clear();
             cornerUvs_.clear();
             numbers_.beginElement(element, i);
-            for (size_t p = 0; p < element.properties.size(); p++) {
-                const PlyProperty& property = element.properties[p];
+            for (const PlyProperty& property : element.properties) {
                 if (property.isList)
-                    readList(property, roles[p], element.name == "face");
+                    readList(property, element.name == "face");
                 else
-                    values[roles[p]] = numbers_.number(property.type);
+                    values[property.role] = numbers_.number(property.type);
             }
             numbers_.endElement();
             add(values);
         }
     }
 
-    void readList(const PlyProperty& property, size_t role, bool isFace) {
+    void readList(const PlyProperty& property, bool isFace) {
+        const size_t role = property.role;
         const int64_t count = numbers_.integer(property.countType);
         if (count < 0) numbers_.fail("list \"", property.name, "\" has ", count, " entries");
         if (role == kIndices && isFace && count > static_cast<int64_t>(kMaxPolygonCorners))
@@ -358,13 +348,13 @@ class PlyReader {
         return static_cast<uint32_t>(index);
     }
 
-    void readVertices(const PlyElement& element) {
-        const Roles roles = rolesOf(element, kPosition);
-        if (!has(roles, kPosition)) failFile(file_, "the vertices lack one of the properties x, y, z");
+    void readVertices(PlyElement& element) {
+        giveRoles(element, kPosition);
+        if (!element.has(kPosition)) failFile(file_, "the vertices lack one of the properties x, y, z");
         if (element.count >= Mesh::kNoIndex) failFile(file_, "more than 2^32 - 2 vertices");
-        setColorCodes(element, roles);
-        const bool normals = has(roles, kNormal), uvs = has(roles, kUv), colors = has(roles, kColor);
-        forEach(element, roles, [&](const double* v) {
+        setColorCodes(element);
+        const bool normals = element.has(kNormal), uvs = element.has(kUv), colors = element.has(kColor);
+        forEach(element, [&](const double* v) {
             mesh_.positions.emplace_back(v[0], v[1], v[2]);
             if (normals) mesh_.normals.emplace_back(v[3], v[4], v[5]);
             if (uvs) mesh_.uvs.emplace_back(v[6], v[7]);
@@ -373,17 +363,18 @@ class PlyReader {
     }
 
     // Integers are sRGB codes, floats are linear.
-    void setColorCodes(const PlyElement& element, const Roles& roles) {
-        for (size_t p = 0; p < roles.size(); p++)
-            if (roles[p] == kColor && isInteger(element.properties[p].type))
-                builder_.colorCodes = MeshBuilder::ColorCodes::Integers;
+    void setColorCodes(const PlyElement& element) {
+        if (std::ranges::any_of(element.properties, [](const PlyProperty& property) {
+                return property.role == kColor && isInteger(property.type);
+            }))
+            builder_.colorCodes = MeshBuilder::ColorCodes::Integers;
     }
 
-    void readFaces(const PlyElement& element) {
-        const Roles roles = rolesWithIndices(element, kColor, "faces");
-        if (mesh_.colors.empty()) setColorCodes(element, roles);
-        const bool colors = has(roles, kColor);
-        forEach(element, roles, [&](const double* v) {
+    void readFaces(PlyElement& element) {
+        giveRolesWithLists(element, kColor, "faces");
+        if (mesh_.colors.empty()) setColorCodes(element);
+        const bool colors = element.has(kColor);
+        forEach(element, [&](const double* v) {
             corners_.insert(corners_.end(), indices_.begin(), indices_.end());
             for (size_t i = 0; i + 1 < cornerUvs_.size(); i += 2)
                 faceUvs_.emplace_back(cornerUvs_[i], cornerUvs_[i + 1]);
@@ -451,10 +442,11 @@ class PlyReader {
     }
 
     SceneFiles& files_;
-    const PlyHeader& header_;
-    const std::string& file_;
-    PlyNumbers numbers_;
-    MeshBuilder builder_;
+    const std::string file_, bytes_;
+    PlyHeader header_ = readPlyHeader(files_.context(), bytes_, file_);
+    PlyNumbers numbers_{files_.context(), std::string_view(bytes_).substr(header_.bodyOffset), file_,
+                        header_};
+    MeshBuilder builder_{file_};
     Mesh& mesh_ = builder_.result.mesh;
     int64_t vertexCount_ = 0;
     // Lists of the element at hand.
@@ -470,9 +462,7 @@ class PlyReader {
 }  // namespace
 
 ImportedMesh readPly(const std::filesystem::path& path, SceneFiles& files) {
-    const std::string bytes = files.read(path);
-    const PlyHeader header = readPlyHeader(files.context(), bytes, path.string());
-    return PlyReader(files, bytes, header, path.string()).read();
+    return PlyReader(path, files).read();
 }
 
 }  // namespace glint

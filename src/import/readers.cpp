@@ -12,8 +12,8 @@ namespace glint {
 
 namespace {
 
-// Appends `mesh`; its triangles get `material` if it names none.
-void append(const Mesh& mesh, uint32_t material, Mesh& into) {
+// Appends a mesh of glTF, whose triangles all have materials.
+void append(const Mesh& mesh, Mesh& into) {
     constexpr glm::uvec3 none(Mesh::kNoIndex);
     const size_t before = into.corners.size(), count = mesh.corners.size();
     // Lists of corners stay parallel to the triangles.
@@ -30,27 +30,33 @@ void append(const Mesh& mesh, uint32_t material, Mesh& into) {
     add(mesh.normals, into.normals, mesh.normalCorners, into.normalCorners);
     add(mesh.uvs, into.uvs, mesh.uvCorners, into.uvCorners);
     add(mesh.colors, into.colors, mesh.colorCorners, into.colorCorners);
-    if (mesh.materials.empty())
-        into.materials.insert(into.materials.end(), count, material);
-    else
-        into.materials.insert(into.materials.end(), mesh.materials.begin(), mesh.materials.end());
+    into.materials.insert(into.materials.end(), mesh.materials.begin(), mesh.materials.end());
 }
 
-// The mesh objects of `scene` as one mesh in world space, with the scene's materials and warnings.
-ImportedMesh flattened(Scene scene) {
+// The meshes of a glTF scene as one mesh in world space, with the scene's materials and warnings.
+ImportedMesh readGltf(const std::filesystem::path& path, SceneFiles& files) {
+    Scene scene = openGltf(path, files)->take().scene;
+    if (scene.animation) scene.warnings.push_back(path.string() + ": animations of a mesh are ignored");
     ImportedMesh result;
     for (const Object& object : scene.objects) {
-        const auto* shape = std::get_if<MeshShape>(&object.shape);
-        if (!shape) continue;
-        if (object.transform)
-            append(transformed(*shape->mesh, *object.transform), object.material, result.mesh);
-        else
-            append(*shape->mesh, object.material, result.mesh);
+        const Mesh& mesh = *std::get<MeshShape>(object.shape).mesh;
+        append(object.transform ? transformed(mesh, *object.transform) : mesh, result.mesh);
     }
     result.materials = std::move(scene.materials);
     result.textures = std::move(scene.textures);
     result.warnings = std::move(scene.warnings);
     return result;
+}
+
+using ReadMesh = ImportedMesh (*)(const std::filesystem::path&, SceneFiles&);
+constexpr std::pair<std::string_view, ReadMesh> kReaders[] = {
+    {".obj", readObj}, {".ply", readPly}, {".stl", readStl}, {".gltf", readGltf}, {".glb", readGltf}};
+
+// Null for files that are no meshes.
+ReadMesh readerOf(const std::filesystem::path& path) {
+    const auto found =
+        std::ranges::find(kReaders, lowerExtension(path), &std::pair<std::string_view, ReadMesh>::first);
+    return found == std::end(kReaders) ? nullptr : found->second;
 }
 
 }  // namespace
@@ -61,21 +67,13 @@ ImportedMesh importMesh(const std::filesystem::path& path) {
 }
 
 ImportedMesh importMesh(const std::filesystem::path& path, SceneFiles& files) {
-    const std::string extension = lowerExtension(path);
-    if (extension == ".obj") return readObj(path, files);
-    if (extension == ".ply") return readPly(path, files);
-    if (extension == ".stl") return readStl(path, files);
-    if (extension == ".gltf" || extension == ".glb") {
-        Scene scene = openGltf(path, files)->take().scene;
-        if (scene.animation) scene.warnings.push_back(path.string() + ": animations of a mesh are ignored");
-        return flattened(std::move(scene));
-    }
-    throw Error(ErrorKind::Scene, path.string() + ": " + kNoMeshFile);
+    const ReadMesh read = readerOf(path);
+    if (!read) failFile(path.string(), kNoMeshFile);
+    return read(path, files);
 }
 
 bool isMeshFile(const std::filesystem::path& path) {
-    constexpr std::string_view kExtensions[] = {".obj", ".ply", ".stl", ".gltf", ".glb"};
-    return std::ranges::find(kExtensions, lowerExtension(path)) != std::end(kExtensions);
+    return readerOf(path) != nullptr;
 }
 
 }  // namespace glint

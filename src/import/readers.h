@@ -55,11 +55,9 @@ ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files);
 
 // ---- glTF: a scene that is read once and shown at many times, as its animation moves nodes
 
-// Animated transform of a node. A part that is absent keeps the value of the node's file.
-struct GltfPlace {
-    std::optional<std::vector<double>> translation, rotation, scale;  // 3, 4 (x y z w) and 3 numbers
-    bool operator==(const GltfPlace&) const = default;
-};
+// Animated parts of a node's transform: "translation", "rotation" (x y z w), "scale". A part that is absent
+// keeps the value of the node's file.
+using GltfPlace = std::map<std::string, std::vector<double>, std::less<>>;
 using GltfPlaces = std::map<size_t, GltfPlace>;  // by node
 
 class GltfScene {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace glint {
 
@@ -16,10 +17,13 @@ Value keyValue(const Keyframes& keyframes, size_t key) {
     return {first, first + static_cast<std::ptrdiff_t>(keyframes.components)};
 }
 
+double dot(const Value& a, const Value& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
 void normalize(Value& quaternion) {
-    double squares = 0;
-    for (const double c : quaternion) squares += c * c;
-    for (double& c : quaternion) c /= std::sqrt(squares);
+    const double length = std::sqrt(dot(quaternion, quaternion));
+    for (double& c : quaternion) c /= length;
 }
 
 Value mix(const Value& a, double wa, const Value& b, double wb) {
@@ -31,8 +35,7 @@ Value mix(const Value& a, double wa, const Value& b, double wb) {
 // Spherical linear interpolation along the shorter arc (K. Shoemake, "Animating Rotation with Quaternion
 // Curves", SIGGRAPH 1985; glTF 2.0, appendix C.4). a, b: unit.
 Value slerp(const Value& a, const Value& b, double t) {
-    double cosine = 0;
-    for (size_t i = 0; i < a.size(); ++i) cosine += a[i] * b[i];
+    const double cosine = dot(a, b);
     const double sign = cosine < 0 ? -1 : 1;
     const double angle = std::acos(std::min(1.0, sign * cosine));
     // Below this the arc and its chord differ by less than 1e-13 of it.
@@ -68,6 +71,13 @@ Value between(const Keyframes& keyframes, size_t key, double time) {
 }
 
 }  // namespace
+
+size_t zeroRotation(const Keyframes& keyframes) {
+    size_t key = 0;
+    for (; key < keyframes.times.size(); ++key)
+        if (const Value value = keyValue(keyframes, key); !(dot(value, value) > 0)) break;
+    return key;
+}
 
 std::vector<double> valueAt(const Keyframes& keyframes, double time) {
     const auto& times = keyframes.times;

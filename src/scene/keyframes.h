@@ -30,6 +30,9 @@ struct Keyframes {
     size_t stride() const { return components * (interpolation == Interpolation::Cubic ? 3 : 1); }
 };
 
+// The first keyframe whose value, a rotation, is zero; the number of keyframes if none is.
+size_t zeroRotation(const Keyframes& keyframes);
+
 // The value at a time; before the first keyframe and after the last one it stays as it is there.
 std::vector<double> valueAt(const Keyframes& keyframes, double time);
 

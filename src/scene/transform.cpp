@@ -96,6 +96,15 @@ Affine rotation(const glm::dvec3& axis, double degrees) {
     return {c * glm::dmat3(1) + s * cross + (1 - c) * glm::outerProduct(a, a), glm::dvec3(0)};
 }
 
+std::optional<Affine> rotation(const glm::dvec4& quaternion) {
+    const double x = quaternion.x, y = quaternion.y, z = quaternion.z, w = quaternion.w;
+    const double squares = x * x + y * y + z * z + w * w, s = 2 / squares;
+    if (!(squares > 0) || !std::isfinite(squares)) return std::nullopt;
+    return Affine{{{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
+                   {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
+                   {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}}};
+}
+
 glm::dvec3 apply(const Affine& transform, const glm::dvec3& point) {
     return transform.linear * point + transform.offset;
 }

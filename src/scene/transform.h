@@ -14,6 +14,9 @@ Affine translation(const glm::dvec3& offset);
 // Turns by `degrees` about `axis` (not zero, any length), counter-clockwise seen from its tip. Exact for
 // quarter turns.
 Affine rotation(const glm::dvec3& axis, double degrees);
+// Turns by a quaternion x y z w of any length, as files hold seven digits; nothing if its squared length is 0
+// or not finite.
+std::optional<Affine> rotation(const glm::dvec4& quaternion);
 glm::dvec3 apply(const Affine& transform, const glm::dvec3& point);
 // The magnitudes of the elements.
 glm::dmat3 magnitudes(const glm::dmat3& m);
