@@ -103,6 +103,26 @@ AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
     return track;
 }
 
+void setValue(JsonValue& document, const AnimationTrack& track, const std::vector<double>& value) {
+    JsonValue* at = &document;
+    for (const std::string& step : track.steps) {
+        auto* next = const_cast<JsonValue*>(at->child(step));
+        if (!next) {
+            auto& object = std::get<JsonObject>(at->data);
+            object.keys.push_back(step);
+            next = &object.values.emplace_back();
+        }
+        at = next;
+    }
+    if (!track.isList) {
+        at->data = value.front();
+        return;
+    }
+    JsonArray list;
+    for (const double number : value) list.push_back({number});
+    at->data = std::move(list);
+}
+
 }  // namespace
 
 Animation parseAnimation(const JsonCursor& root) {
@@ -124,24 +144,24 @@ Animation parseAnimation(const JsonCursor& root) {
     return animation;
 }
 
-void setValue(JsonValue& document, const AnimationTrack& track, const std::vector<double>& value) {
-    JsonValue* at = &document;
-    for (size_t i = 0; i < track.steps.size(); ++i) {
-        auto* next = const_cast<JsonValue*>(at->child(track.steps[i]));
-        if (!next) {
-            auto& object = std::get<JsonObject>(at->data);
-            object.keys.push_back(track.steps[i]);
-            next = &object.values.emplace_back();
-        }
-        at = next;
+AnimationSpan spanOf(const std::vector<AnimationTrack>& tracks, double framesPerSecond) {
+    AnimationSpan span{framesPerSecond, tracks.size(), tracks.front().keyframes.times.front(),
+                       tracks.front().keyframes.times.back()};
+    for (const AnimationTrack& track : tracks) {
+        span.start = std::min(span.start, track.keyframes.times.front());
+        span.end = std::max(span.end, track.keyframes.times.back());
     }
-    if (!track.isList) {
-        at->data = value.front();
-        return;
-    }
-    JsonArray list;
-    for (const double number : value) list.push_back({number});
-    at->data = std::move(list);
+    return span;
+}
+
+TrackValues valuesAt(const std::vector<AnimationTrack>& tracks, double time) {
+    TrackValues values;
+    for (const AnimationTrack& track : tracks) values.push_back(valueAt(track.keyframes, time));
+    return values;
+}
+
+void setValues(JsonValue& document, const std::vector<AnimationTrack>& tracks, const TrackValues& values) {
+    for (size_t i = 0; i < tracks.size(); ++i) setValue(document, tracks[i], values[i]);
 }
 
 }  // namespace glint

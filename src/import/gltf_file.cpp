@@ -176,13 +176,9 @@ std::string GltfFile::readUri(const JsonCursor& uri, bool picture) {
     }
     if (text.find("://") != std::string::npos)
         uri.fail("only files beside the model and data: URIs are read (got ", text.substr(0, 60), ")");
-    std::filesystem::path path;
-    try {
-        const std::string name = percentDecoded(text);
-        path = picture ? files_.findOrBeside(folder_, name) : files_.resolve(folder_, name);
-    } catch (const Error& error) {
-        uri.fail(error.what());
-    }
+    const std::string name = percentDecoded(text);
+    const std::filesystem::path path = uri.here(
+        [&] { return picture ? files_.findOrBeside(folder_, name) : files_.resolve(folder_, name); });
     if (!files_.exists(path)) uri.fail("no such file: ", path.string());
     return files_.read(path);
 }

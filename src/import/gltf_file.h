@@ -33,6 +33,7 @@ class GltfFile {
 
     const std::string& name() const { return name_; }
     JsonCursor root() const { return {document_, name_}; }
+    JsonValue& document() { return document_; }
     // The lists of the document ("nodes"), and "lights" of KHR_lights_punctual, whose items others refer to
     // by index. `index` must be below count.
     size_t count(std::string_view list) const;

@@ -31,42 +31,28 @@ glm::dvec3 vectorOf(const std::vector<double>& v) {
     return {v[0], v[1], v[2]};
 }
 
-// Scales, turns, then moves; an empty list leaves its part out.
-Affine composed(const JsonCursor& node, const std::vector<double>& scale,
-                const std::vector<double>& quaternion, const std::vector<double>& translation) {
-    Affine place;
-    if (!scale.empty()) place = scaling(vectorOf(scale));
+// Scales, turns by a quaternion unless it is empty, then moves.
+Affine composed(const JsonCursor& node, const glm::dvec3& scale, const std::vector<double>& quaternion,
+                const glm::dvec3& translation) {
+    Affine place = scaling(scale);
     if (!quaternion.empty()) {
         const auto turn = rotation({quaternion[0], quaternion[1], quaternion[2], quaternion[3]});
         if (!turn) node.fail("the rotation must not be zero");
         place.linear = turn->linear * place.linear;
     }
-    if (!translation.empty()) place.offset = vectorOf(translation);
+    place.offset = translation;
     return place;
 }
 
-// Transform of the node in the file, except for its animated parts.
-Affine placeOf(const JsonCursor& node, const GltfPlace& animated) {
+Affine placeOf(const JsonCursor& node) {
     const std::vector<double> matrix = node.numbers("matrix", 16);
     if (!matrix.empty()) return matrixOf(node, matrix);
-    const auto part = [&](std::string_view key, size_t count) {
-        const auto moved = animated.find(key);
-        if (moved != animated.end()) return moved->second;
-        const auto own = node.find(key);
-        if (!own) return std::vector<double>();
-        return own->numbers(count, count == 3 ? "three numbers [x, y, z]" : "4 numbers");
-    };
-    const std::vector<double> scale = part("scale", 3), quaternion = part("rotation", 4);
-    return composed(node, scale, quaternion, part("translation", 3));
+    const glm::dvec3 scale = node.vector3("scale", glm::dvec3(1));
+    const std::vector<double> quaternion = node.numbers("rotation", 4);
+    return composed(node, scale, quaternion, node.vector3("translation", glm::dvec3(0)));
 }
 
 // ---- Animations (section 3.11), interpolation by appendix C
-
-struct Channel {
-    size_t node = 0;
-    std::string path;  // the part of a GltfPlace
-    Keyframes keyframes;
-};
 
 Interpolation interpolationOf(const JsonCursor& sampler) {
     const auto name = sampler.find("interpolation");
@@ -103,32 +89,32 @@ Keyframes readSampler(GltfFile& file, const JsonCursor& sampler, bool rotation) 
 }
 
 // Nothing for what glint does not move.
-std::optional<Channel> readChannel(GltfFile& file, const JsonCursor& samplers, const JsonCursor& channel) {
+std::optional<AnimationTrack> readChannel(GltfFile& file, const JsonCursor& samplers,
+                                          const JsonCursor& channel) {
     const JsonCursor target = channel.require("target");
     const auto node = target.find("node");
     if (!node) return std::nullopt;  // an extension's
-    Channel result;
-    result.node = file.index("nodes", *node);
-    const JsonCursor path = target.require("path");
-    result.path = path.string();
-    if (result.path == "weights") {
+    const size_t nodeIndex = file.index("nodes", *node);
+    const JsonCursor pathCursor = target.require("path");
+    const std::string& path = pathCursor.string();
+    if (path == "weights") {
         file.warn("morph targets are ignored");
         return std::nullopt;
     }
-    if (result.path != "translation" && result.path != "rotation" && result.path != "scale")
-        path.failWanted("must be translation, rotation, scale or weights");
-    if (file.item("nodes", result.node).find("matrix")) node->fail("a node with a matrix cannot be animated");
+    if (path != "translation" && path != "rotation" && path != "scale")
+        pathCursor.failWanted("must be translation, rotation, scale or weights");
+    if (file.item("nodes", nodeIndex).find("matrix")) node->fail("a node with a matrix cannot be animated");
     const JsonCursor reference = channel.require("sampler");
     const auto index = static_cast<size_t>(reference.integer(0, std::numeric_limits<int>::max()));
     if (index >= samplers.size()) reference.fail("there is no such sampler");
-    result.keyframes = readSampler(file, samplers.item(index), result.path == "rotation");
-    return result;
+    Keyframes keyframes = readSampler(file, samplers.item(index), path == "rotation");
+    return AnimationTrack{{}, {"nodes", std::to_string(nodeIndex), path}, std::move(keyframes), true};
 }
 
 // The channels of the file's first animation; none if it has no animation. Other animations, weights of morph
 // targets and faulty channels cause a warning.
-std::vector<Channel> readChannels(GltfFile& file) {
-    std::vector<Channel> result;
+std::vector<AnimationTrack> readChannels(GltfFile& file) {
+    std::vector<AnimationTrack> result;
     const auto animations = file.root().find("animations");
     if (!animations || animations->size() == 0) return result;
     const JsonCursor first = animations->item(0);
@@ -152,11 +138,11 @@ class Reader final : public GltfScene {
     ImportedScene take() override {
         scene_.background = kModelBackground;
         scene_.ambient = kModelAmbient;
-        channels_ = readChannels(file_);
+        tracks_ = readChannels(file_);
         walk();
         if (moves_)
-            scene_.animation = spanOf(channels_, 24);
-        else if (!channels_.empty())
+            scene_.animation = spanOf(tracks_, 24);
+        else if (!tracks_.empty())
             file_.warn("the animation moves nothing that is shown");
         if (!scene_.cameras.empty()) {
             scene_.camera = scene_.cameras.front().camera;
@@ -173,16 +159,11 @@ class Reader final : public GltfScene {
         return {std::move(scene_), hasCamera};
     }
 
-    GltfPlaces placesAt(double time) const override {
-        GltfPlaces places;
-        for (const Channel& channel : channels_)
-            places[channel.node][channel.path] = valueAt(channel.keyframes, time);
-        return places;
-    }
+    TrackValues valuesAt(double time) const override { return glint::valuesAt(tracks_, time); }
     bool movesObjects() const override { return movesObjects_; }
 
-    void show(const GltfPlaces& places, Scene& scene) override {
-        places_ = places;
+    void show(const TrackValues& values, Scene& scene) override {
+        setValues(file_.document(), tracks_, values);
         scene_ = {};
         instances_.clear();
         cameraNames_.clear();
@@ -226,6 +207,8 @@ class Reader final : public GltfScene {
         } else {
             pushRoots(stack);
         }
+        std::set<std::string> animated;
+        for (const AnimationTrack& track : tracks_) animated.insert(track.steps[1]);
         // Every node has at most one parent: a node that is visited twice is in a cycle or in two trees.
         std::vector<bool> seen(file_.count("nodes"));
         while (!stack.empty()) {
@@ -234,10 +217,8 @@ class Reader final : public GltfScene {
             const JsonCursor node = file_.item("nodes", visit.node);
             if (seen[visit.node]) node.fail("is reached twice: nodes must form trees");
             seen[visit.node] = true;
-            const Affine place = then(placeOf(node, places_[visit.node]), visit.parent);
-            const bool moves =
-                visit.moves || std::any_of(channels_.begin(), channels_.end(),
-                                           [&](const auto& c) { return c.node == visit.node; });
+            const Affine place = then(placeOf(node), visit.parent);
+            const bool moves = visit.moves || animated.contains(std::to_string(visit.node));
             const bool showsObjects = node.find("mesh") || node.find("extensions");
             movesObjects_ = movesObjects_ || (moves && showsObjects);
             moves_ = moves_ || (moves && (showsObjects || node.find("camera")));
@@ -289,12 +270,13 @@ class Reader final : public GltfScene {
                 attributes.fail("the attributes must have the same number of elements");
         file_.files().take(count * 2 * sizeof(Object), file_.name() + ": " + node.pointer());
         for (size_t i = 0; i < count; i++) {
-            const auto element = [i](const GltfNumbers& list) {
-                if (list.count == 0) return std::vector<double>();
+            const auto element = [i](const GltfNumbers& list, const std::vector<double>& missing) {
+                if (list.count == 0) return missing;
                 const double* const first = &list.values[i * list.components];
                 return std::vector<double>(first, first + list.components);
             };
-            const Affine local = composed(node, element(scale), element(turn), element(move));
+            const Affine local = composed(node, vectorOf(element(scale, {1, 1, 1})), element(turn, {}),
+                                          vectorOf(element(move, {0, 0, 0})));
             instances_.push_back({instance.node, instance.mesh, then(local, instance.place),
                                   instance.name + "/" + std::to_string(i)});
         }
@@ -425,7 +407,7 @@ class Reader final : public GltfScene {
         for (size_t i = 0; i < instances_.size(); i++) {
             const ProgressPart part(file_.files(), i, instances_.size());
             const Instance& instance = instances_[i];
-            if (meshes_.count(instance.mesh) == 0 && (!channels_.empty() || !vanishes(instance.place.linear)))
+            if (meshes_.count(instance.mesh) == 0 && (!tracks_.empty() || !vanishes(instance.place.linear)))
                 meshes_[instance.mesh] = readGltfMesh(file_, materials, instance.mesh);
         }
     }
@@ -459,10 +441,9 @@ class Reader final : public GltfScene {
 
     GltfFile file_;
     Scene scene_;
-    std::vector<Channel> channels_;
+    std::vector<AnimationTrack> tracks_;
     bool moves_ = false;         // the animation moves something that is shown
     bool movesObjects_ = false;  // and not only cameras
-    GltfPlaces places_;          // of the time that is shown
     std::map<size_t, std::shared_ptr<const Mesh>> meshes_;
     std::vector<Instance> instances_;
     std::set<std::string> cameraNames_;

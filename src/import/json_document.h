@@ -65,6 +65,16 @@ class JsonCursor {
         fail(wanted..., " (got ", describe(*value_), ")");
     }
 
+    // Calls `read`, and fails here with the message of an Error that it throws.
+    template <typename Read>
+    auto here(const Read& read) const {
+        try {
+            return read();
+        } catch (const Error& error) {
+            fail(error.what());
+        }
+    }
+
     size_t size() const;  // of an array; fails for anything else
     JsonCursor item(size_t index) const;
     const JsonObject& object() const;  // fails for anything else, as all of the following do

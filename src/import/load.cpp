@@ -100,9 +100,8 @@ struct SceneReader::State {
     MeshMemory meshes;
     JsonValue document;  // of a .json file, as it stands in it
     Animation animation;
-    std::vector<std::vector<double>> values;  // of each track, those that `scene` has; empty: the file's
-    std::unique_ptr<GltfScene> gltf;          // of a .gltf or .glb file
-    GltfPlaces places;                        // of the animated nodes that `scene` shows
+    std::unique_ptr<GltfScene> gltf;  // of a .gltf or .glb file
+    TrackValues values;               // of the animation, those that `scene` has; empty: the file's
     Scene scene;
 
     State(const std::filesystem::path& file, const LoadOptions& options)
@@ -135,7 +134,6 @@ struct SceneReader::State {
         SceneErrors errors(document, name);
         errors.attempt([&] { animation = parseAnimation(JsonCursor(document, name)); });
         errors.finish();
-        values.resize(animation.tracks.size());
         if (time) show(*time, true);
     }
 
@@ -150,8 +148,8 @@ struct SceneReader::State {
 
     // Nodes of glTF move; their contents stay the same.
     Change showNodes(double time) {
-        GltfPlaces next = gltf->placesAt(time);
-        if (next == places) return Change::Nothing;
+        TrackValues next = gltf->valuesAt(time);
+        if (next == values) return Change::Nothing;
         Scene moved = scene;
         gltf->show(next, moved);
         std::erase_if(moved.cameras, [&](const NamedCamera& c) {  // those that were left out
@@ -159,7 +157,7 @@ struct SceneReader::State {
         });
         if (!camera.empty()) chooseCamera(moved, camera, name);
         validateScene(moved, name);
-        places = std::move(next);
+        values = std::move(next);
         scene = std::move(moved);
         return gltf->movesObjects() ? Change::Scene : Change::Camera;
     }
@@ -167,15 +165,11 @@ struct SceneReader::State {
     Change showDocument(double time, bool everything) {
         JsonValue moved = document;
         Change change = everything ? Change::Scene : Change::Nothing;
-        std::vector<std::vector<double>> next = values;  // taken once the scene is valid
-        for (size_t i = 0; i < animation.tracks.size(); ++i) {
-            const AnimationTrack& track = animation.tracks[i];
-            std::vector<double> value = valueAt(track.keyframes, time);
-            setValue(moved, track, value);
-            if (value == values[i]) continue;
-            next[i] = std::move(value);
-            change = std::max(change, track.movesCamera() ? Change::Camera : Change::Scene);
-        }
+        TrackValues next = valuesAt(animation.tracks, time);
+        setValues(moved, animation.tracks, next);
+        for (size_t i = 0; i < next.size(); ++i)
+            if (values.empty() || next[i] != values[i])
+                change = std::max(change, animation.tracks[i].movesCamera() ? Change::Camera : Change::Scene);
         if (change == Change::Camera) moveCameras(moved);
         if (change == Change::Scene) scene = parsed(moved);
         values = std::move(next);

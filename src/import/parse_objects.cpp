@@ -266,12 +266,8 @@ class ObjectParser {
         if (loaded) return *loaded;
 
         const JsonCursor file = found->second.source.require("file");
-        std::filesystem::path path;
-        try {
-            path = in_.files.resolve(in_.folder, file.string());
-        } catch (const Error& error) {
-            file.fail(error.what());
-        }
+        const std::filesystem::path path =
+            file.here([&] { return in_.files.resolve(in_.folder, file.string()); });
         if (!in_.files.exists(path)) file.fail("no such file: ", path.string());
         if (!isMeshFile(path)) file.fail(path.string(), ": ", kNoMeshFile);
         std::shared_ptr<LoadedMesh>& shared = byFile_[in_.files.real(path)];

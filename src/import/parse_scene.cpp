@@ -106,108 +106,90 @@ glm::dvec2 readScale(const JsonCursor& source) {
 }
 
 glm::dvec2 readOffset(const JsonCursor& source) {
-    return source.valueOr("offset", glm::dvec2(0),
-                          [](const JsonCursor& offset) { return pair(offset, "two numbers [u, v]"); });
+    const auto offset = source.find("offset");
+    return offset ? pair(*offset, "two numbers [u, v]") : glm::dvec2(0);
 }
 
 void readWrap(const JsonCursor& source, ImageTexture& image) {
     const auto wrap = source.find("wrap");
     if (!wrap) return;
-    if (!wrap->value().array()) {
-        image.wrapU = image.wrapV = readNamed<Wrap>(*wrap);
-        return;
-    }
-    wrap->expectItems(2, "a wrap mode, or two of them [u, v]");
-    image.wrapU = readNamed<Wrap>(wrap->item(0));
-    image.wrapV = readNamed<Wrap>(wrap->item(1));
+    const bool two = wrap->value().array();
+    if (two) wrap->expectItems(2, "a wrap mode, or two of them [u, v]");
+    image.wrapU = readNamed<Wrap>(two ? wrap->item(0) : *wrap);
+    image.wrapV = readNamed<Wrap>(two ? wrap->item(1) : *wrap);
 }
 
-// Colours that may be textures, and the environment map.
-class TextureParser {
-  public:
-    explicit TextureParser(const SceneParsing& in) : in_(in) {}
+std::shared_ptr<const Image> loadImage(const SceneParsing& in, const JsonCursor& file) {
+    return file.here([&] { return in.files.image(in.files.resolve(in.folder, file.string())); });
+}
 
-    // Reads the optional key as a colour, or as a texture and the colour it is multiplied with.
-    void readColor(const JsonCursor& object, std::string_view key, Color& color, uint32_t& texture) {
-        const auto found = object.find(key);
-        if (!found) return;
-        texture = Material::kNoTexture;
-        if (found->value().string())
-            found->failWanted("must be a number, [r, g, b] or {\"texture\": \"FILE\"}");
-        if (!found->value().object()) {
-            color = found->color();
-            return;
-        }
-        const bool checker = found->find("checker").has_value();
-        if (!checker && !found->find("texture"))
-            found->fail(
-                "must hold \"texture\": \"FILE\" or \"checker\": [a, b], or be a number or [r, g, b]");
-        Texture parsed = checker ? parseChecker(*found) : parseImage(*found);
-        color = found->color("color", Color(1));
-        texture = static_cast<uint32_t>(in_.scene.textures.size());
-        in_.scene.textures.push_back(std::move(parsed));
+Texture parseImageTexture(const SceneParsing& in, const JsonCursor& source) {
+    expectKeys(source, "imageTexture");
+    ImageTexture image;
+    const JsonCursor file = source.require("texture");
+    image.file = file.string();
+    image.image = loadImage(in, file);
+    readWrap(source, image);
+    image.filter = readNamed(source, "filter", TexelFilter::Bilinear);
+    return {std::move(image), readScale(source), readOffset(source)};
+}
+
+Texture parseChecker(const JsonCursor& source) {
+    expectKeys(source, "checkerTexture");
+    CheckerTexture checker;
+    const JsonCursor colors = source.require("checker");
+    colors.expectItems(2, "two colours [a, b]");
+    checker.a = colors.item(0).color();
+    checker.b = colors.item(1).color();
+    checker.solid = source.flag("solid");
+    const auto corner = source.find("corner");
+    if (corner && !checker.solid)
+        corner->fail("belongs to a solid checker; give \"solid\": true or \"offset\"");
+    if (corner) checker.corner = corner->vector3();
+    if (const auto offset = source.find("offset"); offset && checker.solid)
+        offset->fail("a solid checker is moved by \"corner\": [x, y, z]");
+    if (const auto scale = source.find("scale"); scale && checker.solid && !scale->value().number())
+        scale->failWanted("must be a number for a solid checker");
+    return {checker, readScale(source), readOffset(source)};
+}
+
+// Reads the optional key as a colour, or as a texture and the colour it is multiplied with.
+void readColor(const SceneParsing& in, const JsonCursor& object, std::string_view key, Color& color,
+               uint32_t& texture) {
+    const auto found = object.find(key);
+    if (!found) return;
+    texture = Material::kNoTexture;
+    if (found->value().string()) found->failWanted("must be a number, [r, g, b] or {\"texture\": \"FILE\"}");
+    if (!found->value().object()) {
+        color = found->color();
+        return;
     }
+    const bool checker = found->find("checker").has_value();
+    if (!checker && !found->find("texture"))
+        found->fail("must hold \"texture\": \"FILE\" or \"checker\": [a, b], or be a number or [r, g, b]");
+    Texture parsed = checker ? parseChecker(*found) : parseImageTexture(in, *found);
+    color = found->color("color", Color(1));
+    texture = static_cast<uint32_t>(in.scene.textures.size());
+    in.scene.textures.push_back(std::move(parsed));
+}
 
-    // "background": a colour or an environment map.
-    void readBackground(const JsonCursor& root) {
-        const auto background = root.find("background");
-        if (!background) return;
-        if (!background->value().object()) {
-            in_.scene.background = background->color();
-            return;
-        }
-        expectKeys(*background, "environmentMap");
-        EnvironmentMap map;
-        const JsonCursor file = background->require("environment");
-        map.file = file.string();
-        map.image = load(file);
-        map.rotation = background->number("rotation", 0);
-        map.intensity = background->color("intensity", map.intensity);
-        in_.scene.environment = std::move(map);
+// "background": a colour or an environment map.
+void readBackground(const SceneParsing& in, const JsonCursor& root) {
+    const auto background = root.find("background");
+    if (!background) return;
+    if (!background->value().object()) {
+        in.scene.background = background->color();
+        return;
     }
-
-  private:
-    Texture parseImage(const JsonCursor& source) {
-        expectKeys(source, "imageTexture");
-        ImageTexture image;
-        const JsonCursor file = source.require("texture");
-        image.file = file.string();
-        image.image = load(file);
-        readWrap(source, image);
-        image.filter = readNamed(source, "filter", TexelFilter::Bilinear);
-        return {std::move(image), readScale(source), readOffset(source)};
-    }
-
-    Texture parseChecker(const JsonCursor& source) {
-        expectKeys(source, "checkerTexture");
-        CheckerTexture checker;
-        const JsonCursor colors = source.require("checker");
-        colors.expectItems(2, "two colours [a, b]");
-        checker.a = colors.item(0).color();
-        checker.b = colors.item(1).color();
-        checker.solid = source.flag("solid");
-        const auto corner = source.find("corner");
-        if (corner && !checker.solid)
-            corner->fail("belongs to a solid checker; give \"solid\": true or \"offset\"");
-        if (corner) checker.corner = corner->vector3();
-        if (const auto offset = source.find("offset"); offset && checker.solid)
-            offset->fail("a solid checker is moved by \"corner\": [x, y, z]");
-        if (const auto scale = source.find("scale"); scale && checker.solid && !scale->value().number())
-            scale->failWanted("must be a number for a solid checker");
-        return {checker, readScale(source), readOffset(source)};
-    }
-
-    std::shared_ptr<const Image> load(const JsonCursor& file) {
-        const std::string& name = file.string();
-        try {
-            return in_.files.image(in_.files.resolve(in_.folder, name));
-        } catch (const Error& e) {
-            file.fail(e.what());
-        }
-    }
-
-    const SceneParsing& in_;
-};
+    expectKeys(*background, "environmentMap");
+    EnvironmentMap map;
+    const JsonCursor file = background->require("environment");
+    map.file = file.string();
+    map.image = loadImage(in, file);
+    map.rotation = background->number("rotation", 0);
+    map.intensity = background->color("intensity", map.intensity);
+    in.scene.environment = std::move(map);
+}
 
 // ---- Sections
 
@@ -266,35 +248,28 @@ void readCamera(const JsonCursor& camera, Camera& result) {
     }
 }
 
-PointLight parsePoint(const JsonCursor& light) {
-    PointLight point;
-    point.position = light.require("position").vector3();
-    point.intensity = light.color("intensity", point.intensity);
-    point.falloff = readNamed(light, "falloff", Falloff::None);
-    return point;
-}
-
-SpotLight parseSpot(const JsonCursor& light) {
-    SpotLight spot;
-    spot.position = light.require("position").vector3();
-    spot.direction = light.require("direction").vector3();
-    spot.angle = light.require("angle").number();
-    spot.penumbra = light.number("penumbra", spot.penumbra);
-    spot.intensity = light.color("intensity", spot.intensity);
-    spot.falloff = readNamed(light, "falloff", Falloff::None);
-    return spot;
+// Reads the keys of a light by the members that its kind has.
+template <typename Kind>
+Kind readLight(const JsonCursor& object) {
+    Kind light;
+    if constexpr (requires { light.position; }) light.position = object.require("position").vector3();
+    if constexpr (requires { light.direction; }) light.direction = object.require("direction").vector3();
+    if constexpr (requires { light.angle; }) {
+        light.angle = object.require("angle").number();
+        light.penumbra = object.number("penumbra", light.penumbra);
+    }
+    light.intensity = object.color("intensity", light.intensity);
+    if constexpr (requires { light.falloff; }) light.falloff = readNamed(object, "falloff", light.falloff);
+    return light;
 }
 
 Light parseLight(const JsonCursor& light) {
     const std::string_view type = readType(light.require("type"), "light");
     expectKeys(light, concat("light/", type));
-    if (type == "point") return parsePoint(light);
-    if (type == "spot") return parseSpot(light);
-    if (type != "directional") throw std::logic_error("parseLight does not read this type");
-    DirectionalLight directional;
-    directional.direction = light.require("direction").vector3();
-    directional.intensity = light.color("intensity", directional.intensity);
-    return directional;
+    if (type == "point") return readLight<PointLight>(light);
+    if (type == "spot") return readLight<SpotLight>(light);
+    if (type == "directional") return readLight<DirectionalLight>(light);
+    throw std::logic_error("parseLight does not read this type");
 }
 
 // Given directly, or as the colour that is left after a distance: sigma = -ln(color) / distance.
@@ -316,8 +291,8 @@ void parseAttenuation(const JsonCursor& material, Material& result) {
     result.attenuation = glm::max(-glm::log(left) / length, Color(0));
 }
 
-void parseDielectric(const JsonCursor& material, Material& result, TextureParser& textures) {
-    textures.readColor(material, "transmission", result.transmission, result.transmissionTexture);
+void parseDielectric(const SceneParsing& in, const JsonCursor& material, Material& result) {
+    readColor(in, material, "transmission", result.transmission, result.transmissionTexture);
     result.ior = material.number("ior", result.ior);
     parseAttenuation(material, result);
     result.priority = material.integer("priority", -kMaxPriority, kMaxPriority, result.priority);
@@ -325,18 +300,18 @@ void parseDielectric(const JsonCursor& material, Material& result, TextureParser
     if (result.transmission != Color(0)) result.diffuse = Color(0);
 }
 
-Material parseMaterial(const JsonCursor& material, std::string_view name, TextureParser& textures) {
+Material parseMaterial(const SceneParsing& in, const JsonCursor& material, std::string_view name) {
     expectKeys(material, "material");
     Material result;
     result.name = name;
-    parseDielectric(material, result, textures);
-    textures.readColor(material, "diffuse", result.diffuse, result.diffuseTexture);
+    parseDielectric(in, material, result);
+    readColor(in, material, "diffuse", result.diffuse, result.diffuseTexture);
     result.ambient = result.diffuse;
     result.ambientTexture = result.diffuseTexture;
-    textures.readColor(material, "ambient", result.ambient, result.ambientTexture);
-    textures.readColor(material, "specular", result.specular, result.specularTexture);
+    readColor(in, material, "ambient", result.ambient, result.ambientTexture);
+    readColor(in, material, "specular", result.specular, result.specularTexture);
     result.shininess = material.number("shininess", result.shininess);
-    textures.readColor(material, "mirror", result.mirror, result.mirrorTexture);
+    readColor(in, material, "mirror", result.mirror, result.mirrorTexture);
     result.alphaCutoff = material.number("alphaCutoff", result.alphaCutoff);
     return result;
 }
@@ -451,14 +426,13 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
     Scene scene;
     SceneErrors errors(document, name);
     const SceneParsing in{name, folder, files, memory, errors, scene};
-    TextureParser textures(in);
     errors.attempt([&] { expectKeys(root, "scene"); });
     errors.attempt([&] {
         if (const auto schema = root.find("$schema")) schema->string();
         if (const auto image = root.find("image")) parseImage(*image, scene.image);
     });
     errors.attempt([&] { parseCameras(root, scene); });
-    errors.attempt([&] { textures.readBackground(root); });
+    errors.attempt([&] { readBackground(in, root); });
     errors.attempt([&] {
         scene.ambient = root.color("ambient", scene.ambient);
         scene.maxDepth = root.integer("maxDepth", 0, kMaxBounces, scene.maxDepth);
@@ -476,7 +450,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
             // Objects may name a faulty material, too.
             scene.materials.emplace_back().name = member.first;
             errors.attempt([&] {
-                scene.materials.back() = parseMaterial(member.second, member.first, textures);
+                scene.materials.back() = parseMaterial(in, member.second, member.first);
                 warnOfOptics(member.second, scene, name);
             });
         }

@@ -89,7 +89,7 @@ void expectKeys(const JsonCursor& object, std::string_view what);
 // The value of `type` for an "object", "light" or "camera"; fails if it is unknown.
 std::string_view readType(const JsonCursor& type, std::string_view kind);
 
-// ---- "animation": numbers of the file itself that change with time
+// ---- Numbers of a JSON file itself that change with time: "animation", and the nodes of glTF
 
 // One value of the file over time.
 struct AnimationTrack {
@@ -110,18 +110,11 @@ struct Animation {
 Animation parseAnimation(const JsonCursor& root);
 
 // The span of the keyframes of all tracks, one or more.
-template <typename Track>
-AnimationSpan spanOf(const std::vector<Track>& tracks, double framesPerSecond) {
-    AnimationSpan span{framesPerSecond, tracks.size(), tracks.front().keyframes.times.front(),
-                       tracks.front().keyframes.times.back()};
-    for (const Track& track : tracks) {
-        span.start = std::min(span.start, track.keyframes.times.front());
-        span.end = std::max(span.end, track.keyframes.times.back());
-    }
-    return span;
-}
+AnimationSpan spanOf(const std::vector<AnimationTrack>& tracks, double framesPerSecond);
 
-// Puts a track's value into the document that the animation is of.
-void setValue(JsonValue& document, const AnimationTrack& track, const std::vector<double>& value);
+TrackValues valuesAt(const std::vector<AnimationTrack>& tracks, double time);
+
+// Puts the values of an animation's tracks into the document that the animation is of.
+void setValues(JsonValue& document, const std::vector<AnimationTrack>& tracks, const TrackValues& values);
 
 }  // namespace glint

@@ -55,10 +55,7 @@ ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files);
 
 // ---- glTF: a scene that is read once and shown at many times, as its animation moves nodes
 
-// Animated parts of a node's transform: "translation", "rotation" (x y z w), "scale". A part that is absent
-// keeps the value of the node's file.
-using GltfPlace = std::map<std::string, std::vector<double>, std::less<>>;
-using GltfPlaces = std::map<size_t, GltfPlace>;  // by node
+using TrackValues = std::vector<std::vector<double>>;  // of each track of an animation, at one time
 
 class GltfScene {
   public:
@@ -67,11 +64,11 @@ class GltfScene {
     // Returns the scene that was read, as its nodes stand; call it once.
     virtual ImportedScene take() = 0;
 
-    // Transforms of the animated nodes at a time in seconds.
-    virtual GltfPlaces placesAt(double time) const = 0;
-    // Puts objects, and lights and cameras if the file has any, into `scene` as these transforms place them;
-    // all else stays. Not yet validated.
-    virtual void show(const GltfPlaces& places, Scene& scene) = 0;
+    // Values of the animated parts of nodes at a time in seconds.
+    virtual TrackValues valuesAt(double time) const = 0;
+    // Puts objects, and lights and cameras if the file has any, into `scene` as these values place them; all
+    // else stays. Not yet validated.
+    virtual void show(const TrackValues& values, Scene& scene) = 0;
     // False if the animation moves only cameras.
     virtual bool movesObjects() const = 0;
 };

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -28,11 +29,12 @@ std::vector<uint8_t> drawnVertices(const Mesh& mesh) {
     return drawn;
 }
 
-// Calls visit(center, axes) for parts that together hold the finite geometry that will be drawn. A part is
-// the image of the unit ball, center + axes b: it reaches |axes^T n| from its centre in the unit direction n.
-// A point has none, a disc a third axis of zero. Triangles with a bad vertex are left out; planes
-// have no size.
-template <typename Visit>
+// Receives a part of an object: the image of the unit ball, center + axes b, which reaches |axes^T n| from
+// its centre in the unit direction n. The axes of a point are null, and the third axis of a disc is zero.
+using Visit = std::function<void(const glm::dvec3& center, const glm::dmat3* axes)>;
+
+// Visits parts that together hold the finite geometry of a shape that will be drawn. Triangles of meshes with
+// a bad vertex are left out; planes have no size.
 class PartVisitor {
   public:
     PartVisitor(const Affine& transform, const Visit& visit) : transform_(transform), visit_(visit) {}
@@ -41,7 +43,9 @@ class PartVisitor {
     void operator()(const PlaneShape&) const {}
     void operator()(const DiscShape& s) const { disc(s.center, s.normal, s.radius); }
     void operator()(const BoxShape& s) const { corners(s.min, s.max); }
-    void operator()(const TriangleShape& s) const { triangle(s.vertices[0], s.vertices[1], s.vertices[2]); }
+    void operator()(const TriangleShape& s) const {
+        for (const glm::dvec3& vertex : s.vertices) point(vertex);
+    }
     void operator()(const PolygonShape& s) const {
         for (const glm::dvec3& vertex : s.vertices) point(vertex);
     }
@@ -71,12 +75,6 @@ class PartVisitor {
   private:
     glm::dvec3 world(const glm::dvec3& p) const { return apply(transform_, p); }
     void point(const glm::dvec3& p) const { visit_(world(p), nullptr); }
-    void triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const {
-        if (!isFinite(a) || !isFinite(b) || !isFinite(c)) return;
-        point(a);
-        point(b);
-        point(c);
-    }
     void ball(const glm::dvec3& center, const glm::dmat3& axes) const {
         const glm::dmat3 inWorld = transform_.linear * axes;
         visit_(world(center), &inWorld);
@@ -98,13 +96,12 @@ class PartVisitor {
 
 // Visits the box corners of meshes with several instances, so that time does not grow with the number of
 // instances.
-template <typename Visit>
 void forEachPart(const Scene& scene, const Visit& visit) {
     std::map<const Mesh*, std::pair<size_t, BoundingBox>> shared;
     for (const Object& object : scene.objects)
         if (const auto* shape = std::get_if<MeshShape>(&object.shape)) shared[shape->mesh.get()].first++;
     for (const Object& object : scene.objects) {
-        const PartVisitor<Visit> visitor(object.transform.value_or(Affine{}), visit);
+        const PartVisitor visitor(object.transform.value_or(Affine{}), visit);
         const auto* shape = std::get_if<MeshShape>(&object.shape);
         if (!shape || shared[shape->mesh.get()].first == 1) {
             std::visit(visitor, object.shape);
@@ -112,8 +109,8 @@ void forEachPart(const Scene& scene, const Visit& visit) {
         }
         BoundingBox& box = shared[shape->mesh.get()].second;
         if (box.empty()) {
-            const auto add = [&box](const glm::dvec3& center, const glm::dmat3*) { box.include(center); };
-            PartVisitor<decltype(add)>({}, add)(*shape);
+            const Visit add = [&box](const glm::dvec3& center, const glm::dmat3*) { box.include(center); };
+            PartVisitor({}, add)(*shape);
         }
         if (!box.empty()) visitor.corners(box.lo, box.hi);
     }

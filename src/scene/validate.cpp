@@ -23,15 +23,12 @@ namespace glint {
 namespace {
 
 std::string text(const glm::dvec3& v) {
-    const std::string x = describe(v.x), y = describe(v.y), z = describe(v.z);
-    return '[' + x + ", " + y + ", " + z + ']';
+    return concat('[', v.x, ", ", v.y, ", ", v.z, ']');
 }
 
-std::string got(const std::string& what) {
-    return " (got " + what + ")";
-}
-std::string got(double number) {
-    return got(describe(number));
+template <typename... Parts>
+std::string got(const Parts&... what) {
+    return concat(" (got ", what..., ')');
 }
 std::string got(const glm::dvec3& v) {
     return got(text(v));
@@ -73,7 +70,7 @@ void checkColor(const Place& place, std::string_view key, const Color& color) {
 
 void checkInteger(const Place& place, std::string_view key, int value, int least, int most) {
     if (value < least || value > most)
-        place.fail(key, "must be a whole number from ", least, " to ", most, got(value));
+        place.fail(key, "must be a whole number from ", least, " to ", most, got(static_cast<double>(value)));
 }
 
 void checkNumber(const Place& place, std::string_view key, const char* what, size_t index, size_t count) {
@@ -104,7 +101,7 @@ void checkWindowSize(const Camera& camera, const Place& place) {
             if (!(std::abs(edge) < kMaxCoordinate))
                 place.fail("window", "edges must be finite and below ", kMaxCoordinate, got(edge));
         const auto checkOrder = [&](const std::string& rule, double less, double greater) {
-            if (!(less < greater)) place.fail("window", rule, " (got ", less, " and ", greater, ")");
+            if (!(less < greater)) place.fail("window", rule, got(less, " and ", greater));
         };
         checkOrder("left must be less than right", window.left, window.right);
         checkOrder("bottom must be less than top", window.bottom, window.top);
@@ -116,26 +113,20 @@ void checkWindowSize(const Camera& camera, const Place& place) {
     }
 }
 
-void checkLight(const PointLight& point, const Place& place) {
-    checkPoint(place, "position", point.position);
-    checkColor(place, "intensity", point.intensity);
-}
-
-void checkLight(const DirectionalLight& light, const Place& place) {
-    checkDirection(place, "direction", light.direction);
+// Checks the members that the kind of light has.
+template <typename Kind>
+void checkLight(const Kind& light, const Place& place) {
+    if constexpr (requires { light.position; }) checkPoint(place, "position", light.position);
+    if constexpr (requires { light.direction; }) checkDirection(place, "direction", light.direction);
+    if constexpr (requires { light.angle; }) {
+        checkRange(place, "angle", light.angle, 0, 180, " degrees");
+        if (!(light.penumbra >= 0)) place.fail("penumbra", "must be >= 0 degrees", got(light.penumbra));
+        const double edge = light.angle + light.penumbra;
+        if (!(edge >= kMinSpotAngle && edge <= 180))
+            place.fail({}, "angle + penumbra must be from ", kMinSpotAngle, " to 180 degrees",
+                       got(light.angle, " + ", light.penumbra));
+    }
     checkColor(place, "intensity", light.intensity);
-}
-
-void checkLight(const SpotLight& spot, const Place& place) {
-    checkPoint(place, "position", spot.position);
-    checkDirection(place, "direction", spot.direction);
-    checkRange(place, "angle", spot.angle, 0, 180, " degrees");
-    if (!(spot.penumbra >= 0)) place.fail("penumbra", "must be >= 0 degrees", got(spot.penumbra));
-    const double edge = spot.angle + spot.penumbra;
-    if (!(edge >= kMinSpotAngle && edge <= 180))
-        place.fail({}, "angle + penumbra must be from ", kMinSpotAngle, " to 180 degrees",
-                   got(describe(spot.angle) + " + " + describe(spot.penumbra)));
-    checkColor(place, "intensity", spot.intensity);
 }
 
 void checkVertices(const Mesh& mesh, const Place& place, const char* ofWhat) {
@@ -177,15 +168,14 @@ void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount
 
 void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
     if (vertices.size() > kMaxPolygonVertices)
-        place.fail("vertices", "must be at most ", kMaxPolygonVertices, " points (got ", vertices.size(),
-                   "); faces of a mesh are split into triangles and may have more");
+        place.fail("vertices", "must be at most ", kMaxPolygonVertices, " points", got(vertices.size()),
+                   "; faces of a mesh are split into triangles and may have more");
     for (size_t i = 0; i < vertices.size(); i++)
         checkPoint(place, "vertices/" + std::to_string(i), vertices[i]);
     std::set<std::tuple<double, double, double>> distinct;
     for (const glm::dvec3& v : vertices) distinct.emplace(v.x, v.y, v.z);
     if (distinct.size() < 3)
-        place.fail("vertices", "must have three distinct points or more",
-                   got(std::to_string(distinct.size())));
+        place.fail("vertices", "must have three distinct points or more", got(distinct.size()));
     const auto plane = polygonPlane(vertices);
     if (!plane) place.fail("vertices", "the polygon has no area: its points lie on a line");
     const double tolerance = planarTolerance(vertices);
@@ -209,8 +199,8 @@ void checkAxis(const Place& place, std::string_view fromKey, const glm::dvec3& f
     const double height = glm::length(to - from);
     if (!(height >= kMinRadius)) place.fail(toKey, "must differ from ", fromKey, got(to));
     if (!(height <= kMaxAspect * radius && radius <= flattest * height))
-        place.fail({}, "the height must be from 1/", flattest, " to ", kMaxAspect, " radii (got ", height,
-                   " and ", radius, ")");
+        place.fail({}, "the height must be from 1/", flattest, " to ", kMaxAspect, " radii",
+                   got(height, " and ", radius));
 }
 
 struct ShapeCheck {
@@ -237,7 +227,7 @@ struct ShapeCheck {
             if (!(box.max[axis] - box.min[axis] >= kMinRadius))
                 place.fail("max", "must be greater than min along each axis, by ", kMinRadius,
                            " at least, which ", "xyz"[axis], " is not",
-                           got(text(box.min) + " and " + text(box.max)));
+                           got(text(box.min), " and ", text(box.max)));
     }
     void operator()(const TriangleShape& triangle) const {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
@@ -249,18 +239,14 @@ struct ShapeCheck {
         for (int axis = 0; axis < 3; axis++)
             if (!(shape.lo[axis] < shape.hi[axis]))
                 place.fail("bounds", "the first corner must be less than the second in x, y and z",
-                           got(text(shape.lo) + " and " + text(shape.hi)));
+                           got(text(shape.lo), " and ", text(shape.hi)));
         if (greatestMagnitude(shape.hi - shape.lo) < kMinRadius)
             place.fail("bounds", "must be ", kMinRadius, " wide or more", got(shape.hi - shape.lo));
-        bool any = false;
-        for (int i = 0; i < 10; i++) {
-            const double c = shape.coefficients[i];
-            if (!(std::abs(c) <= kMaxCoefficient))
+        for (int i = 0; i < 10; i++)
+            if (!(std::abs(shape.coefficients[i]) <= kMaxCoefficient))
                 place.fail("coefficients/" + std::to_string(i), "must be from -", kMaxCoefficient, " to ",
-                           kMaxCoefficient, got(c));
-            any = any || (i < 9 && c != 0);
-        }
-        if (!any)
+                           kMaxCoefficient, got(shape.coefficients[i]));
+        if (std::count(shape.coefficients, shape.coefficients + 9, 0.0) == 9)
             place.fail("coefficients",
                        "one of A to I must not be 0: J = 0 alone is no surface, but nothing or everything");
         checkEquation(shape, place);
