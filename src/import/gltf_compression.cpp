@@ -107,9 +107,8 @@ uint64_t declaredSize(const JsonCursor& extension, std::string_view bytes) {
 
 GltfNumbers numbersOf(const draco::PointAttribute& attribute, uint32_t points) {
     GltfNumbers numbers;
-    numbers.count = points;
     numbers.components = attribute.num_components();
-    numbers.values.resize(numbers.count * numbers.components);
+    numbers.values.resize(points * numbers.components);
     std::vector<double> value(numbers.components);
     for (uint32_t i = 0; i < points; i++) {
         attribute.ConvertValue<double>(attribute.mapped_index(draco::PointIndex(i)),
@@ -147,7 +146,6 @@ void decodeDraco(GltfFile& file, const JsonCursor& primitive, const JsonCursor& 
     const auto order = primitive.find("indices");
     if (!order) extension.fail("the primitive has no indices");
     GltfNumbers indices;
-    indices.count = 3 * mesh.num_faces();
     for (uint32_t i = 0; i < mesh.num_faces(); i++)
         for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(i)))
             indices.values.push_back(corner.value());

@@ -329,8 +329,10 @@ void substitute(GltfFile& file, const JsonCursor& accessor, const Source& kind, 
     const Source to = opened({numberTypeOf(indices), false, {}}, file, indices, 1, count, false);
     for (size_t i = 0; i < count; i++) {
         const double element = to.at(i, 0);
-        if (!(element >= 0 && element < static_cast<double>(numbers.count)) || std::floor(element) != element)
-            indices.fail("element ", describe(element), " is out of range, the accessor has ", numbers.count);
+        if (!(element >= 0 && element < static_cast<double>(numbers.count())) ||
+            std::floor(element) != element)
+            indices.fail("element ", describe(element), " is out of range, the accessor has ",
+                         numbers.count());
         for (size_t k = 0; k < numbers.components; k++)
             numbers.values[static_cast<size_t>(element) * numbers.components + k] = from.at(i, k);
     }
@@ -346,7 +348,7 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
     if (const GltfNumbers* decoded = file.decoded(index)) {
         if (decoded->components != componentsOf(type))
             type.failWanted("must have ", decoded->components, " components, as the compressed data");
-        takeMemory(file, accessor, decoded->count, decoded->components);
+        takeMemory(file, accessor, decoded->count(), decoded->components);
         return *decoded;
     }
     GltfNumbers numbers;
@@ -359,7 +361,6 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
     if (!hasData && count > kMostZeros)
         accessor.fail(count, " elements without a buffer view, the limit is ", kMostZeros);
     takeMemory(file, accessor, count, numbers.components);
-    numbers.count = count;
     numbers.values.resize(count * numbers.components);
     for (size_t i = 0; hasData && i < count; i++) {
         file.files().context().pace(i);

@@ -18,9 +18,10 @@ namespace glint {
 
 // Numbers of an accessor.
 struct GltfNumbers {
-    size_t count = 0;       // elements
-    size_t components = 1;  // of each
+    size_t components = 1;  // of each element
     std::vector<double> values;
+
+    size_t count() const { return values.size() / components; }  // elements
 };
 
 // Its cursors must not outlive it. All functions throw Error(Scene) "FILE: /POINTER: what".

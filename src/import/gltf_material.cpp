@@ -5,7 +5,6 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/image_io.h"
 #include "core/quantize.h"
 #include "scene/limits.h"
 #include "scene/validate.h"
@@ -323,11 +322,7 @@ class Materials final : public GltfMaterials {
             const std::string_view bytes =
                 uri ? owned : file_.bufferView(file_.index("bufferViews", image.require("bufferView")));
             if (!isKnownImage(bytes)) image.fail("neither PNG, JPEG nor WebP");
-            const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
-            decoded = std::make_shared<const Image>(
-                decodeImage({data, bytes.size()}, file_.name() + ": " + image.pointer(),
-                            file_.files().mostPixels(), file_.files().context()));
-            file_.files().takePicture(*decoded);
+            decoded = file_.files().decode(bytes, file_.name() + ": " + image.pointer());
         } catch (const Error& error) {
             file_.warnOf(error, "drawn without this picture");
         }

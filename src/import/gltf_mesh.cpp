@@ -1,6 +1,7 @@
 // The primitives of a glTF mesh as one Mesh.
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "core/room.h"
 #include "import/gltf_file.h"
@@ -102,7 +103,7 @@ class MeshReader {
                                     " (numbered from 0)");
         } else {
             order.resize(count);
-            for (size_t i = 0; i < count; i++) order[i] = static_cast<uint32_t>(i);
+            std::iota(order.begin(), order.end(), 0u);
         }
         return order;
     }
@@ -133,10 +134,10 @@ class MeshReader {
         const size_t accessor = file_.index("accessors", reference);
         if (const auto at = known.find(accessor); at != known.end()) return at->second;
         const GltfNumbers numbers = readAccessor(file_, accessor, types);
-        if (array.size() + numbers.count >= Mesh::kNoIndex) reference.fail("more than 2^32 - 2 vertices");
-        const Range range{static_cast<uint32_t>(array.size()), numbers.count};
-        reserveMore(array, numbers.count);
-        for (size_t i = 0; i < numbers.count; i++) {
+        if (array.size() + numbers.count() >= Mesh::kNoIndex) reference.fail("more than 2^32 - 2 vertices");
+        const Range range{static_cast<uint32_t>(array.size()), numbers.count()};
+        reserveMore(array, numbers.count());
+        for (size_t i = 0; i < range.count; i++) {
             context().pace(i);
             array.push_back(convert(&numbers.values[i * numbers.components], numbers.components));
         }

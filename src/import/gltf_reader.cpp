@@ -264,14 +264,14 @@ class Reader final : public GltfScene {
         };
         const GltfNumbers move = read("TRANSLATION", "VEC3"), turn = read("ROTATION", "VEC4"),
                           scale = read("SCALE", "VEC3");
-        const size_t count = std::max({move.count, turn.count, scale.count});
+        const size_t count = std::max({move.count(), turn.count(), scale.count()});
         for (const GltfNumbers* list : {&move, &turn, &scale})
-            if (list->count != 0 && list->count != count)
+            if (list->count() != 0 && list->count() != count)
                 attributes.fail("the attributes must have the same number of elements");
         file_.files().take(count * 2 * sizeof(Object), file_.name() + ": " + node.pointer());
         for (size_t i = 0; i < count; i++) {
             const auto element = [i](const GltfNumbers& list, const std::vector<double>& missing) {
-                if (list.count == 0) return missing;
+                if (list.values.empty()) return missing;
                 const double* const first = &list.values[i * list.components];
                 return std::vector<double>(first, first + list.components);
             };

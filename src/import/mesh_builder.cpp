@@ -166,10 +166,8 @@ double area(const Point& a, const Point& b, const Point& c) {
 std::vector<Point> project(std::span<const glm::dvec3> corners) {
     double size = 0;
     for (const glm::dvec3& corner : corners) {
-        const glm::dvec3 d = glm::abs(corner - corners[0]);
-        const double far = std::max({d.x, d.y, d.z});
-        if (!std::isfinite(d.x + d.y + d.z) || !std::isfinite(far)) return {};
-        size = std::max(size, far);
+        if (!isFinite(corner - corners[0])) return {};
+        size = std::max(size, greatestMagnitude(corner - corners[0]));
     }
     if (size == 0) return {};
     std::vector<glm::dvec3> local;

@@ -34,7 +34,7 @@ QuadricShape parseQuadric(const JsonCursor& object) {
     return shape;
 }
 
-constexpr KeyTable kObjects[] = {
+const KeyTable kObjects[] = {
     {"object/sphere", {"type", "center", "radius", "material", "transform"}},
     {"object/plane", {"type", "point", "normal", "material", "transform"}},
     {"object/disc", {"type", "center", "normal", "radius", "material", "transform"}},

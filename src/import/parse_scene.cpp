@@ -16,7 +16,7 @@ namespace glint {
 namespace {
 
 // All parts but "objects".
-constexpr KeyTable kParts[] = {
+const KeyTable kParts[] = {
     {"scene",
      {"$schema", "image", "camera", "cameras", "background", "ambient", "maxDepth", "transmissiveShadows",
       "lights", "materials", "meshes", "objects", "animation"}},
@@ -193,7 +193,12 @@ void readBackground(const SceneParsing& in, const JsonCursor& root) {
 
 // ---- Sections
 
-void parseSampling(const JsonCursor& image, ImageSettings& settings) {
+void parseImage(const JsonCursor& image, ImageSettings& settings) {
+    expectKeys(image, "image");
+    settings.width = image.integer("width", 1, kMaxImageSize, settings.width);
+    settings.height = image.integer("height", 1, kMaxImageSize, settings.height);
+    settings.samplesPerPixel =
+        image.integer("samplesPerPixel", 1, kMaxSamplesPerPixel, settings.samplesPerPixel);
     settings.sampler = readNamed(image, "sampler", settings.sampler);
     if (const auto filter = image.find("filter")) {
         settings.filter = readNamed<Filter>(*filter);
@@ -215,22 +220,9 @@ void parseSampling(const JsonCursor& image, ImageSettings& settings) {
     }
 }
 
-void parseImage(const JsonCursor& image, ImageSettings& settings) {
-    expectKeys(image, "image");
-    settings.width = image.integer("width", 1, kMaxImageSize, settings.width);
-    settings.height = image.integer("height", 1, kMaxImageSize, settings.height);
-    settings.samplesPerPixel =
-        image.integer("samplesPerPixel", 1, kMaxSamplesPerPixel, settings.samplesPerPixel);
-    parseSampling(image, settings);
-}
-
-Projection readProjection(const JsonCursor& camera) {
-    const auto type = camera.find("type");
-    return type ? named<Projection>(readType(*type, "camera")).value() : Projection::Perspective;
-}
-
 void readCamera(const JsonCursor& camera, Camera& result) {
-    result.projection = readProjection(camera);
+    if (const auto type = camera.find("type"))
+        result.projection = named<Projection>(readType(*type, "camera")).value();
     expectKeys(camera, "camera/" + std::string(nameOf(result.projection)));
     result.eye = camera.vector3("eye", result.eye);
     result.target = camera.vector3("target", result.target);
@@ -291,20 +283,16 @@ void parseAttenuation(const JsonCursor& material, Material& result) {
     result.attenuation = glm::max(-glm::log(left) / length, Color(0));
 }
 
-void parseDielectric(const SceneParsing& in, const JsonCursor& material, Material& result) {
+Material parseMaterial(const SceneParsing& in, const JsonCursor& material, std::string_view name) {
+    expectKeys(material, "material");
+    Material result;
+    result.name = name;
     readColor(in, material, "transmission", result.transmission, result.transmissionTexture);
     result.ior = material.number("ior", result.ior);
     parseAttenuation(material, result);
     result.priority = material.integer("priority", -kMaxPriority, kMaxPriority, result.priority);
     // Glass scatters nothing unless `diffuse` is given.
     if (result.transmission != Color(0)) result.diffuse = Color(0);
-}
-
-Material parseMaterial(const SceneParsing& in, const JsonCursor& material, std::string_view name) {
-    expectKeys(material, "material");
-    Material result;
-    result.name = name;
-    parseDielectric(in, material, result);
     readColor(in, material, "diffuse", result.diffuse, result.diffuseTexture);
     result.ambient = result.diffuse;
     result.ambientTexture = result.diffuseTexture;
@@ -361,7 +349,7 @@ std::vector<std::string_view> typesOf(std::string_view kind) {
 }
 
 void expectKeys(const JsonCursor& object, std::string_view what) {
-    const auto keys = std::ranges::find(keyTables(), what, &KeyTable::what)->keys();
+    const auto& keys = std::ranges::find(keyTables(), what, &KeyTable::what)->keys;
     for (const std::string& key : object.object().keys)
         if (std::ranges::find(keys, key) == keys.end())
             object.require(key).fail("unknown key (", hintFor(what, key, keys, "known"), ")");

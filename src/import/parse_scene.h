@@ -1,8 +1,6 @@
 // The parts of a scene file as readers of its JSON tree; internal to the import module.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -67,13 +65,8 @@ void parseObjects(const JsonCursor& root, const SceneParsing& in);
 // scenes/scene.schema.json with these tables.
 
 struct KeyTable {
-    std::string_view what;                   // the path of the object in the schema, e.g. "object/sphere"
-    std::array<std::string_view, 13> names;  // then empty
-
-    constexpr std::span<const std::string_view> keys() const {
-        return std::span(names).first(
-            static_cast<size_t>(std::ranges::find(names, std::string_view()) - names.begin()));
-    }
+    std::string_view what;  // the path of the object in the schema, e.g. "object/sphere"
+    std::vector<std::string_view> keys;
 };
 
 // The tables of "objects" and of all parts.

@@ -73,16 +73,20 @@ std::string SceneFiles::read(const fs::path& path) {
     return bytes;
 }
 
+std::shared_ptr<const Image> SceneFiles::decode(std::string_view bytes, const std::string& name) {
+    const std::span<const uint8_t> view(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+    auto image = std::make_shared<const Image>(decodeImage(view, name, mostPixels(), context()));
+    takePicture(*image);
+    return image;
+}
+
 std::shared_ptr<const Image> SceneFiles::image(const fs::path& path) {
     const std::string key = real(path).string();
     const auto known = images_.find(key);
     if (known != images_.end()) return known->second;
     if (!exists(path)) fail(path.string() + ": no such file");
     try {
-        const std::string bytes = source_->read(path, context());
-        const std::span<const uint8_t> view(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
-        auto image = std::make_shared<const Image>(decodeImage(view, path.string(), mostPixels(), context()));
-        pictures_ += image->pixels.size() * sizeof(float);
+        const auto image = decode(source_->read(path, context()), path.string());
         images_.emplace(key, image);
         const auto samples = std::as_bytes(std::span(image->pixels));
         note(path, contentHash(std::span(reinterpret_cast<const uint8_t*>(samples.data()), samples.size())));

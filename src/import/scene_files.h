@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/context.h"
@@ -60,10 +61,13 @@ class SceneFiles {
 
     std::optional<UpAxis> up() const { return options_.up; }
 
+    // Decodes an image that stands in memory, and counts its samples; `name` stands for it in messages.
+    std::shared_ptr<const Image> decode(std::string_view bytes, const std::string& name);
+
     // Pixels of the largest image that fits into the memory that is left.
     uint64_t mostPixels() const;
 
-    // Counts an image that was not read by image().
+    // Counts an image that was neither read nor decoded here.
     void takePicture(const Image& image) { pictures_ += image.pixels.size() * sizeof(float); }
 
     // Call this before memory is reserved by the declarations of a file. Throws Error(Scene) if the sum is

@@ -159,7 +159,7 @@ TEST(Schema, HasTheParsersKeysAndNoOthers) {
     const json schema = loadSceneSchema();
     for (const KeyTable& table : keyTables()) {
         const json& object = schema.at(json::json_pointer(schemaPlace(table.what)));
-        EXPECT_EQ(keysOf(object.at("properties")), asSet(table.keys())) << table.what;
+        EXPECT_EQ(keysOf(object.at("properties")), asSet(table.keys)) << table.what;
         EXPECT_EQ(object.at("additionalProperties"), json(false)) << table.what;
     }
     EXPECT_EQ(typesIn(schema, "/$defs/object/oneOf"), asSet(typesOf("object")));
@@ -406,7 +406,7 @@ TEST(SceneFormatPage, ExamplesAreAcceptedByParserAndSchema) {
 TEST(SceneFormatPage, NamesEveryKeyAndType) {
     const std::string text = page();
     for (const KeyTable& table : keyTables())
-        for (const std::string_view key : table.keys())
+        for (const std::string_view key : table.keys)
             EXPECT_NE(text.find('`' + std::string(key) + '`'), std::string::npos) << key;
     for (const char* kind : {"light", "object", "camera"})
         for (const std::string_view type : typesOf(kind)) EXPECT_HAS(text, std::string(type));
