@@ -114,10 +114,10 @@ bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out flo
     precise vec3 t0 = (nearPlane - frame.nearOrigin) * frame.inverse;
     precise vec3 t1 = (farPlane - frame.farOrigin) * frame.inverse;
     // Comparisons compile to one instruction each; min and max take three, for NaN's sake.
-    float near = ray.tMin;
-    near = t0.x > near ? t0.x : near;
+    float near = t0.x;
     near = t0.y > near ? t0.y : near;
     near = t0.z > near ? t0.z : near;
+    near = near > ray.tMin ? near : ray.tMin;
     float far = t1.x;
     far = t1.y < far ? t1.y : far;
     far = t1.z < far ? t1.z : far;

@@ -7,59 +7,48 @@
 
 #include "traversal/leaf.glsl"
 
-// One entry for each level of the tree at most, and a free place above it.
-uint stack[kMaxBvhDepth + 1u];
+// Entries below the topmost, which is in a register, so that the stack's loads and stores need not wait for a
+// node. One entry for each level of the tree at most, kNone below those of the world and of an instance, and
+// two places that are only read.
+uint stack[kMaxBvhDepth + 3u];
 
 // Any-hit rays take the farther child first: the neighbourhood of the surface that they leave seldom shades
 // them. Not if dielectrics filter the light, whose sum depends on the order.
 bool isFarthestFirst(Traversal traversal) { return isAnyHit(traversal) && !FEATURE_COLORED_SHADOWS; }
 
-// Returns the first of the node's children that the ray enters, or kNone, and pushes the other. `none` saves
-// a comparison with kNone, 6 % of the time of scenes/instances.json.
-uint enterNode(Traversal traversal, uint index, float tEnd, inout uint top, out bool none) {
-    Node node = loadNode(index);
-    float near0, near1;
-    bool hit0 = intersectBox(traversal.ray, traversal.frame, node.lo0, node.hi0, tEnd, near0);
-    bool hit1 = intersectBox(traversal.ray, traversal.frame, node.lo1, node.hi1, tEnd, near1);
-    bool swapped = isFarthestFirst(traversal) ? near0 < near1 : near1 < near0;
-    uint first = swapped ? node.child1 : node.child0;
-    uint second = swapped ? node.child0 : node.child1;
-    bool both = hit0 && hit1;
-    if (takesPart(both)) stack[top] = second;
-    top += both ? 1u : 0u;
-    none = !hit0 && !hit1;
-    return both ? first : (hit0 ? node.child0 : (hit1 ? node.child1 : kNone));
+uint pop(inout uint top, inout uint topmost) {
+    uint next = topmost;
+    topmost = stack[top];
+    --top;
+    return next;
 }
 
-// The topmost entry above `base`; kNone if the stack is empty or the ray is done.
-uint pop(bool done, inout uint top, uint base) {
-    bool ends = done || top == base;
-    uint next = stack[top == 0u ? 0u : top - 1u];
-    top -= ends ? 0u : 1u;
-    return ends ? kNone : next;
-}
-
-// From node to node, to the next leaf, an instance or kNone.
-uint descend(inout Traversal traversal, uint current, uint base, uint budget, inout uint top) {
-    bool goesOn;
+// From node to node, to the next leaf, an instance or kNone. If the ray enters both children, it pushes one;
+// if none, it pops an entry.
+uint descend(inout Traversal traversal, uint current, uint budget, inout uint top, inout uint topmost) {
+    precise float tEnd = traversal.ray.tMax * farPad();
+    bool atNode = isNode(current) && traversal.trips < budget;
     do {
-        bool atNode = isNode(current) && traversal.trips < budget;
         if (takesPart(atNode)) {
-            precise float tEnd = traversal.ray.tMax * farPad();
-            uint height = top;
-            bool none;
-            uint next = enterNode(traversal, atNode ? current : 0u, tEnd, height, none);
-            bool empty = height == base;
-            uint popped = stack[empty ? 0u : height - 1u];
-            height -= none && !empty ? 1u : 0u;
-            next = none ? (empty ? kNone : popped) : next;
+            uint below = stack[top];
+            Node node = loadNode(atNode ? current : 0u);
+            float near0, near1;
+            bool hit0 = intersectBox(traversal.ray, traversal.frame, node.lo0, node.hi0, tEnd, near0);
+            bool hit1 = intersectBox(traversal.ray, traversal.frame, node.lo1, node.hi1, tEnd, near1);
+            bool swapped = isFarthestFirst(traversal) ? near0 < near1 : near1 < near0;
+            bool both = atNode && hit0 && hit1;
+            bool none = atNode && !hit0 && !hit1;
+            bool takesFirst = hit0 && !(both && swapped);
+            uint next = takesFirst ? node.child0 : (hit1 ? node.child1 : topmost);
+            if (takesPart(both)) stack[top + 1u] = topmost;
             current = atNode ? next : current;
-            top = atNode ? height : top;
+            topmost = both ? (swapped ? node.child0 : node.child1) : (none ? below : topmost);
+            top = both ? top + 1u : (none ? top - 1u : top);
             traversal.trips += atNode ? 1u : 0u;
             if (MODE_COST && atNode) traversal.cost += 2u;
         }
-        goesOn = isNode(current) && traversal.trips < budget;
-    } while (anyHasWork(goesOn));
+        atNode = isNode(current) && traversal.trips < budget;
+    } while (anyHasWork(atNode));
     return current;
 }
 
@@ -69,8 +58,8 @@ bool isInSpace(uint child) { return child != kNone && !isInstance(child); }
 
 // From the root. Returns kNone when finished, else 0: the slot to begin from again, with the hit so far.
 uint traverse(inout Traversal traversal, uint root) {
-    uint top = 0u;
-    uint base = 0u;  // of the stack within an instance: entries below belong to the world
+    uint top = 1u;
+    uint topmost = kNone;
     uint current = root;
     uint budget = dispatch.tripBudget;  // a local copy: see lanes.glsl
     uint pass = FEATURE_INSTANCES ? dispatch.tripsOfPass : 0u;
@@ -81,10 +70,11 @@ uint traverse(inout Traversal traversal, uint root) {
             do {
                 here = goes && isInSpace(current) && traversal.trips < budget;
                 if (takesPart(here)) {
-                    current = descend(traversal, current, base, budget, top);
+                    current = descend(traversal, current, budget, top, topmost);
                     if (here && isInSpace(current) && !isNode(current)) {
                         testLeaf(traversal, current);
-                        current = pop(settled(traversal), top, base);
+                        current = pop(top, topmost);
+                        if (settled(traversal)) current = kNone;
                     }
                     traversal.trips += here ? pass : 0u;
                 }
@@ -92,15 +82,16 @@ uint traverse(inout Traversal traversal, uint root) {
             } while (FEATURE_INSTANCES && anyHasWork(here));
             if (FEATURE_INSTANCES) {
                 // The way out of an instance may lead straight into the next.
-                bool leaves = goes && current == kNone && traversal.instance != kNone && top > 0u &&
+                bool leaves = goes && current == kNone && traversal.instance != kNone && topmost != kNone &&
                               !settled(traversal);
-                uint outside = pop(!leaves, top, 0u);
-                if (leaves) current = outside;
+                if (leaves) current = pop(top, topmost);
                 bool enters = goes && current != kNone && isInstance(current);
                 uint inner =
                     enterSpace(traversal, enters ? current & kLeafFirstMask : kNone, enters || leaves);
-                if (enters) current = inner;
-                base = enters ? top : (leaves ? 0u : base);
+                if (takesPart(enters)) stack[top + 1u] = topmost;
+                top += enters ? 1u : 0u;
+                topmost = enters ? kNone : topmost;
+                current = enters ? inner : current;
             }
             traversal.trips += goes ? pass + 1u : 0u;
         }
