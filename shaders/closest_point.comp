@@ -8,7 +8,6 @@
 // does, past boxes farther than the bound. Traversal::hit.t is the square of the distance.
 #include "path_rows.glsl"
 #include "traversal/state.glsl"
-const uint kMostLeaves = 1u;
 #include "traversal/stackless.glsl"
 
 bool isAnyHit(Traversal traversal) { return false; }
@@ -117,10 +116,6 @@ void testLeaf(inout Traversal traversal, uint leaf) {
         ++index;
         ++traversal.trips;
     } while (index < end);
-}
-
-void testLeaves(inout Traversal traversal, uint leaves[kMostLeaves]) {
-    if (leaves[0] != kNone) testLeaf(traversal, leaves[0]);
 }
 
 void main() {

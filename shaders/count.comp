@@ -24,8 +24,14 @@ void main() {
     bool live = isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
-    uint slot = resume(traversal, loadEnvironment(0u), MODE_RESUME ? walkRow.x : kSlotFresh, instanceRow.zw);
-    bool again = (doubts & kAtEdge) != 0u;
+    for (uint i = 0u; i < kCountLeaves; ++i) leaves[i] = kNone;
+    // A leaf of polygons may take so many trips that the budget has room for one.
+    uint slot;
+    if (MODE_RESUME || FEATURE_POLYGONS)
+        slot = resume(traversal, loadEnvironment(0u), MODE_RESUME ? walkRow.x : kSlotFresh, instanceRow.zw);
+    else
+        slot = trace(traversal, loadEnvironment(0u));
+    bool again = (!MODE_RESUME && slot != kNone) || (doubts & kAtEdge) != 0u;
     if (again) slot = kSlotFresh;
     bool unfinished = live && slot != kNone;
     uvec2 counted = again ? uvec2(0u) : uvec2(traversal.crossings, hitRow.z | (doubts & kNearOrigin));

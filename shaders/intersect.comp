@@ -4,6 +4,7 @@
 // The closest hit of each live path.
 #include "path_rows.glsl"
 #include "primitives/textbook.glsl"
+#include "traversal/leaf.glsl"
 #include "traversal/stack.glsl"
 #include "traversal/stackless.glsl"
 

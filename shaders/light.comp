@@ -5,6 +5,7 @@
 // (Dispatch::lightEnd).
 #define GLINT_SHADOW_RAYS true
 #include "primitives/textbook.glsl"
+#include "traversal/leaf.glsl"
 #include "traversal/stack.glsl"
 #include "traversal/stackless.glsl"
 #include "shading/light.glsl"

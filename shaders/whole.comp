@@ -7,6 +7,7 @@
 #define GLINT_SHADOW_RAYS true
 #include "primitives/robust.glsl"
 #include "shading/camera.glsl"
+#include "traversal/leaf.glsl"
 #include "traversal/stack.glsl"
 #include "shading/lighting.glsl"
 

@@ -117,8 +117,11 @@ bool crossTriangle(Ray ray, SeenTriangle seen, out float t, out float u, out flo
 
 // ---- Counts and lists ----
 
-// Rays collect leaves, so that those of a subgroup test together (docs/lab/library.md).
-const uint kMostLeaves = kCountLeaves;
+// Leaves that a ray has collected, kNone behind them: crossings do not shorten the ray, so that those of a
+// subgroup test theirs together (docs/lab/library.md).
+const bool kCollects = true;
+uint leaves[kCountLeaves];
+#include "traversal/stack.glsl"
 #include "traversal/stackless.glsl"
 
 bool isAnyHit(Traversal traversal) { return false; }
@@ -162,19 +165,40 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
     traversal.trips = trips;
 }
 
+void testLeaf(inout Traversal traversal, uint leaf) {
+    uint first = leaf & kLeafFirstMask;
+    testEachHit(traversal, kindOfLeaf(leaf), first, first + sizeOfLeaf(leaf));
+}
+
+void collectLeaf(inout bool hits, uint child) {
+    bool isLeaf = hits && !isNode(child) && !isInstance(child);
+    hits = hits && !isLeaf;
+    for (uint i = 0u; i < kCountLeaves; ++i) {
+        uint next = leaves[i];
+        leaves[i] = isLeaf ? child : next;
+        child = next;
+    }
+}
+
+bool collect(Node node, inout bool hit0, inout bool hit1) {
+    collectLeaf(hit0, node.child0);
+    collectLeaf(hit1, node.child1);
+    return leaves[kCountLeaves - 2u] != kNone;
+}
+
 // Takes the first primitive out of the first leaf.
-void dropPrimitive(inout uint leaves[kMostLeaves]) {
+void dropPrimitive() {
     if (sizeOfLeaf(leaves[0]) > 1u) {
         leaves[0] += 1u - (1u << kLeafCountShift);
     } else {
-        for (uint i = 1u; i < kMostLeaves; ++i) leaves[i - 1u] = leaves[i];
-        leaves[kMostLeaves - 1u] = kNone;
+        for (uint i = 1u; i < kCountLeaves; ++i) leaves[i - 1u] = leaves[i];
+        leaves[kCountLeaves - 1u] = kNone;
     }
 }
 
 // One primitive a trip, whichever leaf it is in; after each hit, the next hit of the same primitive, as in
 // testEachHit. Said twice, as a function for both costs random rays an eighth of their rate.
-void testLeaves(inout Traversal traversal, uint leaves[kMostLeaves]) {
+void testLeaves(inout Traversal traversal) {
     float after = traversal.ray.tMin;
     do {
         if (leaves[0] != kNone) {
@@ -186,7 +210,7 @@ void testLeaves(inout Traversal traversal, uint leaves[kMostLeaves]) {
                 hitPrimitive(rest, traversal.frame, kind, leaves[0] & kLeafFirstMask, traversal.trips, hit);
             if (further) further = goesOnAfter(traversal, hit) && hit.t > after && hasFurtherHits(kind);
             after = further ? hit.t : traversal.ray.tMin;
-            if (!further) dropPrimitive(leaves);
+            if (!further) dropPrimitive();
             traversal.trips += 2u;  // of this loop, and of those in the tests
             if (MODE_COST && !further) ++traversal.cost;
         }

@@ -66,11 +66,10 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     GLINT_PRIMITIVES(GLINT_TEST, GLINT_NO_KIND)
 }
 
-// Hits shorten the ray, so that it tests each leaf at once (traversal/stackless.glsl).
-const uint kMostLeaves = 1u;
-void testLeaves(inout Traversal traversal, uint leaves[kMostLeaves]) {
-    if (leaves[0] != kNone) testLeaf(traversal, leaves[0]);
-}
+// Hits shorten the ray, so that it tests each leaf at once (traversal/stack.glsl).
+const bool kCollects = false;
+bool collect(Node node, inout bool hit0, inout bool hit1) { return false; }
+void testLeaves(inout Traversal traversal) {}
 
 // Planes are infinite and in no leaf: every ray tests all of them. Their trips are in the budget already.
 void testPlanes(inout Traversal traversal, uint planeCount) {

@@ -5,7 +5,14 @@
 #ifndef GLINT_TRAVERSAL_GLSL
 #define GLINT_TRAVERSAL_GLSL
 
-#include "traversal/leaf.glsl"
+#include "traversal/state.glsl"
+
+// Each query defines: the tests of a leaf's primitives and of the planes; with kCollects, which children a
+// ray collects as leaves instead of entering them (true if there is no room for two more), and their test.
+void testLeaf(inout Traversal traversal, uint leaf);
+void testPlanes(inout Traversal traversal, uint planeCount);
+bool collect(Node node, inout bool hit0, inout bool hit1);
+void testLeaves(inout Traversal traversal);
 
 // Entries below the topmost, which is in a register, so that the stack's loads and stores need not wait for a
 // node. One entry for each level of the tree at most, kNone below those of the world and of an instance, and
@@ -18,8 +25,7 @@ bool isFarthestFirst(Traversal traversal) { return isAnyHit(traversal) && !FEATU
 
 uint pop(inout uint top, inout uint topmost) {
     uint next = topmost;
-    topmost = stack[top];
-    --top;
+    topmost = stack[top--];
     return next;
 }
 
@@ -27,18 +33,20 @@ uint pop(inout uint top, inout uint topmost) {
 // if none, it pops an entry.
 uint descend(inout Traversal traversal, uint current, uint budget, inout uint top, inout uint topmost) {
     precise float tEnd = traversal.ray.tMax * farPad();
+    bool full = false;
     bool atNode = isNode(current) && traversal.trips < budget;
     do {
         if (takesPart(atNode)) {
             uint below = stack[top];
             Node node = loadNode(atNode ? current : 0u);
-            float near0, near1;
-            bool hit0 = intersectBox(traversal.ray, traversal.frame, node.lo0, node.hi0, tEnd, near0);
-            bool hit1 = intersectBox(traversal.ray, traversal.frame, node.lo1, node.hi1, tEnd, near1);
+            float near0, near1, end = atNode ? tEnd : -1.0;
+            bool hit0 = intersectBox(traversal.ray, traversal.frame, node.lo0, node.hi0, end, near0);
+            bool hit1 = intersectBox(traversal.ray, traversal.frame, node.lo1, node.hi1, end, near1);
+            if (kCollects) full = collect(node, hit0, hit1);
             bool swapped = isFarthestFirst(traversal) ? near0 < near1 : near1 < near0;
-            bool both = atNode && hit0 && hit1;
+            bool both = hit0 && hit1;
             bool none = atNode && !hit0 && !hit1;
-            bool takesFirst = hit0 && !(both && swapped);
+            bool takesFirst = hit0 && !(hit1 && swapped);
             uint next = takesFirst ? node.child0 : (hit1 ? node.child1 : topmost);
             if (takesPart(both)) stack[top + 1u] = topmost;
             current = atNode ? next : current;
@@ -47,7 +55,7 @@ uint descend(inout Traversal traversal, uint current, uint budget, inout uint to
             traversal.trips += atNode ? 1u : 0u;
             if (MODE_COST && atNode) traversal.cost += 2u;
         }
-        atNode = isNode(current) && traversal.trips < budget;
+        atNode = isNode(current) && traversal.trips < budget && !full;
     } while (anyHasWork(atNode));
     return current;
 }
@@ -71,7 +79,9 @@ uint traverse(inout Traversal traversal, uint root) {
                 here = goes && isInSpace(current) && traversal.trips < budget;
                 if (takesPart(here)) {
                     current = descend(traversal, current, budget, top, topmost);
-                    if (here && isInSpace(current) && !isNode(current)) {
+                    if (kCollects) {
+                        testLeaves(traversal);
+                    } else if (here && isInSpace(current) && !isNode(current)) {
                         testLeaf(traversal, current);
                         current = pop(top, topmost);
                         if (settled(traversal)) current = kNone;

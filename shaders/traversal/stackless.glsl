@@ -1,16 +1,15 @@
 // Traverses the BVH in depth-first order without a stack, from any slot on: each child has the slot that
 // follows its subtree. The whole state of a ray is one slot, two with instances, so a ray that runs out of
-// trips continues in a further dispatch. Rays that the stack traversal could not finish continue here, and
-// rays that count crossings, which no order helps.
+// trips continues in a further dispatch. Rays that a traversal with a stack could not finish continue here.
 #ifndef GLINT_STACKLESS_GLSL
 #define GLINT_STACKLESS_GLSL
 
 #include "traversal/state.glsl"
 
-// Each query defines: true if a box may hold what it looks for; the test of the primitives of the leaves that
-// a ray has collected, at most kMostLeaves, the last first, then kNone; and of the planes.
+// Each query defines: true if a box may hold what it looks for; the test of a leaf's primitives; and of the
+// planes.
 bool entersBox(Traversal traversal, vec3 lo, vec3 hi);
-void testLeaves(inout Traversal traversal, uint leaves[kMostLeaves]);
+void testLeaf(inout Traversal traversal, uint leaf);
 void testPlanes(inout Traversal traversal, uint planeCount);
 
 // True if the ray hits the box in its interval.
@@ -18,17 +17,6 @@ bool rayEntersBox(Traversal traversal, vec3 lo, vec3 hi) {
     precise float tEnd = traversal.ray.tMax * farPad();
     float near;
     return intersectBox(traversal.ray, traversal.frame, lo, hi, tEnd, near);
-}
-
-// A leaf of polygons may take so many trips that the budget has room for one (src/render/path_limits.cpp).
-bool isFull(uint leaves[kMostLeaves]) { return leaves[FEATURE_POLYGONS ? 0u : kMostLeaves - 1u] != kNone; }
-
-void addLeaf(inout uint leaves[kMostLeaves], uint leaf) {
-    for (uint i = 0u; i < kMostLeaves; ++i) {
-        uint next = leaves[i];
-        leaves[i] = leaf;
-        leaf = next;
-    }
 }
 
 // One child of a node with its box; the slot of a child is 2 * node + side.
@@ -52,31 +40,23 @@ uint stepToLeaf(Traversal traversal, inout uint slot) {
     return entered && !isNode(at.child) ? at.child : kNone;
 }
 
-// True while a ray collects leaves, up to an instance.
-bool collects(uint slot, uint leaf, uint leaves[kMostLeaves]) {
-    return slot != kNone && !isFull(leaves) && !isInstance(leaf);
-}
-
 // Returns the slot to continue from, kNone at the end.
 uint traverseFrom(inout Traversal traversal, uint slot) {
     uint budget = dispatch.tripBudget;
     do {
         if (slot != kNone && traversal.trips < budget) {
             uint leaf = kNone;
-            uint waiting[kMostLeaves];
-            for (uint i = 0u; i < kMostLeaves; ++i) waiting[i] = kNone;
             do {
-                if (collects(slot, leaf, waiting) && traversal.trips < budget) {
+                if (slot != kNone && leaf == kNone && traversal.trips < budget) {
                     leaf = stepToLeaf(traversal, slot);
-                    if (leaf != kNone && !isInstance(leaf)) addLeaf(waiting, leaf);
                     ++traversal.trips;
                     if (MODE_COST) ++traversal.cost;
                 }
-            } while (collects(slot, leaf, waiting) && traversal.trips < budget);
-            testLeaves(traversal, waiting);
+            } while (slot != kNone && leaf == kNone && traversal.trips < budget);
+            bool enters = leaf != kNone && isInstance(leaf);
+            if (leaf != kNone && !enters) testLeaf(traversal, leaf);
             if (settled(traversal)) slot = kNone;
             if (FEATURE_INSTANCES) {
-                bool enters = leaf != kNone && isInstance(leaf);
                 if (enters) traversal.worldSlot = slot;
                 bool leaves = !enters && slot == kNone && traversal.instance != kNone && !settled(traversal);
                 uint root = enterSpace(traversal, enters ? leaf & kLeafFirstMask : kNone, enters || leaves);
