@@ -84,10 +84,9 @@ AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
     expectKeys(cursor, "animation/track");
     AnimationTrack track;
     const JsonCursor target = cursor.require("target");
-    track.target = target.string();
-    if (track.target.size() < 2 || track.target[0] != '/')
+    if (target.string().size() < 2 || target.string()[0] != '/')
         target.failWanted("must be a JSON pointer such as \"/camera/eye\"");
-    track.steps = stepsOf(track.target);
+    track.steps = stepsOf(target.string());
     Keyframes& keyframes = track.keyframes;
     keyframes.interpolation = readNamed(cursor, "interpolation", keyframes.interpolation);
     readTimes(cursor.require("times"), keyframes);
@@ -135,10 +134,10 @@ Animation parseAnimation(const JsonCursor& root) {
         if (!(animation.framesPerSecond > 0)) rate->failWanted("must be > 0");
     }
     const JsonCursor tracks = cursor->require("tracks");
-    std::set<std::string> targets;
+    std::set<std::vector<std::string>> targets;
     for (size_t i = 0; i < tracks.size(); ++i) {
         animation.tracks.push_back(parseTrack(root, tracks.item(i)));
-        if (!targets.insert(animation.tracks.back().target).second)
+        if (!targets.insert(animation.tracks.back().steps).second)
             tracks.item(i).fail("a track before it has the same target");
     }
     return animation;

@@ -109,13 +109,10 @@ GltfNumbers numbersOf(const draco::PointAttribute& attribute, uint32_t points) {
     GltfNumbers numbers;
     numbers.components = attribute.num_components();
     numbers.values.resize(points * numbers.components);
-    std::vector<double> value(numbers.components);
-    for (uint32_t i = 0; i < points; i++) {
+    for (uint32_t i = 0; i < points; i++)
         attribute.ConvertValue<double>(attribute.mapped_index(draco::PointIndex(i)),
-                                       static_cast<int8_t>(numbers.components), value.data());
-        std::copy(value.begin(), value.end(),
-                  numbers.values.begin() + static_cast<std::ptrdiff_t>(i * numbers.components));
-    }
+                                       static_cast<int8_t>(numbers.components),
+                                       &numbers.values[i * numbers.components]);
     return numbers;
 }
 

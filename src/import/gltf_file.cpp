@@ -24,7 +24,7 @@ constexpr std::string_view kExtensions[] = {
     "KHR_texture_transform"};
 
 bool supported(std::string_view extension) {
-    return std::find(std::begin(kExtensions), std::end(kExtensions), extension) != std::end(kExtensions);
+    return std::ranges::find(kExtensions, extension) != std::end(kExtensions);
 }
 
 uint32_t word(std::string_view bytes, size_t at) {
@@ -377,10 +377,7 @@ std::vector<uint32_t> readIndexAccessor(GltfFile& file, size_t index) {
     const NumberType type = numberTypeOf(accessor);
     if (type != NumberType::Uint8 && type != NumberType::Uint16 && type != NumberType::Uint32)
         accessor.require("componentType").failWanted("vertex indices must be of an unsigned type");
-    std::vector<uint32_t> indices(numbers.values.size());
-    std::transform(numbers.values.begin(), numbers.values.end(), indices.begin(),
-                   [](double value) { return static_cast<uint32_t>(value); });
-    return indices;
+    return {numbers.values.begin(), numbers.values.end()};
 }
 
 }  // namespace glint

@@ -108,7 +108,7 @@ std::optional<AnimationTrack> readChannel(GltfFile& file, const JsonCursor& samp
     const auto index = static_cast<size_t>(reference.integer(0, std::numeric_limits<int>::max()));
     if (index >= samplers.size()) reference.fail("there is no such sampler");
     Keyframes keyframes = readSampler(file, samplers.item(index), path == "rotation");
-    return AnimationTrack{{}, {"nodes", std::to_string(nodeIndex), path}, std::move(keyframes), true};
+    return AnimationTrack{{"nodes", std::to_string(nodeIndex), path}, std::move(keyframes), true};
 }
 
 // The channels of the file's first animation; none if it has no animation. Other animations, weights of morph

@@ -51,6 +51,7 @@ class NffReader {
 
   private:
     void readEntity(const std::string& kind) {
+        line_ = scanner_.line();
         if (kind == "p") return readPolygon();
         if (kind == "pp") return readPatch();
         if (kind == "s") return readSphere();
@@ -166,19 +167,17 @@ class NffReader {
 
     void readSphere() {
         flushPatches();
-        const size_t line = scanner_.line();
         SphereShape sphere;
         sphere.center = vector("a sphere");
         const double radius = number("a sphere");
         if (radius < 0) insideOut_++;
         sphere.radius = std::abs(radius);
         if (radius == 0) scanner_.fail("the radius of a sphere must not be 0");
-        addObject(sphere, line);
+        addObject(sphere, line_);
     }
 
     void readCone() {
         flushPatches();
-        const size_t line = scanner_.line();
         ConeShape cone;
         cone.base = vector("a cone");
         cone.radius = number("a cone");
@@ -195,9 +194,9 @@ class NffReader {
             std::swap(cone.base, cone.apex);
         }
         if (cone.radius == cone.topRadius)
-            addObject(CylinderShape{cone.base, cone.apex, cone.radius, false}, line);
+            addObject(CylinderShape{cone.base, cone.apex, cone.radius, false}, line_);
         else
-            addObject(cone, line);
+            addObject(cone, line_);
     }
 
     size_t cornerCount(const char* owner) {
@@ -209,25 +208,23 @@ class NffReader {
 
     void readPolygon() {
         flushPatches();
-        const size_t line = scanner_.line();
         std::vector<glm::dvec3> vertices(cornerCount("a polygon"));
         for (glm::dvec3& vertex : vertices) vertex = vector("a polygon");
         const auto plane = polygonPlane(vertices);
         if (!plane) {
             withoutArea_++;
         } else if (vertices.size() == 3) {
-            addObject(TriangleShape{{vertices[0], vertices[1], vertices[2]}}, line);
+            addObject(TriangleShape{{vertices[0], vertices[1], vertices[2]}}, line_);
         } else if (plane->deviation <= planarTolerance(vertices) && vertices.size() <= kMaxPolygonVertices) {
-            addObject(PolygonShape{std::move(vertices)}, line);
+            addObject(PolygonShape{std::move(vertices)}, line_);
         } else {
             if (plane->deviation > planarTolerance(vertices)) notPlanar_++;
-            addPatch(vertices, {}, line);
+            addPatch(vertices, {});
             flushPatches();
         }
     }
 
     void readPatch() {
-        const size_t line = scanner_.line();
         const size_t count = cornerCount("a patch");
         std::vector<glm::dvec3> vertices(count), normals(count);
         for (size_t i = 0; i < count; i++) {
@@ -235,17 +232,16 @@ class NffReader {
             normals[i] = vector("a patch");
         }
         if (polygonPlane(vertices))
-            addPatch(vertices, normals, line);
+            addPatch(vertices, normals);
         else
             withoutArea_++;
     }
 
     // Patches that follow each other become one mesh.
-    void addPatch(const std::vector<glm::dvec3>& vertices, const std::vector<glm::dvec3>& normals,
-                  size_t line) {
+    void addPatch(const std::vector<glm::dvec3>& vertices, const std::vector<glm::dvec3>& normals) {
         if (!patches_) {
             patches_.emplace(file_);
-            patchLine_ = line;
+            patchLine_ = line_;
         }
         Mesh& mesh = patches_->result.mesh;
         std::vector<MeshCorner> corners(vertices.size());
@@ -298,8 +294,8 @@ class NffReader {
     std::map<Fill, uint32_t> fills_;   // to materials
     uint32_t fill_ = Mesh::kNoIndex;
     std::optional<MeshBuilder> patches_;
-    size_t patchLine_ = 0;
-    size_t insideOut_ = 0;  // surfaces whose inside alone should be visible
+    size_t line_ = 0, patchLine_ = 0;  // of the current entity, and of the first patch
+    size_t insideOut_ = 0;             // surfaces whose inside alone should be visible
     size_t withoutArea_ = 0, notPlanar_ = 0;
 };
 

@@ -86,8 +86,7 @@ std::string_view readType(const JsonCursor& type, std::string_view kind);
 
 // One value of the file over time.
 struct AnimationTrack {
-    std::string target;              // JSON pointer (RFC 6901) of the value
-    std::vector<std::string> steps;  // the same, step by step, unescaped
+    std::vector<std::string> steps;  // of the JSON pointer (RFC 6901) of the value, unescaped
     Keyframes keyframes;
     bool isList = false;  // the value is a list of numbers, else one number
     bool movesCamera() const { return steps.front() == "camera" || steps.front() == "cameras"; }

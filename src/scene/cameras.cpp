@@ -46,8 +46,7 @@ std::string cameraNames(const Scene& scene, size_t most) {
 
 void chooseCamera(Scene& scene, const std::string& name, const std::string& file) {
     constexpr size_t kMostNames = 20;  // in a message of one line
-    const auto found = std::find_if(scene.cameras.begin(), scene.cameras.end(),
-                                    [&](const NamedCamera& camera) { return camera.name == name; });
+    const auto found = std::ranges::find(scene.cameras, name, &NamedCamera::name);
     if (found == scene.cameras.end())
         throw Error(ErrorKind::Argument,
                     file + ": no camera \"" + printable(name) + "\" (" +

@@ -47,6 +47,12 @@ void checkRange(const Place& place, std::string_view key, double value, double l
         place.fail(key, "must be from ", least, " to ", most, unit, got(value));
 }
 
+void checkLength(const Place& place, std::string_view key, double length, double least = kMinRadius,
+                 double most = kMaxRadius) {
+    if (!(length > 0)) place.fail(key, "must be > 0", got(length));
+    checkRange(place, key, length, least, most);
+}
+
 std::string gotColor(const Color& c) {
     return c.x == c.y && c.y == c.z ? got(c.x) : got(c);
 }
@@ -106,8 +112,7 @@ void checkWindowSize(const Camera& camera, const Place& place) {
         checkOrder("left must be less than right", window.left, window.right);
         checkOrder("bottom must be less than top", window.bottom, window.top);
     } else if (camera.projection == Projection::Orthographic) {
-        if (!(camera.height > 0)) place.fail("height", "must be > 0", got(camera.height));
-        checkRange(place, "height", camera.height, kMinLength, kMaxCoordinate);
+        checkLength(place, "height", camera.height, kMinLength, kMaxCoordinate);
     } else if (!(camera.fovY > 0 && camera.fovY < 180)) {
         place.fail("fovY", "must be between 0 and 180 degrees", got(camera.fovY));
     }
@@ -184,11 +189,6 @@ void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
                    "the polygon is not planar: this point lies ", sixDigits(plane->deviation),
                    " off the plane of all, the limit is ", sixDigits(tolerance),
                    " (split the polygon into triangles)");
-}
-
-void checkLength(const Place& place, std::string_view key, double length) {
-    if (!(length > 0)) place.fail(key, "must be > 0", got(length));
-    checkRange(place, key, length, kMinRadius, kMaxRadius);
 }
 
 // The ends of a body of revolution, and its greatest radius; at most `flattest` heights.
