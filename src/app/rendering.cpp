@@ -87,12 +87,7 @@ AnimatedScene::Change AnimatedScene::moveTo(double time) {
     const Stopwatch watch;
     Change change = reader_->moveTo(time);
     if (change == Change::Nothing) return change;
-    if (change == Change::Camera) {
-        if (keepsArrays(loaded_.packed, loaded_.scene, camera())) {
-            setEye(loaded_.packed, camera());
-            return change;
-        }
-    }
+    if (change == Change::Camera && keepsArrays(loaded_.packed, loaded_.scene, camera())) return change;
     loaded_.scene = reader_->scene();
     loaded_.loadSeconds = watch.seconds();
     pack();

@@ -100,11 +100,9 @@ void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, PackedScene
     checkLimit("planes", packed.planes.size(), shared::kMaxPlanes);
 }
 
-void setEye(PackedScene& packed, const Camera& camera) {
-    if (!packed.features.transmission) return;
-    const glm::vec3 eye = packCamera(camera, 1, 1, packed.origin).eye;
-    const glm::uvec4 media = mediaAt(packed, glm::dvec3(eye));
-    shared::Environment& environment = packed.environment;
+void setEye(const PackedScene& scene, const glm::vec3& eye, shared::Environment& environment) {
+    if (!scene.features.transmission) return;
+    const glm::uvec4 media = mediaAt(scene, glm::dvec3(eye));
     environment.eyeMedium0 = media.x;
     environment.eyeMedium1 = media.y;
     environment.eyeMedium2 = media.z;
@@ -146,6 +144,7 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
     PackedScene packed;
     packed.geometry = geometryOf(scene, objectExtents(scene, numbers, corners, context));
     packed.origin = originOf(packed.geometry, scene.camera.eye);
+    packed.eye = packCamera(scene.camera, 1, 1, packed.origin).eye;
     packPlanes(scene, numbers, packed);
     instances.place(scene, numbers, packed.origin, context);
 
@@ -158,7 +157,7 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
     packTextures(scene, materials, packed, context);
     packed.features = featuresOf(packed, materials, context);
     if (packed.features.transmission) {
-        setEye(packed, scene.camera);
+        setEye(packed, packed.eye, packed.environment);
         packed.features.coloredShadows =
             scene.transmissiveShadows == TransmissiveShadows::Colored && !packed.lights.empty();
     } else {

@@ -80,7 +80,8 @@ struct PackedScene {
     std::vector<shared::Material> materials;
     std::vector<shared::Optics> optics;  // of the materials that let light through
     std::vector<shared::Light> lights;
-    shared::Environment environment;
+    shared::Environment environment;        // with the media around `eye`
+    glm::vec3 eye{0};                       // of the camera that the scene was packed for, local
     std::vector<shared::Texture> textures;  // those that a primitive's material, or the background, uses
     std::vector<shared::Texel> texels;      // each image once
     std::vector<shared::VertexAttribute> vertexAttributes;
@@ -115,8 +116,8 @@ PackedScene packScene(const Scene& scene, const PackOptions& options = {}, const
 // placed (scene/placement.h): the camera determines the local origin and the anchors of planes and of huge
 // spheres and quadrics next to the eye. May be false for equal arrays.
 bool keepsArrays(const PackedScene& packed, const Scene& scene, const Camera& camera);
-// Sets the part of the arrays that depends on the eye: the media around it as rounded (packCamera).
-void setEye(PackedScene& packed, const Camera& camera);
+// Sets the media around a camera's local eye.
+void setEye(const PackedScene& scene, const glm::vec3& eye, shared::Environment& environment);
 
 // The rows of valid lights, rounded, relative to `origin`. A hit traces a shadow ray for each row.
 std::vector<shared::Light> packLights(std::span<const Light> lights, const glm::dvec3& origin);

@@ -122,6 +122,13 @@ shared::Environment environmentOf(const PackedScene& scene, const Tracing& traci
     return environment;
 }
 
+shared::Environment cameraEnvironment(const PackedScene& scene, const Request& request) {
+    shared::Environment environment = environmentOf(scene, request);
+    const glm::vec3 eye = cameraOf(scene, request).eye;
+    if (eye != scene.eye) setEye(scene, eye, environment);
+    return environment;
+}
+
 float radianceBoundOf(const PackedScene& scene, const Tracing& tracing) {
     const bool deeper = depthOf(scene, tracing) > scene.environment.maxDepth;
     if (!tracing.lighting && !deeper) return scene.environment.radianceBound;

@@ -28,6 +28,9 @@ uint32_t depthOf(const PackedScene& scene, const Tracing& tracing);
 // own lights, background and depth.
 shared::Environment environmentOf(const PackedScene& scene, const Tracing& tracing);
 
+// The same for the request's camera rays: with the media around its eye.
+shared::Environment cameraEnvironment(const PackedScene& scene, const Request& request);
+
 // The scene's radiance bound where that holds for `tracing`, or else one that does, which looks at every
 // texel.
 float radianceBoundOf(const PackedScene& scene, const Tracing& tracing);

@@ -243,6 +243,9 @@ class Tracer {
     // outlive the tracer. Methods choose the device's tests. The reference has tests of its own, and needs
     // the choice for the errors of textbook tests (Jitter::formulas) and for how these count crossings.
     explicit Tracer(const PackedScene& scene, const Tracing& tracing = {});
+    // Camera rays start in the media around the request's eye; without a request, in those around the eye
+    // that the scene was packed for.
+    Tracer(const PackedScene& scene, const Request& request);
     // Traces any model. radianceBound: cuts branches (radianceBoundOf).
     Tracer(std::shared_ptr<const Model> model, const Tracing& tracing, double radianceBound);
 

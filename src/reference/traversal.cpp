@@ -213,6 +213,13 @@ Tracer::Tracer(const PackedScene& scene, const Tracing& tracing)
     : Tracer(std::make_shared<const Model>(widened(scene)), roundedTracing(tracing),
              radianceBoundOf(scene, tracing)) {}
 
+Tracer::Tracer(const PackedScene& scene, const Request& request)
+    : Tracer(scene, static_cast<const Tracing&>(request)) {
+    const double bound = environment_.radianceBound;
+    environment_ = cameraEnvironment(scene, request);
+    environment_.radianceBound = bound;
+}
+
 // The order of the traversal may decide whether a surface in the place of the closest hit is tested: it is
 // not tested if it comes after the closest hit and its box begins behind the hit. The bounds of the rule hold
 // for every order. A second search tests the fewest surfaces (slips 0), or the most.

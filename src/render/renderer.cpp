@@ -39,7 +39,7 @@ struct Renderer::State : DeviceScene {
         : DeviceScene(dev, packed, imageFeatures(packed, opts), opts), options(opts), engine(*this) {
         options.expected = nullptr;
         if (opts.expected) {
-            begin(*opts.expected, glint::environmentOf(scene, *opts.expected));
+            begin(*opts.expected, environmentOf(scene, *opts.expected));
             engine.start(modes, kernels());
         }
         const Stopwatch watch;
@@ -85,19 +85,6 @@ struct Renderer::State : DeviceScene {
                                                           : kernelsOfSteps(scene, *request, choice.packets);
         if (modes.adaptive) kernels.push_back(KernelId::Adapt);
         return kernels;
-    }
-
-    shared::Environment environmentOf(const shared::Camera& camera, const Request& wanted) const {
-        shared::Environment found = glint::environmentOf(scene, wanted);
-        if (wanted.wantsLosses()) found.radianceBound = radianceBoundOf(scene, wanted);
-        if (scene.features.transmission) {
-            const glm::uvec4 media = mediaAt(scene, glm::dvec3(camera.eye));
-            found.eyeMedium0 = media.x;
-            found.eyeMedium1 = media.y;
-            found.eyeMedium2 = media.z;
-            found.eyeMedium3 = media.w;
-        }
-        return found;
     }
 
     void compile() {
@@ -270,7 +257,8 @@ struct Renderer::State : DeviceScene {
         if (pixels == 0) return picture;
         if (lightsOf(scene, wanted).size() > scene.lights.size())
             throw std::invalid_argument("more lights than the scene has");
-        begin(wanted, environmentOf(camera, wanted));
+        begin(wanted, cameraEnvironment(scene, wanted));
+        if (wanted.wantsLosses()) environment.radianceBound = radianceBoundOf(scene, wanted);
 
         const uint32_t tiles = Slice::tilesIn(picture.region);
         const uint32_t interleave = interleaveOf(device.info());

@@ -146,6 +146,19 @@ TEST_F(RequestTest, FurtherFeaturesServeFurtherRequests) {
     EXPECT_TRUE(sameBits(able.render(request), draw(device(), makeCase(scene, 40, 30))));
 }
 
+// In glass and in air, whichever the scene was packed for.
+TEST_F(RequestTest, CameraRaysStartInTheMediaAroundTheRequestsEye) {
+    const Case inside = fileCase("inside_glass", 40, 30);
+    Scene scene = inside.scene;
+    scene.camera.eye = {0, 8, 3};
+    const Case outside = makeCase(scene, 40, 30);
+    ASSERT_NE(inside.packed.environment.eyeMedium0, outside.packed.environment.eyeMedium0);
+    for (Case c : {inside, outside}) {
+        c.camera = c.packed.environment.eyeMedium0 == 0 ? inside.camera : outside.camera;
+        EXPECT_TRUE(verified(c).passed());
+    }
+}
+
 // The reference supports images without shadows, too.
 TEST_F(RequestTest, WithoutShadowsBothTracersAgree) {
     for (const char* name : {"lights", "glass"}) {
