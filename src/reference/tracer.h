@@ -127,8 +127,8 @@ struct Surface {
 // `t`: the first hit's t, if not 0, for all that follows from the hit. The ray then moves everything except
 // the texture coordinates: they are those of the unmoved ray at t, within kUvRoundings. `lookup`: with t, the
 // seed of these coordinates. Even: textures round as IEEE 754 demands; odd: by any error within fp32's bound.
-// If rounding of these lookups decides whether masks hide a light from the first hit, it is hidden if it has
-// a bit in `hidden`, and its colour is a range.
+// If rounding of these lookups decides whether masks hide a light, its colour is a range; from the first hit
+// it then counts as hidden if it has a bit in `hidden`.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
