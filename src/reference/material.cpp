@@ -1,6 +1,7 @@
 #include "reference/material.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -234,13 +235,29 @@ dvec3 transmissionAt(const Model& scene, uint32_t medium, const Surface& surface
     return optics.transmission * dvec3(textureAt(scene, optics.transmissionTexture, surface));
 }
 
+// Numbers of the textures of a surface, 0 for none.
+std::array<uint32_t, 5> texturesOf(const Model& scene, const Surface& surface) {
+    const rows::Material& m = scene.materials[surface.material];
+    const uint32_t transmission = m.medium == 0 ? 0 : scene.optics[m.medium - 1].transmissionTexture;
+    return {m.ambientTexture, m.diffuseTexture, m.specularTexture, m.mirrorTexture, transmission};
+}
+
+double solidReach(const Model& scene, const Surface& surface) {
+    double reach = surface.scale;
+    for (const uint32_t number : texturesOf(scene, surface)) {
+        if (number == 0 || !(scene.textures[number - 1].flags & shared::kTextureSolid)) continue;
+        const rows::ObjectFrame& f = scene.objectFrames[surface.object];
+        const dvec3 corner =
+            glm::abs(dvec3(f.offsetX, f.offsetY, f.offsetZ) - scene.textures[number - 1].place);
+        reach = std::max({reach, corner.x / glm::length(f.toObjectX), corner.y / glm::length(f.toObjectY),
+                          corner.z / glm::length(f.toObjectZ)});
+    }
+    return reach;
+}
+
 uint32_t cellsAt(const Model& scene, const Surface& surface, bool resolvedAlone) {
-    const rows::Material& material = scene.materials[surface.material];
-    const uint32_t transmission =
-        material.medium == 0 ? 0 : scene.optics[material.medium - 1].transmissionTexture;
     uint32_t hash = 0;
-    for (const uint32_t number : {material.ambientTexture, material.diffuseTexture, material.specularTexture,
-                                  material.mirrorTexture, transmission}) {
+    for (const uint32_t number : texturesOf(scene, surface)) {
         if (number == 0) continue;
         rows::Texture cells = scene.textures[number - 1];
         if (!(cells.flags & (shared::kTextureChecker | shared::kTextureNearest))) continue;

@@ -22,6 +22,10 @@ rows::Material materialAt(const Model& scene, const Surface& surface);
 // Transmission of a surface of this medium (rows::Material::medium, not 0).
 glm::dvec3 transmissionAt(const Model& scene, uint32_t medium, const Surface& surface);
 
+// The greatest number, in local units, that a coordinate of a solid checker is a sum of: of the position, or
+// of the way from the checker's corner to the object's origin.
+double solidReach(const Model& scene, const Surface& surface);
+
 // Hashes the cells of checkers and the texels of images without filtering. resolvedAlone: omits texels that
 // rounding replaces by more than their neighbours.
 uint32_t cellsAt(const Model& scene, const Surface& surface, bool resolvedAlone);

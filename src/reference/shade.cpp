@@ -316,7 +316,7 @@ Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
     if (jitter_.t != 0 && hit.instance == shared::kNone && !hit.isTriangle()) return lookedUpAt(hit);
     Surface moved = surface;
     const double scale = std::max(1.0, std::max(surface.uvScale.x, surface.uvScale.y));
-    const double reach = surface.scale;
+    const double reach = mover_.moves() ? solidReach(scene_, surface) : 0;
     for (int i = 0; i < 2; ++i) moved.uv[i] += mover_.shift(scale);
     for (int i = 0; i < 3; ++i) moved.position[i] += mover_.shift(reach);
     keepWithinImage(scene_, moved);
@@ -331,7 +331,8 @@ Surface PathTracer::lookedUpAt(const Hit& hit) const {
     uint64_t state = jitter_.lookup;
     const double units = kUvRoundings * kFloatUnit * std::pow(uniform(state), 4);
     for (int i = 0; i < 2; ++i) seen.uv[i] += units * std::max(1.0, seen.uvScale[i]) * uniform(state);
-    for (int i = 0; i < 3; ++i) seen.position[i] += units * seen.scale * uniform(state);
+    const double reach = solidReach(scene_, seen);
+    for (int i = 0; i < 3; ++i) seen.position[i] += units * reach * uniform(state);
     keepWithinImage(scene_, seen);
     return seen;
 }

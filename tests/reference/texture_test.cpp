@@ -207,4 +207,27 @@ TEST(Texture, NoiseOpensMasksWithinTheirRounding) {
     EXPECT_EQ(holesOf100(dvec2(0.25), 3.0 / 16), 0);
 }
 
+// Points of a solid checker are measured from its corner: 300 away in each direction of objects twice as
+// large as their local coordinates, where one coordinate of the corner is -600.
+TEST(Texture, SolidCheckersReachToTheirCorners) {
+    Model model;
+    model.materials.resize(2);
+    model.materials[1].mirrorTexture = 1;
+    model.textures.resize(1);
+    model.textures[0].flags = shared::kTextureChecker | shared::kTextureSolid;
+    model.textures[0].place = {-600, 3, 5};
+    rows::ObjectFrame frame;
+    frame.toObjectX = {0, 2, 0};
+    frame.toObjectY = {0, 0, 2};
+    frame.toObjectZ = {2, 0, 0};
+    model.objectFrames.push_back(frame);
+    Surface surface;
+    surface.scale = 7;
+    EXPECT_EQ(solidReach(model, surface), 7);
+    surface.material = 1;
+    EXPECT_EQ(solidReach(model, surface), 300);
+    model.textures[0].flags = shared::kTextureChecker;
+    EXPECT_EQ(solidReach(model, surface), 7);
+}
+
 }  // namespace glint::reference::test::texture_test
