@@ -129,7 +129,7 @@ std::string explainedChoices() {
 size_t editDistance(std::string_view a, std::string_view b);
 
 // The one of `names` that `name` may mean: it has one typing error, and one more for every four letters.
-// Empty if there is none.
+// Returns an empty name if no name is that near.
 std::string_view nearest(std::string_view name, std::span<const std::string_view> names);
 
 // `did you mean "radius"?` for nearest(), else `WORD: a, b, c` (at most 16, then "..."), else empty if there

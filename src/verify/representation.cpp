@@ -164,13 +164,14 @@ bool RepresentationCheck::mayLeave(size_t doubts) const {
     return false;
 }
 
-// Leaves doubts open that nothing explains.
+// Leaves doubts open that nothing explains, or whose search would be too long.
 void RepresentationCheck::search(std::vector<Doubt*> open, size_t examined) const {
     draw(1, kMovedScenes, open);
-    if (open.size() > kFewPixels + examined / kFewPixels && !mayLeave(open.size())) return;
+    const size_t few = kFewPixels + examined / kFewPixels;
+    if (open.size() > few && !mayLeave(open.size())) return;
     parallelFor({.cancelled = request_.cancelled}, open.size(), [&](size_t i) { certifyDoubt(*open[i]); });
     std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
-    draw(kMovedScenes + 1, kLastScenes, open);
+    if (open.size() <= few) draw(kMovedScenes + 1, kLastScenes, open);
 }
 
 Representation RepresentationCheck::judge(size_t worstCount) {

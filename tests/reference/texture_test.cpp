@@ -207,8 +207,7 @@ TEST(Texture, NoiseOpensMasksWithinTheirRounding) {
     EXPECT_EQ(holesOf100(dvec2(0.25), 3.0 / 16), 0);
 }
 
-// Points of a solid checker are measured from its corner: 300 away in each direction of objects twice as
-// large as their local coordinates, where one coordinate of the corner is -600.
+// The checker's corner is 640 from the place 0 along the object's x axis, of which a local unit has 2.
 TEST(Texture, SolidCheckersReachToTheirCorners) {
     Model model;
     model.materials.resize(2);
@@ -218,14 +217,15 @@ TEST(Texture, SolidCheckersReachToTheirCorners) {
     model.textures[0].place = {-600, 3, 5};
     rows::ObjectFrame frame;
     frame.toObjectX = {0, 2, 0};
-    frame.toObjectY = {0, 0, 2};
-    frame.toObjectZ = {2, 0, 0};
+    frame.toObjectY = {0, 0, 4};
+    frame.toObjectZ = {1, 0, 0};
+    frame.offsetX = 40;
     model.objectFrames.push_back(frame);
     Surface surface;
     surface.scale = 7;
     EXPECT_EQ(solidReach(model, surface), 7);
     surface.material = 1;
-    EXPECT_EQ(solidReach(model, surface), 300);
+    EXPECT_EQ(solidReach(model, surface), 320);
     model.textures[0].flags = shared::kTextureChecker;
     EXPECT_EQ(solidReach(model, surface), 7);
 }
