@@ -16,10 +16,10 @@
 #include "pack/packed_scene.h"
 #include "pack/request_environment.h"
 #include "reference/render.h"
+#include "reference/sensitivity.h"
 #include "reference/tracer.h"
 #include "reference/truth/truth.h"
 #include "scene/sampling.h"
-#include "verify/stiffness.h"
 
 namespace glint::app {
 
@@ -189,7 +189,8 @@ std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedS
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));
     job.inDouble = backend == Backend::Cpu;
     // The condition number times the ulp of the arithmetic, and the rounding error of storing as fp32.
-    job.rounding = verify::roundingError(loaded.packed, request, job.inDouble ? 0x1p-53 : verify::kFloatUnit);
+    job.rounding =
+        reference::roundingError(loaded.packed, request, job.inDouble ? 0x1p-53 : reference::kFloatUnit);
     return job;
 }
 

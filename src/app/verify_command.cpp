@@ -159,7 +159,7 @@ double secondsOf(const std::vector<SceneResult>& results) {
 
 void printReport(const std::string& scene, const verify::Report& report, bool manySamples,
                  std::ostream& out) {
-    const verify::Sensitivity& s = report.sensitivity;
+    const reference::Sensitivity& s = report.sensitivity;
     out << scene << ": " << verdict(report) << "\n    " << report.pixels
         << " pixels; beyond their predicted error: " << report.edges << " edge, " << report.roundings
         << " rounding, " << report.undecided << " undecided (at most " << report.allowedExplained() << "), "
@@ -174,14 +174,14 @@ void printReport(const std::string& scene, const verify::Report& report, bool ma
         out << "    " << report.filmDiffers << " pixels are not the mean of the samples that they need\n";
     if (report.lossesDiffer) out << "    other branches are left out, or bounded otherwise\n";
     out << format("    kappa %.2g (%s): expected fp32 error %.2g, measured %.2g (99th percentile)\n", s.kappa,
-                  verify::stiffnessOf(s.kappa), s.kappa * verify::kFloatUnit, report.p99);
+                  reference::stiffnessOf(s.kappa), s.kappa * reference::kFloatUnit, report.p99);
     if (report.representation) printRepresentation(*report.representation, out);
     for (size_t i = 0; i < std::min(report.worst.size(), kPrintedPixels); ++i)
         printPixel(report.worst[i], manySamples, out);
 }
 
 nlohmann::json reportJson(const verify::Report& report) {
-    const verify::Sensitivity& s = report.sensitivity;
+    const reference::Sensitivity& s = report.sensitivity;
     nlohmann::json json = {
         {"passed", report.passed()},
         {"pixels", report.pixels},

@@ -11,11 +11,11 @@
 #include "library/status.h"
 #include "library/views.h"
 #include "pack/pack_samples.h"
+#include "reference/sensitivity.h"
 #include "scene/cameras.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"
 #include "scene/validate.h"
-#include "verify/stiffness.h"
 
 namespace glint::library {
 
@@ -129,7 +129,8 @@ Picture drawToError(const Snapshot& snapshot, const glint_picture& wanted, const
     if (converge::missesReflections(snapshot.scene(), *job.request.limits.depth))
         refuse("picture.error cannot bound reflections at depth 0: set max_depth to at least 1");
     job.inDouble = !snapshot.onDevice();
-    job.rounding = verify::roundingError(packed, job.request, job.inDouble ? 0x1p-53 : verify::kFloatUnit);
+    job.rounding =
+        reference::roundingError(packed, job.request, job.inDouble ? 0x1p-53 : reference::kFloatUnit);
     converge::Result result = converge::converge([&](const Request& r) { return snapshot.render(r); }, job);
     if (wanted.bound != nullptr) *wanted.bound = result.budget.total();
     if (result.stop == converge::Stop::Interrupted) result.picture.complete = false;

@@ -15,9 +15,9 @@
 #include "pack/request_environment.h"
 #include "pack/scene_arrays.h"
 #include "reference/render.h"
+#include "reference/sensitivity.h"
 #include "report/write.h"
 #include "scene/sampling.h"
-#include "verify/stiffness.h"
 
 namespace glint::report {
 
@@ -136,7 +136,7 @@ Picture SceneSweep::draw(const Setting& s, const Request& request) {
     target.depthCounts = false;  // the converged image has the same depth
     target.maxSamples = static_cast<uint32_t>(kMostErrorSamples);
     converge::Job job = converge::jobFor(loaded_.packed, request, target);
-    job.rounding = (kappa_ + 1) * verify::kFloatUnit;
+    job.rounding = (kappa_ + 1) * reference::kFloatUnit;
     converge::Result result =
         converge::converge([&](const Request& part) { return renderer.render(part); }, job);
     if (result.stop == converge::Stop::Interrupted) result.picture.complete = false;
@@ -191,8 +191,8 @@ bool SceneSweep::drawTruth(SceneReport& report) {
     if (!converged_.empty()) return true;
     // Not before, so that nothing is drawn for a report that is complete.
     if (report.stiffness.empty()) {
-        report.kappa = verify::conditionNumber(loaded_.packed, requestFor({}, 0));
-        report.stiffness = verify::stiffnessOf(report.kappa);
+        report.kappa = reference::conditionNumber(loaded_.packed, requestFor({}, 0));
+        report.stiffness = reference::stiffnessOf(report.kappa);
     }
     kappa_ = report.kappa;
     Setting half;
@@ -281,7 +281,7 @@ SceneSweep::Outcome SceneSweep::run(const Setting& s, SceneReport& report) {
     if (options_.cancelled()) return Outcome::Cancelled;
     if (options_.secondsLeft() <= 0 || !drawTruth(report)) return unfinished();
     // Rounding alone must not exceed the --error.
-    if (s.error && 2 * (report.kappa + 1) * verify::kFloatUnit >= *s.error) return Outcome::Skipped;
+    if (s.error && 2 * (report.kappa + 1) * reference::kFloatUnit >= *s.error) return Outcome::Skipped;
     const auto known = std::find_if(report.measured.begin(), report.measured.end(),
                                     [key = keyOf(s)](const Measured& m) { return m.key == key; });
     const bool isKnown = known != report.measured.end();

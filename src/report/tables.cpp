@@ -9,8 +9,8 @@
 
 #include "core/format.h"
 #include "core/text_file.h"
+#include "reference/sensitivity.h"
 #include "report/write.h"
-#include "verify/stiffness.h"
 
 namespace glint::report {
 
@@ -100,7 +100,7 @@ Block stabilityTable(const Report& report) {
         for (const Measured* m : familyOf(scene, "lowDiscrepancy"))
             if (m->spp == 1 && m->arithmetic)
                 table.rows.push_back({scene.name, shortNumber(scene.kappa), scene.stiffness,
-                                      shortNumber(scene.kappa * verify::kFloatUnit),
+                                      shortNumber(scene.kappa * reference::kFloatUnit),
                                       shortNumber(m->arithmetic->samePath.rmse),
                                       shortNumber(m->arithmetic->all.rmse)});
     return table;

@@ -10,7 +10,6 @@
 #include "core/vectors.h"
 #include "reference/numbers.h"
 #include "reference/scatter.h"
-#include "verify/stiffness.h"
 
 namespace glint::verify {
 

@@ -6,7 +6,6 @@
 #include "core/device_layout.h"
 #include "reference/sampling.h"
 #include "verify/quantities.h"
-#include "verify/stiffness.h"
 
 namespace glint::verify {
 

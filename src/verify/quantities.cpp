@@ -6,7 +6,6 @@
 
 #include "core/vectors.h"
 #include "reference/rounding.h"
-#include "verify/stiffness.h"
 
 namespace glint::verify {
 

@@ -6,10 +6,13 @@
 #include <string_view>
 #include <vector>
 
+#include "reference/rounding.h"
 #include "reference/tracer.h"
 #include "trace/picture.h"
 
 namespace glint::verify {
+
+using reference::kFloatUnit;
 
 // Colour (3), then of the first hit depth, position (3), shading normal (3), geometric normal (3), u, v; the
 // bits of hidden lights, object, primitive and material, which must agree; the distance from the hit at which

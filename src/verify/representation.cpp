@@ -8,9 +8,9 @@
 #include "core/parallel.h"
 #include "core/vectors.h"
 #include "reference/sampling.h"
+#include "reference/sensitivity.h"
 #include "reference/truth/truth.h"
 #include "verify/certificate.h"
-#include "verify/stiffness.h"
 
 namespace glint::verify {
 
@@ -64,7 +64,7 @@ bool RepresentationCheck::examines(int x, int y, uint32_t sample) const {
     const auto width = static_cast<size_t>(request_.width), height = static_cast<size_t>(request_.height);
     if (width * height <= kSmallImage) return true;
     const size_t row = sample * height + static_cast<size_t>(y / 2);
-    return placeInCell(row * width + static_cast<size_t>(x / 2), 2) == glm::ivec2(x % 2, y % 2);
+    return reference::placeInCell(row * width + static_cast<size_t>(x / 2), 2) == glm::ivec2(x % 2, y % 2);
 }
 
 reference::Ray RepresentationCheck::rayOf(const reference::Tracer& tracer,
@@ -186,7 +186,7 @@ Representation RepresentationCheck::judge(size_t worstCount) {
     result.asked = differences.size();
     for (const float d : differences) result.greatest = std::max(result.greatest, static_cast<double>(d));
     result.rmse = std::sqrt(squares / (3 * static_cast<double>(std::max<uint64_t>(result.asked, 1))));
-    result.p99 = percentile99(std::move(differences));
+    result.p99 = reference::percentile99(std::move(differences));
     search(doubts, result.asked);
     std::erase_if(doubts, [](const Doubt* doubt) { return doubt->state == Doubt::State::Predicted; });
     const auto rank = [](const Doubt* doubt) {

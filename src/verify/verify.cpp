@@ -157,7 +157,7 @@ void Verification::run() {
         *image = Image(width, height, 3);
     report_.allowedUnexplained = options_.allowedUnexplained;
     report_.pixels = static_cast<uint64_t>(width) * height * samples_.round;
-    report_.sensitivity = sensitivityOf(tracer_, camera_, width, height, samples_, context_);
+    report_.sensitivity = reference::sensitivityOf(tracer_, camera_, width, height, samples_, context_);
     differences_.reserve(report_.pixels);
     const int rows = rowsOfPart(options_, tracer_.environment().maxDepth);
     for (int y = 0; y < height; y += rows) verifyPart({0, y, width, std::min(y + rows, height)});
@@ -197,10 +197,11 @@ void Verification::conclude() {
     // A few thousand pixels are a poor estimate of rare events: examine more before they fail an image.
     const bool tooMany = report_.explained() + report_.undecided > report_.allowedExplained();
     if (tooMany && report_.unexplained == 0)
-        report_.sensitivity = sensitivityOf(tracer_, camera_, options_.width, options_.height, samples_,
-                                            context_, 3, 16 * kMaxKappaPixels);
+        report_.sensitivity =
+            reference::sensitivityOf(tracer_, camera_, options_.width, options_.height, samples_, context_, 3,
+                                     16 * reference::kMaxKappaPixels);
     if (representation_) report_.representation = representation_->judge(options_.worstCount);
-    report_.p99 = percentile99(std::move(differences_));
+    report_.p99 = reference::percentile99(std::move(differences_));
     const auto rootOfMean = [](double squares, uint64_t pixels) {
         return std::sqrt(squares / (3.0 * static_cast<double>(std::max<uint64_t>(pixels, 1))));
     };
@@ -365,7 +366,7 @@ bool isOrderOpen(const reference::Tracer& tracer, const reference::Ray& ray) {
     constexpr uint64_t kMoves = 64;
     for (uint64_t seed = 0; seed <= kMoves; ++seed) {
         const reference::Jitter move{.seed = seed, .ulps = seed == 0 ? 0 : kStepUnits};
-        if (isOpen(tracer, ray, tracer.trace(ray, move), move)) return true;
+        if (reference::isOpen(tracer, ray, tracer.trace(ray, move), move)) return true;
     }
     return false;
 }
@@ -386,7 +387,7 @@ uint64_t Verification::countSettled(const Region& part, uint32_t end,
 }  // namespace
 
 uint64_t Report::allowedExplained() const {
-    return greatestCount(sensitivity.explainedShare() * static_cast<double>(pixels));
+    return reference::greatestCount(sensitivity.explainedShare() * static_cast<double>(pixels));
 }
 
 uint64_t bytesPerPixel(const Options& options, uint32_t maxDepth) {

@@ -12,12 +12,12 @@
 
 #include "core/enum_names.h"
 #include "core/image.h"
+#include "reference/sensitivity.h"
 #include "reference/tracer.h"
 #include "render/renderer.h"
 #include "trace/picture.h"
 #include "trace/request.h"
 #include "verify/representation.h"
-#include "verify/stiffness.h"
 
 namespace glint::verify {
 
@@ -75,8 +75,9 @@ struct Report {
     double rmseSamePath = 0;    // colour, pixels whose paths hit the same primitives: pure arithmetic
     double maxSamePath = 0;
     double p99 = 0;  // |device - reference|, greatest channel, 99th percentile of all pixels
-    // Sensitivity of the reference alone, which defects of the device cannot change (stiffness.h).
-    Sensitivity sensitivity;
+    // Sensitivity of the reference alone, which defects of the device cannot change
+    // (reference/sensitivity.h).
+    reference::Sensitivity sensitivity;
     std::vector<DifferingPixel> worst;  // unexplained first, then by difference
     Image device, reference;            // 3 channels, linear; of the first sample
     Image difference;  // 3 channels: grey |difference| * 64; red unexplained, yellow edge, green rounding,

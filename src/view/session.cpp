@@ -9,7 +9,7 @@
 #include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "pack/packed_scene.h"
-#include "verify/stiffness.h"
+#include "reference/sensitivity.h"
 
 namespace glint::view {
 
@@ -288,7 +288,7 @@ void Session::askForRounding() {
     if (rounding_) return;
     roundingView_ = view_;
     findsRounding_ = std::async(std::launch::async, [scene = scene_, request = request()] {
-        return verify::roundingError(scene->packed, request, verify::kFloatUnit);
+        return reference::roundingError(scene->packed, request, reference::kFloatUnit);
     });
 }
 

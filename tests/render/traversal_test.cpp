@@ -263,7 +263,7 @@ TEST_F(RenderTest, TheOrderOfTraversalMattersWithinTheBoundAlone) {
                 EXPECT_GE(least, 2u) << i << " " << y << " " << height;
             }
             byOrder += least < 2 && greatest >= 2;
-            open += verify::isOpen(tracer, ray, tracer.trace(ray));
+            open += reference::isOpen(tracer, ray, tracer.trace(ray));
         }
     }
     std::cout << "[ measured ] " << byOrder << " pixels hit another surface by another kernel, " << open

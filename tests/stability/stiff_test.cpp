@@ -24,8 +24,8 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     render::Renderer renderer(device(), c.packed);
     const verify::Report report = verified(renderer, c);
     std::cout << "[ measured ] " << GetParam() << ": kappa " << report.sensitivity.kappa << " ("
-              << verify::stiffnessOf(report.sensitivity.kappa) << "), expected "
-              << report.sensitivity.kappa * verify::kFloatUnit << ", p99 " << report.p99 << "; edges "
+              << reference::stiffnessOf(report.sensitivity.kappa) << "), expected "
+              << report.sensitivity.kappa * reference::kFloatUnit << ", p99 " << report.p99 << "; edges "
               << report.edges << ", unexplained " << report.unexplained << "; RMSE on the same paths "
               << report.rmseSamePath << '\n';
     EXPECT_EQ(report.unexplained, 0u);

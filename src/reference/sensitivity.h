@@ -11,9 +11,7 @@
 #include "reference/tracer.h"
 #include "trace/request.h"
 
-namespace glint::verify {
-
-using reference::kFloatUnit;
+namespace glint::reference {
 
 // ---- limits from counts ----
 
@@ -39,7 +37,7 @@ inline constexpr size_t kMaxKappaPixels = 4096;
 
 struct Sensitivity {
     // The condition number: the change of a pixel's colour (greatest channel, full scale 1) for rays moved by
-    // up to one unit of 2^-24 (reference::Jitter with ulps = 1), over 2^-24; the greatest of all moves, the
+    // up to one unit of 2^-24 (Jitter with ulps = 1), over 2^-24; the greatest of all moves, the
     // 99th percentile over the pixels. kappa 2^-24 is the error that fp32 arithmetic may make; several times
     // that is a sign of a method that loses digits.
     double kappa = 0;
@@ -60,8 +58,8 @@ struct Sensitivity {
 };
 
 // Through the pixels' samples in turn. Throws Cancelled.
-Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, const PackedSamples& samples, const Context& context, int seeds = 3,
+Sensitivity sensitivityOf(const Tracer& tracer, const shared::Camera& camera, int width, int height,
+                          const PackedSamples& samples, const Context& context, int seeds = 3,
                           size_t mostPixels = kMaxKappaPixels);
 // Sensitivity::kappa of the whole image, through the pixels' middles.
 double conditionNumber(const PackedScene& scene, const Request& request, int seeds = 4);
@@ -74,12 +72,12 @@ glm::ivec2 placeInCell(size_t cell, int step);
 
 // True if fp32's errors decide anywhere on the path which surfaces are in one place (Jitter::slips). still:
 // the record of `ray`, moved by `move`. change: becomes at least the change of colour.
-bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
-            reference::Jitter move = {}, double* change = nullptr);
+bool isOpen(const Tracer& tracer, const Ray& ray, const PixelRecord& still, Jitter move = {},
+            double* change = nullptr);
 
 // Non-stiff below 1e2, stiff up to 1e5, beyond that fp32 cannot hold the second digit of the colour.
 constexpr const char* stiffnessOf(double kappa) {
     return kappa < 1e2 ? "non-stiff" : kappa <= 1e5 ? "stiff" : "beyond fp32";
 }
 
-}  // namespace glint::verify
+}  // namespace glint::reference

@@ -1,4 +1,4 @@
-#include "verify/stiffness.h"
+#include "reference/sensitivity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "reference/numbers.h"
 #include "reference/sampling.h"
 
-namespace glint::verify {
+namespace glint::reference {
 
 namespace {
 
@@ -30,7 +30,7 @@ double chanceUpTo(uint64_t count, double mean) {
     return sum;
 }
 
-double greatestChange(const reference::PixelRecord& a, const reference::PixelRecord& b) {
+double greatestChange(const PixelRecord& a, const PixelRecord& b) {
     const glm::dvec3 d = glm::abs(a.color - b.color);
     const double change = std::max({d.x, d.y, d.z});
     return std::isfinite(change) ? change : std::numeric_limits<double>::max();
@@ -38,7 +38,7 @@ double greatestChange(const reference::PixelRecord& a, const reference::PixelRec
 
 // True if a compared value of a pixel changes: the path, or the decisions together with colour or hidden
 // lights.
-bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved) {
+bool isOtherwise(const PixelRecord& still, const PixelRecord& moved) {
     if (still.pathHash != moved.pathHash) return true;
     if (still.decisions == moved.decisions) return false;
     if (still.shadowBits != moved.shadowBits) return true;
@@ -47,9 +47,9 @@ bool isOtherwise(const reference::PixelRecord& still, const reference::PixelReco
 }
 
 // True if any ray leaves a surface.
-bool leaves(const reference::PixelRecord& record) {
+bool leaves(const PixelRecord& record) {
     uint64_t rays = 0;
-    for (const reference::RayTally& tally : record.tally) rays += tally.rays;
+    for (const RayTally& tally : record.tally) rays += tally.rays;
     return rays > 1;
 }
 
@@ -57,13 +57,12 @@ bool leaves(const reference::PixelRecord& record) {
 // their surfaces as the device's rays: between curved mirrors this distance counts many times as much as the
 // rounding of points. The wide move omits it, because at 32 times the distance a ray starts beyond thin
 // objects.
-double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint64_t seed, int seeds,
-               Sensitivity& counts) {
-    const reference::PixelRecord still = tracer.trace(ray);
+double moveOne(const Tracer& tracer, const Ray& ray, uint64_t seed, int seeds, Sensitivity& counts) {
+    const PixelRecord still = tracer.trace(ray);
     double change = 0;
     for (int i = 1; i <= seeds; ++i) {
-        reference::Jitter one{.seed = seed + static_cast<uint64_t>(i), .ulps = 1};
-        reference::PixelRecord moved = tracer.trace(ray, one);
+        Jitter one{.seed = seed + static_cast<uint64_t>(i), .ulps = 1};
+        PixelRecord moved = tracer.trace(ray, one);
         change = std::max(change, greatestChange(still, moved));
         one.clears = true;
         if (leaves(moved)) moved = tracer.trace(ray, one);
@@ -105,12 +104,11 @@ double percentile99(std::vector<float> values) {
     return *at;
 }
 
-bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const reference::PixelRecord& still,
-            reference::Jitter move, double* change) {
+bool isOpen(const Tracer& tracer, const Ray& ray, const PixelRecord& still, Jitter move, double* change) {
     bool open = false;
-    for (const double slips : {0.0, reference::kMostSlips}) {
+    for (const double slips : {0.0, kMostSlips}) {
         move.slips = slips;
-        const reference::PixelRecord other = tracer.trace(ray, move);
+        const PixelRecord other = tracer.trace(ray, move);
         if (!isOtherwise(still, other)) continue;
         open = true;
         if (change) *change = std::max(*change, greatestChange(still, other));
@@ -119,8 +117,8 @@ bool isOpen(const reference::Tracer& tracer, const reference::Ray& ray, const re
 }
 
 glm::ivec2 placeInCell(size_t cell, int step) {
-    uint64_t state = static_cast<uint64_t>(cell) * reference::kUniformStride;
-    const uint64_t word = reference::randomWord(state), side = static_cast<uint64_t>(step);
+    uint64_t state = static_cast<uint64_t>(cell) * kUniformStride;
+    const uint64_t word = randomWord(state), side = static_cast<uint64_t>(step);
     return {static_cast<int>(word % side), static_cast<int>((word >> 32) % side)};
 }
 
@@ -134,8 +132,8 @@ double Sensitivity::explainedShare() const {
     return std::min((moved + inOnePlace) / static_cast<double>(tried), 1.0);
 }
 
-Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, const PackedSamples& samples, const Context& context, int seeds,
+Sensitivity sensitivityOf(const Tracer& tracer, const shared::Camera& camera, int width, int height,
+                          const PackedSamples& samples, const Context& context, int seeds,
                           size_t mostPixels) {
     const double pixels = static_cast<double>(width) * height;
     const int step =
@@ -151,7 +149,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
             const int x = std::min(static_cast<int>(column) * step + inCell.x, width - 1);
             const int y = std::min(static_cast<int>(row) * step + inCell.y, height - 1);
             const auto sample = static_cast<uint32_t>(index % samples.round);
-            const reference::Ray ray = reference::pixelSample(tracer, camera, samples, sample, x, y).ray;
+            const Ray ray = pixelSample(tracer, camera, samples, sample, x, y).ray;
             const double change = moveOne(tracer, ray, 977u * index, seeds, counts[row]);
             changes[index] = static_cast<float>(std::min<double>(change, std::numeric_limits<float>::max()));
         }
@@ -169,8 +167,8 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
 }
 
 double conditionNumber(const PackedScene& scene, const Request& request, int seeds) {
-    return sensitivityOf(reference::Tracer(scene, request), cameraOf(scene, request), request.width,
-                         request.height, PackedSamples::fixed({{0.5, 0.5}}), {}, seeds)
+    return sensitivityOf(Tracer(scene, request), cameraOf(scene, request), request.width, request.height,
+                         PackedSamples::fixed({{0.5, 0.5}}), {}, seeds)
         .kappa;
 }
 
@@ -178,4 +176,4 @@ double roundingError(const PackedScene& scene, const Request& request, double un
     return conditionNumber(scene, request, 1) * unit + kFloatUnit;
 }
 
-}  // namespace glint::verify
+}  // namespace glint::reference
