@@ -187,8 +187,7 @@ bool hitQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, inout uint t
     precise vec3 offset = ray.origin - q.point;
     vec3 o = toLocal(q, offset);
     vec3 along = toLocal(q, ray.direction);
-    // 2^-exponent, exactly: d gets components up to 2.
-    float unit = uintBitsToFloat(0x7f000000u - (floatBitsToUint(greatestComponent(along)) & 0x7f800000u));
+    float unit = unitOf(along);
     precise vec3 d = along * unit;
     QuadricSpan p = passThrough(q, o, d);
 

@@ -314,6 +314,8 @@ TEST_F(RangeTest, ScenesOfAnySizeAndDirectionsOfAnyLength) {
     };
     for (const double length : {1e-15, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 1e3, 1e6, 1e9, 1e15}) expectHit(1, length);
     for (const double size : {1e-12, 1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9, 1e12, 1e15, 3e17}) expectHit(size, 1);
+    // As shadow rays towards a point light.
+    for (const double size : {1e-13, 1e-12, 1e-9, 1e9, 1e12, 1e15, 3e17}) expectHit(size, size);
 }
 
 // Scaling scene and origin by a power of two changes only the exponent of t.
