@@ -35,6 +35,7 @@ double clearance(const PackedScene& scene, const glm::dvec3& point) {
 double lightBound(const PackedScene& scene, const std::vector<shared::Light>& all) {
     double sum = 0;
     for (const shared::Light& light : all) {
+        if (greatest(light.intensity) == 0) continue;  // 0 / 0 where it touches a box
         const bool fades = (light.kind & shared::kLightFades) != 0;
         const double d = fades ? clearance(scene, glm::dvec3(light.position)) : 1;
         sum += greatest(light.intensity) / (d * d);
@@ -99,7 +100,7 @@ float radianceBound(const PackedScene& scene, const shared::Environment& environ
         double next = background;
         for (const Reflection& r : reflections) {
             const double local = r.ofAmbient * ambient + (r.ofLights > 0 ? r.ofLights * lights : 0);
-            next = std::max(next, local + (depth > 0 ? r.branches * bound : 0));
+            next = std::max(next, local + (depth > 0 && r.branches > 0 ? r.branches * bound : 0));
         }
         if (next == bound && depth > 0) break;
         bound = next;
