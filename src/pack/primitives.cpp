@@ -20,7 +20,8 @@ PrimitiveNumbers::PrimitiveNumbers(const Scene& scene) {
         const size_t faces = mesh != nullptr ? mesh->mesh->corners.size() : 1;
         id += faces;
         item += object.transform ? 1 : faces;
-        checkLimit("primitives", id, shared::kNone - 1);
+        // The highest bit of an id is kDielectricRank, and all bits together are kNone.
+        checkLimit("primitives", id, shared::kDielectricRank - 1);
     }
     first_.push_back(static_cast<uint32_t>(item));
 }

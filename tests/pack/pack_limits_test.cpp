@@ -1,7 +1,10 @@
 // What a packed scene can hold, and the features that are derived from it.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "pack/packed_scene.h"
+#include "pack/request_environment.h"
 #include "support/scene_maker.h"
 #include "support/support.h"
 
@@ -32,6 +35,52 @@ TEST(PackLimits, Triangles) {
     addObject(scene, MeshShape{mesh});
     addObject(scene, TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
     expectSceneError(scene, "triangles", 33554433, 33554432);
+}
+
+// Each instance takes one id for each face of its mesh.
+TEST(PackLimits, Primitives) {
+    auto mesh = std::make_shared<Mesh>();
+    mesh->positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh->corners.assign(1u << 20, {0, 1, 2});
+    Scene scene;
+    for (int i = 0; i < 2048; ++i) scene.objects[addObject(scene, MeshShape{mesh})].transform = Affine();
+    expectSceneError(scene, "primitives", 2147483648, 2147483647);
+}
+
+// ---- the greatest radiance of a ray ----
+
+// A mirror and a light that falls off on the surface of a sphere; the greatest radiances at depths 0, 1, 2.
+std::array<float, 3> radianceBounds(const Color& mirror, const Color& nearLight) {
+    Scene scene = emptyScene();
+    scene.background = Color(0.25);
+    scene.materials[0].diffuse = Color(0.5);
+    scene.materials[0].mirror = mirror;
+    addSphere(scene, {0, 0, 0}, 1);
+    PointLight touching;
+    touching.position = {0, 1, 0};
+    touching.intensity = nearLight;
+    touching.falloff = Falloff::InverseSquare;
+    DirectionalLight sun;
+    sun.intensity = Color(1);
+    scene.lights = {touching, sun};
+    const PackedScene packed = packScene(scene);
+    std::array<float, 3> bounds{};
+    for (uint32_t depth = 0; depth < bounds.size(); ++depth) {
+        Tracing tracing;
+        tracing.limits.depth = depth;
+        bounds[depth] = radianceBound(packed, environmentOf(packed, tracing), packed.lights);
+    }
+    return bounds;
+}
+
+TEST(RadianceBound, LightThatTouchesASurfaceHasNone) {
+    constexpr float kNone = shared::kInfinity;
+    for (const Color& mirror : {Color(0), Color(0.5)})
+        EXPECT_EQ(radianceBounds(mirror, Color(1)), (std::array{kNone, kNone, kNone}));
+}
+
+TEST(RadianceBound, LightOfNoIntensityAddsNothing) {
+    EXPECT_EQ(radianceBounds(Color(0.5), Color(0)), (std::array{0.5f, 0.75f, 0.875f}));
 }
 
 SceneFeatures featuresOf(const Scene& scene) {
