@@ -282,6 +282,19 @@ bool isSchema(const std::filesystem::path& path) {
     return path.filename().string().ends_with(".schema.json");
 }
 
+// The verdict stands even if its images cannot be written.
+void writeArtifacts(const VerifyCommand& command, const std::string& stem, const verify::Report& report,
+                    std::ostream& err) {
+    const std::pair<const char*, const Image*> images[] = {{".device.png", &report.device},
+                                                           {".reference.png", &report.reference},
+                                                           {".difference.png", &report.difference}};
+    try {
+        for (const auto& [name, image] : images) writeImage(command.artifacts / (stem + name), *image);
+    } catch (const Error& error) {
+        err << "glint: " << error.what() << '\n';
+    }
+}
+
 // Sets everything but the scene's name and seconds. Throws Error.
 void verifyScene(const VerifyCommand& command, const gpu::Device& device, const std::string& stem,
                  SceneResult& result, std::ostream& err) {
@@ -315,10 +328,7 @@ void verifyScene(const VerifyCommand& command, const gpu::Device& device, const 
     std::ostringstream details;
     printReport(printable(result.scene), report, options.samples.round > 1, details);
     result.details = details.str();
-    if (command.artifacts.empty() || report.passed()) return;
-    writeImage(command.artifacts / (stem + ".device.png"), report.device);
-    writeImage(command.artifacts / (stem + ".reference.png"), report.reference);
-    writeImage(command.artifacts / (stem + ".difference.png"), report.difference);
+    if (!command.artifacts.empty() && !report.passed()) writeArtifacts(command, stem, report, err);
 }
 
 void print(const VerifyCommand& command, const SceneResult& result, std::ostream& out) {
@@ -337,12 +347,23 @@ void print(const VerifyCommand& command, const SceneResult& result, std::ostream
     out << std::endl;
 }
 
+// Neither file need exist.
+bool isSameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
+    std::error_code ignored;
+    return weakly_canonical(absolute(a, ignored), ignored) == weakly_canonical(absolute(b, ignored), ignored);
+}
+
 void checkFiles(const VerifyCommand& command) {
-    refuseIf(!command.jsonFile.empty() && command.jsonFile == command.junitFile,
+    const auto check = [&](const std::string& option, const std::filesystem::path& file) {
+        for (const std::filesystem::path& scene : command.scenes)
+            refuseIf(isSameFile(file, scene), option + ": verify reads this file; name another one");
+        checkOutputPath(file);
+    };
+    refuseIf(!command.jsonFile.empty() && isSameFile(command.jsonFile, command.junitFile),
              "--junit: --json writes this file; name another one");
     if (!command.artifacts.empty()) makeFolder(command.artifacts);
-    if (!command.jsonFile.empty() && !command.printsJson()) checkOutputPath(command.jsonFile);
-    if (!command.junitFile.empty()) checkOutputPath(command.junitFile);
+    if (!command.jsonFile.empty() && !command.printsJson()) check("--json", command.jsonFile);
+    if (!command.junitFile.empty()) check("--junit", command.junitFile);
 }
 
 // A run over all scenes. Its files always list every scene, as skipped until it has a result.
@@ -364,11 +385,10 @@ class Verification {
             throw;
         }
         if (command_.printsJson()) out_ << json();
-        const size_t failed = count(SceneStatus::Failed), unread = count(SceneStatus::Error);
-        if (failed > 0)
-            err_ << "glint: verify: " << failed << " of " << counted(results_.size(), "scene") << " failed\n";
-        if (unread > 0) return ExitCode::Scene;
-        return failed > 0 ? ExitCode::Difference : ExitCode::Done;
+        const size_t failed = count(SceneStatus::Failed);
+        if (failed == 0) return firstError_;
+        err_ << "glint: verify: " << failed << " of " << counted(results_.size(), "scene") << " failed\n";
+        return ExitCode::Difference;
     }
 
   private:
@@ -381,7 +401,7 @@ class Verification {
     }
 
     void verifyAll() {
-        const gpu::Device device = openDevice(command_.device, false);
+        const gpu::Device device = open();
         device_ = device.info();
         installInterruptHandler();
         if (!command_.printsJson()) out_ << "device: " << device_.name << ", " << device_.driver << '\n';
@@ -393,27 +413,45 @@ class Verification {
         }
         if (command_.brief && !command_.printsJson())
             out_ << counted(results_.size(), "scene") << ": " << count(SceneStatus::Passed) << " passed, "
-                 << count(SceneStatus::Failed) << " failed, " << count(SceneStatus::Error) << " unreadable, "
-                 << count(SceneStatus::Skipped) << " skipped, " << formatSeconds(secondsOf(results_)) << '\n';
+                 << count(SceneStatus::Failed) << " failed, " << counted(count(SceneStatus::Error), "error")
+                 << ", " << count(SceneStatus::Skipped) << " skipped, " << formatSeconds(secondsOf(results_))
+                 << '\n';
         checkValidation(device, command_.device);
     }
 
-    // An invalid scene is a result; other errors end the run.
+    // Without a device no scene is verified, which JUnit must not count as skipped.
+    gpu::Device open() {
+        try {
+            return openDevice(command_.device, false);
+        } catch (const Error& error) {
+            for (SceneResult& result : results_) {
+                result.status = SceneStatus::Error;
+                result.message = error.what();
+            }
+            throw;
+        }
+    }
+
+    // Ctrl-C and errors of the device end the run; all other errors are the scene's result.
     void verifyOne(const gpu::Device& device, const std::string& stem, SceneResult& result) {
         const Stopwatch watch;
-        if (isSchema(result.scene)) {
-            result.message = "a JSON schema, not a scene";
-        } else {
-            try {
+        try {
+            if (isSchema(result.scene))
+                result.message = "a JSON schema, not a scene";
+            else
                 verifyScene(command_, device, stem, result, err_);
-            } catch (const Error& error) {
-                if (error.kind() != ErrorKind::Interrupted) result.status = SceneStatus::Error;
-                result.message = error.what();
-                if (error.kind() != ErrorKind::Scene) throw;
-                err_ << "glint: " << error.what() << '\n';
-            }
+            result.seconds = watch.seconds();
+        } catch (const Error& error) {
+            result.seconds = watch.seconds();
+            result.message = error.what();
+            if (error.kind() == ErrorKind::Interrupted) throw;
+            result.status = SceneStatus::Error;
+            if (error.kind() == ErrorKind::Device) throw;
+            const std::string place = printable(result.scene) + ":";
+            if (!result.message.starts_with(place)) result.message = place + " " + result.message;
+            err_ << "glint: " << result.message << '\n';
+            if (firstError_ == ExitCode::Done) firstError_ = exitCodeOf(error.kind());
         }
-        result.seconds = watch.seconds();
         print(command_, result, out_);
     }
 
@@ -422,6 +460,7 @@ class Verification {
     std::ostream& err_;
     gpu::DeviceInfo device_;  // empty before it is open
     std::vector<SceneResult> results_;
+    ExitCode firstError_ = ExitCode::Done;  // of a scene
 };
 
 ExitCode run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {

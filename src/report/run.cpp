@@ -1,8 +1,8 @@
 #include "report/run.h"
 
 #include <algorithm>
-#include <map>
 #include <memory>
+#include <set>
 #include <tuple>
 
 #include "core/error.h"
@@ -117,12 +117,13 @@ void checkMemory(const Sweeps& sweeps, uint64_t available) {
 }  // namespace
 
 std::vector<std::string> uniqueStems(const std::vector<fs::path>& files) {
-    std::map<std::string, int> uses;
+    std::set<std::string> taken;
     std::vector<std::string> stems;
     for (const fs::path& file : files) {
         const std::string stem = file.stem().string();
-        const int use = ++uses[stem];
-        stems.push_back(stem + (use > 1 ? "-" + std::to_string(use) : ""));
+        std::string name = stem;
+        for (int use = 2; !taken.insert(name).second; ++use) name = stem + "-" + std::to_string(use);
+        stems.push_back(name);
     }
     return stems;
 }

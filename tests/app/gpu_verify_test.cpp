@@ -84,6 +84,46 @@ TEST_F(GpuVerify, AnInvalidOrMissingSceneDoesNotEndTheRun) {
     EXPECT_EQ(report["scenes"][3]["status"], "passed");
 }
 
+// What does not fit one scene is no reason to leave out the next, and a difference counts most.
+TEST_F(GpuVerify, ErrorsAreOfTheirSceneAlone) {
+    writeText("a.json", R"({"image": {"width": 9, "height": 7}, "cameras": {"up": {}}})");
+    writeText("giant.json", R"({"image": {"width": 65536, "height": 65536, "samplesPerPixel": 64}})");
+    writeText(
+        "planet.json",
+        R"({"image": {"width": 64, "height": 48}, "camera": {"eye": [0, 2, 5]}, "cameras": {"up": {"eye": [0, 2, 5]}},
+        "lights": [{"type": "directional", "direction": [-1, -1, -1]}],
+        "objects": [{"type": "sphere", "center": [0, -1000000, 0], "radius": 1000000}]})");
+    const Ran lacks = runGlint("verify giant.json a.json --camera up --brief");
+    EXPECT_EQ(lacks.code, 2);
+    EXPECT_EQ(lacks.err, "glint: giant.json: no camera \"up\" (none in it has a name)\n");
+    EXPECT_HAS(lacks.out, "\na.json: ok, ");
+    const Ran ran = runGlint(
+        "verify giant.json no.json planet.json a.json --sphere algebraic --brief --junit r.xml --artifacts "
+        ".");
+    EXPECT_EQ(ran.code, 5);
+    EXPECT_STARTS(ran.err, "glint: giant.json: an image of 65536x65536 pixels takes 1172.0 GiB of memory, ");
+    EXPECT_HAS(ran.out, "\n4 scenes: 1 passed, 1 failed, 2 errors, 0 skipped, ");
+    std::filesystem::create_directory("full");
+    std::filesystem::create_directory("full/planet.device.png");
+    const Ran full =
+        runGlint("verify planet.json a.json --sphere algebraic --brief --junit r.xml --artifacts full");
+    EXPECT_EQ(full.code, 5);
+    EXPECT_HAS(full.err, "glint: full/planet.device.png: ");
+    EXPECT_HAS(glint::test::readText("r.xml"), "failures=\"1\" errors=\"0\" skipped=\"0\"");
+}
+
+// Reports would replace the scene before it is read, or each other.
+TEST_F(GpuVerify, ReportsDoNotReplaceScenes) {
+    writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
+    for (const std::string option : {"--json", "--junit"}) {
+        const Ran ran = runGlint("verify a.json " + option + " ./a.json");
+        EXPECT_EQ(ran.code, 2);
+        EXPECT_EQ(ran.err, "glint: " + option + ": verify reads this file; name another one\n");
+    }
+    EXPECT_EQ(runGlint("verify a.json --json r --junit ./r").code, 2);
+    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+}
+
 TEST_F(GpuVerify, SchemasBesideScenesAreSkipped) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
     writeText("scene.schema.json", "{}");
@@ -92,7 +132,7 @@ TEST_F(GpuVerify, SchemasBesideScenesAreSkipped) {
     EXPECT_HAS(ran.out, "\na.json: ok, 63 pixels, 0 explained, 0 unexplained, RMSE 0, ");
     EXPECT_HAS(ran.out,
                "\nscene.schema.json: skipped: a JSON schema, not a scene\n"
-               "2 scenes: 1 passed, 0 failed, 0 unreadable, 1 skipped, ");
+               "2 scenes: 1 passed, 0 failed, 0 errors, 1 skipped, ");
 }
 
 // A textbook's sphere test on a planet fails, an empty image passes: only the first leaves images, and the
@@ -150,7 +190,7 @@ TEST_F(GpuVerify, HugePictureIsRefused) {
     ASSERT_LT(availableMemory(), uint64_t{1172} << 30);
     writeSmallScene("a.json");
     const Ran ran = runGlint("verify a.json --size 65536x65536 --spp 64");
-    EXPECT_STARTS(ran.err, "glint: an image of 65536x65536 pixels takes 1172.0 GiB of memory, ");
+    EXPECT_STARTS(ran.err, "glint: a.json: an image of 65536x65536 pixels takes 1172.0 GiB of memory, ");
     EXPECT_EQ(ran.code, 1);
 }
 

@@ -9,10 +9,16 @@
 #include "core/error.h"
 #include "core/quartiles.h"
 #include "report/plan.h"
+#include "report/run.h"
 #include "report/write.h"
 #include "support/support.h"
 
 namespace glint::report::test::report_test {
+TEST(UniqueStems, DifferAlsoFromNamesThatEndInNumbers) {
+    const std::vector<std::string> expected = {"x", "x-2", "x-2-2", "X", "x-3"};
+    EXPECT_EQ(uniqueStems({"a/x.json", "b/x.json", "x-2.json", "X.json", "x.json"}), expected);
+}
+
 // Two pixels of 3 channels; the differences are chosen, so every measure follows by hand.
 TEST(ReportMeasures, FollowFromTheirDefinitions) {
     Image picture(2, 1, 4);
