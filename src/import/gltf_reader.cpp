@@ -133,7 +133,8 @@ std::vector<AnimationTrack> readChannels(GltfFile& file) {
 
 class Reader final : public GltfScene {
   public:
-    Reader(const std::filesystem::path& path, SceneFiles& files) : file_(path, files) {}
+    Reader(const std::filesystem::path& path, SceneFiles& files, bool asMesh)
+        : file_(path, files), asMesh_(asMesh) {}
 
     ImportedScene take() override {
         scene_.background = kModelBackground;
@@ -148,7 +149,7 @@ class Reader final : public GltfScene {
             scene_.camera = scene_.cameras.front().camera;
             scene_.image.width = pictureWidth(scene_.image, scene_.cameras.front().aspect);
         }
-        const bool lit = !scene_.lights.empty();
+        const bool lit = !asMesh_ && !scene_.lights.empty();
         const auto materials = gltfMaterials(file_, scene_, lit);
         readMeshes(*materials);
         addObjects();
@@ -440,6 +441,7 @@ class Reader final : public GltfScene {
     }
 
     GltfFile file_;
+    bool asMesh_;
     Scene scene_;
     std::vector<AnimationTrack> tracks_;
     bool moves_ = false;         // the animation moves something that is shown
@@ -452,8 +454,8 @@ class Reader final : public GltfScene {
 
 }  // namespace
 
-std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFiles& files) {
-    return std::make_unique<Reader>(path, files);
+std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFiles& files, bool asMesh) {
+    return std::make_unique<Reader>(path, files, asMesh);
 }
 
 }  // namespace glint

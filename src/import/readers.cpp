@@ -35,8 +35,12 @@ void append(const Mesh& mesh, Mesh& into) {
 
 // The meshes of a glTF scene as one mesh in world space, with the scene's materials and warnings.
 ImportedMesh readGltf(const std::filesystem::path& path, SceneFiles& files) {
-    Scene scene = openGltf(path, files)->take().scene;
-    if (scene.animation) scene.warnings.push_back(path.string() + ": animations of a mesh are ignored");
+    Scene scene = openGltf(path, files, true)->take().scene;
+    const std::pair<bool, const char*> ignored[] = {{scene.animation.has_value(), "animations"},
+                                                    {!scene.lights.empty(), "lights"},
+                                                    {!scene.cameras.empty(), "cameras"}};
+    for (const auto& [present, what] : ignored)
+        if (present) scene.warnings.push_back(path.string() + ": " + what + " of a mesh are ignored");
     ImportedMesh result;
     for (const Object& object : scene.objects) {
         const Mesh& mesh = *std::get<MeshShape>(object.shape).mesh;

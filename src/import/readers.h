@@ -73,9 +73,10 @@ class GltfScene {
     virtual bool movesObjects() const = 0;
 };
 
-// docs/reference/file-formats.md describes the mapping and the warnings. `files` must outlive the object.
-// Throws Error(Scene) "FILE: /JSON/POINTER: ...".
-std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFiles& files);
+// docs/reference/file-formats.md describes the mapping and the warnings. asMesh: materials are those of a
+// file without lights. `files` must outlive the object. Throws Error(Scene) "FILE: /JSON/POINTER: ...".
+std::unique_ptr<GltfScene> openGltf(const std::filesystem::path& path, SceneFiles& files,
+                                    bool asMesh = false);
 
 // ---- Materials of OBJ and PLY
 

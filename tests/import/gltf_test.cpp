@@ -292,4 +292,21 @@ TEST(Gltf, AMeshFileIsFlattenedIntoTheWorld) {
     EXPECT_TRUE(scene.lights.empty());
 }
 
+// The scene has its own lights and camera: materials reflect its ambient light.
+TEST(Gltf, LightsAndCamerasOfAMeshFileAreIgnored) {
+    const TemporaryFolder folder;
+    const auto path = folder.write(
+        "a.gltf",
+        triangleGltf(R"("cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}],
+          "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}})",
+                     R"(, "camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}})"));
+    const ImportedMesh imported = importMesh(path),
+                       dark = importMesh(folder.write("b.gltf", triangleGltf("")));
+    EXPECT_NE(dark.materials.at(0).ambient, Color(0));
+    EXPECT_EQ(imported.materials.at(0).ambient, dark.materials.at(0).ambient);
+    EXPECT_EQ(imported.warnings, (Lines{path.string() + ": lights of a mesh are ignored",
+                                        path.string() + ": cameras of a mesh are ignored"}));
+    EXPECT_EQ(loadScene(path).materials.at(0).ambient, Color(0)) << "a file alone is lit by its lights";
+}
+
 }  // namespace glint::test::gltf_test
