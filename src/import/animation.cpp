@@ -134,11 +134,19 @@ Animation parseAnimation(const JsonCursor& root) {
         if (!(animation.framesPerSecond > 0)) rate->failWanted("must be > 0");
     }
     const JsonCursor tracks = cursor->require("tracks");
-    std::set<std::vector<std::string>> targets;
+    using Steps = std::vector<std::string>;
+    const auto contains = [](const Steps& whole, const Steps& part) {
+        return std::equal(whole.begin(), whole.end(), part.begin(),
+                          part.begin() + std::min(whole.size(), part.size()));
+    };
+    std::set<Steps> targets;
     for (size_t i = 0; i < tracks.size(); ++i) {
         animation.tracks.push_back(parseTrack(root, tracks.item(i)));
-        if (!targets.insert(animation.tracks.back().steps).second)
-            tracks.item(i).fail("a track before it has the same target");
+        const auto [at, isNew] = targets.insert(animation.tracks.back().steps);
+        // No target in the set is within another, so that only neighbours can be.
+        const bool within = at != targets.begin() && contains(*std::prev(at), *at);
+        if (!isNew || within || (std::next(at) != targets.end() && contains(*at, *std::next(at))))
+            tracks.item(i).fail("its target is that of a track before it, or within or around it");
     }
     return animation;
 }

@@ -129,8 +129,13 @@ TEST_F(AnimationFile, ErrorsSayWhere) {
               at + "/values/1: must have the form of the first value (got [0, 0])");
     EXPECT_EQ(errorIn(track("/objects/0/transform/0/quaternion", "[0]", "[[0,0,0,0]]")),
               at + "/values/0: a quaternion must not be zero (got [0, 0, 0, 0])");
-    EXPECT_EQ(errorIn(std::string(kEye) + "," + kEye),
-              "/animation/tracks/1: a track before it has the same target");
+    const std::string overlaps =
+        "/animation/tracks/1: its target is that of a track before it, or within or around it";
+    EXPECT_EQ(errorIn(std::string(kEye) + "," + kEye), overlaps);
+    const std::string height = track("/camera/eye/1", "[0]", "[2]");
+    EXPECT_EQ(errorIn(std::string(kEye) + "," + height), overlaps);
+    EXPECT_EQ(errorIn(height + "," + kEye), overlaps);
+    EXPECT_NO_THROW(reader(height + "," + track("/camera/eye/2", "[0]", "[2]")));
     EXPECT_EQ(
         errorIn(R"({"target": "/camera/eye", "times": [0], "values": [[0,0,1]], "ease": 1})").substr(0, 24),
         at + "/ease");
