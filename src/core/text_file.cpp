@@ -70,7 +70,8 @@ Character firstCharacter(std::string_view text) {
         if ((byte & 0xc0) != 0x80) return {};
         code = code << 6 | (byte & 0x3f);
     }
-    if (code < kLeast[bytes]) return {};
+    const bool isSurrogate = code >= 0xd800 && code < 0xe000;
+    if (code < kLeast[bytes] || code > 0x10ffff || isSurrogate) return {};
     return {bytes, !steers(code)};
 }
 

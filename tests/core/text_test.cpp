@@ -103,6 +103,8 @@ TEST(Printable, WhatIsNotUtf8DoesNot) {
     EXPECT_EQ(printable("\xe4sch\xe4r"), "?sch?r");
     EXPECT_EQ(printable("\xc0\x8a\xe0\x80\x8a\xf5\x80\x80\x80"), "?????????");  // line ends in more bytes
     EXPECT_EQ(printable("\xe2\x80"), "??");
+    EXPECT_EQ(printable("\ud7ff\xed\xa0\x80"), "\ud7ff???");               // U+D800, a surrogate
+    EXPECT_EQ(printable("\U0010ffff\xf4\x90\x80\x80"), "\U0010ffff????");  // U+110000
 }
 
 TEST(Printable, LongTextsAreCutInTheMiddle) {
