@@ -99,7 +99,8 @@ std::vector<uint8_t> quantizeColor(const Image& image) {
 }
 
 std::vector<uint8_t> quantizeData(const Image& image) {
-    const Range range = finiteRange(image.pixels);
+    Range range = finiteRange(image.pixels);
+    if (range.min > range.max) range = {0, 0};  // no finite sample
     const double extent = range.max - range.min;
     const auto from = static_cast<size_t>(image.channels), to = from == 2 ? 3 : from;
     std::vector<uint8_t> bytes(image.pixels.size() / from * to, 0);

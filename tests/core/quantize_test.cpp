@@ -79,6 +79,10 @@ TEST(QuantizeData, OneDistanceIsBlackAndInfinityWhite) {
     EXPECT_EQ(quantizeData(image), (std::vector<uint8_t>{0, 0}));
     image.pixels[1] = kInfinity;
     EXPECT_EQ(quantizeData(image), (std::vector<uint8_t>{0, 255}));
+    image.pixels[0] = kInfinity;  // a view without any object
+    EXPECT_EQ(quantizeData(image), (std::vector<uint8_t>{255, 255}));
+    image.pixels = {-kInfinity, kNan};
+    EXPECT_EQ(quantizeData(image), (std::vector<uint8_t>{0, 0}));
 }
 
 TEST(QuantizeData, RangeBeyondFloat) {
