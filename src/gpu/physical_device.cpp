@@ -192,7 +192,7 @@ std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice device) {
 
 void fillLimits(DeviceLimits& out, const VkPhysicalDeviceLimits& limits) {
     out.maxStorageBufferRange = limits.maxStorageBufferRange;
-    out.maxTexelBufferElements = limits.maxTexelBufferElements;
+    out.maxTexelBufferElements = std::min(limits.maxTexelBufferElements, 1u << 27);  // shaders/storage.glsl
     out.maxWorkgroupInvocations = limits.maxComputeWorkGroupInvocations;
     out.maxWorkgroupSizeX = limits.maxComputeWorkGroupSize[0];
     out.maxWorkgroupCountX = limits.maxComputeWorkGroupCount[0];
