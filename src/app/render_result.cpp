@@ -44,7 +44,7 @@ std::string errorSummary(const converge::Target& target, const converge::Result&
     const converge::ErrorBudget& budget = result.budget;
     std::string text =
         format("error (rmse): at most %.3g with confidence ", budget.total()) + describe(target.confidence) +
-        format("; sampling %.2g (about %.2g), rounding %.1g, cut %.1g, maxDepth %.1g%s; ", budget.sampling,
+        format("; sampling %.2g (about %.2g), rounding %.2g, cut %.2g, maxDepth %.2g%s; ", budget.sampling,
                result.estimate, budget.rounding, budget.cut, budget.depth,
                budget.depthCounts ? "" : " (not counted)") +
         counted(result.samplesPerPixel, "sample") + " per pixel, " + counted(result.rounds, "round") + "\n";
