@@ -1,12 +1,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Ends a bounce: background or ambient light, the picture's other layers, and the next ray of the path.
+// Ends a bounce: background or ambient light, the image's other layers, and the next ray of the path.
 #include "path_rows.glsl"
 #include "shading/scatter.glsl"
 
 uint hashStep(uint hash, uint word) { return (hash ^ word) * kHashPrime; }
 
-// Normals in pictures are the outward ones.
+// Normals in images are the outward ones.
 void storeAovs(uint path, Interaction at) {
     vec3 position = at.isHit ? at.surface.position : vec3(0.0);
     float side = at.entering ? 1.0 : -1.0;

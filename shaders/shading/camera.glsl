@@ -44,7 +44,7 @@ Ray cameraRay(uvec2 pixel, out vec3 weight) {
         weight = s.weight;
         if (FEATURE_THIN_LENS) lens = concentricDisc(samplePair(s, pixel, kPairLens));
     }
-    // Measured from the picture's centre: the offsets are small where a telephoto lens needs them exact.
+    // Measured from the image's centre: the offsets are small where a telephoto lens needs them exact.
     precise float x = (float(pixel.x) - camera.halfWidth) + offset.x;
     precise float y = (float(pixel.y) - camera.halfHeight) + offset.y;
     precise vec3 direction = camera.center + (x * camera.stepX + y * camera.stepY);

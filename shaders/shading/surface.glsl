@@ -42,8 +42,8 @@ Surface surfaceOfPrimitive(Ray ray, Hit hit, Instance instance) {
     return surface;
 }
 
-// The surface at a hit, in the world. hit.primitive must not be kNone. settles: a sliver's hit is moved to
-// where the ray passes.
+// The surface at a hit, in the world; without meaning if hit.primitive is kNone. settles: a sliver's hit is
+// moved to where the ray passes.
 Surface surfaceAt(Ray ray, inout Hit hit, bool settles) {
     Instance instance;
     bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;

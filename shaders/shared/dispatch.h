@@ -64,7 +64,7 @@
 
 // One dispatch covers `groups` tiles of a slice, one workgroup each. Workgroup w works on tile
 // firstTile + (w mod run) * interleave + w / run, with run = groups / interleave: llvmpipe gives each of its
-// threads an equal contiguous part of the workgroups, which interleaving spreads over the picture.
+// threads an equal contiguous part of the workgroups, which interleaving spreads over the image.
 //   region       the pixels wanted, in tiles by rows of ceil(regionWidth / 8)
 //   capacity     paths in one row of the state
 //   tripBudget   loop trips after which a ray is left unfinished for a resume dispatch

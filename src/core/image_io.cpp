@@ -196,7 +196,7 @@ PictureRows::PictureRows(const fs::path& path, int width, int height, const std:
     for (const LayerFile& file : filesOf(path, namesOf(shape)))
         withPath(file.path, [&] {
             StagedFile& staged = files_.emplace_back(file.path);
-            if (staged.isDevice()) throw CodecError("is no regular file, which an image in bands goes into");
+            if (staged.isDevice()) throw CodecError("is not a regular file, as images in bands need");
             encoders_.push_back(format == Format::Exr ? exrRows(staged, width, height, shape)
                                 : format == Format::Png
                                     ? pngRows(staged, width, height, shape)

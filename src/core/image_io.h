@@ -73,9 +73,9 @@ class PictureRows {
     std::vector<std::unique_ptr<RowEncoder>> encoders_;  // one for each file
 };
 
-// Reads a PNG, EXR, PFM, HDR or JPEG into 1, 3 or 4 linear channels. Throws Error(Failed) with the path and
-// the reason if it is missing, truncated or of an unknown kind.
-// Images of more pixels than `mostPixels`, or than codecs.h allows, are refused before memory is taken.
+// Reads a PNG, JPEG, EXR, PFM, HDR or WebP into 1, 3 or 4 linear channels. Throws Error(Failed) with the path
+// and the reason if it is missing, truncated or of an unknown kind. Images of more pixels than `mostPixels`,
+// or than codecs.h allows, are refused before memory is taken.
 Image readImage(const std::filesystem::path& path, uint64_t mostPixels = kMostPixels);
 
 // Decodes the bytes of such a file; `name` stands for it in messages.

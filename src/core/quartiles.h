@@ -12,7 +12,7 @@ struct Quartiles {
 };
 
 // By linear interpolation between order statistics (Hyndman, Fan, "Sample Quantiles in Statistical Packages",
-// The American Statistician 50(4), 1996, definition 7). All 0 of nothing.
+// The American Statistician 50(4), 1996, definition 7). All 0 without values.
 inline Quartiles quartilesOf(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());

@@ -23,8 +23,9 @@ struct Prototype {
 
 class Instances {
   public:
-    // Packs the prototypes of the objects with a transform, see placeObjects. Of the trees' 48 levels it
-    // leaves one to the instances for each factor of two in their number, and 4 more.
+    // Packs the prototypes of the objects with a transform, see placeObjects. The world's tree keeps one
+    // level for each factor of two in its number of entries and 4 more, at least half of all kDepth; the
+    // trees of prototypes get the others.
     Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options,
               const Context& context);
 

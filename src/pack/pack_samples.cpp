@@ -330,7 +330,8 @@ struct SampleSequence::State {
 };
 
 SampleSequence::SampleSequence(const ImageSettings& image) {
-    if (image.sampler == Sampler::Grid) throw std::invalid_argument("a grid cannot be gone on with");
+    if (image.sampler == Sampler::Grid)
+        throw std::invalid_argument("SampleSequence: the grid sampler has no further samples");
     ImageSettings settings = image;
     if (settings.sampler == Sampler::Auto) settings.sampler = Sampler::LowDiscrepancy;
     state_ = std::make_unique<State>(State{SampleMaker(settings)});

@@ -237,9 +237,9 @@ uint32_t wrapFlag(Wrap wrap) {
 
 // A sample that no tracer can carry on with (an HDR file may hold any bits) becomes 0, or the greatest
 // colour.
-float sound(float sample, uint64_t& mended) {
+float sound(float sample, uint64_t& clamped) {
     const float result = sample >= 0 ? std::min(sample, static_cast<float>(kMaxColor)) : 0.0f;
-    if (!(result == sample)) ++mended;
+    if (!(result == sample)) ++clamped;
     return result;
 }
 
@@ -308,18 +308,18 @@ class TexturePacker {
         // The shaders' int that addresses a texel.
         checkLimit("texels", packed_.texels.size() + count, 0x7fffffffu);
         reserveMore(packed_.texels, count);
-        uint64_t mended = 0;
+        uint64_t clamped = 0;
         const auto channels = static_cast<size_t>(image.channels);
         for (size_t i = 0; i < count; ++i) {
             context_.pace(i);
             const float* sample = &image.pixels[i * channels];
             shared::Texel texel;
-            for (int c = 0; c < 3; ++c) texel.color[c] = sound(sample[channels < 3 ? 0 : c], mended);
-            texel.alpha = channels == 4 ? sound(sample[3], mended) : 1.0f;
+            for (int c = 0; c < 3; ++c) texel.color[c] = sound(sample[channels < 3 ? 0 : c], clamped);
+            texel.alpha = channels == 4 ? sound(sample[3], clamped) : 1.0f;
             packed_.texels.push_back(texel);
         }
-        if (mended > 0)
-            packed_.warnings.push_back(file + ": " + std::to_string(mended) +
+        if (clamped > 0)
+            packed_.warnings.push_back(file + ": " + std::to_string(clamped) +
                                        " samples are negative, too large or not numbers; they are clamped");
     }
 

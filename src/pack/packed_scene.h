@@ -63,7 +63,7 @@ struct Geometry {
     double reach = 0;      // half of all objects lie no farther from there in any axis, with all their parts
 };
 
-// Nothing changes a packed scene: what may vary from picture to picture is in a Request (trace/request.h).
+// MovingScene alone changes a packed scene. Settings of an image are in a Request (trace/request.h).
 struct PackedScene {
     glm::dvec3 origin{0};  // world = origin + local; every position below is local; see originOf
     std::vector<shared::Node> nodes;
@@ -129,7 +129,7 @@ std::vector<shared::Light> packLights(std::span<const Light> lights, const glm::
 // of the smallest, those of planes first, and cut off at kMaxMedia.
 glm::uvec4 mediaAt(const PackedScene& scene, const glm::dvec3& point);
 
-// The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are
+// The camera of an image of width x height pixels, relative to `origin`; frame, tangent and steps are
 // computed in double.
 shared::Camera packCamera(const Camera& camera, int width, int height, const glm::dvec3& origin);
 

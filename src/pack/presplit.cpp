@@ -103,8 +103,8 @@ double longestEdge(const Box& box) {
     return std::max({edges.x, edges.y, edges.z});
 }
 
-// Twice the area that the triangle shows along the three axes: what boxes around ever smaller parts of it
-// come down to.
+// The area that the triangle shows along the three axes: what half the area of boxes around ever smaller
+// parts of it come down to.
 double idealHalfArea(const Corners& c) {
     const glm::dvec3 normal =
         glm::cross(glm::dvec3(c[1]) - glm::dvec3(c[0]), glm::dvec3(c[2]) - glm::dvec3(c[0]));

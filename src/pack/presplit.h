@@ -23,10 +23,9 @@ double boxEmptiness(const Primitives& primitives, const Scene& scene, const Fram
 
 // Adds to `primitives` further entries for the triangles whose boxes are emptiest, up to `budget` times the
 // number of triangles, and shrinks their first ones: each entry names the same source, the boxes of one
-// triangle enclose it together. `corners(entry)` gives the rounded triangle of an entry. Returns how many
-// entries were added. T. Karras, T. Aila, "Fast Parallel Construction of High-Quality Bounding Volume
-// Hierarchies", HPG 2013, section 4: importance (2^-level (box area - ideal area))^(1/3), splits in
-// proportion to it.
+// triangle enclose it together. Returns how many entries were added. T. Karras, T. Aila, "Fast Parallel
+// Construction of High-Quality Bounding Volume Hierarchies", HPG 2013, section 4: importance (2^-level (box
+// area - ideal area))^(1/3), splits in proportion to it.
 uint32_t splitLargeTriangles(Primitives& primitives, const Scene& scene, const Frame& frame, double budget,
                              const Context& context);
 

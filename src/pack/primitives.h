@@ -138,7 +138,7 @@ std::optional<Corners> roundTriangle(const std::array<glm::dvec3, 3>& world, con
 // The three unit vertex normals of a triangle; false if any of them is missing, zero or not finite.
 bool vertexNormals(const Mesh* mesh, uint32_t face, shared::VertexNormals& out);
 
-// Point, radius and anchor normal; anchored as shared/layout.h describes it if the eye is nearer to the
+// Point, radius and anchor normal; anchored as shared/primitives.h describes it if the eye is nearer to the
 // surface than radius / 64: then centre and radius would cancel 6 and more of fp32's 24 bits.
 shared::Sphere roundSphere(const SphereShape& sphere, const Frame& frame);
 // Encloses the rounded sphere, anchored or not.

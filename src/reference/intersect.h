@@ -178,7 +178,7 @@ inline std::span<const rows::PolygonVertex> outlineOf(const Model& scene, const 
             size_t{polygon.trips} * shared::kPolygonEdgesPerTrip + 1};
 }
 
-// True for the sphere whose surface is |x - point|^2 + 2 radius n.(x - point) = 0, see shared/layout.h.
+// True for the sphere whose surface is |x - point|^2 + 2 radius n.(x - point) = 0, see shared/primitives.h.
 inline bool isAnchored(const rows::Sphere& sphere) {
     return sphere.anchorNormal != glm::dvec3(0);
 }

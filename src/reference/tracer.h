@@ -251,7 +251,6 @@ class Tracer {
 
     const Model& model() const { return scene_; }
 
-    // Methods in force: the requested ones, or the scene's.
     const Methods& methods() const { return tracing_.methods; }
     bool shadows() const { return tracing_.shadows; }
     const std::vector<rows::Light>& lights() const { return lights_; }

@@ -38,7 +38,8 @@ struct KernelInfo {
 };
 const KernelInfo& infoOf(KernelId id);
 
-// The kernel that does for packets what `id` does for single rays.
+// The kernel that does for packets what `id` does for single rays: Intersect, IntersectAny, Light or Count;
+// throws std::logic_error for others.
 KernelId packetKernel(KernelId id);
 
 // Kernel modes that a request selects: GLINT_MODES in shaders/shared/dispatch.h, and the tests of rays.

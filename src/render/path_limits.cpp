@@ -11,7 +11,7 @@ namespace {
 // lavapipe ends all loops of a subgroup after this many trips in total (LP_MAX_TGSI_LOOP_ITERATIONS,
 // lp_bld_limits.h of Mesa 22.3).
 constexpr uint32_t kLlvmpipeTrips = 65535;
-// Memory of the path state: 2^20 paths of 176 bytes (208 with mirrors), or fewer with trees of branches.
+// Memory of the path state: 2^20 paths of 112 to 240 bytes, or fewer with trees of branches.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
 // On llvmpipe, whose first touch of each page costs as much as tracing some rays (docs/lab/speed.md).
 constexpr uint64_t kMaxPathBytesOfLlvmpipe = 32ull << 20;

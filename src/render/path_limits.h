@@ -16,7 +16,8 @@ namespace glint::render {
 bool goesOnAfterHits(const SceneFeatures& features);
 bool goesOnAfterHits(const SceneFeatures& features, const shared::Environment& environment);
 
-// Paths of a slice: `wanted`, or as many as the device can bind and hold in a quarter of its memory.
+// Paths of a slice: `wanted`, halved until the path state fits a binding, a quarter of the device's memory
+// and 256 MiB (32 MiB on llvmpipe).
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows);
 
 // Most paths of a slice; they fill any GPU.

@@ -285,9 +285,9 @@ struct RayQueries::State : DeviceScene {
         for (size_t i = 0; i < places.size(); ++i) {
             const uint32_t listed = slot.row(kHitRow)[i].u[1], wanted = places[i].u[1];
             if (wanted != 0 && listed != wanted)
-                throw Error(ErrorKind::Device, "of a ray that crosses " + std::to_string(wanted) +
-                                                   " surfaces the device has listed " +
-                                                   std::to_string(listed));
+                throw Error(ErrorKind::Device,
+                            "a ray crosses " + std::to_string(wanted) + " surfaces, but the device listed " +
+                                std::to_string(listed) + "; this is a defect of glint or of the driver");
         }
         const std::vector<RowEntry> found =
             slot.engine.paths().readRow(rowCount - kCrossingRows, 2 * size_t{starts.back()});
@@ -384,8 +384,8 @@ void RayQueries::list(std::span<const uint32_t> counts, const ListFill& fill, co
             hits += counts[end++];
         if (end == first)
             throw Error(ErrorKind::Device, "ray " + std::to_string(first) + " crosses " +
-                                               std::to_string(counts[first]) + " surfaces; " +
-                                               std::to_string(room) + " of one ray can be listed");
+                                               std::to_string(counts[first]) + " surfaces, but at most " +
+                                               std::to_string(room) + " can be listed; shorten its interval");
         state_->withSlot([&](Slot& slot) {
             state_->listPiece(slot, counts.subspan(first, end - first), first, fill, take);
         });

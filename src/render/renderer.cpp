@@ -27,7 +27,7 @@ struct Renderer::State : DeviceScene {
     uint32_t sliceTiles = 64;   // of the next slice, also of the next image
     double longestInSlice = 0;  // longest submission of the current slice, in seconds
 
-    // ---- The picture at hand ----
+    // ---- The current image ----
 
     const Request* request = nullptr;
     TraceModes modes;
@@ -144,7 +144,7 @@ struct Renderer::State : DeviceScene {
         return true;
     }
 
-    // ---- Samples and slices; false if the picture was cancelled ----
+    // ---- Samples and slices; false if the image was cancelled ----
 
     bool renderSample(const Slice& slice, shared::Dispatch dispatch) {
         record(KernelId::Generate, dispatch, slice.groups());
@@ -183,7 +183,7 @@ struct Renderer::State : DeviceScene {
         return !cancelled();
     }
 
-    // After a sample of an adaptive picture; false if no pixel goes on.
+    // After a sample of an adaptive image; false if no pixel goes on.
     bool adapt(const Slice& slice, shared::Dispatch dispatch) {
         const PackedSamples& samples = request->samples;
         const bool last = dispatch.sampleIndex + 1 == samples.count();

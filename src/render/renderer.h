@@ -48,7 +48,8 @@ class Renderer {
     Renderer(const gpu::Device& device, const PackedScene& scene, const Options& options = {});
 
     // A cancelled render returns the finished part with complete = false. Throws std::invalid_argument for a
-    // parallel camera that neither the scene's features nor Options::also have.
+    // parallel camera that neither the scene's features nor Options::also have, and for more lights than the
+    // scene has; Error(Device) if the device fails or has too little memory.
     // trails: receives the camera, reflected and refracted rays of each pixel of the region, for requests
     // with one sample and layers.
     Picture render(const Request& request, std::vector<Trail>* trails = nullptr);

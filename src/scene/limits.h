@@ -51,7 +51,7 @@ inline constexpr int kMinMitchellSamples = 4;
 inline constexpr double kMaxCondition = 1e12;
 
 // The tracers follow a polygon's outline edge by edge for each ray, and the device cannot stop within one
-// (kMaxPolygonTrips in shaders/shared/layout.h).
+// (kMaxPolygonTrips in core/device_layout.h).
 inline constexpr size_t kMaxPolygonVertices = 8192;
 
 // Nesting of groups; each takes two levels of kMaxJsonDepth.

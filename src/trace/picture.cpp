@@ -53,7 +53,7 @@ Image colorChannels(const Picture& picture, int first, int count) {
     return image;
 }
 
-// The layers that stand in every picture, or in one drawn to an error.
+// The layers of every image, or of one rendered to an error.
 Image ownLayer(const Picture& picture, Aov aov) {
     if (aov == Aov::Radiance) return colorChannels(picture, 0, 3);
     if (aov == Aov::Alpha) return colorChannels(picture, 3, 1);

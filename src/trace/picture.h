@@ -146,13 +146,13 @@ constexpr auto entriesOf(Aov) {
                                           {Aov::Samples, "samples"}});
 }
 
-// Radiance, Alpha and Samples are in every picture, Error in one that was drawn to a given error; all others
+// Radiance, Alpha and Samples are in every image, Error in one that was rendered to a given error; all others
 // come from Picture::data.
 constexpr bool needsData(Aov aov) {
     return aov != Aov::Radiance && aov != Aov::Alpha && aov != Aov::Error && aov != Aov::Samples;
 }
 
-// Layers of a picture, under the names of the AOVs; black where it has no data for them.
+// Layers of an image, under the names of the AOVs; black where it has no data for them.
 std::vector<Layer> makeLayers(const Picture& picture, std::span<const Aov> aovs);
 
 // ---- Paths

@@ -151,7 +151,7 @@ TEST_F(Bands, WhatIsNotFinishedLeavesNoFile) {
                       [] {
                           PictureRows("null.pfm", 8, 8, {{"color", Image(0, 0, 3)}});
                       }),
-              "null.pfm: is no regular file, which an image in bands goes into");
+              "null.pfm: is not a regular file, as images in bands need");
 }
 
 }  // namespace glint::app::test::bands_test

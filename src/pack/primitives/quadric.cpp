@@ -1,4 +1,4 @@
-// Turns quadrics of every name into the one form of the tracers (Quadric in shared/layout.h).
+// Turns quadrics of every name into the one form of the tracers (Quadric in shared/primitives.h).
 #include <algorithm>
 #include <cmath>
 

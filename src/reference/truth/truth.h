@@ -20,7 +20,7 @@ Model truthOf(const Scene& scene, const glm::dvec3& origin, const Anchors& ancho
 // Sets the media around a camera's local eye, once all primitives are there (docs/reference/shading.md).
 void setEye(Model& model, const glm::dvec3& eye);
 
-// The camera of a picture of width x height pixels.
+// The camera of an image of width x height pixels.
 rows::Camera truthCamera(const Camera& camera, int width, int height, const glm::dvec3& origin);
 
 }  // namespace glint::reference
