@@ -134,15 +134,31 @@ Json lightsOf(const std::vector<LightSetting>& lights) {
     return json;
 }
 
-// A missing "ambient" means "diffuse" in a scene file, so a changed diffuse color comes with its ambient one.
+// A color, or the factor of its texture.
+Json colorJson(const Material& material, std::string_view name, const Color& color) {
+    for (const auto& [key, texture] : kMaterialTextures)
+        if (key == name && material.*texture != Material::kNoTexture) return {{"color", numberJson(color)}};
+    return numberJson(color);
+}
+
+// A missing "ambient" means "diffuse" in a scene file, so a changed diffuse color comes with its ambient one,
+// unless both have one texture.
 Json materialsOf(const std::vector<Material>& materials, const std::vector<Material>& before) {
     Json json;
     for (size_t i = 0; i < std::min(materials.size(), before.size()); ++i) {
         const Material &now = materials[i], &then = before[i];
         forFields(now, [&](const char* name, auto field) {
-            if (now.*field != then.*field) json[now.name][name] = numberJson(now.*field);
+            if (now.*field == then.*field) return;
+            if constexpr (std::is_same_v<decltype(field), Color Material::*>)
+                json[now.name][name] = colorJson(now, name, now.*field);
+            else
+                json[now.name][name] = numberJson(now.*field);
         });
-        if (now.diffuse != then.diffuse) json[now.name]["ambient"] = numberJson(now.ambient);
+        if (now.diffuse == then.diffuse) continue;
+        json[now.name]["ambient"] = colorJson(now, "ambient", now.ambient);
+        if (now.ambientTexture == now.diffuseTexture && now.ambientTexture != Material::kNoTexture &&
+            now.ambient == now.diffuse)
+            json[now.name].erase("ambient");
     }
     return json;
 }
@@ -178,6 +194,15 @@ std::string editedSceneText(const std::string& text, const PictureSettings& sett
             throw Error(ErrorKind::Argument,
                         "the material \"" + name + "\" comes from another file: edit that file");
     json.merge_patch(changed);
+    for (const auto& [name, fields] : materials.items()) {
+        Json& material = json["materials"][name];
+        const auto ambient = material.find("ambient");
+        if (ambient == material.end() || !ambient->is_object()) continue;
+        if (ambient->contains("texture") || ambient->contains("checker")) continue;
+        Json own = material["diffuse"];  // whose texture it had
+        own.merge_patch(*ambient);
+        *ambient = std::move(own);
+    }
     return json.dump(2) + '\n';
 }
 

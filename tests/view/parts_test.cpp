@@ -162,6 +162,33 @@ TEST(Edits, ASavedSceneIsTheEditedOne) {
     EXPECT_THROW(editedSceneText(sceneText(), state, file), Error);
 }
 
+// A color that multiplies a texture is the texture's factor.
+TEST(Edits, ASavedSceneKeepsItsTextures) {
+    Json plain = Json::parse(sceneText());
+    plain["materials"]["one"] = Json::parse(R"({"diffuse": {"checker": [0.1, 0.9], "scale": 2},
+        "mirror": {"checker": [0, 0.5]}})");
+    plain["materials"]["two"] = plain["materials"]["one"];
+    const Scene scene = parseScene(plain.dump(), "a.json", ".");
+    const PictureSettings file = PictureSettings::of(scene);
+    PictureSettings state = file;
+    for (Material& material : state.edits.materials) {
+        if (material.name == "one" || material.name == "two") setDiffuse(material, {0.75, 0.25, 0.5});
+        if (material.name == "one") material.mirror = Color(0.5);
+        if (material.name == "two") material.ambient = {0, 0, 0.5};
+    }
+    const Scene again = parseScene(editedSceneText(plain.dump(), state, file), "b.json", ".");
+    ASSERT_EQ(again.materials.size(), scene.materials.size());
+    for (size_t i = 0; i < again.materials.size(); ++i) {
+        const Material &now = again.materials[i], &wanted = state.edits.materials[i];
+        EXPECT_EQ(now.diffuse, wanted.diffuse) << now.name;
+        EXPECT_EQ(now.ambient, wanted.ambient) << now.name;
+        EXPECT_EQ(now.mirror, wanted.mirror) << now.name;
+        for (const auto& [name, texture] : kMaterialTextures)
+            EXPECT_EQ(now.*texture == Material::kNoTexture, wanted.*texture == Material::kNoTexture)
+                << now.name << ' ' << name;
+    }
+}
+
 TEST(Edits, FollowTheFileWhereTheyAreUntouched) {
     SceneEdits file;
     file.materials.resize(2);
