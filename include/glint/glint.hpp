@@ -49,17 +49,21 @@ template <class Handle, void (*retain)(Handle*), void (*release)(Handle*)>
 class Owner {
   public:
     Owner() = default;
-    explicit Owner(Handle* owned) : handle_(owned) {}
-    Owner(const Owner& other) : handle_(other.handle_) { retain(handle_); }
-    Owner(Owner&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+    explicit Owner(Handle* owned, std::shared_ptr<void> kept = {}) : kept_(std::move(kept)), handle_(owned) {}
+    Owner(const Owner& other) : kept_(other.kept_), handle_(other.handle_) { retain(handle_); }
+    Owner(Owner&& other) noexcept
+        : kept_(std::move(other.kept_)), handle_(std::exchange(other.handle_, nullptr)) {}
     Owner& operator=(Owner other) noexcept {
+        std::swap(kept_, other.kept_);
         std::swap(handle_, other.handle_);
         return *this;
     }
     ~Owner() { release(handle_); }
     Handle* get() const noexcept { return handle_; }
+    const std::shared_ptr<void>& kept() const noexcept { return kept_; }
 
   private:
+    std::shared_ptr<void> kept_;  // used by the handle's callbacks until it is released
     Handle* handle_ = nullptr;
 };
 
@@ -82,23 +86,23 @@ struct Settings {
 class Device {
   public:
     // The device and its scenes keep a copy of `settings`.
-    Device(const std::string& selector, Settings settings)
-        : settings_(std::make_shared<Settings>(std::move(settings))) {
+    Device(const std::string& selector, Settings settings) {
+        const auto kept = std::make_shared<Settings>(std::move(settings));
         GLINT_INIT(glint_settings, raw);
-        raw.threads = settings_->threads;
-        raw.max_bytes = settings_->maxBytes;
-        raw.user = settings_.get();
-        if (settings_->memory)
+        raw.threads = kept->threads;
+        raw.max_bytes = kept->maxBytes;
+        raw.user = kept.get();
+        if (kept->memory)
             raw.memory = [](void* user, std::int64_t bytes) {
                 return static_cast<Settings*>(user)->memory(bytes) ? 1 : 0;
             };
-        if (settings_->log)
+        if (kept->log)
             raw.log = [](void* user, std::int32_t level, const char* text) {
                 static_cast<Settings*>(user)->log(level, text);
             };
         glint_device* opened = nullptr;
         check(glint_device_open_with(selector.c_str(), &raw, &opened));
-        owner_ = decltype(owner_)(opened);
+        owner_ = decltype(owner_)(opened, kept);
     }
     // "" for the best, a number, "cpu", or part of a name.
     explicit Device(const std::string& selector = {}) {
@@ -113,7 +117,7 @@ class Device {
         check(glint_device_info_of(get(), &found));
         return found;
     }
-    // All that there are.
+    // All devices.
     static std::vector<DeviceInfo> list() {
         std::uint32_t count = 0;
         check(glint_device_count(&count));
@@ -129,7 +133,6 @@ class Device {
 
   private:
     friend class Scene;
-    std::shared_ptr<Settings> settings_;  // the callbacks' user; released after owner_
     detail::Owner<glint_device, glint_device_retain, glint_device_release> owner_;
 };
 
@@ -233,10 +236,10 @@ inline std::array<double, 3> pinholeRays(const std::array<double, 9>& intrinsics
 class Scene {
   public:
     // Empty, to be filled and committed.
-    explicit Scene(const Device& device) : settings_(device.settings_) {
+    explicit Scene(const Device& device) {
         glint_scene* made = nullptr;
         check(glint_scene_create(device.get(), &made));
-        owner_ = decltype(owner_)(made);
+        owner_ = decltype(owner_)(made, device.owner_.kept());
     }
     // From a file, committed. See glint_scene_load_with.
     static Scene load(const Device& device, const std::string& path, const Control& control = {}) {
@@ -309,7 +312,7 @@ class Scene {
         check(glint_scene_info_of(get(), &found));
         return found;
     }
-    // Warnings about ignored or fixed parts of the scene, one line each.
+    // Warnings about ignored or fixed parts of the scene, one line each. Not while another thread commits.
     std::vector<std::string> warnings() const {
         std::vector<std::string> texts(info().warnings);
         for (std::uint32_t i = 0; i < texts.size(); ++i) {
@@ -402,8 +405,7 @@ class Scene {
     glint_scene* get() const noexcept { return owner_.get(); }
 
   private:
-    Scene(const Device& device, glint_scene* owned) : settings_(device.settings_), owner_(owned) {}
-    std::shared_ptr<Settings> settings_;  // of the device, which the scene keeps open; released after owner_
+    Scene(const Device& device, glint_scene* owned) : owner_(owned, device.owner_.kept()) {}
     detail::Owner<glint_scene, glint_scene_retain, glint_scene_release> owner_;
 };
 

@@ -78,5 +78,26 @@ TEST(LibraryWrapper, SettingsLiveAsLongAsScenes) {
     EXPECT_EQ(lines.use_count(), 1);
 }
 
+// What the assigned scene had is released with its own settings.
+TEST(LibraryWrapper, AnAssignedSceneReleasesMemoryByItsOwnSettings) {
+    const auto bytes = std::make_shared<std::array<int64_t, 2>>();
+    const auto make = [&](size_t index) {
+        Settings settings;
+        settings.memory = [bytes, index](int64_t more) {
+            (*bytes)[index] += more;
+            return true;
+        };
+        Scene scene(Device(selector(), std::move(settings)));
+        scene.addTriangles(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0});
+        scene.commit();
+        return scene;
+    };
+    Scene scene = make(0);
+    EXPECT_GT((*bytes)[0], 0);
+    scene = make(1);
+    EXPECT_EQ((*bytes)[0], 0);
+    EXPECT_GT((*bytes)[1], 0);
+}
+
 }  // namespace
 }  // namespace glint::library::test::wrapper
