@@ -115,8 +115,6 @@ class Device(_native.Owner):
                  memory: Callable[[int], object] | None = None) -> None:
         super().__init__()
         settings = _native.make(_native.Settings)
-        if threads < 0 or max_bytes < 0:
-            raise ValueError("threads and max_bytes cannot be negative")
 
         def asked(_: int | None, count: int) -> int:
             try:
@@ -127,7 +125,7 @@ class Device(_native.Owner):
         self._memory = _native.MEMORY_CALLBACK(asked)
         if memory:
             settings.memory = self._memory
-        settings.threads, settings.max_bytes = threads, max_bytes
+        settings.threads, settings.max_bytes = _native.whole(threads, "threads"), _native.whole(max_bytes, "max_bytes", 64)
         self._log = _native.LOG_CALLBACK(lambda user, level, text: log(text.decode()) if log else None)
         if log:
             settings.log = self._log
@@ -174,7 +172,7 @@ class _Options:
                 return fallback
         if cancelled or progress or (interruptible and self.interrupts.possible()):
             self.struct.cancelled = _native.CANCELLED_CALLBACK(
-                lambda _: 1 if self.raised or self.interrupts.noted else int(bool(guarded(cancelled or bool, True))))
+                lambda _: 1 if self.raised or self.interrupts.noted else guarded(lambda: int(bool(cancelled and cancelled())), 1))
         if progress is not None:
             told = progress
             self.struct.progress = _native.PROGRESS_CALLBACK(lambda _, part: guarded(lambda: told(part), None))
@@ -213,6 +211,8 @@ class _RayArrays:
         self.struct.directions = _native.view(directions)
         for name, bound in (("t_min", t_min), ("t_max", t_max)):
             if bound is not None:
+                if numpy.size(bound) != 1 and numpy.shape(bound) not in (self.shape, (self.count,)):
+                    raise ValueError(f"{name} has the shape {numpy.shape(bound)}; it must be one number, or {self.shape} as the rays")
                 array = _native.numbers(bound, None, name)
                 self.kept.append(array)
                 setattr(self.struct, name, _native.view(array))
@@ -327,7 +327,7 @@ class Scene(_native.Owner):
         points = _native.numbers(vertices, 3, "vertices")
         given = _native.make(_native.Triangles)
         given.vertices = _native.view(points)
-        given.material = material
+        given.material = _native.whole(material, "material")
         if faces is not None:
             corners = _native.indices(faces, "faces")
             given.indices = _native.view(corners)
@@ -340,7 +340,7 @@ class Scene(_native.Owner):
         given = _native.make(_native.Spheres)
         given.centers = _native.view(places)
         given.radii = _native.view(sizes)
-        given.material = material
+        given.material = _native.whole(material, "material")
         return self._added("glint_scene_add_spheres", ctypes.byref(given))
 
     def add_json(self, text: str, folder: Path | None = None) -> range:
@@ -353,20 +353,20 @@ class Scene(_native.Owner):
     def add_instance(self, geometry: int, transform: ArrayLike) -> int:
         """Adds an instance of a geometry, by a (3, 4) or (4, 4) matrix applied to it as it was added. Returns the instance's number."""
         rows, pointer = _transform(transform)
-        number = self._added("glint_scene_add_instance", geometry, pointer)
+        number = self._added("glint_scene_add_instance", _native.whole(geometry, "geometry"), pointer)
         del rows
         return number
 
     def set_transform(self, geometry: int, transform: ArrayLike) -> None:
         """Replaces the transform of a geometry or an instance: a (3, 4) or (4, 4) matrix applied to it as it was added."""
         rows, pointer = _transform(transform)
-        _native.call("glint_scene_set_transform", self._handle, geometry, pointer)
+        _native.call("glint_scene_set_transform", self._handle, _native.whole(geometry, "geometry"), pointer)
         del rows
 
     def set_vertices(self, geometry: int, vertices: ArrayLike) -> None:
         """Replaces the vertices of a mesh and its instances; as many as before, all finite."""
         points = _native.numbers(vertices, 3, "vertices")
-        _native.call("glint_scene_set_vertices", self._handle, geometry, ctypes.byref(_native.view(points)))
+        _native.call("glint_scene_set_vertices", self._handle, _native.whole(geometry, "geometry"), ctypes.byref(_native.view(points)))
 
     def material(self, name: str) -> int:
         """Number of the material with this name."""
@@ -497,13 +497,29 @@ class Scene(_native.Owner):
         batch = _RayArrays(rays, directions, t_min, t_max)
         offsets = numpy.zeros(batch.count + 1, numpy.uint64)
         out, total = _native.view(offsets), ctypes.c_uint64()
-        options = _Options(cancelled, progress, True)
-        options.call("glint_query_all", self._handle, ctypes.byref(batch.struct), ctypes.byref(out), None, ctypes.byref(total))
-        arrays = _hit_arrays(want, total.value, dtype)
-        hits = _hits_struct(arrays)
-        options.call("glint_query_all", self._handle, ctypes.byref(batch.struct), ctypes.byref(out), ctypes.byref(hits),
-                     ctypes.byref(total))
-        return offsets, _record("Hits", arrays)
+        done, most = 0.0, -1.0  # of both calls together
+
+        def halved(part: float) -> None:
+            nonlocal most
+            if progress and done + part / 2 > most:
+                most = done + part / 2
+                progress(most)
+        options = _Options(cancelled, halved if progress else None, True)
+
+        def query(hits: Any) -> None:
+            options.call("glint_query_all", self._handle, ctypes.byref(batch.struct), ctypes.byref(out), hits, ctypes.byref(total))
+        query(None)
+        done = 0.5
+        while True:
+            arrays = _hit_arrays(want, total.value, dtype)
+            try:
+                query(ctypes.byref(_hits_struct(arrays)))
+            except Error as error:
+                if error.status != "capacity":
+                    raise
+                continue  # another thread has committed since: `total` is the new number
+            arrays = {name: array[:total.value] for name, array in arrays.items()}
+            return offsets, _record("Hits", arrays)
 
     def locate(self, points: ArrayLike, *, cancelled: Cancelled = None, progress: Progress = None) -> NDArray[numpy.uint8]:
         """OUTSIDE, INSIDE or ON_SURFACE for each point (..., 3)."""
@@ -561,10 +577,10 @@ class Scene(_native.Owner):
         layers, dtype = _names(layers), _real(dtype)
         info = self._info()
         width, height = width or info.width, height or info.height
-        if not (0 < width <= _LARGEST and 0 < height <= _LARGEST and samples >= 0):
-            raise ValueError(f"width and height must be 1 to {_LARGEST}, or 0, and samples cannot be negative")
+        if not (0 < width <= _LARGEST and 0 < height <= _LARGEST):
+            raise ValueError(f"width and height must be 1 to {_LARGEST}, or 0")
         picture = _native.make(_native.Picture)
-        picture.width, picture.height, picture.samples = width, height, samples
+        picture.width, picture.height, picture.samples = width, height, _native.whole(samples, "samples")
         if max_depth is not None:
             picture.max_depth = max_depth or -1
         if isinstance(camera, str):
@@ -580,7 +596,8 @@ class Scene(_native.Owner):
         if error is not None:
             if not error > 0:
                 raise ValueError("error must be above 0")
-            picture.error, picture.confidence, picture.max_samples = error, confidence, max_samples
+            picture.error, picture.confidence = error, confidence
+            picture.max_samples = _native.whole(max_samples, "max_samples")
             picture.bound = ctypes.pointer(bound)
         arrays: dict[str, NDArray[Any]] = {}
         for name in layers:

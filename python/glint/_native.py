@@ -5,6 +5,7 @@ import collections
 import ctypes
 import ctypes.util
 import functools
+import operator
 import os
 import re
 import signal
@@ -223,6 +224,14 @@ def text(given: str | bytes) -> bytes:
     if b"\0" in encoded:
         raise ValueError("there is a null character in the text")
     return encoded
+
+
+def whole(given: Any, what: str, bits: int = 32) -> int:
+    """A whole number that so many bits hold, of which ctypes would drop the others; ValueError for all else."""
+    number = operator.index(given)
+    if not 0 <= number < 1 << bits:
+        raise ValueError(f"{what} is {number}; it must be 0 to {(1 << bits) - 1}")
+    return number
 
 
 def indices(given: ArrayLike, what: str) -> NDArray[numpy.uint32]:

@@ -311,12 +311,17 @@ def test_what_people_pass_by_mistake(device, cube):
             cube.add_instance(0, matrix)
     with pytest.raises(ValueError):
         cube.render(4, 4, 1, camera=((0, 0, 5),))
-    for size in ((-3, 4, 1), (4, -3, 1), (4, 4, -1), (2**32 + 4, 4, 1), (10**6, 10**6)):
+    for size in ((-3, 4, 1), (4, -3, 1), (2**32 + 4, 4, 1), (10**6, 10**6)):
         with pytest.raises(ValueError, match="width and height"):
             cube.render(*size)
     with pytest.raises(AttributeError, match="Hits has no 'normal': only t, uv was requested"):
         _ = cube.cast(ray, want=("t", "uv")).normal
-    for wrong in ({"threads": -1}, {"max_bytes": -1}, {"selector": "cpu\0"}):
+    for call in (lambda: cube.render(4, 4, -1), lambda: cube.render(4, 4, 2**32 + 1), lambda: cube.set_transform(2**32, numpy.eye(4)),
+                 lambda: cube.set_vertices(2**32, CUBE), lambda: cube.add_instance(2**32, numpy.eye(4)),
+                 lambda: cube.add_triangles(CUBE, FACES, 2**32), lambda: cube.cast(numpy.zeros((2, 3, 6)), t_min=numpy.zeros((3, 2)))):
+        with pytest.raises(ValueError):
+            call()
+    for wrong in ({"threads": -1}, {"max_bytes": -1}, {"max_bytes": 2**64}, {"selector": "cpu\0"}):
         with pytest.raises(ValueError):
             glint.Device(**wrong)
     for call in (cube.add_json, cube.material, lambda name: glint.Scene.load(name, device)):
