@@ -157,9 +157,9 @@ typedef struct glint_settings {
      * indices, traced arrays, BVHs under construction and device buffers, but not code, materials and small
      * allocations. */
     uint64_t max_bytes;
-    /* Called with bytes > 0 before that much memory is allocated: a result of 0 refuses it, and the call ends
-     * with GLINT_ERROR_MEMORY and changes nothing. Called with bytes < 0 after that much was freed; the
-     * result is then ignored. From any thread. */
+    /* Called with bytes > 0 before that much memory is allocated, of files after they are read: a result of 0
+     * refuses it, and the call ends with GLINT_ERROR_MEMORY and changes nothing. Called with bytes < 0 after
+     * that much was freed; the result is then ignored. From any thread. */
     int (*memory)(void* user, int64_t bytes);
     /* Called with lines, without their ends, on what was opened, committed, ignored and fixed; level:
      * GLINT_LOG_... In the thread of the call. */
@@ -251,9 +251,9 @@ GLINT_API glint_status glint_scene_find_material(const glint_scene* scene, const
 
 /* Makes all additions and changes visible to queries. If only meshes, their instances and planes changed, the
  * commit refits the BVH until a ray takes 1.3 times as many tests; otherwise it rebuilds the BVH
- * (docs/guide/library.md). Answers about rays have the same bits as those of a new scene. Running queries
- * finish with the state that they began with; a scene that changes therefore takes twice the memory. If the
- * call fails, queries see the state as before. */
+ * (docs/guide/library.md). Answers about rays, unless certified, have the same bits as those of a new scene.
+ * Running queries finish with the state that they began with; a scene that changes therefore takes twice the
+ * memory. If the call fails, queries see the state as before. */
 GLINT_API glint_status glint_scene_commit(glint_scene* scene);
 /* glint_scene_commit with options. */
 GLINT_API glint_status glint_scene_commit_with(glint_scene* scene, const glint_options* options);
@@ -338,7 +338,7 @@ typedef struct glint_hits {
  * closest (of several at the same t the one added first), or the ray hits nothing, and both bounds are
  * infinity. sure = 0: undecided. The other outputs are then those of an ordinary query; the exact t is at
  * least t_lower and at most t_upper, which is infinity if there may be no hit. Triangles and planes are
- * always decided, spheres unless a ray is tangent, or ties with another surface to the last bits; other
+ * always decided, spheres unless a ray is tangent, comes from 1e6 radii away, or ties with another; other
  * shapes and alpha-masked surfaces are not. Triangles that the scene ignores do not count. A transform that
  * is not an instance's moves vertices to the nearest doubles. */
 GLINT_API glint_status glint_query_closest(const glint_scene* scene, const glint_rays* rays,

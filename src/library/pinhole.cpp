@@ -29,7 +29,7 @@ glint_status glint_pinhole_rays(const double intrinsics[9], const double extrins
         }
         const glm::dvec3 place = -(toWorld * shift);
         for (int axis = 0; origin != nullptr && axis < 3; ++axis) origin[axis] = place[axis];
-        for (uint32_t y = 0; y < height; ++y) {
+        for (uint32_t y = 0; y < height && out.wanted(); ++y) {
             const double down = (y + 0.5 - cy) / fy;
             for (uint32_t x = 0; x < width; ++x)
                 out.put(uint64_t{y} * width + x,

@@ -288,6 +288,7 @@ void HitWriter::write(const render::RayNumbers& numbers, const render::FoundHits
         });
     }
     writeTriangles(numbers, found, rows);
+    origin_.putAll(numbers, hits.size(), [](size_t) { return glm::dvec3(0); });  // of misses
     if (!others) return;
     const reference::Tracer* const tracer = places_ || surfaces_ ? &part_.tracer() : nullptr;
     const bool needsRay = surfaces_ || rescaled;

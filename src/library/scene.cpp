@@ -23,7 +23,9 @@ constexpr double kRead = 0.5, kCommitted = 0.99;
 
 void load(const std::filesystem::path& path, const glint::Context& context, glint_scene& made) {
     context.checkCancelled();
-    made.draft = glint::loadScene(path, {.context = context.part(0, kRead)});
+    glint::LoadOptions options{.context = context.part(0, kRead)};
+    if (const uint64_t most = made.device->settings.max_bytes) options.memory = most;
+    made.draft = glint::loadScene(path, options);
     made.framed = false;
     made.loaded.push_back(context.charge(meshBytes(made.draft)));
     for (const glint::Object& object : made.draft.objects)

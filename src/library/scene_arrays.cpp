@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "core/vectors.h"
 #include "import/load.h"
 #include "library/handles.h"
 #include "library/status.h"
@@ -103,13 +104,9 @@ Affine readTransform(const double* transform) {
         affine.offset[row] = rows[4 * row + 3];
     }
     const double determinant = glm::determinant(affine.linear);
-    if (!(std::abs(determinant) > 0 && std::isfinite(determinant)))
+    if (!(std::abs(determinant) > 0 && std::isfinite(determinant) && glint::isFinite(affine.offset)))
         refuse("transform: the matrix is singular, or not finite");
     return affine;
-}
-
-bool isFinite(const dvec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
 // Checked here, because spheres cannot be removed from the scene.
@@ -260,7 +257,7 @@ glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry, con
         *mesh = *before;
         for (uint64_t i = 0; i < given.count(); ++i) {
             const glm::dvec3 position = given.three(i);
-            if (!isFinite(position)) refuse("vertex " + std::to_string(i) + " is not finite");
+            if (!glint::isFinite(position)) refuse("vertex " + std::to_string(i) + " is not finite");
             mesh->positions[i] = position;
         }
         for (glint::Object& object : scene->draft.objects) {

@@ -76,6 +76,18 @@ TEST_F(LibraryLeaving, ConvexBallsHideNothingFromTheirSurface) {
 }
 
 // The triangles have no corner in common, so that the heights of rays above them round differently.
+TEST_F(LibraryLeaving, RaysThatMissHaveNoOrigin) {
+    addBall(false, 0, 1);
+    commit();
+    RayList rays;
+    for (int i = 0; i < 100; ++i) rays.add({0, 0, 5}, {0, i % 2, -1});
+    const Found found = closest(rays.rays());
+    for (size_t i = 0; i < rays.size(); ++i) {
+        EXPECT_EQ(found.hit[i], i % 2 == 0 ? 1 : 0);
+        EXPECT_EQ(found.origin[i] == D3(0), i % 2 == 1) << i;
+    }
+}
+
 TEST_F(LibraryLeaving, TwinsInOnePlaneAreNotHit) {
     const dvec3 x = glm::normalize(dvec3(3, 1, 2)), y = glm::normalize(glm::cross(dvec3(0, 1, 0.3), x));
     const dvec3 n = glm::cross(x, y);
