@@ -352,7 +352,7 @@ class PlyReader {
         giveRoles(element, kPosition);
         if (!element.has(kPosition)) failFile(file_, "the vertices lack one of the properties x, y, z");
         if (element.count >= Mesh::kNoIndex) failFile(file_, "more than 2^32 - 2 vertices");
-        setColorCodes(element);
+        if (element.has(kColor)) setColorCodes(element);
         const bool normals = element.has(kNormal), uvs = element.has(kUv), colors = element.has(kColor);
         forEach(element, [&](const double* v) {
             mesh_.positions.emplace_back(v[0], v[1], v[2]);
@@ -364,15 +364,15 @@ class PlyReader {
 
     // Integers are sRGB codes, floats are linear.
     void setColorCodes(const PlyElement& element) {
-        if (std::ranges::any_of(element.properties, [](const PlyProperty& property) {
-                return property.role == kColor && isInteger(property.type);
-            }))
-            builder_.colorCodes = MeshBuilder::ColorCodes::Integers;
+        const bool integers = std::ranges::any_of(element.properties, [](const PlyProperty& property) {
+            return property.role == kColor && isInteger(property.type);
+        });
+        builder_.colorCodes = integers ? MeshBuilder::ColorCodes::Integers : MeshBuilder::ColorCodes::Linear;
     }
 
     void readFaces(PlyElement& element) {
         giveRolesWithLists(element, kColor, "faces");
-        if (mesh_.colors.empty()) setColorCodes(element);
+        if (mesh_.colors.empty()) setColorCodes(element);  // vertices after the faces decide again
         const bool colors = element.has(kColor);
         forEach(element, [&](const double* v) {
             corners_.insert(corners_.end(), indices_.begin(), indices_.end());

@@ -44,6 +44,10 @@ ImportedMesh readGltf(const std::filesystem::path& path, SceneFiles& files) {
     ImportedMesh result;
     for (const Object& object : scene.objects) {
         const Mesh& mesh = *std::get<MeshShape>(object.shape).mesh;
+        files.take(mesh.positions.size() * sizeof(glm::dvec3) + mesh.corners.size() * sizeof(glm::uvec3),
+                   path.string());
+        if (result.mesh.positions.size() + mesh.positions.size() >= Mesh::kNoIndex)
+            failFile(path.string(), "more than 2^32 - 2 vertices");
         append(object.transform ? transformed(mesh, *object.transform) : mesh, result.mesh);
     }
     result.materials = std::move(scene.materials);

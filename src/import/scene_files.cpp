@@ -63,11 +63,15 @@ fs::path SceneFiles::findOrBeside(const fs::path& folder, const std::string& nam
     return resolve(folder, own);
 }
 
-std::string SceneFiles::read(const fs::path& path) {
+std::string SceneFiles::bytesOf(const fs::path& path) {
     const uint64_t size = source_->status(path).size;
     if (size > memoryLeft())
         fail(path.string() + ": has " + mebibytes(size) + ", more than there is memory for");
-    std::string bytes = source_->read(path, context());
+    return source_->read(path, context());
+}
+
+std::string SceneFiles::read(const fs::path& path) {
+    std::string bytes = bytesOf(path);
     read_ += bytes.size();
     note(path, contentHash(bytes));
     return bytes;
@@ -86,7 +90,7 @@ std::shared_ptr<const Image> SceneFiles::image(const fs::path& path) {
     if (known != images_.end()) return known->second;
     if (!exists(path)) fail(path.string() + ": no such file");
     try {
-        const auto image = decode(source_->read(path, context()), path.string());
+        const auto image = decode(bytesOf(path), path.string());
         images_.emplace(key, image);
         const auto samples = std::as_bytes(std::span(image->pixels));
         note(path, contentHash(std::span(reinterpret_cast<const uint8_t*>(samples.data()), samples.size())));

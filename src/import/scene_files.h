@@ -52,7 +52,9 @@ class SceneFiles {
     // Absolute, with links followed as far as there are files.
     std::filesystem::path real(const std::filesystem::path& path) const { return source_->real(path); }
 
-    // The bytes of a regular file, which count as taken while the scene is read.
+    // The bytes of a regular file. Throws Error(Scene) if there are more than memoryLeft().
+    std::string bytesOf(const std::filesystem::path& path);
+    // The same, which count as taken while the scene is read.
     std::string read(const std::filesystem::path& path);
 
     // The image in linear samples: PNG and JPEG are decoded from sRGB (their alpha is linear already), HDR,

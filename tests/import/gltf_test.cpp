@@ -292,6 +292,19 @@ TEST(Gltf, AMeshFileIsFlattenedIntoTheWorld) {
     EXPECT_TRUE(scene.lights.empty());
 }
 
+// One mesh that many nodes show is copied for each of them.
+TEST(Gltf, AMeshFileIsLimitedInMemory) {
+    const TemporaryFolder folder;
+    std::string nodes;
+    for (int i = 0; i < 1000; ++i) nodes += R"(}, {"mesh": 0, "scale": [-1, 1, 1])";
+    const auto path = folder.write("a.gltf", triangleGltf("", ", \"name\": \"a\"" + nodes));
+    LoadOptions options;
+    options.memory = 100'000;
+    SceneFiles files(path.parent_path(), options);
+    EXPECT_HAS(errorOf([&] { importMesh(path, files); }), "takes more memory than there is");
+    EXPECT_EQ(importMesh(path).mesh.corners.size(), 1001u);
+}
+
 // The scene has its own lights and camera: materials reflect its ambient light.
 TEST(Gltf, LightsAndCamerasOfAMeshFileAreIgnored) {
     const TemporaryFolder folder;

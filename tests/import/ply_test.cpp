@@ -79,6 +79,18 @@ TEST(Ply, AsciiWithNormalsQuadsAndExtras) {
     EXPECT_EQ(imported.warnings, Lines{"ignored: vertex s, vertex red, face flag, element edge"});
 }
 
+// Colours of vertices replace those of faces, also if faces come first.
+TEST(Ply, EachElementHasItsOwnTypeOfColours) {
+    const std::string faces = "element face 1\n" + kList +
+                              "property uchar red\nproperty uchar "
+                              "green\nproperty uchar blue\n";
+    const ImportedMesh imported = import(header("ascii", faces + "element vertex 3\n" + kXyz +
+                                                             "property float red\nproperty float green\n"
+                                                             "property float blue\n") +
+                                         "3 0 1 2 9 9 9\n0 0 0 0.25 0.5 2\n1 0 0 0 0 0\n0 1 0 0 0 0\n");
+    EXPECT_EQ(imported.mesh.colors.at(0), Color(0.25, 0.5, 2));
+}
+
 TEST(Ply, TextureCoordinatesAndColoursOfEveryType) {
     const auto colorOf = [](const std::string& type, const std::string& prefix, const std::string& rgb) {
         const std::string three = "property " + type + " " + prefix + "red\nproperty " + type + " " + prefix +

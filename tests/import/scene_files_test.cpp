@@ -149,6 +149,7 @@ TEST_F(SceneFolder, MemoryIsAskedFor) {
     SceneFiles little(file("own"), options);
     const std::string message = errorOf([&] { little.read(file("own/big.bin")); });
     EXPECT_HAS(message, "more than there is memory for");
+    EXPECT_EQ(errorOf([&] { little.image(file("own/big.bin")); }), message);
     SceneFiles files(file("own"), {});
     files.read(file("own/big.bin"));
     files.take(uint64_t{256} << 20, "a");
