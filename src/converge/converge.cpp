@@ -174,6 +174,11 @@ Result converge(const Draw& draw, const Job& job) {
 }
 
 Job jobFor(const PackedScene& packed, const Request& wanted, const Target& target) {
+    const uint32_t least = 2 * leastSamples(wanted.filter);
+    if (target.maxSamples < least)
+        throw Error(ErrorKind::Argument, "an error with this filter needs at least " + std::to_string(least) +
+                                             " samples per pixel, and at most " +
+                                             std::to_string(target.maxSamples) + " are allowed");
     Job job;
     job.target = target;
     Request& request = job.request = wanted;

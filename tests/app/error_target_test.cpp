@@ -148,6 +148,9 @@ TEST_F(ErrorTarget, ErrorsThatNoSampleMendsAreRefused) {
     EXPECT_HAS(ran.err, "would do; --within-depth");
     expectError(kRender + "--error 0.001 --max-depth 0", 2,
                 "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
+    // Two images of 4 samples, the fewest of this filter.
+    expectError(kRender + "--error 0.5 --max-spp 7 --filter mitchell", 2,
+                "an error with this filter needs at least 8 samples per pixel, and at most 7 are allowed");
 }
 
 }  // namespace glint::app::test::error_target_test
