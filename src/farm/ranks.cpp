@@ -225,7 +225,8 @@ Bytes OtherRank::nextPiece() {
     for (Pause pause; !interrupted(); pause.rest()) {
         const auto message = transport_.receive();
         if (!message) continue;
-        if (static_cast<Word>(message->bytes.at(0)) != Word::Piece) break;  // rank 0 has given up
+        ended_ = static_cast<Word>(message->bytes.at(0)) != Word::Piece;
+        if (ended_) break;
         sendToChildren(transport_, message->bytes);
         while (transport_.sending() && !interrupted()) pause.rest();
         return {message->bytes.begin() + 1, message->bytes.end()};
@@ -262,7 +263,7 @@ void OtherRank::fail(const Error& error) {
     ByteWriter out;
     out(error.kind(), nameOfRank(transport_.rank()) + ": " + error.what());
     transport_.send(0, message(Word::Failed, out.take()));
-    while (next()) {
+    while (!ended_ && next()) {
     }
 }
 

@@ -103,6 +103,7 @@ class OtherRank {
 
     Transport& transport_;
     std::shared_ptr<ReplayedFiles> files_;
+    bool ended_ = false;  // rank 0 has sent Word::End
 };
 
 }  // namespace glint::farm
