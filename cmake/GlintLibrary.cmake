@@ -9,7 +9,7 @@ if(GLINT_SANITIZE)
   return()
 endif()
 
-set(glint_library_parts converge verify import reference render gpu pack bvh trace scene core)
+set(glint_library_parts converge import reference render gpu pack bvh trace scene core)
 list(TRANSFORM glint_library_parts PREPEND glint_)
 set(glint_version_script ${CMAKE_SOURCE_DIR}/cmake/libglint.map)
 
