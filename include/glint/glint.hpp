@@ -25,7 +25,7 @@ inline namespace api {
 
 // Callbacks of a long call; both may be empty. They must not throw.
 struct Control {
-    std::function<bool()> cancelled = {};       // called now and then, from any thread; true ends the call
+    std::function<bool()> cancelled = {};       // called repeatedly, from any thread; true ends the call
     std::function<void(double)> progress = {};  // called with the finished part, 0..1
 };
 
@@ -167,9 +167,9 @@ struct Hits {
     Out<2> uv = {};         // two numbers
     Out<3> point = {};      // three numbers, world
     Out<3> normal = {};     // three numbers: geometric, outward, unit
-    Out<1> sure = {};       // uint8_t: 1 if the nearest hit is proven
-    Out<1> tLower = {};     // the exact t is not below it
-    Out<1> tUpper = {};     // nor above it
+    Out<1> sure = {};       // uint8_t: 1 if the closest hit is proven
+    Out<1> tLower = {};     // at most the exact t
+    Out<1> tUpper = {};     // at least the exact t
     Out<3> origin = {};     // three numbers, world: where rays that leave the hit start
 
     // Same data as the struct of the C API.
@@ -193,8 +193,8 @@ struct Hits {
 
 // See glint_camera.
 struct Camera {
-    std::array<double, 3> eye = {};        // where it stands
-    std::array<double, 3> target = {};     // what it looks at
+    std::array<double, 3> eye = {};        // the position
+    std::array<double, 3> target = {};     // a point in the middle of the image
     std::array<double, 3> up = {0, 1, 0};  // upward direction in the image
     double fovY = 40;                      // degrees, vertical
 };
@@ -323,7 +323,7 @@ class Scene {
         return texts;
     }
 
-    // The nearest hit of each ray.
+    // The closest hit of each ray.
     void closest(const Rays& rays, const Hits& hits, const Control& control = {}) const {
         const glint_rays asked = rays.raw();
         const glint_hits wanted = hits.raw();

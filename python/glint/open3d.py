@@ -92,7 +92,7 @@ class RaycastingScene:
         return self._scene
 
     def cast_rays(self, rays: Any, nthreads: int = 0) -> dict[str, Any]:  # pylint: disable=unused-argument
-        """A dictionary of the nearest hits: t_hit (inf without a hit), geometry_ids, primitive_ids, primitive_uvs, primitive_normals."""
+        """A dictionary of the closest hits: t_hit (inf without a hit), geometry_ids, primitive_ids, primitive_uvs, primitive_normals."""
         hits = self._ready().cast(_plain(rays), dtype=numpy.float32)
         return {name: _like(rays, array) for name, array in
                 (("t_hit", hits.t), ("geometry_ids", hits.geometry), ("primitive_ids", hits.primitive), ("primitive_uvs", hits.uv),

@@ -55,7 +55,7 @@ class RayMeshIntersector:
 
     def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True, *,
                             max_hits: int | None = None) -> tuple[NDArray[numpy.float64], Indices, Indices]:
-        """(locations (m, 3), index_ray (m,), index_tri (m,)): every crossing, or the nearest hit of each ray."""
+        """(locations (m, 3), index_ray (m,), index_tri (m,)): every crossing, or the closest hit of each ray."""
         if not multiple_hits:
             hits = self.scene.cast(ray_origins, ray_directions, want=("hit", "primitive", "point"))
             index_ray = numpy.flatnonzero(hits.hit)

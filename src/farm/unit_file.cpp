@@ -108,7 +108,7 @@ void checkImage(const Image& image, const Region& region, int channels) {
 // Also for the start of a signature.
 void checkSignature(std::span<const uint8_t> start) {
     if (!std::equal(start.begin(), start.end(), kSignature.begin()))
-        damaged("it is no file that glint render --part or --checkpoint wrote");
+        damaged("glint render --part or --checkpoint did not write it");
 }
 
 UnitHeader getHeader(ByteReader& in) {
@@ -120,13 +120,13 @@ UnitHeader getHeader(ByteReader& in) {
         if (static_cast<size_t>(aov) >= kEnumEntries<Aov>.size())
             damaged("it has a layer that this version does not know");
     if (header.parts < 1 || header.parts > kMostParts)
-        damaged("it says that the image has " + std::to_string(header.parts) + " parts");
+        damaged("its header names an image of " + std::to_string(header.parts) + " parts");
     return header;
 }
 
 UnitResult getUnit(ByteReader& in, const UnitHeader& header) {
     auto result = getRecord<UnitResult>(in);
-    if (result.part < 1 || result.part > header.parts) damaged("a unit is no part of the image");
+    if (result.part < 1 || result.part > header.parts) damaged("a unit lies outside the image");
     const LayerShapes shapes = layerShapes(header.aovs);
     for (const Block& block : result.blocks) {
         checkRegion(block.region, header.region);

@@ -114,7 +114,8 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
         if (contains(present, name)) extensions.push_back(name);
     for (const std::string& name : wantedExtensions) {
         if (!contains(present, name.c_str()))
-            throw Error(ErrorKind::Device, "no Vulkan driver here knows " + name + ", which a window needs");
+            throw Error(ErrorKind::Device,
+                        "no Vulkan driver here supports " + name + ", which a window needs");
         if (name != VK_KHR_SURFACE_EXTENSION_NAME) extensions.push_back(name.c_str());
     }
 

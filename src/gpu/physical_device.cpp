@@ -139,7 +139,7 @@ std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyPropertie
 
 std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits) {
     const auto number = [](uint64_t value) { return std::to_string(value); };
-    if (apiVersion < VK_API_VERSION_1_1) return "knows Vulkan 1.0 only, glint needs 1.1";
+    if (apiVersion < VK_API_VERSION_1_1) return "supports Vulkan 1.0 only, glint needs 1.1";
     if (!hasComputeQueue) return "has no compute queue";
     const uint32_t invocations = std::min(limits.maxWorkgroupInvocations, limits.maxWorkgroupSizeX);
     if (invocations < kWorkgroupInvocations) {

@@ -151,8 +151,7 @@ class Materials final : public GltfMaterials {
 
     // The reflectance is given; the rest is scattered: c_diff = diffuse (1 - max(specular)) (the extension).
     void readSpecularGlossiness(const JsonCursor& pbr, Surface& surface) {
-        file_.warn(
-            "KHR_materials_pbrSpecularGlossiness is drawn as metallic-roughness is, which took its place");
+        file_.warn("KHR_materials_pbrSpecularGlossiness is approximated by metallic-roughness");
         surface.metallic = 0;
         readBaseColor(pbr, "diffuseFactor", "diffuseTexture", surface);
         Color specular = pbr.vector3("specularFactor", Color(1));
@@ -324,7 +323,7 @@ class Materials final : public GltfMaterials {
             if (!isKnownImage(bytes)) image.fail("neither PNG, JPEG nor WebP");
             decoded = file_.files().decode(bytes, file_.name() + ": " + image.pointer());
         } catch (const Error& error) {
-            file_.warnOf(error, "drawn without this picture");
+            file_.warnOf(error, "rendered without this image");
         }
         return decoded;
     }

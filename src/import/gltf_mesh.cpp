@@ -45,7 +45,7 @@ class MeshReader {
         const auto modeCursor = primitive.find("mode");
         const int mode = modeCursor ? modeCursor->integer(kPoints, kTriangleFan) : kTriangles;
         if (mode < kTriangles) {
-            file_.warn("points and lines are not drawn");
+            file_.warn("points and lines are ignored");
             return;
         }
         if (primitive.find("targets")) file_.warn("morph targets are ignored");

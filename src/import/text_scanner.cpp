@@ -1,5 +1,7 @@
 #include "import/text_scanner.h"
 
+#include <locale.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
@@ -98,8 +100,10 @@ Number TextScanner::take(const char* owner, const char* kind) {
     const bool isBeyond = error == std::errc::result_out_of_range;
     if (!atWordEnd(stop) || (error != std::errc() && !(std::is_floating_point_v<Number> && isBeyond)))
         failWord(start, owner, kind);
-    // from_chars reports overflow and underflow alike; strtod gives infinity or the nearest number.
-    if (isBeyond) value = static_cast<Number>(std::strtod(std::string(digits, stop).c_str(), nullptr));
+    // from_chars reports overflow and underflow alike; strtod gives infinity or the nearest number. The
+    // program that has loaded libglint may have a locale with a decimal comma.
+    static const locale_t kPlain = newlocale(LC_ALL_MASK, "C", nullptr);
+    if (isBeyond) value = static_cast<Number>(strtod_l(std::string(digits, stop).c_str(), nullptr, kPlain));
     at_ = stop;
     return value;
 }

@@ -23,7 +23,7 @@ std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, con
 // Uses a tracer that was made for the batch's methods.
 std::vector<WorldHit> trace(const Tracer& tracer, const RayBatch& batch, const Context& context = {});
 
-// The nearest hit of one local ray, or whether there is one.
+// The closest hit of one local ray, or whether there is one.
 WorldHit trace(const Tracer& tracer, const Ray& ray, HitDetail detail = HitDetail::Surface);
 
 // A hit of a local ray, with the surface's point, normal and names. `t` stays in units of the ray's

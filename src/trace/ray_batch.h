@@ -26,7 +26,7 @@ struct WorldRay {
 // Extent of the answer about a hit. The rest is neither computed nor read back.
 enum class HitDetail {
     Any,      // whether anything is hit: WorldHit::hit alone
-    Nearest,  // the nearest hit: t and `packed`
+    Nearest,  // the closest hit: t and `packed`
     Surface   // everything
 };
 

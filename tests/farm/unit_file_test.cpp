@@ -80,7 +80,7 @@ TEST_F(UnitFiles, NoDamageGoesUnnoticed) {
     EXPECT_EQ(errorOfPart(longer), "a.part: damaged: something follows its end");
     const std::string picture = "P6 640 480 255 and so on, a picture";
     EXPECT_EQ(errorOfPart({picture.begin(), picture.end()}),
-              "a.part: damaged: it is no file that glint render --part or --checkpoint wrote");
+              "a.part: damaged: glint render --part or --checkpoint did not write it");
 }
 
 // Numbers that are right in form, and would make merge count to two thousand millions.
@@ -89,7 +89,7 @@ TEST_F(UnitFiles, NobodyHasSoManyParts) {
         UnitHeader header = kHeader;
         header.parts = parts;
         EXPECT_EQ(errorOfPart(encodePart(header, result())),
-                  "a.part: damaged: it says that the image has " + std::to_string(parts) + " parts");
+                  "a.part: damaged: its header names an image of " + std::to_string(parts) + " parts");
     }
 }
 
@@ -178,7 +178,7 @@ TEST_F(Checkpoints, OfAnotherPictureAreRefused) {
         "or give another name");
     glint::test::writeText("a.check", "something else");
     EXPECT_EQ(errorOfOpening(header_),
-              "a.check: damaged: it is no file that glint render --part or --checkpoint wrote");
+              "a.check: damaged: glint render --part or --checkpoint did not write it");
 }
 
 TEST_F(Checkpoints, HaveOneWriter) {

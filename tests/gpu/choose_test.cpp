@@ -30,7 +30,7 @@ const std::vector<DeviceInfo> kDesktop = {
     made(1, "Intel(R) UHD Graphics 630", "integrated GPU"),
     made(2, "NVIDIA GeForce RTX 3060", "discrete GPU"),
     made(3, "NVIDIA GeForce GT 1030", "discrete GPU"),
-    made(4, "Old Card", "discrete GPU", "knows Vulkan 1.0 only, glint needs 1.1"),
+    made(4, "Old Card", "discrete GPU", "supports Vulkan 1.0 only, glint needs 1.1"),
     made(5, "SwiftShader, no card", "CPU"),
 };
 
@@ -71,16 +71,18 @@ TEST(ChooseDevice, AWrongSelectionSaysWhatThereIsOrWhy) {
         std::vector<DeviceInfo> devices;
         std::string selector, message;
     } cases[] = {
-        {{made(0, "A", "CPU", "has no compute queue"), made(1, "B", "discrete GPU", "knows Vulkan 1.0 only")},
+        {{made(0, "A", "CPU", "has no compute queue"),
+          made(1, "B", "discrete GPU", "supports Vulkan 1.0 only")},
          "",
-         "no usable Vulkan device: 0 \"A\" has no compute queue; 1 \"B\" knows Vulkan 1.0 only"},
+         "no usable Vulkan device: 0 \"A\" has no compute queue; 1 \"B\" supports Vulkan 1.0 only"},
         {{a, b}, "radeon", "no Vulkan device has \"radeon\" in its name; devices: 0 \"A\", 1 \"B\""},
         {{a}, "1", "no Vulkan device has index 1; devices: 0 \"A\""},
         {{a}, "00", "no Vulkan device has index 00; devices: 0 \"A\""},
         // More digits than any integer holds, and whose low 64 bits are 0.
         {{a}, "18446744073709551616", "no Vulkan device has index 18446744073709551616; devices: 0 \"A\""},
-        {kDesktop, "4", "device 4 cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1"},
-        {kDesktop, "old", "device old cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1"},
+        {kDesktop, "4", "device 4 cannot be used: 4 \"Old Card\" supports Vulkan 1.0 only, glint needs 1.1"},
+        {kDesktop, "old",
+         "device old cannot be used: 4 \"Old Card\" supports Vulkan 1.0 only, glint needs 1.1"},
     };
     for (const auto& [devices, selector, message] : cases) EXPECT_EQ(errorOf(devices, selector), message);
 }
@@ -100,7 +102,7 @@ DeviceLimits sufficientLimits() {
 
 TEST(Refusal, NamesWhatIsMissing) {
     EXPECT_EQ(refusal(VK_MAKE_API_VERSION(0, 1, 0, 255), true, sufficientLimits()),
-              "knows Vulkan 1.0 only, glint needs 1.1");
+              "supports Vulkan 1.0 only, glint needs 1.1");
     EXPECT_EQ(refusal(VK_API_VERSION_1_3, false, sufficientLimits()), "has no compute queue");
     const auto refusalWith = [](uint32_t DeviceLimits::*limit, uint32_t value) {
         DeviceLimits limits = sufficientLimits();

@@ -81,9 +81,8 @@ TEST(GltfMaterial, SpecularGlossinessAsMetallicRoughness) {
                           R"(}], "extensionsUsed": ["KHR_materials_pbrSpecularGlossiness"],
         "extensionsRequired": ["KHR_materials_pbrSpecularGlossiness"])"));
     EXPECT_EQ(both.materials.at(0).diffuse, m.diffuse);
-    EXPECT_EQ(
-        both.warnings,
-        Lines{"KHR_materials_pbrSpecularGlossiness is drawn as metallic-roughness is, which took its place"});
+    EXPECT_EQ(both.warnings,
+              Lines{"KHR_materials_pbrSpecularGlossiness is approximated by metallic-roughness"});
 }
 
 // A texture's colours are sRGB, its alpha is a number: 188 is half of the light (IEC 61966-2-1), 51 a fifth.
@@ -270,7 +269,7 @@ TEST(GltfMaterial, WhatIsIgnoredIsNamed) {
                      "baked shadows (occlusionTexture) are ignored: rays find shadows themselves"}));
     EXPECT_TRUE(scene.textures.empty());
     EXPECT_EQ(textured(pbr(R"("baseColorTexture": {"index": 0})"), "KTX").warnings,
-              Lines{"/images/0: neither PNG, JPEG nor WebP; drawn without this picture"});
+              Lines{"/images/0: neither PNG, JPEG nor WebP; rendered without this image"});
 }
 
 // The shape is worth more than its picture.
@@ -288,7 +287,7 @@ TEST(GltfMaterial, PicturesThatCannotBeReadAreWarnedOf) {
         EXPECT_EQ(scene.materials.at(0).diffuseTexture, Material::kNoTexture);
         ASSERT_EQ(scene.warnings.size(), 1u) << uri;
         EXPECT_STARTS(scene.warnings[0], path.string() + ": /images/0");
-        EXPECT_ENDS(scene.warnings[0], "; drawn without this picture");
+        EXPECT_ENDS(scene.warnings[0], "; rendered without this image");
     }
     folder.write("a.png", png(1, 1, 3, {255, 255, 255}));
     const Scene beside = loadScene(folder.write(

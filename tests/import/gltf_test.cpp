@@ -269,7 +269,7 @@ TEST(Gltf, WhatIsIgnoredIsNamedOnce) {
     EXPECT_EQ(scene.warnings, (Lines{"the extension KHR_materials_sheen is ignored",
                                      "/animations/0: missing key \"samplers\"; nothing is animated",
                                      "skins are ignored: meshes stand as they were modelled",
-                                     "morph targets are ignored", "points and lines are not drawn"}));
+                                     "morph targets are ignored", "points and lines are ignored"}));
 }
 
 TEST(Gltf, AMeshFileIsFlattenedIntoTheWorld) {
