@@ -21,7 +21,7 @@ uvec4 loadTogether(uint array, uint index) {
     return row;
 }
 
-// The host binds at most 2^27 texels (DeviceLimits). The mask saves llvmpipe 8 of 44 instructions (sign extensions).
+// The host binds at most 2^27 texels. The mask saves llvmpipe 8 of 44 instructions (sign extensions).
 #define GLINT_READ_ARRAY(BINDING, name)                                                               \
     layout(set = 0, binding = BINDING, rgba32ui) readonly restrict uniform uimageBuffer name##Texels; \
     uvec4 name##Row(uint index) {                                                                     \
