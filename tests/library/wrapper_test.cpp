@@ -78,7 +78,7 @@ TEST(LibraryWrapper, SettingsLiveAsLongAsScenes) {
     EXPECT_EQ(lines.use_count(), 1);
 }
 
-// What the assigned scene had is released with its own settings.
+// Assignment releases the memory of the old scene by its own callback.
 TEST(LibraryWrapper, AnAssignedSceneReleasesMemoryByItsOwnSettings) {
     const auto bytes = std::make_shared<std::array<int64_t, 2>>();
     const auto make = [&](size_t index) {
