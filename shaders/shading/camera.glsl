@@ -54,6 +54,7 @@ Ray cameraRay(uvec2 pixel, out vec3 weight) {
         precise vec3 aside = lens.x * camera.lensX + lens.y * camera.lensY;
         origin += aside;
         direction -= camera.inverseFocus * aside;
+        direction *= unitOf(direction);
     }
     return Ray(origin, quotient(direction, length(direction)), camera.nearT, camera.farT, kNone, kNone);
 }

@@ -28,7 +28,9 @@ void store(Lit lit, Traversal traversal, Rest rest) {
     }
     if (unfinished) {
         storeRow(kRowLight, lit.path, uvec4(rest.light, 0u, 0u, 0u));
-        if (kFiltered) storeRow(treeRow(kTreeRowShadow), lit.path, packRow(traversal.passage.depth, 0u));
+        uint terms = floatBitsToUint(traversal.passage.terms);
+        if (kFiltered) storeRow(treeRow(kTreeRowShadow), lit.path, packRow(traversal.passage.depth, terms));
+        if (kFiltered) storeRow(treeRow(kTreeRowAround), lit.path, packRow(traversal.passage.around, 0u));
         storeInstanceRow(lit.path,
                          uvec4(loadInstanceRow(lit.path).xy, traversal.instance, traversal.worldSlot));
         atomicAdd(counters[kCounterUnfinished], 1u);

@@ -109,11 +109,13 @@ Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
                         sourceOf(lit.at, false), lit.at.hit.instance);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     if (kFiltered) {
-        float reach = light.tMax < kInfinity ? 1.0 : 0.0;
-        float scale = reach > 0.0 ? length(light.toLight) : 1.0;
-        traversal.passage = Passage(lit.around * (reach * scale), reach, scale);
-        if (MODE_RESUME && !begins)
-            traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), lit.path).xyz);
+        float reach = light.tMax < kInfinity ? length(light.toLight) : 0.0;
+        traversal.passage = Passage(vec3(0.0), lit.around, greatestComponent(lit.around), reach);
+        if (MODE_RESUME && !begins) {
+            uvec4 row = loadRow(treeRow(kTreeRowShadow), lit.path);
+            vec3 around = uintBitsToFloat(loadRow(treeRow(kTreeRowAround), lit.path).xyz);
+            traversal.passage = Passage(uintBitsToFloat(row.xyz), around, uintBitsToFloat(row.w), reach);
+        }
     }
     if (MODE_TALLY && !MODE_SHADOWLESS && sight.facing && begins) atomicAdd(counters[kCounterShadow], 1u);
     return sight;

@@ -43,13 +43,10 @@ Material materialAt(Surface surface) {
 // Background radiance against `direction`.
 vec3 surroundings(Environment environment, vec3 direction) {
     vec3 radiance = environment.background;
-    if (FEATURE_ENVIRONMENT_MAP) {
-        uint number = environment.map;
-        if (number != 0u) {
-            Texture map = loadTexture(number - 1u);
-            precise vec2 uv = latitudeLongitude(vec3(direction.xy, -direction.z)) + map.place.xy;
-            radiance *= imageAt(map, uv).xyz;
-        }
+    if (FEATURE_ENVIRONMENT_MAP && environment.map != 0u) {
+        Texture map = loadTexture(environment.map - 1u);
+        precise vec2 uv = latitudeLongitude(vec3(direction.xy, -direction.z)) + map.place.xy;
+        radiance *= imageAt(map, uv).xyz;
     }
     return radiance;
 }
@@ -160,12 +157,10 @@ Split splitAbout(vec3 m, vec3 d, float eta) {
     precise float across = quotient(eta * c - cAfter, eta * c + cAfter);
     precise vec3 reflected = d + (2.0 * c) * m;
     precise vec3 refracted = eta * d + (eta * c - cAfter) * m;
-    Split s;
-    s.total = sinSquareAfter >= 1.0;
-    s.reflectance = s.total ? 1.0 : 0.5 * (along * along + across * across);
-    s.reflected = quotient(reflected, length(reflected));
-    s.refracted = quotient(refracted, length(refracted));
-    return s;
+    bool total = sinSquareAfter >= 1.0;
+    float reflectance = total ? 1.0 : 0.5 * (along * along + across * across);
+    return Split(quotient(reflected, length(reflected)), quotient(refracted, length(refracted)), reflectance,
+                 total);
 }
 
 // Normals turned against d. About the geometric normal if the shading normal sent a branch to the wrong side.
@@ -194,12 +189,13 @@ vec3 mirrored(Surface surface, vec3 direction) {
 
 // Light that a shadow ray keeps on its straight way through dielectrics. The optical depth is a sum over the
 // surfaces that the ray crosses, in any order, so the traversal may be resumed anywhere. The way inside a
-// medium is the sum of t over the surfaces where the ray leaves it less that over those where it enters. A
-// light inside is a last surface where it leaves, so every t counts from the light.
+// medium is the sum of t over the surfaces where the ray leaves it less that over those where it enters, and
+// all the way to a light inside. 1 - t would lose ways that are short beside that.
 struct Passage {
-    vec3 depth;   // optical depth so far; at first, of the media that the ray starts in, all the way
-    float reach;  // t of the light, 0 for one infinitely far away
-    float scale;  // length of a unit of t
+    vec3 depth;   // optical depth so far, without the media around the light
+    vec3 around;  // attenuation by the media that the ray is in at the light, as far as they are known
+    float terms;  // sum of the magnitudes in `around`
+    float reach;  // length of the way to the light, 0 if it is infinitely far away
 };
 
 // Attenuation by the media that a ray starts in, per unit of its length.
@@ -216,16 +212,22 @@ bool passes(inout Passage passage, Surface surface, bool leaving, bool counts, f
     vec3 depth = optics.density;
     if (FEATURE_TEXTURED_GLASS && optics.transmissionTexture != 0u)
         depth -= logarithm(textureAt(optics.transmissionTexture, surface));
-    if (FEATURE_ATTENUATION) {
-        float way = (passage.reach - t) * passage.scale;
-        depth += optics.attenuation * (leaving ? -way : way);
+    bool crossed = medium != 0u && counts;
+    if (FEATURE_ATTENUATION && crossed) {
+        vec3 entered = leaving ? -optics.attenuation : optics.attenuation;
+        depth -= entered * (passage.reach > 0.0 ? t * passage.reach : t);
+        passage.around += entered;
+        passage.terms += greatestComponent(optics.attenuation);
     }
-    if (medium != 0u && counts) passage.depth += depth;
+    if (crossed) passage.depth += depth;
     return medium != 0u;
 }
 
 vec3 lightThrough(Passage passage) {
-    return mix(exponential(-max(passage.depth, vec3(0.0))), vec3(1.0), equal(passage.depth, vec3(0.0)));
+    // Up to 16 sums that cancel leave less than 2^-20 of their terms.
+    bvec3 real = greaterThan(abs(passage.around), vec3(9.5367431640625e-7 * passage.terms));
+    vec3 depth = passage.depth + passage.reach * mix(vec3(0.0), passage.around, real);
+    return mix(exponential(-max(depth, vec3(0.0))), vec3(1.0), equal(depth, vec3(0.0)));
 }
 
 #endif

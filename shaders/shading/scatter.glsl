@@ -133,12 +133,9 @@ struct Ledger {
 Ledger emptyLedger() { return Ledger(vec4(0.0), uvec4(0u), true); }
 
 Ledger loadLedger(uint path) {
-    Ledger ledger = Ledger(vec4(0.0), uvec4(0u), false);
-    if (MODE_LEDGER) {
-        ledger.sums = uintBitsToFloat(loadRow(treeRow(kTreeRowLost), path));
-        ledger.counts = loadRow(treeRow(kTreeRowLostCounts), path);
-    }
-    return ledger;
+    if (!MODE_LEDGER) return Ledger(vec4(0.0), uvec4(0u), false);
+    return Ledger(uintBitsToFloat(loadRow(treeRow(kTreeRowLost), path)),
+                  loadRow(treeRow(kTreeRowLostCounts), path), false);
 }
 
 void storeLedger(uint path, Ledger ledger) {
@@ -148,10 +145,7 @@ void storeLedger(uint path, Ledger ledger) {
     }
 }
 
-const uint kLostCut = 0u;
-const uint kLostDepth = 1u;
-const uint kLostRoom = 2u;
-const uint kLostMedia = 3u;
+const uint kLostCut = 0u, kLostDepth = 1u, kLostRoom = 2u, kLostMedia = 3u;
 
 void book(inout Ledger ledger, bool lost, uint reason, float bound) {
     bvec4 here = equal(uvec4(reason), uvec4(0u, 1u, 2u, 3u));

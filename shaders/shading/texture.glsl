@@ -33,6 +33,7 @@ float turnsOf(float y, float x) {
 // Latitude and longitude of a direction of any length, y up: u = 1/2 at +z, growing towards +x; v = 0
 // straight down, 1 straight up.
 vec2 latitudeLongitude(vec3 d) {
+    d *= unitOf(d);
     precise float ring = squareRoot(d.x * d.x + d.z * d.z);
     return vec2(0.5 + turnsOf(d.x, d.z), 0.5 + 2.0 * turnsOf(d.y, ring));
 }

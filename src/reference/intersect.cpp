@@ -114,7 +114,7 @@ Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
         smoothTriangle(scene_, hit, frame ? &*frame : nullptr, surface);
         triangleAttributes(scene_, hit, surface);
     } else {
-        fillObjectUv(scene_, hit, surface);
+        fillObjectUv(scene_, worldRay, hit, surface);
     }
     surface.uvScale = glm::max(surface.uvScale, glm::abs(surface.uv));
     return surface;

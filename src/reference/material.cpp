@@ -167,7 +167,7 @@ void triangleAttributes(const Model& scene, const Hit& hit, Surface& surface) {
     }
 }
 
-void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
+void fillObjectUv(const Model& scene, const Ray& ray, const Hit& hit, Surface& surface) {
     const shared::PrimitiveKind kind = kindOfPrimitive(hit.primitive);
     const bool isOwn = (shared::kOwnUvKinds >> static_cast<uint32_t>(kind) & 1u) != 0;
     if (isOwn || scene.objectFrames.empty()) return;
@@ -176,10 +176,12 @@ void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
         return glm::dot(row, surface.position) + offset;
     };
     const dvec3 own(along(f.toU, f.offsetU), along(f.toV, f.offsetV), along(f.toW, f.offsetW));
-    // Magnitudes of each sum, including the rounding error of the point.
+    // Magnitudes of each sum. The point errs by up to 8 units of the way to it and of its start, half of
+    // kUvRoundings: 4 of the direction, 1 each of the product and the sum.
+    const dvec3 point =
+        glm::abs(surface.position) + 0.5 * (glm::abs(ray.origin) + glm::abs(hit.t * ray.direction));
     const auto terms = [&](const dvec3& row, double offset) {
-        const dvec3 magnitude = glm::abs(row);
-        return 2 * glm::dot(magnitude, glm::abs(surface.position)) + std::abs(offset);
+        return glm::dot(glm::abs(row), glm::abs(surface.position) + point) + std::abs(offset);
     };
     const dvec3 sums(terms(f.toU, f.offsetU), terms(f.toV, f.offsetV), terms(f.toW, f.offsetW));
     // Error of an angle, in turns: at most half a turn in units of 2^-24, as the angle is arbitrary on the

@@ -10,7 +10,7 @@ namespace glint::reference {
 // Texture coordinates and vertex colour of the hit that the rest of `surface` describes: of a triangle, and
 // of all else by the object's frame, unless the primitive has brought its own.
 void triangleAttributes(const Model& scene, const Hit& hit, Surface& surface);
-void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface);
+void fillObjectUv(const Model& scene, const Ray& ray, const Hit& hit, Surface& surface);
 
 // Keeps the coordinates of round bodies within 0 and the last float before 1: rounding must not begin the
 // next repetition of an image at a cap, pole or seam. A longitude beyond the seam goes on at its other side.

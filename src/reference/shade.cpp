@@ -229,12 +229,12 @@ std::optional<RoundedColor> PathTracer::lightThrough(const Ray& ray, const Inter
     std::erase_if(hits, [&](const Hit& hit) { return !tracer_.crosses(ray, hit); });
     dvec3 sigma(0), left(1);
     for (uint32_t medium : at.crossing.before) sigma += attenuationOf(scene_, medium);
-    // A medium that is entered at t is left at the light, and counts for 1 - t of the way. A
-    // directional light is outside of all media: a medium that is left at t has counted from the start.
-    dvec3 fade = directional ? dvec3(0) : sigma;
+    // The media absorb along the way to the surface where each is left, less that to where it is entered. A
+    // directional light is outside of all media; others may lie in some, whose sum is sigma at last.
+    dvec3 fade(0);
     // Magnitudes of the optical depth, and of the points between its parts, each times its medium's
-    // attenuation.
-    double terms = 0, ends = at.scale * greatestMagnitude(sigma);
+    // attenuation, and of the sum of attenuations.
+    double terms = 0, ends = at.scale * greatestMagnitude(sigma), media = greatestMagnitude(sigma);
     const double length = glm::length(ray.direction);
     bool leaves = false;
     for (size_t i = 0; i < hits.size(); ++i) {
@@ -247,9 +247,15 @@ std::optional<RoundedColor> PathTracer::lightThrough(const Ray& ray, const Inter
         const bool again = i > 0 && hit == hits[i - 1];
         leaves = again ? !leaves : glm::dot(surface.geometricNormal, ray.direction) > 0;
         const dvec3 change = (leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium);
-        fade += (directional ? -hit.t : 1 - hit.t) * change;
-        terms += 1 + greatestMagnitude(change) * length * std::max(hit.t, std::abs(1 - hit.t));
+        fade -= hit.t * change;
+        sigma += change;
+        media += greatestMagnitude(change);
+        terms += 1 + greatestMagnitude(change) * length * hit.t;
         ends += surface.scale * greatestMagnitude(change);
+    }
+    if (!directional && greatestMagnitude(sigma) > 0x1p-40 * media) {
+        fade += sigma;
+        terms += 2 * length * media;  // 16 roundings of the sum
     }
     terms += length * greatestMagnitude(fade);
     return roundedColor(glm::min(left * glm::exp(-length * fade), dvec3(1)),

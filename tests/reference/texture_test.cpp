@@ -114,7 +114,8 @@ TEST(Texture, EnvironmentDirections) {
     EXPECT_NEAR(seen({-1, 0, 0}), 1.5 + 2, 1e-12);
 }
 
-// Magnitudes that the coordinates sum; on the axis, where the angle is any, half a turn in units of 2^-24.
+// Magnitudes that the coordinates sum, with half the way of 5 from the height of 5; on the axis, where the
+// angle is any, half a turn in units of 2^-24.
 TEST(Texture, CoordinatesAreAsUncertainAsTheirSums) {
     SceneMaker maker;
     maker.plane({0, 0, 0}, {0, 1, 0});
@@ -133,9 +134,9 @@ TEST(Texture, CoordinatesAreAsUncertainAsTheirSums) {
         const Ray ray = makeRay(place + dvec3(0, 5, 0), {0, -1, 0});
         return tracer.surfaceAt(ray, tracer.closest(ray).value()).uvScale;
     };
-    EXPECT_EQ(scaleAt(shared::kUvFlat, {10, 0, 7}), dvec2(150, 0.5));
-    EXPECT_EQ(scaleAt(shared::kUvAxial, {10, 0, 7}), dvec2(0x1p23, 0.5));
-    EXPECT_NEAR(scaleAt(shared::kUvAxial, {11, 0, 7}).x, (160 + 105) / (2 * std::numbers::pi * 5), 1e-9);
+    EXPECT_EQ(scaleAt(shared::kUvFlat, {10, 0, 7}), dvec2(175, 20.5));
+    EXPECT_EQ(scaleAt(shared::kUvAxial, {10, 0, 7}), dvec2(0x1p23, 20.5));
+    EXPECT_NEAR(scaleAt(shared::kUvAxial, {11, 0, 7}).x, (187.5 + 122.5) / (2 * std::numbers::pi * 5), 1e-9);
     EXPECT_TRUE(std::isfinite(scaleAt(shared::kUvRound, {10, 0, 7}).y));
 }
 

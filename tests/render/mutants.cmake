@@ -54,5 +54,5 @@ mutant(naive traversal/stack.glsl "return current == kNone ? kNone : 0u;" "retur
 mutant(wrong_fresnel shading/material.glsl "0.5 * (along * along + across * across)" "across * across" shade)
 mutant(no_nesting shading/material.glsl "rank >= bestRank" "best == 0u" light shade)
 mutant(inner_first shading/scatter.glsl "both ? at.entering : reflects;" "both ? !at.entering : reflects;" shade)
-mutant(one_way_beer shading/material.glsl "leaving ? -way : way" "leaving ? 0.0 : way" light)
+mutant(one_way_beer shading/material.glsl "leaving ? -optics.attenuation" "leaving ? vec3(0.0)" light)
 mutant(mirrored_alpha shade.comp "at.isHit && dispatch.bounce == 0u" "at.isHit" shade)

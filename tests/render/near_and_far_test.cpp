@@ -141,6 +141,18 @@ TEST_F(NearSolidsTest, FarTexelsAreThoseOfTheDevicesOwnHit) {
     EXPECT_GT(report.explained(), 20u);
 }
 
+// From 1e5 away a unit of the direction moves hits by a hundredth of a cell.
+TEST_F(NearSolidsTest, CheckersFromFarAway) {
+    Scene scene = emptyScene();
+    scene.ambient = Color(1);
+    scene.textures.push_back({CheckerTexture{Color(0.9), Color(0.2)}, glm::dvec2(2)});
+    scene.materials[addMaterial(scene, Color(1), Color(1))].ambientTexture = 0;
+    addPlane(scene, {0, -1, 0}, {0, 1, 0}, static_cast<uint32_t>(scene.materials.size() - 1));
+    aim(scene.camera, {0, 16667, 1e5}, {0, 0, 0});
+    scene.camera.fovY = 2.4e-3;
+    EXPECT_TRUE(verified(makeCase(scene, 64, 48)).passed());
+}
+
 // Scenes that lie thousands of times their size from 0, with an object among them that hides it: fp32 counts
 // from where most objects are, so pictures are those of the same scene at 0.
 

@@ -167,18 +167,19 @@ void expectThroughGlass(const Picture& picture, int surfaces, double way) {
             << i;
 }
 
-// Below a slab 0.75 thick and a ball 1 thick the light has crossed four surfaces and 1.75 of glass; from a
-// lamp 0.25 above the slab's underside one surface and 0.25.
+// Below a slab 0.75 thick and a ball 1 thick the light has crossed four surfaces and 1.75 of glass, however
+// long its way; from a lamp 0.25 above the slab's underside one surface and 0.25.
 TEST_F(OpticsTest, ShadowsAreColoured) {
-    PointLight lamp, inside;
+    PointLight lamp, far, inside;
     lamp.position = {0, 10, 0};
+    far.position = {0, 1e6, 0};
     inside.position = {0, 1.25, 0};
     const DirectionalLight sun;
     const struct {
         Light light;
         int surfaces;
         double way;
-    } cases[] = {{lamp, 4, 1.75}, {sun, 4, 1.75}, {inside, 1, 0.25}};
+    } cases[] = {{lamp, 4, 1.75}, {far, 4, 1.75}, {sun, 4, 1.75}, {inside, 1, 0.25}};
     for (const auto& [light, surfaces, way] : cases) {
         const Case c = makeCase(shadowScene(light), 1, 1);
         EXPECT_TRUE(c.packed.features.coloredShadows);

@@ -238,8 +238,10 @@ std::vector<KnownUv> knownUvs() {
     // Radius 1 about (1, 1, 1) in a box about it twice as large.
     const Shape ball = QuadricShape{{1, 1, 1, 0, 0, 0, -2, -2, -2, 2}, {-1, -1, -1}, {3, 3, 3}};
     const double half = std::sqrt(0.5);  // of 1, at 45 degrees
-    const Affine moved{glm::dmat3(3.0, 0, 0, 0, 2, 0, 0, 0, 1), {0, 0, -20}};
+    const Affine moved{glm::dmat3(3.0, 0, 0, 0, 2, 0, 0, 0, 1), {0, 0, -20}},
+        enlarged{glm::dmat3(1e25), {0, 0, 0}};
     return {
+        {SphereShape{{0, 0, 0}, 1e-13}, {3e12, 0, 0}, {-1, 0, 0}, {0.75, 0.5}, enlarged},
         {cylinder, {0, 0, 9}, {0, 0, -1}, {0.5, 0.25}},
         {cylinder, {9, 1, 0}, {-1, 0, 0}, {0.75, 0.5}},
         {cylinder, {-9, 2, 0}, {1, 0, 0}, {0.25, 0.75}},
