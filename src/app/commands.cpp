@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "core/error.h"
 #include "core/file_io.h"
 #include "core/image_io.h"
 #include "core/text_file.h"

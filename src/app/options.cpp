@@ -16,7 +16,6 @@
 #include "core/text_file.h"
 #include "report/plan.h"
 #include "scene/limits.h"
-#include "scene/sampling.h"
 
 namespace glint::app {
 

@@ -104,6 +104,7 @@ farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loade
     add("scene", command.scene.scene.filename().string());
     for (const SourceFile& file : scene.sources) add("file " + file.name, hashText(file.hash));
     if (const std::string& camera = command.scene.loading.camera; !camera.empty()) add("camera", camera);
+    if (command.scene.loading.up) add("up", std::string(nameOf(*command.scene.loading.up)));
     if (command.scene.time) add("time", describe(*command.scene.time));
     add("size", std::to_string(request.width) + "x" + std::to_string(request.height));
     add("crop", regionText(regionOf(request)));
@@ -323,6 +324,10 @@ ExitCode renderFromCheckpoint(const RenderCommand& command, std::ostream& out, s
     checkOutputPath(command.checkpoint);
     UnitRenderer units(command, 0, err);
     const farm::UnitHeader& header = units.header();
+    for (const std::filesystem::path& file : layerPaths(units.output(), namesOf(command.aovs)))
+        refuseIf(
+            std::filesystem::weakly_canonical(file) == std::filesystem::weakly_canonical(command.checkpoint),
+            file.string() + ": is the checkpoint, too; name another file with --output");
     UnitPicture picture(header, units.output(), kHeldUnits * units.mostBytes(), false, command.exposure);
     std::vector<bool> there(static_cast<size_t>(header.parts) + 1);
     const auto add = [&](const farm::UnitResult& result) {
@@ -369,10 +374,10 @@ bool isInUnits(const RenderCommand& command) {
 ExitCode renderInUnits(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     if (command.part) return renderPart(command, out, err);
     if (!command.checkpoint.empty()) return renderFromCheckpoint(command, out, err);
-    const auto transport = farm::openMpi();
-    const ExitCode code = transport->rank() == 0 ? renderAsFirst(command, *transport, out, err)
-                                                 : renderAsOther(command, *transport);
-    if (code == ExitCode::Done) transport->finish();
+    farm::Transport& transport = farm::openMpi();
+    const ExitCode code = transport.rank() == 0 ? renderAsFirst(command, transport, out, err)
+                                                : renderAsOther(command, transport);
+    if (code == ExitCode::Done) farm::finishMpi();
     return code;
 }
 

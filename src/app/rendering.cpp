@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <iostream>
 #include <iterator>
-#include <memory>
 
 #include "app/commands.h"
 #include "core/available_memory.h"
 #include "core/enum_names.h"
-#include "core/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"

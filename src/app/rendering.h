@@ -11,7 +11,6 @@
 #include "app/options.h"
 #include "converge/converge.h"
 #include "core/error.h"
-#include "core/progress.h"
 #include "gpu/device.h"
 #include "import/load.h"
 #include "pack/build_tree.h"

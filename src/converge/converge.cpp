@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "converge/replicates.h"
 #include "core/error.h"
 #include "core/format.h"
 #include "core/stopwatch.h"

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstring>
-#include <optional>
 
 #include "core/codecs.h"
 

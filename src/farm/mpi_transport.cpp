@@ -4,12 +4,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "core/error.h"
 #include "farm/transport.h"
-#include "mpi/module.h"
 
 namespace glint::farm {
 
@@ -40,22 +40,19 @@ fs::path moduleFile() {
     return {};
 }
 
-const mpi::Module& loadModule() {
+std::unique_ptr<Transport> loadModule() {
     const fs::path file = moduleFile();
     if (file.empty())
         failed(
             "started by mpirun, but this glint has no glint-mpi.so (Debian package glint-mpi; built where "
-            "MPI is "
-            "found); --part needs no MPI");
+            "MPI is found); --part needs no MPI");
     // Global: Open MPI's own plugins look for its symbols there.
     void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
     if (!library) failed(::dlerror());
-    using Entry = const mpi::Module* (*)();
-    const auto entry = reinterpret_cast<Entry>(::dlsym(library, mpi::kEntry));
-    const mpi::Module* const module = entry ? entry() : nullptr;
-    if (!module || module->interface != mpi::kInterface)
-        failed(file.string() + " belongs to another version of glint");
-    return *module;
+    // The number is the version of Transport.
+    const auto entry = reinterpret_cast<Transport* (*)()>(::dlsym(library, "glint_mpi_transport_3"));
+    if (!entry) failed(file.string() + " belongs to another version of glint");
+    return std::unique_ptr<Transport>(entry());
 }
 
 // Skips Open MPI's search for networks if all ranks are on one machine: it is ready after 0.06 s instead of
@@ -67,38 +64,7 @@ void skipNetworks() {
     ::setenv("OMPI_MCA_btl", "^tcp", 0);
 }
 
-const mpi::Module* running = nullptr;  // between begin() and end()
-
-class MpiTransport : public Transport {
-  public:
-    MpiTransport() : module_(loadModule()) {
-        skipNetworks();
-        if (const char* const fault = module_.begin(&rank_, &size_)) failed(fault);
-        running = &module_;
-    }
-    int rank() const override { return rank_; }
-    int size() const override { return size_; }
-    void send(int to, const Bytes& bytes) override {
-        if (const char* const fault = module_.send(to, bytes.data(), bytes.size())) failed(fault);
-    }
-    std::optional<Message> receive() override {
-        Message message;
-        const int64_t size = module_.next(&message.from);
-        if (size < 0) return std::nullopt;
-        message.bytes.resize(static_cast<size_t>(size));
-        module_.take(message.bytes.data());
-        return message;
-    }
-    bool sending() override { return module_.sending() != 0; }
-    void finish() override {
-        module_.end();
-        running = nullptr;
-    }
-
-  private:
-    const mpi::Module& module_;
-    int rank_ = 0, size_ = 1;
-};
+std::unique_ptr<Transport> running;  // from openMpi() on
 
 }  // namespace
 
@@ -119,8 +85,14 @@ bool hasMpiModule() {
     return !moduleFile().empty();
 }
 
-std::unique_ptr<Transport> openMpi() {
-    return std::make_unique<MpiTransport>();
+Transport& openMpi() {
+    skipNetworks();
+    running = loadModule();
+    return *running;
+}
+
+void finishMpi() {
+    std::exchange(running, nullptr)->finish();
 }
 
 void abortMpi(int exitCode) {

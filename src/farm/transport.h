@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -27,6 +26,8 @@ class Transport {
     virtual bool sending() = 0;
     // The last call; waits until all ranks make it.
     virtual void finish() = 0;
+    // Ends all ranks.
+    virtual void abort(int exitCode) = 0;
 };
 
 // ---- transport by MPI ----
@@ -39,7 +40,10 @@ std::optional<int> launchedRank();
 bool hasMpiModule();
 
 // Joins the other processes. Throws Error(Failed) without the module, or with MPI's own error.
-std::unique_ptr<Transport> openMpi();
+Transport& openMpi();
+
+// finish() of that transport, which is gone then.
+void finishMpi();
 
 // Ends all processes with this exit code if openMpi() has joined them and they have not finished; otherwise
 // does nothing.

@@ -1,7 +1,5 @@
 #include "gpu/device_state.h"
 
-#include <utility>
-
 namespace glint::gpu {
 namespace {
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
-#include <functional>
 
 #include "core/error.h"
 #include "core/text_file.h"

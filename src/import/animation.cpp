@@ -4,8 +4,6 @@
 #include <array>
 #include <set>
 
-#include "scene/limits.h"
-
 namespace glint {
 
 namespace {

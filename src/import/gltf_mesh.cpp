@@ -1,5 +1,4 @@
 // The primitives of a glTF mesh as one Mesh.
-#include <algorithm>
 #include <map>
 #include <numeric>
 

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
 #include <istream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <streambuf>
 
-#include "core/enum_names.h"
-#include "core/text_file.h"
 #include "import/text_scanner.h"
 #include "scene/limits.h"
 

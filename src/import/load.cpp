@@ -1,7 +1,6 @@
 #include "import/load.h"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include "core/error.h"
@@ -9,7 +8,6 @@
 #include "import/parse_scene.h"
 #include "import/readers.h"
 #include "scene/cameras.h"
-#include "scene/frame_model.h"
 #include "scene/validate.h"
 
 namespace glint {

@@ -6,10 +6,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "import/scene_files.h"
-#include "scene/frame_model.h"
 #include "scene/scene.h"
 
 namespace glint {

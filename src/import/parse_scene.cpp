@@ -4,7 +4,6 @@
 
 #include "core/error.h"
 #include "core/text_file.h"
-#include "import/json_document.h"
 #include "import/parse_scene.h"
 #include "scene/limits.h"
 #include "scene/placement.h"

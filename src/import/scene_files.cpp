@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "core/format.h"
 #include "core/image_io.h"
-#include "core/text_file.h"
 
 namespace glint {
 

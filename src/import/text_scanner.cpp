@@ -8,7 +8,6 @@
 #include <type_traits>
 
 #include "core/enum_names.h"
-#include "core/text_file.h"
 
 namespace glint {
 

@@ -1,7 +1,6 @@
 #include "library/ray_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <limits>
 #include <mutex>
@@ -135,13 +134,6 @@ HitWriter::HitWriter(const glint_hits& hits, uint64_t count, const Snapshot::Par
 
 bool HitWriter::wantsAny() const {
     return places_ || surfaces_ || hit_.wanted() || t_.wanted() || uv_.wanted();
-}
-
-bool HitWriter::spreads() const {
-    int arrays = 0;
-    for (const Output* out : {&hit_, &t_, &geometry_, &primitive_, &material_, &uv_, &point_, &normal_})
-        arrays += out->wanted() ? 1 : 0;
-    return arrays >= 3;
 }
 
 void HitWriter::writeMiss(uint64_t i) const {

@@ -53,8 +53,6 @@ class HitWriter {
     void write(const render::RayNumbers& numbers, const render::FoundHits& found, const RayReader& rays,
                bool rescaled) const;
     bool wantsAny() const;
-    // True if a hit goes to three or more arrays.
-    bool spreads() const;
 
   private:
     // tracer: null if neither names nor surfaces are wanted.

@@ -13,16 +13,14 @@ using Write = std::function<void(uint64_t i, const LocalRay& ray, const referenc
 using Take =
     std::function<void(const render::RayNumbers& numbers, const render::FoundHits& found, bool rescaled)>;
 
-// spreads: see RayTask.
-void queryDevice(const RayReader& rays, bool any, bool spreads, const Context& context,
-                 render::RayQueries& queries, const Take& take) {
+void queryDevice(const RayReader& rays, bool any, const Context& context, render::RayQueries& queries,
+                 const Take& take) {
     render::RayTask task;
     std::atomic<bool> rescaled = false;
     task.count = rays.count();
     task.query = any ? render::RayTask::Query::Any : render::RayTask::Query::Closest;
     task.coherent = rays.coherent();
     task.leaves = rays.leave();
-    task.spreads = spreads;
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
         if (rays.rounded(numbers, inputs)) rescaled.store(true, std::memory_order_relaxed);
     };
@@ -90,10 +88,10 @@ void certify(const Snapshot& snapshot, const RayReader& rays, const HitWriter& h
     });
 }
 
-void ask(const Snapshot& snapshot, const RayReader& rays, bool any, bool spreads, const Context& context,
-         const Take& take, const Write& write) {
+void ask(const Snapshot& snapshot, const RayReader& rays, bool any, const Context& context, const Take& take,
+         const Write& write) {
     if (snapshot.part().queries) {
-        queryDevice(rays, any, spreads, context, *snapshot.part().queries, take);
+        queryDevice(rays, any, context, *snapshot.part().queries, take);
     } else {
         queryReference(rays, any, context, snapshot.part().tracer(), write);
     }
@@ -121,7 +119,7 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
         if (certainty.wantsAny()) certify(*snapshot, reader, writer, certainty, context);
         if (certainty.wantsAny() || !writer.wantsAny()) return;
         ask(
-            *snapshot, reader, false, writer.spreads(), context,
+            *snapshot, reader, false, context,
             [&](const RayNumbers& numbers, const FoundHits& found, bool rescaled) {
                 writer.write(numbers, found, reader, rescaled);
             },
@@ -139,7 +137,7 @@ glint_status glint_query_any(const glint_scene* scene, const glint_rays* rays, c
         require(hit != nullptr && hit->data != nullptr, "glint_query_any: hit is NULL");
         const Output out(*hit, Output::Kind::Flag, 1, reader.count(), "hit");
         ask(
-            *snapshot, reader, true, false, contextOf(*scene->device, options),
+            *snapshot, reader, true, contextOf(*scene->device, options),
             [&](const RayNumbers& numbers, const FoundHits& found, bool) {
                 out.putAllWhole(numbers, found.size(), [hits = found](size_t i) -> uint8_t {
                     return hits.primitive(i) != glint::shared::kNone ? 1 : 0;

@@ -1,7 +1,6 @@
 #include "library/status.h"
 
 #include <new>
-#include <stdexcept>
 
 #include "core/context.h"
 #include "core/error.h"

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <glm/glm.hpp>
 #include <limits>
-#include <string>
 
 #include "glint/glint.h"
 

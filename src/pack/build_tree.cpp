@@ -4,7 +4,6 @@
 #include <span>
 #include <utility>
 
-#include "bvh/bvh.h"
 #include "core/content_hash.h"
 #include "pack/presplit.h"
 

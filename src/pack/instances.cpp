@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <utility>
 
 #include "core/parallel.h"
 #include "core/vectors.h"

@@ -4,8 +4,6 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <memory>
-#include <optional>
 #include <vector>
 
 #include "bvh/bvh.h"

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "pack/extent.h"
 #include "pack/instances.h"
 #include "pack/packed_scene.h"
 

@@ -10,7 +10,6 @@
 #include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "pack/build_tree.h"
-#include "pack/primitives.h"
 #include "pack/scene_arrays.h"
 #include "scene/limits.h"
 

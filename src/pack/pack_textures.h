@@ -1,8 +1,6 @@
 // Textures, texture coordinates and vertex colours on their way into the packed arrays.
 #pragma once
 
-#include <cstdint>
-
 #include "pack/packed_scene.h"
 
 namespace glint {

@@ -1,7 +1,6 @@
 #include "pack/presplit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 

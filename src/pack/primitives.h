@@ -9,7 +9,6 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "bvh/bvh.h"

@@ -1,11 +1,8 @@
 // Rays and hits of all kinds of primitives: the prepared ray, slips, and the surface at a hit.
 #include "reference/intersect.h"
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 #include <stdexcept>
-#include <utility>
 
 #include "core/vectors.h"
 #include "reference/instance.h"

@@ -1,8 +1,6 @@
 #include "reference/queries.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 #include <utility>
 

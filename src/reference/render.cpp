@@ -8,7 +8,6 @@
 #include "core/parallel.h"
 #include "reference/rounding.h"
 #include "reference/sampling.h"
-#include "reference/tracer.h"
 
 namespace glint::reference {
 namespace {

@@ -1,7 +1,6 @@
 #include "reference/sampling.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 

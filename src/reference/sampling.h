@@ -6,7 +6,6 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "pack/pack_samples.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {

@@ -1,9 +1,6 @@
 #include "render/ray_order.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <memory>
 #include <numeric>
 #include <utility>
 #include <vector>

@@ -4,10 +4,8 @@
 #include <array>
 #include <bit>
 #include <condition_variable>
-#include <cstring>
 #include <mutex>
 #include <numeric>
-#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -24,8 +22,6 @@ namespace {
 // Rays of a piece. On a software device, 128 blocks fit a processor's cache, and starting threads and kernels
 // costs less than a hundredth of the time. A GPU needs larger pieces.
 constexpr uint32_t kSoftwarePiece = 1u << 17, kPiece = 1u << 20;
-// Prefetch distance, in hits.
-constexpr size_t kAhead = 32;
 // Nodes of the smallest BVH for which rays are sorted.
 constexpr size_t kMinNodesForOrder = 64;
 
@@ -193,19 +189,9 @@ struct RayQueries::State : DeviceScene {
         });
     }
 
-    void take(const Slot& slot, const RayTask& task, const RayNumbers& numbers, size_t count,
-              RowEntry* gathered) const {
+    void take(const Slot& slot, const RayTask& task, const RayNumbers& numbers, size_t count) const {
         eachBlock(count, [&](size_t at, size_t start, size_t present) {
             if (present == 0) return;
-            if (gathered != nullptr) {
-                const RowEntry* const hits = slot.row(kHitRow) + at;
-                const uint32_t* const order = numbers.order + start;
-                for (size_t i = 0; i < present; ++i) {
-                    if (i + kAhead < present) __builtin_prefetch(gathered + order[i + kAhead], 1);
-                    std::memcpy(gathered + order[i], hits + i, sizeof(RowEntry));
-                }
-                return;
-            }
             const bool counted = task.query == RayTask::Query::Count;
             const RowEntry* const instances =
                 features.instances && !counted ? slot.row(kInstanceRow) + at : nullptr;
@@ -213,8 +199,7 @@ struct RayQueries::State : DeviceScene {
         });
     }
 
-    void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets,
-                  RowEntry* gathered) {
+    void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets) {
         withSlot([&](Slot& slot) {
             fill(slot, task, rays, count);
             const ProcessorWatch processor;
@@ -226,37 +211,8 @@ struct RayQueries::State : DeviceScene {
                 task.kernels->wall += watch.seconds();
                 task.kernels->processor += processor.seconds();
             }
-            take(slot, task, rays, count, gathered);
+            take(slot, task, rays, count);
         });
-    }
-
-    // ---- Hits that go to several arrays of the caller ----
-
-    // Buffer for the hits of sorted rays; null if not needed. It brings them into the caller's order: direct
-    // writes would touch one cache line per ray and array.
-    std::unique_ptr<RowEntry[]> gatherFor(const RayTask& task, const RayOrder& order) const {
-        const bool sorted = order.numbers && order.run == 1;
-        if (!sorted || !task.spreads || task.query != RayTask::Query::Closest || features.instances)
-            return nullptr;
-        return std::make_unique_for_overwrite<RowEntry[]>(order.count);
-    }
-
-    void giveGathered(const RayTask& task, size_t first, const RowEntry* gathered, size_t count) const {
-        parallelFor(device.context(), (count + kBlock - 1) / kBlock, [&](size_t block) {
-            const size_t start = block * kBlock, present = std::min(kBlock, count - start);
-            task.take({first + start, nullptr, 1}, {gathered + start, nullptr, present, false});
-        });
-    }
-
-    // Delivers a finished piece of a window that was cancelled before all of it could be delivered.
-    void givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered,
-                   size_t count) const {
-        std::vector<RowEntry> hits(kBlock);
-        for (size_t start = 0; start < count; start += kBlock) {
-            const size_t present = std::min(kBlock, count - start);
-            for (size_t i = 0; i < present; ++i) hits[i] = gathered[rays.order[start + i]];
-            task.take(rays.from(start), {hits.data(), nullptr, present, false});
-        }
     }
 
     // ---- Lists of crossings ----
@@ -354,21 +310,15 @@ bool RayQueries::run(const RayTask& task) {
         const RayOrder order = state_->orderOf(task, first);
         const RayNumbers rays = order.from(first);
         const bool packets = order.coherent && state_->canUsePackets(task);
-        const auto gathered = state_->gatherFor(task, order);
         const size_t pieces = (order.count + usable - 1) / usable;
-        const auto countOf = [&](size_t i) { return std::min(usable, order.count - i * usable); };
-        std::vector<uint8_t> finished(pieces);
         parallelFor({.threads = state_->atOnce()}, pieces, [&](size_t i) {
             if (stops()) return;
-            state_->runPiece(task, rays.from(i * usable), countOf(i), packets, gathered.get());
+            const size_t count = std::min(usable, order.count - i * usable);
+            state_->runPiece(task, rays.from(i * usable), count, packets);
             const std::lock_guard lock(mutex);
-            finished[i] = 1;
-            done += countOf(i);
+            done += count;
             if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.count));
         });
-        if (gathered && !stopped) state_->giveGathered(task, first, gathered.get(), order.count);
-        for (size_t i = 0; gathered && stopped && i < pieces; ++i)
-            if (finished[i]) state_->givePiece(task, rays.from(i * usable), gathered.get(), countOf(i));
         first += order.count;
     }
     return !stopped;

@@ -62,7 +62,6 @@ struct RayTask {
     Methods methods = {};
     bool leaves = false;                   // rays start on surfaces (docs/design/numerics.md)
     bool coherent = false;                 // the caller declares neighbours similar
-    bool spreads = false;                  // `take` writes to several arrays
     std::function<bool()> cancelled;       // called between pieces; may be empty
     std::function<void(double)> progress;  // the fraction done; may be empty
     BatchTimes* kernels = nullptr;         // receives the device's time in addition; may be null

@@ -1,7 +1,6 @@
 #include "render/renderer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "core/stopwatch.h"

@@ -1,7 +1,6 @@
 #include "render/scene_buffers.h"
 
 #include <algorithm>
-#include <string>
 
 #include "bvh/packet_tree.h"
 

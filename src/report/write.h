@@ -1,7 +1,6 @@
 // A report as JSON, CSV, Markdown, SVG and HTML.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 

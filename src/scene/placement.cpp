@@ -1,7 +1,5 @@
 #include "scene/placement.h"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <unordered_set>
 

@@ -3,7 +3,6 @@
 
 #include <glm/glm.hpp>
 #include <optional>
-#include <string>
 
 #include "scene/scene.h"
 

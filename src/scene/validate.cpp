@@ -10,7 +10,6 @@
 
 #include "core/error.h"
 #include "core/format.h"
-#include "core/text_file.h"
 #include "core/vectors.h"
 #include "scene/limits.h"
 #include "scene/placement.h"

@@ -2,7 +2,6 @@
 // (docs/guide/numbers-to-trust.md).
 #pragma once
 
-#include <compare>
 #include <cstdint>
 
 #include "core/enum_names.h"

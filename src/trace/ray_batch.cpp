@@ -1,6 +1,5 @@
 #include "trace/ray_batch.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 

@@ -1,6 +1,5 @@
 #include "verify/verify.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>

@@ -3,9 +3,7 @@
 // with the brightness of the pixel (docs/design/verification.md).
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>

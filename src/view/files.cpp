@@ -1,6 +1,5 @@
 #include "view/files.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>

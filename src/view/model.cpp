@@ -1,10 +1,8 @@
 #include "view/model.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ostream>
-#include <utility>
 
 #include "core/format.h"
 #include "gpu/device.h"

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "core/available_memory.h"
-#include "pack/extent.h"
-#include "pack/packed_scene.h"
 #include "pack/primitives.h"
 #include "pack/scene_arrays.h"
 

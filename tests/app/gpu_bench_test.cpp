@@ -1,5 +1,4 @@
 // `glint bench` on a device: counts against the reference's, and what a pipeline with more code draws.
-#include <cstdlib>
 #include <set>
 
 #include "support.h"

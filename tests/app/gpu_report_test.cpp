@@ -1,10 +1,8 @@
 // `glint report` from end to end, on a scene of few pixels.
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <numeric>
 #include <set>
 
 #include "app/rendering.h"

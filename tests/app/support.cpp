@@ -1,6 +1,5 @@
 #include "support.h"
 
-#include <cmath>
 #include <sstream>
 
 #include "app/cli.h"

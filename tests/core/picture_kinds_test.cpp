@@ -1,5 +1,4 @@
 // Kinds of JPEG and PNG files that libjpeg and zlib write here.
-#include <cmath>
 #include <cstddef>
 #include <cstdio>  // jpeglib.h needs FILE
 #include <cstdlib>

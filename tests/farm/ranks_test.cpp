@@ -43,6 +43,7 @@ class Net {
         }
         bool sending() override { return false; }
         void finish() override {}
+        void abort(int) override {}
 
       private:
         Net& net_;

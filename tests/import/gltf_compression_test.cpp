@@ -1,5 +1,4 @@
 // Compressed glTF: what the libraries themselves encode, and what is damaged or not read by this build.
-#include <cmath>
 #include <random>
 
 #include "gltf_maker.h"

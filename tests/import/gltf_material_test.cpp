@@ -1,6 +1,5 @@
 // glTF materials as Whitted's: the formulas of docs/reference/file-formats.md, and the pictures.
 #include <cmath>
-#include <numbers>
 
 #include "core/codecs.h"
 #include "core/quantize.h"

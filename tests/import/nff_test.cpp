@@ -1,5 +1,4 @@
 // NFF (E. Haines, version 3.9).
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -1,5 +1,4 @@
 // STL files written byte by byte.
-#include <map>
 
 #include "import/readers.h"
 #include "support.h"

@@ -1,5 +1,4 @@
 // Closed surfaces have no holes. Random rays find nothing here, so the rays aim at edges and vertices.
-#include <functional>
 #include <numbers>
 
 #include "support.h"

@@ -1,7 +1,6 @@
 // The numbers and files of `glint report`, without a device.
 #include <cmath>
 #include <limits>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>

@@ -1,8 +1,6 @@
 // The pace of a moving image, and error targets with a tracer whose true image is known.
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "../support/support.h"
 #include "converge/known_film.h"
 #include "view/session.h"

@@ -2,7 +2,6 @@
 // faces that boxes share lie in the same plane, to the last bit; one with a transform is measured from its
 // middle, or from its point nearest the eye.
 #include <algorithm>
-#include <cmath>
 
 #include "core/vectors.h"
 #include "pack/primitives.h"

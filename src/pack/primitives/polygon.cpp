@@ -1,6 +1,5 @@
 #include <cmath>
 
-#include "pack/area_vector.h"
 #include "pack/primitives.h"
 #include "scene/limits.h"
 #include "scene/polygon_plane.h"

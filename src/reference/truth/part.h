@@ -1,7 +1,6 @@
 // Contents of one BVH on the way into the model; internal to truth.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>

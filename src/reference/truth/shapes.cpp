@@ -1,6 +1,5 @@
 // The shapes of a scene as rows of the layout, in double, by the formulas of shaders/shared/primitives.h; and
 // the media that enclose the eye, by the solid angle of their surfaces (docs/reference/shading.md).
-#include <array>
 #include <cmath>
 #include <numbers>
 

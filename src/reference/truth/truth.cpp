@@ -1,7 +1,6 @@
 #include "reference/truth/truth.h"
 
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <vector>
 
