@@ -34,8 +34,8 @@ vec3 cuboidLocal(Cuboid cuboid, vec3 v) {
 }
 
 // tSlip of a face. reach: what the origin's coordinates here are off by, in units.
-float slipOfFace(Cuboid cuboid, RayFrame frame, vec3 reach, vec3 inverse, uint axis, float t) {
-    float plane = larger(abs(cuboid.lo[axis]), abs(cuboid.hi[axis]));
+float slipOfFace(Cuboid cuboid, RayFrame frame, vec3 reach, vec3 inverse, uint axis, bool upper, float t) {
+    float plane = abs(upper ? cuboid.hi[axis] : cuboid.lo[axis]);
     precise float height = kUnit * (2.0 * plane + reach[axis]) + frame.slip;
     return kSlips ? height * abs(inverse[axis]) + slipOfRounding(t) : 0.0;
 }
@@ -50,7 +50,6 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
     Slabs slabs = slabsOf(cuboid.lo, cuboid.hi, o, d, 2.3509887e-38, kInfinity);  // 2^-125: 1/d stays finite
     vec3 near = slabs.near;
     vec3 far = slabs.far;
-    uvec3 farFaces = uvec3(1u, 3u, 5u) - uvec3(slabs.backwards);
     uint nearAxis = near.x >= near.y ? (near.x >= near.z ? 0u : 2u) : (near.y >= near.z ? 1u : 2u);
     uint farAxis = far.x <= far.y ? (far.x <= far.z ? 0u : 2u) : (far.y <= far.z ? 1u : 2u);
     float enter = near[nearAxis];
@@ -61,14 +60,15 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
     // Same bound as slipOfFlat; the rows are the faces' normals.
     precise vec3 terms = 2.0 * abs(cuboid.point) + 6.0 * abs(offset);
     vec3 reach = timesRows(abs(cuboid.toLocal0), abs(cuboid.toLocal1), abs(cuboid.toLocal2), terms);
-    float enterSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, nearAxis, enter);
-    float leaveSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, farAxis, leave);
+    bool nearUpper = slabs.backwards[nearAxis];
+    bool farUpper = !slabs.backwards[farAxis];
+    float enterSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, nearAxis, nearUpper, enter);
+    float leaveSlip = slipOfFace(cuboid, frame, reach, slabs.inverse, farAxis, farUpper, leave);
     bool leaves = ray.source != kNone;
     bool first = enter > (leaves ? enterSlip : 0.0) && enter > ray.tMin;
     float t = first ? enter : leave;
     tSlip = first ? enterSlip : leaveSlip;
-    uint leaveFace = farFaces[farAxis];
-    uint part = first ? 2u * nearAxis + (slabs.backwards[nearAxis] ? 1u : 0u) : leaveFace;
+    uint part = first ? 2u * nearAxis + uint(nearUpper) : 2u * farAxis + uint(farUpper);
     hit = Hit(t, 0.0, 0.0, primitive | (part << kPartShift), kNone, cuboid.id);
     precise float lower = t - tSlip;
     bool ahead = t > (leaves ? tSlip : 0.0) && t > ray.tMin;

@@ -194,10 +194,11 @@ glm::dvec3 reachFrom(const glm::dvec3& from, const Solid& solid) {
 // slipOfFlat for the planes that clip a solid along an axis. speed: of the ray along the axis. The last term
 // is for the last roundings of t. Instances hold no solids, so PreparedRay::slip is 0.
 template <class Solid>
-double slipOfFace(const Solid& solid, int axis, Extended speed, Extended t, const PreparedRay& ray) {
+double slipOfFace(const Solid& solid, int axis, double plane, Extended speed, Extended t,
+                  const PreparedRay& ray) {
     if (!ray.leaves && !ray.ties) return 0;
-    const double plane = std::max(std::abs(solid.lo[axis]), std::abs(solid.hi[axis]));
-    const double height = heightError(ray, rowsOf(solid)[axis], solid.point, 0) + kFloatUnit * 2 * plane;
+    const double height =
+        heightError(ray, rowsOf(solid)[axis], solid.point, 0) + kFloatUnit * 2 * std::abs(plane);
     return height / std::abs(static_cast<double>(speed)) +
            ray.slips * 8 * kFloatUnit * std::abs(static_cast<double>(t));
 }

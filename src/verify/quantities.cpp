@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "core/vectors.h"
-#include "reference/rounding.h"
 
 namespace glint::verify {
 
@@ -111,8 +110,8 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
         f[kPosition + i] = 16 * kFloatUnit * way + 0x1p-50 * greatestMagnitude(scene.origin);
         f[kNormal + i] = f[kGeometric + i] = turn * kFloatUnit;
     }
-    f[kU] = reference::kUvRoundings * kFloatUnit * std::max(slant, surface.uvScale.x);
-    f[kV] = reference::kUvRoundings * kFloatUnit * std::max(slant, surface.uvScale.y);
+    f[kU] = reference::kUvRoundings * kFloatUnit * slant * std::max(1.0, surface.uvScale.x);
+    f[kV] = reference::kUvRoundings * kFloatUnit * slant * std::max(1.0, surface.uvScale.y);
     const glm::dvec3 error = surface.error;
     const double corners = record.hit->isTriangle() ? 4 * (f[kU] + f[kV]) * surface.scale : 0;
     f[kClearance] = std::max(0x1p-12, 6 * f[kNormal]) * (error.x + error.y + error.z) +

@@ -1,6 +1,5 @@
 // Rays with known hits, by hand, from textbooks or from other projects' tests (TRTC: J. Buck, The Ray Tracer
 // Challenge), on the device and in the reference.
-#include <array>
 #include <cmath>
 
 #include "support.h"
@@ -355,6 +354,12 @@ TEST_F(RangeTest, GreatAndSmallTogether) {
     const RayHit ground = hitOf(scene, rayOf({1, 0, 3}, {0, 0, -1}));
     EXPECT_EQ(ground.data.object, 0u);
     EXPECT_NEAR(ground.t, 4, 8 * kUnit * 4);
+    // The far side of deep ground does not blur its top.
+    Scene cube = emptyScene();
+    addObject(cube, BoxShape{{-1e6, -1e6, -1e6}, {1e6, 0, 1e6}});
+    addObject(cube, BoxShape{{-0.5, 0, -0.5}, {0.5, 1, 0.5}});
+    aim(cube.camera, {0, 1.5, 5}, {0, 0.05, 0.5});
+    EXPECT_EQ(draw(device(), makeCase(cube, 1, 1)).data.at(0).object, 1u);
 }
 
 }  // namespace glint::render::test::analytic_test

@@ -153,6 +153,20 @@ TEST_F(NearSolidsTest, CheckersFromFarAway) {
     EXPECT_TRUE(verified(makeCase(scene, 64, 48)).passed());
 }
 
+// The weights of fp32's edge functions err by a road's length over its width.
+TEST_F(NearSolidsTest, LongRoadsOfTwoTriangles) {
+    Scene scene = emptyScene();
+    auto road = std::make_shared<Mesh>();
+    for (const dvec3& p : {dvec3(-2, 0, -1e4), dvec3(2, 0, -1e4), dvec3(2, 0, 1e4), dvec3(-2, 0, 1e4)})
+        road->positions.push_back(p);
+    road->corners = {{0, 1, 2}, {0, 2, 3}};
+    addObject(scene, MeshShape{road}, addMaterial(scene, Color(0.6)));
+    scene.lights.push_back(PointLight{{3, 6, 4}, Color(0.8)});
+    aim(scene.camera, {0, 1.5, 5}, {0, 0.5, 0});
+    scene.camera.fovY = 40;
+    EXPECT_TRUE(verified(makeCase(scene, 64, 48)).passed());
+}
+
 // Scenes that lie thousands of times their size from 0, with an object among them that hides it: fp32 counts
 // from where most objects are, so pictures are those of the same scene at 0.
 

@@ -53,10 +53,11 @@ bool intersect(const rows::Cuboid& c, const RayTest& test, Root& root) {
     for (uint32_t face = 0; face < 6; ++face) {
         const int axis = static_cast<int>(face / 2);
         if (seen.d[axis].value == 0) continue;
-        const Extended t = seen.reach(axis, face & 1 ? c.hi[axis] : c.lo[axis]);
+        const double plane = face & 1 ? c.hi[axis] : c.lo[axis];
+        const Extended t = seen.reach(axis, plane);
         if (found && static_cast<double>(t) > root.t) continue;
         if (!seen.isBetween(c, (axis + 1) % 3, t) || !seen.isBetween(c, (axis + 2) % 3, t)) continue;
-        const double slip = slipOfFace(c, axis, seen.d[axis].value, t, test.ray);
+        const double slip = slipOfFace(c, axis, plane, seen.d[axis].value, t, test.ray);
         if (!countsAt(test.ray, static_cast<double>(t), slip, test.tMax)) continue;
         const bool leavesHere = (face & 1) == (seen.d[axis].value > 0 ? 1u : 0u);
         if (found && static_cast<double>(t) == root.t) {

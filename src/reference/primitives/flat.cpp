@@ -150,7 +150,13 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
     surface.error = gammaOf(7) * (std::abs(w) * glm::abs(v0) + std::abs(hit.u) * glm::abs(v1) +
                                   std::abs(hit.v) * glm::abs(v2));
     surface.scale = std::max({greatestMagnitude(v0), greatestMagnitude(v1), greatestMagnitude(v2)});
-    surface.geometricNormal = glm::normalize(areaOf(v0, v1, v2));
+    const dvec3 area = areaOf(v0, v1, v2);
+    surface.geometricNormal = glm::normalize(area);
+    // An edge function is a sum of products of two corners as seen from the point, and a weight its share of
+    // twice the area: on a needle these products exceed the area.
+    const double a = glm::distance(v0, surface.position), b = glm::distance(v1, surface.position),
+                 c = glm::distance(v2, surface.position);
+    surface.uvScale = dvec2(std::min(std::max({a * b, b * c, c * a}) / glm::length(area), 0x1p23));
 }
 
 // ---- Planes

@@ -213,13 +213,15 @@ class Search {
         const Extended plane = upper ? quadric_.hi.z : quadric_.lo.z;
         if (local_.d[2].value == 0) return;
         const Extended t = (plane - local_.o[2].value) / local_.d[2].value;
-        const double slip = slipOfFace(quadric_, 2, local_.d[2].value, t, ray_);
+        const double slip = slipOfFace(quadric_, 2, farPlane(2), local_.d[2].value, t, ray_);
         if (!countsAt(ray_, static_cast<double>(t), slip, test_.tMax) || !isFirst(t)) return;
         Vec4<Extended> y = local_.at(t);
         y[2] = plane;
         const Sum<Extended> value = form_(y, y);
         if (value.value <= kClipSlack * value.terms) take(t, slip, cap, false);
     }
+
+    double farPlane(int i) const { return std::max(std::abs(quadric_.lo[i]), std::abs(quadric_.hi[i])); }
 
     Extended slackAt(const Vec4<Extended>& y, int i) const {
         return kClipSlack * (y[i].terms + magnitude<Extended>(quadric_.hi[i] - quadric_.lo[i]));
@@ -232,7 +234,7 @@ class Search {
         const Extended speed = magnitude(local_.d[i].value);
         if (ray_.noise.step == 0 || speed == 0 || (i == 2 && hasCaps)) return 0;
         uint64_t state = ray_.noise.seed ^ (uint64_t{quadric_.id} << 2 | static_cast<uint64_t>(i + 1));
-        const double most = slip + slipOfFace(quadric_, i, speed, t, ray_);
+        const double most = slip + slipOfFace(quadric_, i, farPlane(i), speed, t, ray_);
         return std::min(1.0, ray_.noise.step / kFloatUnit) * uniform(state) * most * speed;
     }
 
