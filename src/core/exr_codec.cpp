@@ -247,12 +247,19 @@ std::vector<std::string> chooseChannels(const Imf::Header& header) {
         names.emplace_back(channel.name());
         oneLayer = oneLayer && layerOf(names.back()) == layerOf(names.front());
     }
-    const auto has = [&](const char* name) { return list.findChannel(name) != nullptr; };
-    if (has("R") && has("G") && has("B"))
-        return has("A") ? std::vector<std::string>{"R", "G", "B", "A"}
-                        : std::vector<std::string>{"R", "G", "B"};
-    if (has("Y"))
-        return has("A") ? std::vector<std::string>{"Y", "", "", "A"} : std::vector<std::string>{"Y"};
+    // The channel of this letter, in the only layer or without one; empty if there is none.
+    const std::string layer = oneLayer && !names.empty() ? layerOf(names.front()) : "";
+    const auto find = [&](const char* letter) {
+        const std::string wanted = layer.empty() ? letter : layer + "." + letter;
+        for (const std::string& name : names)
+            if (::strcasecmp(name.c_str(), wanted.c_str()) == 0) return name;
+        return std::string();
+    };
+    const std::string r = find("R"), g = find("G"), b = find("B"), y = find("Y"), a = find("A");
+    if (!r.empty() && !g.empty() && !b.empty())
+        return a.empty() ? std::vector{r, g, b} : std::vector{r, g, b, a};
+    if (!y.empty() && (layer.empty() || find("X").empty()))
+        return a.empty() ? std::vector{y} : std::vector<std::string>{y, "", "", a};
     // Sorted by name, which is the order X, Y, Z and U, V.
     if (oneLayer && (names.size() == 1 || names.size() == 3)) return names;
     throw CodecError("the EXR file has neither R, G, B nor Y, and more than one layer (channels " +

@@ -103,19 +103,21 @@ Bytes encodePfm(const Image& image) {
 
 Image decodePfm(ByteView file, uint64_t mostPixels, const Context&) {
     size_t position = 0;
-    const int channels = nextWord(file, position) == "PF" ? 3 : 1;
+    const std::string kind = nextWord(file, position);
+    if (kind != "PF" && kind != "Pf") throw CodecError("the PFM header begins neither with PF nor Pf");
+    const int channels = kind == "PF" ? 3 : 1;
     const int width = nextNumber<int>(file, position, "width");
     const int height = nextNumber<int>(file, position, "height");
     const double scale = nextNumber<double>(file, position, "scale");
     if (width <= 0 || height <= 0 || !std::isfinite(scale) || scale == 0)
         throw CodecError("the PFM header has a size or a scale that makes no sense");
-    const ByteView data = file.subspan(std::min(position + 1, file.size()));  // behind one white space
+    checkDeclaredSize(static_cast<uint64_t>(width), static_cast<uint64_t>(height), file.size(), 1,
+                      mostPixels);
+    ByteView data = file.subspan(std::min(position + 1, file.size()));  // behind one white space
     const size_t rowSamples = static_cast<size_t>(width) * channels;
-    if (data.size() / sizeof(float) / rowSamples < static_cast<size_t>(height))
-        throw CodecError("the file is truncated");
-    if (static_cast<uint64_t>(width) * static_cast<uint64_t>(height) > mostPixels)
-        throw CodecError("the image has " + std::to_string(width) + " x " + std::to_string(height) +
-                         " pixels, the limit is " + std::to_string(mostPixels));
+    const size_t bytes = rowSamples * static_cast<size_t>(height) * sizeof(float);
+    if (data.size() < bytes) throw CodecError("the file is truncated");
+    if (data.size() == bytes + 1 && file[position] == '\r') data = data.subspan(1);  // behind a DOS line end
     Image image(width, height, channels);
     const char* next = reinterpret_cast<const char*>(data.data());
     const double unit = std::abs(scale);  // of the samples; programs without a scale write 1

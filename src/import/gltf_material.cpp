@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "core/quantize.h"
-#include "scene/limits.h"
 #include "scene/validate.h"
 
 namespace glint {
@@ -303,6 +302,8 @@ class Materials final : public GltfMaterials {
             s.reflectance ? glm::max(*s.reflectance - Color(kDielectric), Color(0)) : s.metallic * s.base;
         const Color reflected = s.unlit ? Color(0) : material.diffuse + there * rough * metal;
         const bool oneTexture = !emits || (s.emissionTexture == s.baseTexture);
+        if (!oneTexture && s.emissionTexture == Material::kNoTexture && greatest(reflected) > 0)
+            file_.warn("emission replaces the ambient reflection of textured materials");
         material.ambient = (oneTexture ? reflected : Color(0)) + emission / scene_.ambient;
     }
 
@@ -360,7 +361,7 @@ class Materials final : public GltfMaterials {
             const double rotation = transform->number("rotation", 0);
             const glm::dvec2 size = scale.empty() ? glm::dvec2(1) : glm::dvec2(scale[0], scale[1]);
             const glm::dvec2 shift = offset.empty() ? glm::dvec2(0) : glm::dvec2(offset[0], offset[1]);
-            if (rotation != 0) {  // counter-clockwise, v counting downwards
+            if (rotation != 0 || size.x == 0 || size.y == 0) {  // counter-clockwise, v counting downwards
                 const double c = std::cos(rotation), s = std::sin(rotation);
                 turned = GltfUvTransform{{c * size.x, -s * size.x}, {s * size.y, c * size.y}, shift};
             } else {

@@ -46,20 +46,33 @@ struct MtlMaterial {
 
 using SharedImage = std::shared_ptr<const Image>;
 
-// `color` (or white, if null) with the grey of `cover` as alpha, in the size of `color`. A grey image is
-// decoded as sRGB like any other, but a coverage is a plain number, so it is encoded again.
+bool hasHoles(const Image& image) {
+    bool found = false;
+    for (size_t i = 3; image.channels == 4 && i < image.pixels.size(); i += 4)
+        found = found || image.pixels[i] < 1;
+    return found;
+}
+
+// `color` (or white, if null) with the grey of `cover`, or its alpha if that is not 1, as alpha; in the
+// greater size of both. A grey image is decoded as sRGB like any other, but a coverage is a plain number, so
+// it is encoded again.
 Image withAlpha(const Image* color, const Image& cover) {
-    const int width = color ? color->width : cover.width, height = color ? color->height : cover.height;
+    const int width = std::max(color ? color->width : 0, cover.width);
+    const int height = std::max(color ? color->height : 0, cover.height);
+    const bool holes = hasHoles(cover);
     const auto nearest = [](int i, int count, int there) {
         return static_cast<int>((2 * static_cast<int64_t>(i) + 1) * there / (2 * count));
     };
     Image result(width, height, 4, 1.0f);
+    const auto sample = [&](const Image& from, int x, int y, int channel) {
+        return from.at(nearest(x, width, from.width), nearest(y, height, from.height), channel);
+    };
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
             for (int c = 0; color && c < 3; c++)
-                result.at(x, y, c) = color->at(x, y, color->channels < 3 ? 0 : c);
-            const float grey = cover.at(nearest(x, width, cover.width), nearest(y, height, cover.height), 0);
-            result.at(x, y, 3) = static_cast<float>(srgbByte(grey)) / 255.0f;
+                result.at(x, y, c) = sample(*color, x, y, color->channels < 3 ? 0 : c);
+            const float value = sample(cover, x, y, holes ? 3 : 0);
+            result.at(x, y, 3) = holes ? value : static_cast<float>(srgbByte(value)) / 255.0f;
         }
     }
     return result;
@@ -87,10 +100,12 @@ class MtlTextures {
     // null.
     uint32_t add(const MtlMap* map, const MtlMap* cover, Material& material) {
         SharedImage color = load(map);
-        const bool ownAlpha = color && cover && cover->file == map->file && color->channels == 4;
-        const SharedImage alpha = ownAlpha ? nullptr : load(cover);
+        SharedImage alpha = load(cover);
         if (!color && !alpha) return Material::kNoTexture;
-        if (ownAlpha || alpha) material.alphaCutoff = 0.5;
+        if (alpha) material.alphaCutoff = 0.5;
+        if (color && alpha && (map->scale != cover->scale || map->offset != cover->offset))
+            warnings_.add("map_d is placed as map_Kd is");
+        if (alpha == color && color->channels == 4) alpha = nullptr;
         const MtlMap& placed = color ? *map : *cover;
         ImageTexture image;
         image.file = placed.file;
@@ -104,8 +119,9 @@ class MtlTextures {
     SharedImage combined(const SharedImage& color, const SharedImage& cover) {
         SharedImage& made = combined_[{color, cover}];
         if (made) return made;
-        const Image& size = color ? *color : *cover;
-        if (static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height) > files_.mostPixels())
+        const auto width = static_cast<uint64_t>(std::max(color ? color->width : 0, cover->width));
+        const auto height = static_cast<uint64_t>(std::max(color ? color->height : 0, cover->height));
+        if (width * height > files_.mostPixels())
             failFile(file_.string(), "its textures take more memory than there is");
         made = std::make_shared<const Image>(withAlpha(color.get(), *cover));
         files_.takePicture(*made);

@@ -228,6 +228,13 @@ shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const 
 
 namespace {
 
+// The offset along an axis; without whole periods of 2, unless it lies beyond kMaxTextureCoordinate.
+float placeOf(const Texture& texture, int axis) {
+    const double offset = texture.offset[axis], size = std::abs(offset);
+    const bool repeats = !clamps(texture, axis) && size > 2 && size <= shared::kMaxTextureCoordinate;
+    return static_cast<float>(repeats ? std::remainder(offset, 2) : offset);
+}
+
 uint32_t wrapFlag(Wrap wrap) {
     constexpr uint32_t kFlags[] = {shared::kTextureWrapRepeat, shared::kTextureWrapClamp,
                                    shared::kTextureWrapMirror};  // in the order of Wrap
@@ -257,8 +264,7 @@ class TexturePacker {
         if (known != textures_.end()) return known->second;
         const Texture& texture = scene_.textures[index];
         shared::Texture out;
-        for (int i = 0; i < 2; ++i)
-            out.place[i] = reduced(texture.offset[i], clamps(texture, i) ? Repeats{} : Repeats{2, 2});
+        for (int i = 0; i < 2; ++i) out.place[i] = placeOf(texture, i);
         out.scaleU = static_cast<float>(texture.scale.x);
         out.scaleV = static_cast<float>(texture.scale.y);
         if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {

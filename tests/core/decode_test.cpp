@@ -70,6 +70,9 @@ TEST_F(Decode, PfmByteOrderAndScale) {
     writeBytes(file("a.pfm"), bytes);
     EXPECT_EQ(readImage(file("a.pfm")).pixels,
               (std::vector<float>{1.0f, 2.0f}));  // the bottom row comes first
+    bytes.insert(bytes.begin() + 10, '\r');
+    writeBytes(file("a.pfm"), bytes);
+    EXPECT_EQ(readImage(file("a.pfm")).pixels, (std::vector<float>{1.0f, 2.0f}));
 }
 
 TEST_F(Decode, PfmHeadersThatMakeNoSense) {
@@ -80,9 +83,11 @@ TEST_F(Decode, PfmHeadersThatMakeNoSense) {
         writeBytes(path, textBytes(header));
         EXPECT_EQ(readError(path), path + ": the PFM header has a size or a scale that makes no sense");
     }
+    writeBytes(path, textBytes("PF4\n1 1\n-1.0\nabcd"));
+    EXPECT_EQ(readError(path), path + ": the PFM header begins neither with PF nor Pf");
     // Memory must not be requested for sizes that exceed any memory.
     writeBytes(path, textBytes("PF\n2147483647 2147483647\n-1.0\nabcdefghijkl"));
-    EXPECT_EQ(readError(path), path + ": the file is truncated");
+    EXPECT_STARTS(readError(path), path + ": the image has 2147483647 x 2147483647 pixels, the limit is ");
 }
 
 TEST_F(Decode, FilesThatAreNoPictures) {

@@ -155,6 +155,20 @@ TEST_F(ExrKinds, LuminanceWithAlpha) {
               (std::vector<float>{0.25f, 0.25f, 0.25f, 0.75f, 0.5f, 0.5f, 0.5f, 1.0f}));
 }
 
+TEST_F(ExrKinds, ColoursOfTheOnlyLayer) {
+    float samples[] = {1, 2, 3, 4};
+    for (const std::string channels : {"RGB", "RGBA", "rgba"}) {
+        Imf::Header header(1, 1);
+        Imf::FrameBuffer buffer;
+        for (size_t i = 0; i < channels.size(); ++i) {
+            const std::string name = std::string("beauty.") + channels[i];
+            header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+            buffer.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(samples + i), 4, 4));
+        }
+        EXPECT_EQ(written(header, buffer, 1).pixels, std::vector<float>(samples, samples + channels.size()));
+    }
+}
+
 TEST_F(ExrKinds, SubsampledChannelsAreRefused) {
     float samples[4] = {};
     Imf::Header header(2, 2);

@@ -96,6 +96,26 @@ TEST_F(TextureFilesTest, ErrorsSayWhereAndHowToMend) {
               "s.json: /background: missing key \"environment\"");
 }
 
+// A mask of its own size, and one that is the colours' own alpha under another name.
+TEST_F(TextureFilesTest, MtlMasks) {
+    Image mask(4, 4, 4, 1.0f);
+    mask.at(1, 2, 3) = 0;
+    writeImage(folder_.path() / "mask.png", mask);
+    folder_.write("m.mtl",
+                  "newmtl a\nmap_Kd tiny.png\nmap_d -s 2 2 mask.png\n"
+                  "newmtl b\nmap_Kd mask.png\nmap_d ./mask.png\n");
+    const auto path = folder_.write(
+        "m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n");
+    const Scene scene = loadScene(path);
+    for (const Material& material : scene.materials) {
+        const Image& image = *std::get<ImageTexture>(scene.textures.at(material.diffuseTexture).source).image;
+        EXPECT_EQ(image.width, 4);
+        EXPECT_EQ(image.at(1, 2, 3), 0);
+        EXPECT_EQ(image.at(2, 1, 3), 1);
+    }
+    EXPECT_EQ(scene.warnings, Lines{(folder_.path() / "m.mtl").string() + ": map_d is placed as map_Kd is"});
+}
+
 TEST_F(TextureFilesTest, ObjBringsCoordinatesColorsAndMaps) {
     folder_.write("m.mtl",
                   "newmtl skin\nKd 0 0 0\nmap_Kd -s 2 3 1 -o 0.5 0 0 tiny.png\nnewmtl leaf\nKd 1 1 1\n"
