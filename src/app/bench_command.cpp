@@ -82,6 +82,7 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
 }
 
 ExitCode run(const BenchCommand& command, std::ostream& out, std::ostream& err) {
+    checkStandardOutput(out);
     checkDeviceOptions(command.device);
     requireGpu(command.device, {{command.options.everyWalk, "--traversal"},
                                 {command.full, "--full"},
@@ -113,6 +114,9 @@ ExitCode run(const BenchCommand& command, std::ostream& out, std::ostream& err) 
         finish();
         throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(results.size()) + " of " +
                                                 counted(command.scenes.size(), "scene") + " measured");
+    } catch (...) {
+        finish();
+        throw;
     }
     finish();
     if (device) checkValidation(*device, command.device);

@@ -5,12 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "app/commands.h"
 #include "core/available_memory.h"
 #include "core/enum_names.h"
 #include "core/error.h"
 #include "core/format.h"
-#include "core/image_io.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "core/text_file.h"
@@ -38,18 +36,33 @@ fs::path outputOf(const RenderCommand& command) {
     return isFolder ? command.output / name : command.output;
 }
 
-fs::path outputOf(const RenderCommand& command, const Scene& scene) {
-    const auto isRead = [&](const fs::path& output) {
-        return std::any_of(scene.sources.begin(), scene.sources.end(), [&](const SourceFile& file) {
+namespace {
+
+// True if the scene was read from a file of the image.
+bool isRead(const RenderCommand& command, const Scene& scene, const fs::path& output) {
+    if (output == "-") return false;
+    const auto files = layerPaths(output, namesOf(command.aovs));
+    return std::any_of(scene.sources.begin(), scene.sources.end(), [&](const SourceFile& source) {
+        const fs::path read = command.scene.scene.parent_path() / source.name;
+        return std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
             std::error_code ignored;  // a file that does not exist cannot be lost
-            return fs::equivalent(command.scene.scene.parent_path() / file.name, output, ignored);
+            return fs::equivalent(read, file, ignored);
         });
-    };
+    });
+}
+
+void refuseRead(const RenderCommand& command, const Scene& scene, const fs::path& output) {
+    refuseIf(isRead(command, scene, output),
+             output.string() + ": is read by the scene; name another file with --output");
+}
+
+}  // namespace
+
+fs::path outputOf(const RenderCommand& command, const Scene& scene) {
     fs::path output = outputOf(command);
-    if (!isRead(output)) return output;
-    const std::string name = output.string();
-    if (command.output.empty() && !isRead(output.replace_extension(".render.png"))) return output;
-    throw Error(ErrorKind::Argument, name + ": is read by the scene; name another file with --output");
+    if (command.output.empty() && isRead(command, scene, output)) output.replace_extension(".render.png");
+    refuseRead(command, scene, output);
+    return output;
 }
 
 uint64_t bytesPerPixel(const std::vector<Aov>& aovs) {
@@ -310,6 +323,8 @@ class FrameRenderer {
         if (!animation && command_.frames->first != command_.frames->last)
             err_ << "glint: warning: " << shown(command_.scene.scene)
                  << ": has no animation; all frames are the same image\n";
+        for (const int frame : frames_)
+            refuseRead(command_, loaded.scene, numbered(outputOf(command_), frame));
         const Region region = requestOf(command_, loaded).region;
         checkMemory(region.width(), region.height(), 2 * bytesPerPixel(command_), availableMemory());
         scene_->moveTo(timeOf(frames_.front()));

@@ -52,6 +52,7 @@ void declare(OptionTable& table, ReportCommand& c) {
 
 ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
+    checkStandardOutput(out);
     for (const fs::path& scene : command.scenes) checkScene(scene);
     // Compile times are part of the results, so programs are not cached.
     const gpu::Device device = openDevice(command.device, false, false);

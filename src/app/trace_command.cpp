@@ -85,6 +85,7 @@ ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) 
     refuseIf(command.rays.empty() && !command.pixel, "trace: give either --rays FILE.csv or --pixel x,y");
     refuseIf(command.rays == "-" && command.scene.scene == "-",
              "--rays -: SCENE reads standard input; read the rays from a file");
+    checkStandardOutput(out);
     checkDeviceOptions(command.device);
     const LoadedScene loaded = loadAndPack(command.scene, err);
     const Request request = command.pixel ? requestOf(loaded, command.scene) : Request();

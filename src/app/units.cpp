@@ -101,6 +101,11 @@ std::filesystem::path sceneOf(const farm::Identity& identity) {
     return "image";
 }
 
+bool readsFile(const farm::Identity& identity, const std::filesystem::path& file) {
+    return std::ranges::any_of(identity.facts,
+                               [&](const auto& fact) { return fact.first == "file " + file.string(); });
+}
+
 nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outcome,
                          const MergeCommand& command, const std::vector<farm::Producer>& producers) {
     nlohmann::json json = imageJson(outcome);
@@ -126,6 +131,8 @@ ExitCode run(const MergeCommand& command, std::ostream& out, std::ostream& err) 
         header = first;
         std::filesystem::path output = command.output;
         if (output.empty()) output = sceneOf(header.identity).replace_extension(".png");
+        if (command.output.empty() && readsFile(header.identity, output))
+            output.replace_extension(".render.png");
         checkPicturePath(output);
         // A file, its contents, and its rows.
         picture.emplace(header, output, 3 * largest, command.inBands, command.exposure);

@@ -464,6 +464,7 @@ class Verification {
 };
 
 ExitCode run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
+    checkStandardOutput(out);
     checkFiles(command);
     return Verification(command, out, err).run();
 }

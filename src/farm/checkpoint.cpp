@@ -47,13 +47,12 @@ bool writeAll(int file, const std::vector<uint8_t>& bytes, uint64_t at) {
 Checkpoint::Checkpoint(const std::filesystem::path& path, const UnitHeader& header,
                        const std::function<void(const UnitResult&)>& found)
     : path_(path) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) writeFile(path, encodeHeader(header));
-    file_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+    file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (file_ < 0) fail(path, "cannot write: " + reason(errno));
     try {
         if (::flock(file_, LOCK_EX | LOCK_NB) != 0 || !stillNamed(file_, path))
             fail(path, "another glint writes this checkpoint");
+        if (std::filesystem::file_size(path) == 0) write(encodeHeader(header));
         const auto check = [&](const UnitHeader& there) {
             const std::string other = difference(there.identity, header.identity);
             if (!other.empty())
@@ -77,7 +76,11 @@ Checkpoint::~Checkpoint() {
 }
 
 void Checkpoint::append(const UnitResult& result) {
-    const std::vector<uint8_t> bytes = encodeUnit(result);
+    if (!stillNamed(file_, path_)) fail(path_, "was removed or replaced during the render");
+    write(encodeUnit(result));
+}
+
+void Checkpoint::write(const std::vector<uint8_t>& bytes) {
     if (!writeAll(file_, bytes, size_) || ::fdatasync(file_) != 0) {
         const int number = errno;
         if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) {
@@ -89,7 +92,9 @@ void Checkpoint::append(const UnitResult& result) {
 }
 
 void Checkpoint::remove() {
-    ::unlink(path_.c_str());
+    std::error_code ignored;
+    if (stillNamed(file_, path_))
+        std::filesystem::remove(std::filesystem::canonical(path_, ignored), ignored);
 }
 
 }  // namespace glint::farm

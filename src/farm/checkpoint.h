@@ -21,14 +21,16 @@ class Checkpoint {
     Checkpoint(const Checkpoint&) = delete;
     Checkpoint& operator=(const Checkpoint&) = delete;
 
-    // The unit is on the disk when this returns. Throws Error(Failed) if it cannot be written; the units
-    // before it stay.
+    // The unit is on the disk when this returns. Throws Error(Failed) if it cannot be written, where the
+    // units before it stay, or if the name has come to stand for another file.
     void append(const UnitResult& result);
 
-    // Once the picture is written.
+    // Once the picture is written. Keeps a file of that name that another process has made.
     void remove();
 
   private:
+    void write(const std::vector<uint8_t>& bytes);
+
     std::filesystem::path path_;
     int file_ = -1;
     uint64_t size_ = 0;

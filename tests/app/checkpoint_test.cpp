@@ -1,5 +1,4 @@
 // `glint render --checkpoint`: processes that are killed and interrupted.
-#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <thread>
@@ -79,6 +78,8 @@ TEST_F(Checkpoints, AnInterruptedProcessReportsItsUnits) {
               "or give another name\n");
     EXPECT_EQ(runGlint(with("--checkpoint c.part -o all.pfm -q")).code, 0);
     EXPECT_EQ(readBytes("all.pfm"), whole_);
+    expectError(with("--checkpoint ./all.pfm -o all.pfm"), 2,
+                "all.pfm: is the checkpoint, too; name another file with --output");
 }
 
 }  // namespace glint::app::test::checkpoint_test

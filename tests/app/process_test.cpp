@@ -238,7 +238,7 @@ TEST_F(Process, BarOnATerminalIsClearedAtTheEnd) {
 TEST_F(Process, FullDiskOnStandardOutputIsAnError) {
     writeText("r.csv", "0,0,5,0,0,-1\n");
     EXPECT_EQ(shell("'" GLINT_PROGRAM "' trace a.json --rays r.csv --backend cpu > /dev/full 2> err.txt"), 1);
-    EXPECT_EQ(readText("err.txt"), "glint: cannot write to standard output\n");
+    EXPECT_EQ(readText("err.txt"), "glint: cannot write to standard output: No space left on device\n");
 }
 
 const Child::Environment kNoDriver = {{"VK_DRIVER_FILES", "/nonexistent"},

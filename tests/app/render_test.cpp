@@ -1,5 +1,4 @@
 // What `glint render --backend cpu` writes.
-#include <array>
 #include <cmath>
 
 #include "core/image_io.h"
@@ -141,11 +140,15 @@ TEST_F(Render, ItsOwnTextureIsNotReplaced) {
         for (const char* options : {"-o ", "--checkpoint c -o "})
             expectError(render + (options + output), 2,
                         output + ": is read by the scene; name another file with --output");
+    expectError(render + "--frames 0:0 --overwrite -o sub/m.png", 2,
+                "sub/m.png: is read by the scene; name another file with --output");
     EXPECT_EQ(readBytes("sub/m.png"), texture);
     EXPECT_EQ(runGlint(render).code, 0);
     std::filesystem::current_path("sub");
     EXPECT_EQ(runGlint("render m.obj --backend cpu -q --size 8x8").code, 0);
     EXPECT_EQ(readImage("m.render.png").width, 8);
+    EXPECT_EQ(runGlint("render m.obj --backend cpu -q --size 8x8 --part 1/1 -o p.part").code, 0);
+    EXPECT_STARTS(runGlint("merge p.part").out, "wrote m.render.png");
     std::filesystem::current_path("..");
     EXPECT_EQ(readBytes("sub/m.png"), texture);
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "link.png", "m.png", "sub"}));
