@@ -4,13 +4,6 @@
 
 #include "traversal/ray.glsl"
 
-// Surface of a flat primitive with this point and unit normal. The hit point is moved back to the plane as an
-// offset from `anchor`. The product with the normal errs by gamma_4 of the offset, the subtraction by a unit.
-void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surface) {
-    precise vec3 offset = (ray.origin - anchor) + hit.t * ray.direction;
-    setPoint(anchor, offset - dot(normal, offset) * normal, normal, surface);
-}
-
 // The point at which a ray crosses the plane of a flat primitive. t from an anchor point, not from a stored
 // plane constant: a distant constant would cancel.
 struct PlaneCrossing {
@@ -36,12 +29,7 @@ bool hitPlane(Ray ray, RayFrame frame, Plane plane, uint primitive, inout uint t
 }
 
 void surfaceOfPlane(Ray ray, Hit hit, Plane plane, Instance instance, inout Surface surface) {
-    precise vec3 position = ray.origin + hit.t * ray.direction;
-    precise vec3 projected = position - dot(plane.normal, position - plane.point) * plane.normal;
-    surface.position = projected;
-    surface.error = gammaBound(7.0) * (abs(projected) + abs(plane.point));
-    surface.geometricNormal = plane.normal;
-    surface.shadingNormal = plane.normal;
+    setPointOnPlane(ray, hit.t, plane.point, plane.normal, surface);
     setOwner(plane.object, plane.primitive, plane.material, surface);
 }
 
@@ -59,7 +47,7 @@ bool hitDisc(Ray ray, RayFrame frame, Disc disc, uint primitive, inout uint trip
 }
 
 void surfaceOfDisc(Ray ray, Hit hit, Disc disc, Instance instance, inout Surface surface) {
-    flatSurface(ray, hit, disc.center, disc.normal, surface);
+    setPointOnPlane(ray, hit.t, disc.center, disc.normal, surface);
     setOwner(disc.object, disc.primitive, disc.material, surface);
 }
 
@@ -116,7 +104,7 @@ bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout 
 }
 
 void surfaceOfPolygon(Ray ray, Hit hit, Polygon polygon, Instance instance, inout Surface surface) {
-    flatSurface(ray, hit, polygon.point, polygon.normal, surface);
+    setPointOnPlane(ray, hit.t, polygon.point, polygon.normal, surface);
     setOwner(polygon.object, polygon.primitive, polygon.material, surface);
 }
 

@@ -161,7 +161,7 @@ void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
 }
 
 // Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed.,
-// sec. 6.8.5), far below the error of o + t d.
+// sec. 6.8.5), far below o + t d unless the triangle dwarfs the ray (docs/design/numerics.md 2.9).
 void surfaceOfTriangle(Ray ray, Hit hit, Triangle triangle, Instance instance, inout Surface surface) {
     TriangleSurface details = loadTriangleSurface(hit.primitive & kPrimitiveIndexMask);
     if (FEATURE_INSTANCES && hit.instance != kNone && instance.mirrored != 0u) {
@@ -171,8 +171,12 @@ void surfaceOfTriangle(Ray ray, Hit hit, Triangle triangle, Instance instance, i
     precise vec3 p0 = w * triangle.v0;
     precise vec3 p1 = hit.u * triangle.v1;
     precise vec3 p2 = hit.v * triangle.v2;
+    vec3 terms = abs(p0) + abs(p1) + abs(p2);
     surface.position = p0 + p1 + p2;
-    surface.error = gammaBound(7.0) * (abs(p0) + abs(p1) + abs(p2));
+    surface.error = gammaBound(7.0) * terms;
+    vec3 way = abs(ray.origin) + abs(hit.t * ray.direction);
+    if (greatestComponent(terms) > 16.0 * greatestComponent(way))
+        setPointOnPlane(ray, hit.t, triangle.v0, details.normal, surface);
     surface.geometricNormal = details.normal;
     surface.shadingNormal = details.normal;
     if (FEATURE_VERTEX_NORMALS) {

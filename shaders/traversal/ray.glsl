@@ -209,6 +209,15 @@ void setPoint(vec3 anchor, vec3 offset, vec3 normal, inout Surface surface) {
     surface.shadingNormal = normal;
 }
 
+// The same of o + t d moved back onto the plane through `anchor`: an offset from a far one would lose digits
+// along the plane. The product with the normal errs by gamma_4 of the distance, the subtractions by a unit.
+void setPointOnPlane(Ray ray, float t, vec3 anchor, vec3 normal, inout Surface surface) {
+    precise vec3 position = ray.origin + t * ray.direction;
+    precise vec3 projected = position - dot(normal, position - anchor) * normal;
+    setPoint(anchor, projected, normal, surface);
+    surface.position = projected;
+}
+
 void setOwner(uint object, uint primitive, uint material, inout Surface surface) {
     surface.object = object;
     surface.primitive = primitive;

@@ -161,9 +161,9 @@ TEST_F(ExrKinds, ColoursOfTheOnlyLayer) {
         Imf::Header header(1, 1);
         Imf::FrameBuffer buffer;
         for (size_t i = 0; i < channels.size(); ++i) {
-            const std::string name = std::string("beauty.") + channels[i];
-            header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-            buffer.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(samples + i), 4, 4));
+            header.channels().insert(std::string("beauty.") + channels[i], Imf::Channel(Imf::FLOAT));
+            buffer.insert(std::string("beauty.") + channels[i],
+                          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(samples + i), 4, 4));
         }
         EXPECT_EQ(written(header, buffer, 1).pixels, std::vector<float>(samples, samples + channels.size()));
     }

@@ -360,6 +360,12 @@ TEST_F(RangeTest, GreatAndSmallTogether) {
     addObject(cube, BoxShape{{-0.5, 0, -0.5}, {0.5, 1, 0.5}});
     aim(cube.camera, {0, 1.5, 5}, {0, 0.05, 0.5});
     EXPECT_EQ(draw(device(), makeCase(cube, 1, 1)).data.at(0).object, 1u);
+    // From the weights of its corners a point of this triangle would err by 1e-2.
+    Scene floor = emptyScene();
+    addTriangle(floor, {-1e5, 0, -7e4}, {1e5, 0, 8e4}, {9e4, 0, -1e5});
+    aim(floor.camera, {0, 1.5, 5}, {0.3, 0, 1});
+    const dvec3 point = draw(device(), makeCase(floor, 1, 1)).data.at(0).position;
+    EXPECT_NEAR(glm::distance(point, dvec3(0.3, 0, 1)), 0, 1e-5);
 }
 
 }  // namespace glint::render::test::analytic_test

@@ -11,7 +11,7 @@ mutant(sphere_normal primitives/sphere.glsl "vec3 outward = quotient(offset, len
        "vec3 outward = normalize(quotient(offset, length(offset)) + vec3(0.01, 0.0, 0.0));" light shade)
 mutant(far_offset traversal/ray.glsl "vec3 offset = clearance(error, n) * n;" "vec3 offset = (clearance(error, n) + 0.05) * n;" light shade)
 mutant(narrow_box traversal/ray.glsl "abs(offset) + abs(anchor)" "abs(offset) + anchor" shade)
-mutant(wide_box primitives/triangle.glsl "gammaBound(7.0) * (abs(p0)" "gammaBound(7.007) * (abs(p0)" shade)
+mutant(wide_box primitives/triangle.glsl "gammaBound(7.0) * terms" "gammaBound(7.007) * terms" shade)
 mutant(near_faces primitives/triangle.glsl "speed != 0.0 && t > 0.0 && countsAt(ray, t)" "speed != 0.0 && t + tSlip >= 0.0 && t - tSlip <= ray.tMax" light)
 mutant(short_shadows shading/lighting.glsl "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
 mutant(long_shadows shading/lighting.glsl "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)

@@ -35,7 +35,7 @@ void flatSurface(const Flat& flat, const dvec3& anchor, const Place& place, Surf
     surface.geometricNormal = glm::normalize(flat.normal);
     const double distance = glm::dot(surface.geometricNormal, place.point - anchor);
     surface.position = place.point - distance * surface.geometricNormal;
-    surface.error = errorBox(surface.position - anchor, anchor);
+    surface.error = errorBox(surface.position, anchor);  // it is never an offset
     surface.scale = greatestMagnitude(anchor);
 }
 
@@ -146,12 +146,16 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
     const Hit& hit = place.hit;
     const dvec3 v0(triangle.v0), v1(triangle.v1), v2(triangle.v2);
     const double w = 1 - hit.u - hit.v;
+    const dvec3 terms =
+        std::abs(w) * glm::abs(v0) + std::abs(hit.u) * glm::abs(v1) + std::abs(hit.v) * glm::abs(v2);
     surface.position = w * v0 + hit.u * v1 + hit.v * v2;
-    surface.error = gammaOf(7) * (std::abs(w) * glm::abs(v0) + std::abs(hit.u) * glm::abs(v1) +
-                                  std::abs(hit.v) * glm::abs(v2));
+    surface.error = gammaOf(7) * terms;
     surface.scale = std::max({greatestMagnitude(v0), greatestMagnitude(v1), greatestMagnitude(v2)});
     const dvec3 area = areaOf(v0, v1, v2);
     surface.geometricNormal = glm::normalize(area);
+    // fp32 takes the nearer of two ways to the point (docs/design/numerics.md).
+    const dvec3 way = glm::abs(place.ray.origin) + glm::abs(hit.t * place.ray.direction);
+    if (greatestMagnitude(terms) > 16 * greatestMagnitude(way)) surface.error = errorBox(surface.position, v0);
     // An edge function is a sum of products of two corners as seen from the point, and a weight its share of
     // twice the area: on a needle these products exceed the area.
     const double a = glm::distance(v0, surface.position), b = glm::distance(v1, surface.position),
@@ -169,7 +173,6 @@ bool intersect(const rows::Plane& plane, const RayTest& test, Root& root) {
 
 void surfaceOf(const rows::Plane& plane, const Place& place, Surface& surface) {
     flatSurface(plane, plane.point, place, surface);
-    surface.error = errorBox(surface.position, plane.point);  // it is never an offset
 }
 
 // ---- Discs
