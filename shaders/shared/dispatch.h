@@ -127,8 +127,8 @@ GLINT_CONST_UINT(kLedgerRows, 2u);
 // Then, with transmission:
 GLINT_CONST_UINT(kTreeRowMedia, 2u);   // the media that the ray is in, oldest first, 0 after the last
 GLINT_CONST_UINT(kTreeRowBranch, 3u);  // rays before this one from the eye; branches waiting; kRay... or 0; 0
-GLINT_CONST_UINT(kTreeRowShadow, 4u);      // Passage of an unfinished shadow ray: depth, terms
-GLINT_CONST_UINT(kTreeRowAround, 5u);      // around; 0
+GLINT_CONST_UINT(kTreeRowShadow, 4u);  // Passage of an unfinished shadow ray: depth, terms
+GLINT_CONST_UINT(kTreeRowAround, 5u);  // around; 0
 GLINT_CONST_UINT(kTreeRowWaiting, 6u);     // the waiting branches, each with the rows kWaiting...:
 GLINT_CONST_UINT(kWaitingOrigin, 0u);      // origin, primitive the ray starts on
 GLINT_CONST_UINT(kWaitingDirection, 1u);   // direction, rays before this one | class << kWaitingKindShift

@@ -155,7 +155,8 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
     surface.geometricNormal = glm::normalize(area);
     // fp32 takes the nearer of two ways to the point (docs/design/numerics.md).
     const dvec3 way = glm::abs(place.ray.origin) + glm::abs(hit.t * place.ray.direction);
-    if (greatestMagnitude(terms) > 16 * greatestMagnitude(way)) surface.error = errorBox(surface.position, v0);
+    if (greatestMagnitude(terms) > 16 * greatestMagnitude(way))
+        surface.error = errorBox(surface.position, v0);
     // An edge function is a sum of products of two corners as seen from the point, and a weight its share of
     // twice the area: on a needle these products exceed the area.
     const double a = glm::distance(v0, surface.position), b = glm::distance(v1, surface.position),
