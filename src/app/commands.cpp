@@ -35,6 +35,12 @@ std::string shown(const std::filesystem::path& file) {
     return printable(file.string());
 }
 
+fs::path inFolder(const fs::path& output, const fs::path& name) {
+    std::error_code ignored;
+    const bool isFolder = !output.has_filename() || fs::is_directory(output, ignored);
+    return isFolder ? output / name : output;
+}
+
 void checkPicturePath(const fs::path& path) {
     layerPaths(path, {});
     checkOutputPath(path);

@@ -100,6 +100,9 @@ void printJson(const nlohmann::json& json, std::ostream& out);
 // A file's name for the terminal: it may be a stranger's too.
 std::string shown(const std::filesystem::path& file);
 
+// `output`, or the file `name` in it if it is a folder or ends in a slash.
+std::filesystem::path inFolder(const std::filesystem::path& output, const std::filesystem::path& name);
+
 // Throws Error(Argument) if the extension names no image format, and the errors of checkOutputPath().
 void checkPicturePath(const std::filesystem::path& path);
 

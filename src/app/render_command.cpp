@@ -32,8 +32,7 @@ fs::path outputOf(const RenderCommand& command) {
     if (!command.scene.scene.has_filename())
         throw Error(ErrorKind::Scene, shown(command.scene.scene) + ": is a folder, not a file");
     if (command.output.empty()) return name;
-    const bool isFolder = !command.output.has_filename() || fs::is_directory(command.output);
-    return isFolder ? command.output / name : command.output;
+    return inFolder(command.output, name);
 }
 
 namespace {
@@ -278,7 +277,7 @@ std::vector<int> framesToDraw(const RenderCommand& command) {
         const auto files = layerPaths(numbered(outputOf(command), frame), namesOf(command.aovs));
         const bool there = std::all_of(files.begin(), files.end(), [](const fs::path& file) {
             std::error_code ignored;
-            return fs::exists(file, ignored);
+            return fs::is_regular_file(file, ignored) && !fs::is_empty(file, ignored);
         });
         if (command.overwrite || !there) frames.push_back(frame);
     }

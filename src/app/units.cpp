@@ -124,13 +124,13 @@ nlohmann::json mergeJson(const std::filesystem::path& scene, const Outcome& outc
 ExitCode run(const MergeCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     if (!command.quiet || command.json) checkStandardOutput(out);
-    if (!command.output.empty()) checkPicturePath(command.output);
+    if (!command.output.empty()) checkPicturePath(inFolder(command.output, "image.png"));
     farm::UnitHeader header;
     std::optional<UnitPicture> picture;
     const auto begin = [&](const farm::UnitHeader& first, uint64_t largest) {
         header = first;
-        std::filesystem::path output = command.output;
-        if (output.empty()) output = sceneOf(header.identity).replace_extension(".png");
+        std::filesystem::path output = sceneOf(header.identity).replace_extension(".png");
+        if (!command.output.empty()) output = inFolder(command.output, output);
         if (command.output.empty() && readsFile(header.identity, output))
             output.replace_extension(".render.png");
         checkPicturePath(output);

@@ -264,6 +264,7 @@ PartOutline outlineOf(const fs::path& path) {
         std::vector<uint8_t> start;
         file.append(start, kLength + sizeof(outline.part));  // the number is the first field
         std::memcpy(&outline.part, &start[kLength], sizeof(outline.part));
+        if (outline.part < 1 || outline.part > outline.header.parts) damaged("there is no such part");
         return outline;
     });
 }

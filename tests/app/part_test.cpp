@@ -27,7 +27,7 @@ TEST_F(Part, NamesAndSummary) {
     EXPECT_EQ(merged.code, 0);
     EXPECT_STARTS(merged.out, "wrote a.png (64x48)\ndevice: CPU reference (double precision)\nhash: ");
     const nlohmann::json whole = jsonOf("render a.json --backend cpu --stats json -o b.png");
-    const nlohmann::json json = jsonOf("merge a.2-of-2.part a.1-of-2.part --in-bands --stats json");
+    const nlohmann::json json = jsonOf("merge a.2-of-2.part a.1-of-2.part --in-bands --stats json -o ./");
     EXPECT_EQ(json["hash"], whole["hash"]);
     EXPECT_EQ(json["parts"], 2);
     EXPECT_EQ(json["inBands"], true);
