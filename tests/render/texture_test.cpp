@@ -149,6 +149,8 @@ TEST_F(TextureTest, GreatCoordinatesStayInTheImage) {
         Texture far{ImageTexture{"q", quadImage(), wrap, wrap, TexelFilter::Nearest}, dvec2(1),
                     dvec2(2e7, -2e7)};
         expectNear(wall(far, {{0.25, 0.75}, {0.75, 0.25}}), {1, 4}, 0);
+        far.offset = {1000.1, 0};
+        expectNear(wall(far, {{0.39999, 0.75}, {0.40001, 0.75}}), {1, 2}, 0);
         far.offset = {1e17, -1e17};
         expectNear(wall(far, {{0.25, 0.75}}), {3}, 0);  // the texel at (0, 0)
     }
