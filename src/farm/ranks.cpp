@@ -84,7 +84,6 @@ void FirstRank::publish(const Bytes& piece) {
 }
 
 void FirstRank::begin(const UnitHeader& header, int window, Take take) {
-    files_->flush();
     header_ = header;
     window_ = std::max(1, window);
     take_ = std::move(take);

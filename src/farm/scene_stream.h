@@ -12,9 +12,11 @@
 
 namespace glint::farm {
 
+enum class Question : uint8_t;
+
 class RecordedFiles : public FileSource {
   public:
-    // `publish` gets the stream in pieces of at most 1 MiB, as soon as a file is read.
+    // `publish` gets each answer, and the bytes of a file in pieces of at most 1 MiB.
     RecordedFiles(std::shared_ptr<FileSource> files, std::function<void(const Bytes&)> publish)
         : files_(std::move(files)), publish_(std::move(publish)) {}
 
@@ -22,17 +24,12 @@ class RecordedFiles : public FileSource {
     FileStatus status(const std::filesystem::path& path) override;
     std::filesystem::path real(const std::filesystem::path& path) override;
 
-    // Publishes the answers since the last file.
-    void flush();
-
   private:
     template <typename Ask>
-    auto answered(uint8_t question, const std::filesystem::path& path, const Ask& ask);
-    void append(const Bytes& bytes);
+    auto answered(Question question, const std::filesystem::path& path, const Ask& ask);
 
     std::shared_ptr<FileSource> files_;
     std::function<void(const Bytes&)> publish_;
-    Bytes pending_;
 };
 
 class ReplayedFiles : public FileSource {
@@ -45,15 +42,10 @@ class ReplayedFiles : public FileSource {
     std::filesystem::path real(const std::filesystem::path& path) override;
 
   private:
-    void expect(uint8_t question, const std::filesystem::path& path);
-    std::string text();
-    template <typename T>
-    T number();
-    void take(void* to, size_t size);
+    template <typename Answer>
+    Answer answer(Question question, const std::filesystem::path& path);
 
     std::function<Bytes()> next_;
-    Bytes piece_;
-    size_t at_ = 0;  // in the piece
 };
 
 }  // namespace glint::farm
