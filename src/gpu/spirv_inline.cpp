@@ -1,5 +1,6 @@
 // Calls replaced by the bodies of functions, and local variables by values: a part of specialize.h.
 #include <algorithm>
+#include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>

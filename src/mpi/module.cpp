@@ -50,7 +50,7 @@ class MpiTransport : public Transport {
     int size() const override { return size_; }
     void send(int to, const Bytes& bytes) override {
         if (bytes.size() > INT_MAX) throw std::runtime_error("MPI: a message of more than 2 GiB");
-        Outgoing& made = outgoing_.emplace_back(bytes);
+        Outgoing& made = outgoing_.emplace_back(Outgoing{bytes});
         check(MPI_Isend(made.bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, to, kTag, MPI_COMM_WORLD,
                         &made.request),
               "MPI_Isend");

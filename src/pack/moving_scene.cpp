@@ -8,6 +8,7 @@
 #include "bvh/flatten.h"
 #include "core/parallel.h"
 #include "pack/area_vector.h"
+#include "pack/extent.h"
 #include "pack/pack_geometry.h"
 #include "pack/primitives.h"
 #include "pack/request_environment.h"

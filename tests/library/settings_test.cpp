@@ -1,5 +1,6 @@
 // What the caller sets: memory that may be refused, threads, a log, and commits that are cancelled.
 #include <atomic>
+#include <cstring>
 #include <thread>
 
 #include "support.h"

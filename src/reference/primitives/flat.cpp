@@ -161,7 +161,7 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
     // twice the area: on a needle these products exceed the area.
     const double a = glm::distance(v0, surface.position), b = glm::distance(v1, surface.position),
                  c = glm::distance(v2, surface.position);
-    surface.uvScale = dvec2(std::min(std::max({a * b, b * c, c * a}) / glm::length(area), 0x1p23));
+    surface.uvScale = glm::dvec2(std::min(std::max({a * b, b * c, c * a}) / glm::length(area), 0x1p23));
 }
 
 // ---- Planes
