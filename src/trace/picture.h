@@ -1,6 +1,7 @@
 // Result of a tracer: colour for each pixel and, on request, layers of the pixel's first sample.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
@@ -49,13 +50,13 @@ struct LostBranches {
     void add(uint64_t branches, double bound) {
         count += branches;
         sum += bound;
-        greatest = bound > greatest ? bound : greatest;
+        greatest = std::max(greatest, bound);
     }
-    // Adds the counts of other pixels.
-    void add(const LostBranches& other) {
+    // Adds the counts of other pixels, whose bounds count `weight` times.
+    void add(const LostBranches& other, double weight = 1) {
         count += other.count;
-        sum += other.sum;
-        greatest = other.greatest > greatest ? other.greatest : greatest;
+        sum += other.sum * weight;
+        greatest = std::max(greatest, other.greatest * weight);
     }
 };
 
@@ -64,13 +65,13 @@ struct TreeLosses {
     LostBranches cut;    // below the request's least contribution
     LostBranches depth;  // beyond the depth limit
     LostBranches room;   // more than could wait at a time
-    uint64_t crowdedMedia =
-        0;  // surfaces that a ray passed as if they were not there: it was in too many media
-    // Adds the counts of other pixels.
-    void add(const TreeLosses& other) {
-        cut.add(other.cut);
-        depth.add(other.depth);
-        room.add(other.room);
+    // Surfaces that a ray passed as if they were not there: it was in too many media.
+    uint64_t crowdedMedia = 0;
+    // Adds the counts of other pixels, whose bounds count `weight` times.
+    void add(const TreeLosses& other, double weight = 1) {
+        cut.add(other.cut, weight);
+        depth.add(other.depth, weight);
+        room.add(other.room, weight);
         crowdedMedia += other.crowdedMedia;
     }
 };

@@ -20,7 +20,6 @@ using reference::Branch;
 using reference::Jitter;
 using reference::Step;
 
-constexpr uint64_t kResponseMoves = 16;
 // Sizes of moves in rotation, as parts of kStepUnits: narrow gaps need small moves.
 constexpr double kSizes[] = {1, 0.25, 1.0 / 34};
 constexpr int kMovesAtOnce = 48, kTurns = 32;
@@ -75,8 +74,7 @@ class Certifier {
           lookups_(!tracer.model().textures.empty()) {}
 
     Certificate run(const reference::Ray& cameraRay) {
-        Branch camera = tracer_.firstBranch(cameraRay);
-        pending_.push_back({camera, nullptr, 0});
+        pending_.push_back({tracer_.firstBranch(cameraRay), nullptr, 0});
         const bool holds = follow();
         result_.verdict = holds                         ? Certificate::Verdict::Holds
                           : result_.steps >= mostSteps_ ? Certificate::Verdict::Undecided
@@ -333,36 +331,13 @@ bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& 
 
 }  // namespace
 
-bool isPredicted(const reference::Tracer& tracer, const reference::Ray& cameraRay,
-                 const reference::PixelRecord& still, const PackedScene& scene, const Quantities& device) {
-    const Quantities floors = floorsOf(scene, still, cameraRay);
-    Box box(quantitiesOf(still, scene.origin), floors);
-    if (box.contains(0, device, 0)) return true;
-    const double gain = kResponseGain * (still.meetsInstance ? 1 + scene.instanceGain : 1);
-    for (uint64_t seed = 1; seed <= kResponseMoves; ++seed) {
-        const reference::PixelRecord moved = tracer.trace(cameraRay, {.seed = seed, .ulps = 1});
-        if (moved.decisions != still.decisions) continue;
-        box.include({quantitiesOf(moved, scene.origin), floors});
-        if (box.contains(0, device, gain)) return true;
-    }
-    return false;
-}
-
 Trail trailOf(const reference::PixelRecord& record) {
     Trail trail;
     dvec3 sum(0);
     for (const reference::Bounce& bounce : record.path) {
-        TrailRay ray;
-        ray.origin = bounce.ray.origin;
-        ray.direction = bounce.ray.direction;
-        if (bounce.hit) {
-            ray.t = bounce.hit->t;
-            ray.id = bounce.hit->id;
-        }
-        ray.throughput = bounce.throughput;
-        ray.sum = sum;
+        const reference::Hit hit = bounce.hit.value_or(reference::Hit{.id = shared::kNone});
+        trail.push_back({bounce.ray.origin, bounce.ray.direction, hit.t, hit.id, bounce.throughput, sum});
         sum += bounce.light;
-        trail.push_back(ray);
     }
     return trail;
 }

@@ -11,16 +11,12 @@ namespace glint::verify {
 // The reference's colour may change by this many times its response to moves of one unit of 2^-24: a step
 // takes some ten roundings where a move changes a ray once.
 inline constexpr double kResponseGain = 16;
+inline constexpr uint64_t kResponseMoves = 16;
 
 // Units of 2^-24 that a ray may move by in one step, relative to the greatest coordinate involved: 10 on each
 // of two axes for the triangle test (PBRT 4th ed., 6.8.7), 14 for the origin. The transform of an instance
 // adds its condition times as many.
 inline constexpr double kStepUnits = 34;
-
-// True if the first hit and the colour lie within the shading bounds of the reference's answer, or within
-// kResponseGain times its response to a few moves of one unit.
-bool isPredicted(const reference::Tracer& tracer, const reference::Ray& cameraRay,
-                 const reference::PixelRecord& still, const PackedScene& scene, const Quantities& device);
 
 // A path as the device traced it.
 struct SeenPath {

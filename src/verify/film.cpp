@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/device_layout.h"
+#include "core/vectors.h"
 #include "reference/sampling.h"
 #include "verify/quantities.h"
 
@@ -50,8 +51,7 @@ void Film::add(uint32_t index, const Picture& sample) {
 // is that near to the threshold, both are right.
 bool Film::mayTake(size_t pixel, bool further) const {
     double greatest = 0;
-    for (const glm::dvec3& color : colors_[pixel])
-        greatest = std::max({greatest, std::abs(color.x), std::abs(color.y), std::abs(color.z)});
+    for (const glm::dvec3& color : colors_[pixel]) greatest = std::max(greatest, greatestMagnitude(color));
     const double threshold = *samples_.threshold, least = threshold * shared::kDarkestMean;
     const double slack = 8 * kFloatUnit * samples_.round * (1 + greatest / least);
     return reference::needsMore(colors_[pixel], threshold * (further ? 1 - slack : 1 + slack)) == further;
@@ -80,10 +80,7 @@ std::vector<size_t> Film::differing(const Picture& whole) const {
 }
 
 void Account::addAlike(const TreeLosses& lost, double weight) {
-    alike_.cut.add(lost.cut.count, lost.cut.sum * weight);
-    alike_.depth.add(lost.depth.count, lost.depth.sum * weight);
-    alike_.room.add(lost.room.count, lost.room.sum * weight);
-    alike_.crowdedMedia += lost.crowdedMedia;
+    alike_.add(lost, weight);
     greatestWeight_ = std::max(greatestWeight_, weight);
 }
 

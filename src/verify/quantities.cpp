@@ -10,71 +10,34 @@ namespace glint::verify {
 
 namespace {
 
-enum {
-    kDepth = 3,
-    kPosition = 4,
-    kNormal = 7,
-    kGeometric = 10,
-    kU = 13,
-    kV = 14,
-    kObject = 16,
-    kPrimitive = 17,
-    kMaterial = 18,
-    kClearance = 19
-};
+constexpr size_t kDepth = 3, kPosition = 4, kNormal = 7, kGeometric = 10, kU = 13, kV = 14, kClearance = 19;
 
-void put(Quantities& q, size_t at, const glm::dvec3& v) {
-    for (int i = 0; i < 3; ++i) q[at + static_cast<size_t>(i)] = v[i];
+// As Quantities, in the order of kQuantityNames.
+template <typename... Numbers>
+Quantities listed(Numbers... numbers) {
+    return {static_cast<double>(numbers)...};
 }
 
 }  // namespace
 
 Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& origin) {
-    Quantities q{};
-    put(q, 0, record.color);
-    if (!record.hit) return q;
-    const reference::Surface& surface = *record.surface;
-    q[kDepth] = record.hit->t;
-    put(q, kPosition, origin + surface.position);
-    put(q, kNormal, surface.shadingNormal);
-    put(q, kGeometric, surface.geometricNormal);
-    q[kU] = record.hit->isTriangle() ? record.hit->u : surface.uv.x;
-    q[kV] = record.hit->isTriangle() ? record.hit->v : surface.uv.y;
-    q[kShadows] = record.shadowBits;
-    q[kObject] = surface.object;
-    q[kPrimitive] = surface.primitive;
-    q[kMaterial] = surface.material;
-    const double clearance = reference::clearanceOf(surface.error, surface.geometricNormal);
-    q[kClearance] = std::isnan(clearance) ? 0 : clearance;
-    return q;
+    const glm::dvec3 c = record.color;
+    if (!record.hit) return listed(c.x, c.y, c.z);
+    const reference::Surface& s = *record.surface;
+    const glm::dvec3 p = origin + s.position, n = s.shadingNormal, g = s.geometricNormal;
+    const glm::dvec2 uv = record.hit->isTriangle() ? glm::dvec2(record.hit->u, record.hit->v) : s.uv;
+    const double clearance = reference::clearanceOf(s.error, g);
+    return listed(c.x, c.y, c.z, record.hit->t, p.x, p.y, p.z, n.x, n.y, n.z, g.x, g.y, g.z, uv.x, uv.y,
+                  record.shadowBits, s.object, s.primitive, s.material,
+                  std::isnan(clearance) ? 0 : clearance);
 }
 
-Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
-    Quantities q{};
-    put(q, 0, glm::dvec3(color));
-    q[kClearance] = data.clearance;
-    if (data.object == PixelData::kNoIndex) return q;
-    q[kDepth] = data.depth;
-    put(q, kPosition, data.position);
-    put(q, kNormal, glm::dvec3(data.normal));
-    put(q, kGeometric, glm::dvec3(data.geometricNormal));
-    q[kU] = data.u;
-    q[kV] = data.v;
-    q[kShadows] = data.shadowBits;
-    q[kObject] = data.object;
-    q[kPrimitive] = data.primitive;
-    q[kMaterial] = data.material;
-    return q;
-}
-
-std::string_view quantityName(size_t index) {
-    static constexpr std::string_view kNames[] = {
-        "color",           "color",           "color",           "depth",    "position",
-        "position",        "position",        "normal",          "normal",   "normal",
-        "geometricNormal", "geometricNormal", "geometricNormal", "u",        "v",
-        "hiddenLights",    "object",          "primitive",       "material", "clearance"};
-    static_assert(std::size(kNames) == kQuantities);
-    return kNames[index];
+Quantities quantitiesOf(const glm::vec3& c, const PixelData& data) {
+    if (data.object == PixelData::kNoIndex) return listed(c.x, c.y, c.z);
+    const glm::dvec3 p = data.position;
+    const glm::vec3 n = data.normal, g = data.geometricNormal;
+    return listed(c.x, c.y, c.z, data.depth, p.x, p.y, p.z, n.x, n.y, n.z, g.x, g.y, g.z, data.u, data.v,
+                  data.shadowBits, data.object, data.primitive, data.material, data.clearance);
 }
 
 Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray) {

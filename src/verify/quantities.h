@@ -26,8 +26,10 @@ inline constexpr double kUnderflow = 0x1p-120;
 
 Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& origin);
 Quantities quantitiesOf(const glm::vec3& color, const PixelData& data);
-// Name of a number of Quantities, such as "normal" for each of its three coordinates.
-std::string_view quantityName(size_t index);
+inline constexpr std::array<std::string_view, kQuantities> kQuantityNames = {
+    "color",  "color",        "color",  "depth",           "position",        "position",        "position",
+    "normal", "normal",       "normal", "geometricNormal", "geometricNormal", "geometricNormal", "u",
+    "v",      "hiddenLights", "object", "primitive",       "material",        "clearance"};
 
 // Rounding error that arithmetic may add to each quantity for a given ray and hit; for the colour
 // PixelRecord::rounding. `ray`: the camera's.

@@ -109,25 +109,27 @@ RepresentationCheck::Moved RepresentationCheck::moved(uint64_t seed) const {
     return {reference::Tracer(model, request_, radianceBound_), camera};
 }
 
-// Traces all doubtful pixels in a scene with moved numbers, and removes those that it explains.
-void RepresentationCheck::draw(uint64_t seed, std::vector<Doubt*>& open) const {
-    const Moved scene = moved(seed);
-    parallelFor({.cancelled = request_.cancelled}, open.size(), [&](size_t i) {
-        Doubt& doubt = *open[i];
-        const reference::Ray ray = rayOf(scene.tracer, scene.camera, doubt);
-        const reference::PixelRecord record = scene.tracer.trace(ray);
-        if (record.pathHash != doubt.pathHash) return;
-        const Box box(quantitiesOf(record, packed_.origin), floorsOf(packed_, record, ray));
-        auto at = std::find_if(doubt.classes.begin(), doubt.classes.end(),
-                               [&](const Class& c) { return c.decisions == record.decisions; });
-        if (at == doubt.classes.end()) at = doubt.classes.insert(at, {record.decisions, box, 0});
-        at->box.include(box);
-        ++at->members;
-        if (!containsScene(at->box, doubt.rounded, at->members > 1 ? kMoveGain : 0)) return;
-        const bool alike = doubt.decisions == record.decisions;
-        doubt.state = alike ? Doubt::State::Predicted : Doubt::State::Explained;
-    });
-    std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
+// Traces all doubtful pixels in scenes with moved numbers, and removes those that these explain.
+void RepresentationCheck::draw(uint64_t first, uint64_t last, std::vector<Doubt*>& open) const {
+    for (uint64_t seed = first; seed <= last && !open.empty(); ++seed) {
+        const Moved scene = moved(seed);
+        parallelFor({.cancelled = request_.cancelled}, open.size(), [&](size_t i) {
+            Doubt& doubt = *open[i];
+            const reference::Ray ray = rayOf(scene.tracer, scene.camera, doubt);
+            const reference::PixelRecord record = scene.tracer.trace(ray);
+            if (record.pathHash != doubt.pathHash) return;
+            const Box box(quantitiesOf(record, packed_.origin), floorsOf(packed_, record, ray));
+            auto at = std::find_if(doubt.classes.begin(), doubt.classes.end(),
+                                   [&](const Class& c) { return c.decisions == record.decisions; });
+            if (at == doubt.classes.end()) at = doubt.classes.insert(at, {record.decisions, box, 0});
+            at->box.include(box);
+            ++at->members;
+            if (!containsScene(at->box, doubt.rounded, at->members > 1 ? kMoveGain : 0)) return;
+            const bool alike = doubt.decisions == record.decisions;
+            doubt.state = alike ? Doubt::State::Predicted : Doubt::State::Explained;
+        });
+        std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
+    }
 }
 
 // After many bounces a few moved scenes do not reproduce the path. The truth must then give each ray's hit
@@ -138,10 +140,6 @@ void RepresentationCheck::certifyDoubt(Doubt& doubt) const {
     const Certificate certificate =
         certify(truth_, packed_, rayOf(truth_, camera_, doubt), seen, kMostStepsOfPixel);
     if (certificate.verdict == Certificate::Verdict::Holds) doubt.state = Doubt::State::Explained;
-}
-
-void RepresentationCheck::draw(uint64_t first, uint64_t last, std::vector<Doubt*>& open) const {
-    for (uint64_t seed = first; seed <= last && !open.empty(); ++seed) draw(seed, open);
 }
 
 // True if one of kStandIns moved scenes, in place of the packed one, leaves half as many pixels in doubt.

@@ -77,7 +77,6 @@ class RepresentationCheck {
     Moved moved(uint64_t seed) const;
     static std::vector<Doubt*> doubtsOf(std::vector<Row>& rows);
     void compareIn(Row& row, Doubt doubt, const reference::PixelRecord& rounded) const;
-    void draw(uint64_t seed, std::vector<Doubt*>& open) const;
     void draw(uint64_t first, uint64_t last, std::vector<Doubt*>& open) const;
     bool mayLeave(size_t doubts) const;
     void certifyDoubt(Doubt& doubt) const;

@@ -45,19 +45,10 @@ bool isCovered(float alpha, const PixelData& data, double weight) {
 bool isBlankIfMiss(const PixelData& d) {
     const PixelData miss;
     const auto layers = [](const PixelData& p) {
-        return std::tuple(p.depth, p.position, p.normal, p.geometricNormal, p.u, p.v, p.primitive,
-                          p.material);
+        return std::tuple(p.depth, p.position, p.normal, p.geometricNormal, p.u, p.v, p.primitive, p.material,
+                          p.clearance);
     };
     return d.object != PixelData::kNoIndex || layers(d) == layers(miss);
-}
-
-// True if device and reference hit the same primitives.
-bool isSamePath(const DifferingPixel& pixel) {
-    return pixel.device.pathHash == pixel.reference.pathHash;
-}
-// True if they also followed equally many rays, and so lost the same branches.
-bool isAlike(const DifferingPixel& pixel) {
-    return isSamePath(pixel) && pixel.device.bounces == pixel.reference.bounces;
 }
 
 bool worseThan(const DifferingPixel& a, const DifferingPixel& b) {
@@ -69,18 +60,14 @@ bool worseThan(const DifferingPixel& a, const DifferingPixel& b) {
 
 // Counts a pixel, and paints it in the image of differences.
 void addDiffering(Report& report, DifferingPixel&& pixel) {
-    struct Entry {
-        uint64_t Report::*count;
-        glm::vec3 color;
-    };
-    static const Entry entries[] = {{&Report::edges, {1, 0.8f, 0}},
-                                    {&Report::roundings, {0.1f, 0.8f, 0.2f}},
-                                    {&Report::undecided, {0.8f, 0, 0.8f}},
-                                    {&Report::unexplained, {1, 0, 0}}};
-    const Entry& entry = entries[static_cast<size_t>(pixel.reason) - 1];
-    ++(report.*entry.count);
-    for (int c = 0; pixel.sample == 0 && c < 3; ++c)
-        report.difference.at(pixel.x, pixel.y, c) = entry.color[c];
+    using Entry = std::pair<uint64_t&, glm::vec3>;
+    const Entry entries[] = {{report.edges, {1, 0.8f, 0}},
+                             {report.roundings, {0.1f, 0.8f, 0.2f}},
+                             {report.undecided, {0.8f, 0, 0.8f}},
+                             {report.unexplained, {1, 0, 0}}};
+    const auto& [count, color] = entries[static_cast<size_t>(pixel.reason) - 1];
+    ++count;
+    for (int c = 0; pixel.sample == 0 && c < 3; ++c) report.difference.at(pixel.x, pixel.y, c) = color[c];
     report.worst.push_back(std::move(pixel));
 }
 
@@ -118,11 +105,16 @@ class Verification {
 
     void verifyPart(const Region& part);
     void compareSample(uint32_t sample, const Picture& device, const std::vector<Trail>& trails);
+    // Around an answer, with the floors of the reference's answer for the camera's ray.
+    Box boxOf(const reference::PixelRecord& answer, const reference::PixelRecord& still,
+              const reference::Ray& ray) const {
+        return {quantitiesOf(answer, scene_.origin), floorsOf(scene_, still, ray)};
+    }
+    bool isResponse(const DifferingPixel& pixel, const reference::Ray& ray) const;
     DifferingPixel comparedPixel(int x, int y, uint32_t sample, const Picture& device);
     void add(const DifferingPixel& pixel);
     void certifyAll(const Picture& device, const std::vector<Trail>& trails);
     uint64_t certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t mostSteps) const;
-    std::vector<std::string_view> quantitiesBeyond(const DifferingPixel& pixel) const;
     std::vector<size_t> plainDifferences(const Picture& device) const;
     uint64_t countSettled(const Region& part, uint32_t end, const std::vector<size_t>& pixels) const;
     void conclude();
@@ -239,13 +231,27 @@ void Verification::compareSample(uint32_t sample, const Picture& device, const s
     certifyAll(device, trails);
     for (DifferingPixel& pixel : pixels_) {
         if (pixel.reason == Reason::Predicted) continue;
-        if (pixel.reason == Reason::Unexplained) pixel.quantities = quantitiesBeyond(pixel);
         addDiffering(report_, std::move(pixel));
     }
     const size_t kept = std::min(report_.worst.size(), options_.worstCount);
     const auto end = report_.worst.begin() + static_cast<std::ptrdiff_t>(kept);
     std::partial_sort(report_.worst.begin(), end, report_.worst.end(), worseThan);
     report_.worst.resize(kept);
+}
+
+// True if the device's answer lies within kResponseGain times the reference's response to a few moves of one
+// unit that decide alike.
+bool Verification::isResponse(const DifferingPixel& pixel, const reference::Ray& ray) const {
+    const reference::PixelRecord& still = pixel.reference;
+    const double gain = kResponseGain * (still.meetsInstance ? 1 + scene_.instanceGain : 1);
+    const Quantities seen = quantitiesOf(pixel.deviceColor, pixel.device);
+    Box box = boxOf(still, still, ray);
+    for (uint64_t seed = 1; seed <= kResponseMoves; ++seed) {
+        const reference::PixelRecord moved = tracer_.trace(ray, {.seed = seed, .ulps = 1});
+        if (moved.decisions == still.decisions) box.include(boxOf(moved, still, ray));
+        if (box.contains(0, seen, gain)) return true;
+    }
+    return false;
 }
 
 // Undecided: to be certified.
@@ -259,20 +265,30 @@ DifferingPixel Verification::comparedPixel(int x, int y, uint32_t sample, const 
     const bool finite = isFinite(difference);
     pixel.difference = finite ? greatestMagnitude(difference) : std::numeric_limits<double>::infinity();
     if (representation_) representation_->compare(x, y, sample, pixel.reference);
-    if (!isCovered(color[3], pixel.device, weight)) pixel.quantities = {"alpha"};
-    if (!isBlankIfMiss(pixel.device)) pixel.quantities.push_back("layers of a miss");
-    if (!finite || !pixel.quantities.empty()) return pixel;
-    const Quantities seen = quantitiesOf(pixel.deviceColor, pixel.device);
-    if (isAlike(pixel) && isPredicted(tracer_, ray, pixel.reference, scene_, seen))
+    std::vector<std::string_view>& beyond = pixel.quantities;
+    if (!isCovered(color[3], pixel.device, weight)) beyond = {"alpha"};
+    if (!isBlankIfMiss(pixel.device)) beyond.push_back("layers of a miss");
+    const bool valid = finite && beyond.empty();
+    if (pixel.isSamePath()) {
+        const Box box = boxOf(pixel.reference, pixel.reference, ray);
+        const Quantities seen = quantitiesOf(pixel.deviceColor, pixel.device);
+        for (size_t i = 0; i < kQuantities; ++i)
+            if (!box.contains(i, seen[i], 0) && (beyond.empty() || beyond.back() != kQuantityNames[i]))
+                beyond.push_back(kQuantityNames[i]);
+        if (!pixel.isAlike()) beyond.push_back("bounces");
+    } else {
+        beyond = {"path"};
+    }
+    if (valid && (beyond.empty() || (pixel.isAlike() && isResponse(pixel, ray))))
         pixel.reason = Reason::Predicted;
-    else if (isAlike(pixel) || !isSamePath(pixel))
+    else if (valid && (pixel.isAlike() || !pixel.isSamePath()))
         pixel.reason = Reason::Undecided;
     return pixel;
 }
 
 void Verification::add(const DifferingPixel& pixel) {
     const double weight = std::abs(reference::filmSample(samples_, pixel.sample, pixel.x, pixel.y).weight);
-    if (isAlike(pixel))
+    if (pixel.isAlike())
         account_.addAlike(pixel.reference.lost, weight);
     else
         account_.addOther(pixel.device.bounces, weight);
@@ -281,7 +297,7 @@ void Verification::add(const DifferingPixel& pixel) {
     if (std::isfinite(pixel.difference)) {
         const glm::dvec3 d = glm::dvec3(pixel.deviceColor) - pixel.reference.color;
         squares_ += glm::dot(d, d);
-        if (isSamePath(pixel)) {
+        if (pixel.isSamePath()) {
             squaresSamePath_ += glm::dot(d, d);
             report_.maxSamePath = std::max(report_.maxSamePath, pixel.difference);
             ++samePath_;
@@ -327,26 +343,13 @@ uint64_t Verification::certifyPixel(DifferingPixel& pixel, const Trail& trail, u
     pixel.openDecisions = certificate.openDecisions;
     if (certificate.verdict == Certificate::Verdict::Fails)
         pixel.reason = Reason::Unexplained;
-    else if (certificate.verdict == Certificate::Verdict::Holds && isSamePath(pixel) && open)
+    else if (certificate.verdict == Certificate::Verdict::Holds && pixel.isSamePath() && open)
         pixel.reason = Reason::Rounding;
     else if (certificate.verdict == Certificate::Verdict::Holds)
-        pixel.reason = isSamePath(pixel) && certificate.decisions == pixel.reference.decisions
+        pixel.reason = pixel.isSamePath() && certificate.decisions == pixel.reference.decisions
                            ? Reason::Predicted
                            : Reason::Edge;
     return certificate.steps;
-}
-
-std::vector<std::string_view> Verification::quantitiesBeyond(const DifferingPixel& pixel) const {
-    if (!isSamePath(pixel)) return {"path"};
-    const auto ray = sampleAt(pixel.sample, pixel.x, pixel.y).ray;
-    const Box box(quantitiesOf(pixel.reference, scene_.origin), floorsOf(scene_, pixel.reference, ray));
-    const Quantities seen = quantitiesOf(pixel.deviceColor, pixel.device);
-    std::vector<std::string_view> names = pixel.quantities;
-    for (size_t i = 0; i < kQuantities; ++i)
-        if (!box.contains(i, seen[i], 0) && (names.empty() || names.back() != quantityName(i)))
-            names.push_back(quantityName(i));
-    if (!isAlike(pixel)) names.push_back("bounces");
-    return names;
 }
 
 // Pixels of a part's first sample that have another colour in an image without layers.

@@ -53,14 +53,18 @@ struct DifferingPixel {
     uint32_t sample = 0;
     Reason reason = Reason::Unexplained;
     double difference = 0;  // greatest colour difference
-    // Names of what differs by more than rounding: of quantities (quantityName), "alpha", "bounces",
-    // "layers of a miss", or "path" alone if other surfaces were hit. Of unexplained pixels.
+    // Names of what differs by more than its predicted error: kQuantityNames, "alpha", "bounces", "layers of
+    // a miss", or "path" alone if other surfaces were hit.
     std::vector<std::string_view> quantities = {};
     double ulps = 0;             // the greatest move of a ray, in units of 2^-24, that explained it
     uint32_t openDecisions = 0;  // steps of the path at which rounding decided
     glm::vec3 deviceColor{0};
     PixelData device;
     reference::PixelRecord reference;
+    // Device and reference hit the same primitives.
+    bool isSamePath() const { return device.pathHash == reference.pathHash; }
+    // They also followed equally many rays, and so lost the same branches.
+    bool isAlike() const { return isSamePath() && device.bounces == reference.bounces; }
 };
 
 struct Report {
