@@ -144,7 +144,6 @@ class TreeBuilder {
         return true;
     }
     bool close() {
-        open_.back().value->end = static_cast<uint32_t>(tape_.taken());
         open_.pop_back();
         return true;
     }

@@ -26,7 +26,7 @@ struct JsonObject {
 struct JsonValue {
     std::variant<std::monostate, bool, double, std::string, JsonArray, JsonObject> data;
     uint32_t line = 0, column = 0;  // of its first character, from 1; 0 for values from no file
-    uint32_t begin = 0, end = 0;    // bytes of an object or array, behind a byte order mark
+    uint32_t begin = 0;             // its first byte, counted behind a byte order mark
 
     const bool* boolean() const { return std::get_if<bool>(&data); }
     const double* number() const { return std::get_if<double>(&data); }

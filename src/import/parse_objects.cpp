@@ -122,18 +122,6 @@ Affine parseStep(const JsonCursor& step) {
     return scaling({v[0], v[1], v[2]});
 }
 
-// Fails unless the result is finite and has a condition number of at most kMaxCondition. `context` ends the
-// message and begins with a blank.
-void checkTransform(const Affine& result, const JsonCursor& transform, const std::string& context) {
-    const double condition = conditionNumber(result.linear);
-    if (std::isnan(condition) || !std::isfinite(result.offset.x + result.offset.y + result.offset.z))
-        transform.fail("is not finite", context);
-    if (std::isinf(condition)) transform.fail("is singular, it flattens the object", context);
-    if (condition > kMaxCondition)
-        transform.fail("is nearly singular", context, " (condition number ", sixDigits(condition),
-                       ", the limit is ", describe(kMaxCondition), ")");
-}
-
 // A list of steps, applied first to last, or 16 numbers by rows.
 Affine parseTransform(const JsonCursor& transform) {
     if (!transform.value().array()) transform.failWanted("must be a list of steps or 16 numbers");
@@ -143,7 +131,7 @@ Affine parseTransform(const JsonCursor& transform) {
     } else {
         for (size_t i = 0; i < transform.size(); i++) result = then(result, parseStep(transform.item(i)));
     }
-    checkTransform(result, transform, "");
+    if (const std::string fault = transformFault(result); !fault.empty()) transform.fail(fault);
     return result;
 }
 
@@ -154,7 +142,8 @@ std::optional<Affine> composed(const JsonCursor& object, const std::optional<Aff
     const Affine affine = parseTransform(*own);
     if (!around) return affine;
     const Affine both = then(affine, *around);
-    checkTransform(both, *own, " together with the transforms of the groups around it");
+    if (const std::string fault = transformFault(both); !fault.empty())
+        own->fail(fault, " together with the transforms of the groups around it");
     return both;
 }
 

@@ -98,10 +98,7 @@ glm::dvec2 readScale(const JsonCursor& source) {
     const auto scale = source.find("scale");
     if (!scale) return glm::dvec2(1);
     const double* both = scale->value().number();
-    const glm::dvec2 result = both ? glm::dvec2(*both) : pair(*scale, "a number or [u, v]");
-    if (!std::isfinite(result.x) || !std::isfinite(result.y) || result.x == 0 || result.y == 0)
-        scale->failWanted("must be finite and not 0");
-    return result;
+    return both ? glm::dvec2(*both) : pair(*scale, "a number or [u, v]");
 }
 
 glm::dvec2 readOffset(const JsonCursor& source) {

@@ -21,6 +21,11 @@ namespace glint {
 
 namespace {
 
+// A computed number, whose further digits carry no information.
+std::string sixDigits(double number) {
+    return format("%.6g", number);
+}
+
 std::string text(const glm::dvec3& v) {
     return concat('[', v.x, ", ", v.y, ", ", v.z, ']');
 }
@@ -287,11 +292,9 @@ struct ShapeCheck {
 
 void checkTransform(const Object& object, const Place& place) {
     if (!object.transform) return;
-    const double condition = conditionNumber(object.transform->linear);
     checkPoint(place, "transform", object.transform->offset);
-    if (!(condition <= kMaxCondition))
-        place.fail("transform", "is nearly singular (condition number ", sixDigits(condition),
-                   ", the limit is ", kMaxCondition, ")");
+    if (const std::string fault = transformFault(*object.transform); !fault.empty())
+        place.fail("transform", fault);
 }
 
 // From ten sizes away the outlines of thinner quadrics fray, and normals are noise where the thickness is
@@ -390,8 +393,13 @@ void checkObjects(const Scene& scene, const std::string& name) {
 
 }  // namespace
 
-std::string sixDigits(double number) {
-    return format("%.6g", number);
+std::string transformFault(const Affine& transform) {
+    const double condition = conditionNumber(transform.linear);
+    if (std::isnan(condition) || !isFinite(transform.offset)) return "is not finite";
+    if (std::isinf(condition)) return "is singular, it flattens the object";
+    if (condition <= kMaxCondition) return "";
+    return concat("is nearly singular (condition number ", sixDigits(condition), ", the limit is ",
+                  kMaxCondition, ')');
 }
 
 void Place::failWith(std::string_view key, const std::string& what) const {

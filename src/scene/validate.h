@@ -18,8 +18,9 @@ void validateScene(const Scene& scene, const std::string& name);
 // The same for a scene with a camera of frameModel's: what makes that useless is where the objects are.
 void validateFramedScene(const Scene& scene, const std::string& name);
 
-// A computed number for messages; further digits carry no information.
-std::string sixDigits(double number);
+// Names the fault of a transform that is not finite, or whose condition number exceeds kMaxCondition; empty
+// for a valid one.
+std::string transformFault(const Affine& transform);
 
 // Place of a value for messages: "FILE: POINTER/KEY: what".
 struct Place {

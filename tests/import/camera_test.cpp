@@ -136,10 +136,10 @@ TEST_F(Cameras, AreWrittenBesideWhatIsThere) {
     EXPECT_EQ(with("{\"camera\": {}}"), "{\n  \"cameras\": {\n    " + kA + "\n  },\n\"camera\": {}}");
     EXPECT_EQ(
         with("// { top\n{\n  \"cameras\": {\n    " + kB + "  // side\n  },\n  \"ambient\": 1\n}"),
-        "// { top\n{\n  \"cameras\": {\n    " + kB + ",  // side\n    " + kA + "\n  },\n  \"ambient\": 1\n}");
+        "// { top\n{\n  \"cameras\": {\n    " + kA + ",\n    " + kB + "  // side\n  },\n  \"ambient\": 1\n}");
     EXPECT_EQ(with("{\r\n\t\"cameras\": {\r\n\t\t" + kB + "  // last\r\n\t}\r\n}\r\n"),
-              "{\r\n\t\"cameras\": {\r\n\t\t" + kB + ",  // last\r\n\t\t" + kA + "\r\n\t}\r\n}\r\n");
-    EXPECT_EQ(with("{\"cameras\": {" + kB + "}}"), "{\"cameras\": {" + kB + ",\n  " + kA + "}}");
+              "{\r\n\t\"cameras\": {\r\n\t\t" + kA + ",\r\n\t\t" + kB + "  // last\r\n\t}\r\n}\r\n");
+    EXPECT_EQ(with("{\"cameras\": {" + kB + "}}"), "{\"cameras\": {\n  " + kA + ",\n" + kB + "}}");
     EXPECT_EQ(with("{\n  \"cameras\": {\n  }\n}"), "{\n  \"cameras\": {\n    " + kA + "\n  }\n}");
     EXPECT_EQ(with("{\n  \"cameras\": {}\n}", {named("a", 1), named("b", 2)}),
               "{\n  \"cameras\": {\n    " + kA + ",\n    " + kB + "\n  }\n}");

@@ -290,8 +290,8 @@ const Case kCases[] = {
     // Each alone has a condition number below 1e12; together sqrt(2) 1e14 or so.
     {OBJECT(R"("group", "transform": [{"scale": [1, 1, 1e-7]}], "objects": [
         {"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"scale": [1, 1, 1e-7]}]}])"),
-     "/objects/0/objects/0/transform: is nearly singular together with the transforms of the groups around "
-     "it (condition number 1.41421e+14, the limit is 1e+12)"},
+     "/objects/0/objects/0/transform: is nearly singular (condition number 1.41421e+14, the limit is 1e+12) "
+     "together with the transforms of the groups around it"},
     {TRANSFORM(R"([{"scale": 1e200}, {"scale": 1e200}])"), "/objects/0/transform: is not finite"},
 };
 
