@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "core/binary_numbers.h"
 #include "core/enum_names.h"
@@ -224,8 +226,6 @@ class PlyNumbers {
 };
 
 class PlyReader {
-    static constexpr double kRead = 0.9;  // part of the time for reading; the rest is for the faces
-
   public:
     PlyReader(const std::filesystem::path& path, SceneFiles& files)
         : files_(files), file_(path.string()), bytes_(files.read(path)) {}
@@ -238,39 +238,38 @@ class PlyReader {
                 builder_.warnings.add("TextureFile ", header_.textures[i],
                                       " is ignored, all faces have the first one");
         }
-        readElements();
-        addFaces();
+        // Faces are added as they are read, after their vertices.
+        const bool twice = header_.elements.empty() || header_.elements[0].name != "vertex";
+        if (twice) {
+            const ProgressPart part(files_, 0, 0.5);
+            readElements(true, false);
+        }
+        const ProgressPart part(files_, twice ? 0.5 : 0, 1);
+        readElements(!twice, true);
         builder_.warnings.addIgnored();
         return builder_.finish();
     }
 
   private:
     static constexpr uint32_t kStripEnd = Mesh::kNoIndex;
-    // The ends of a face's corners and of its own attributes in the lists of faces.
-    struct FaceEnd {
-        size_t corners = 0, uvs = 0, colors = 0;
-    };
 
-    void readElements() {
-        const ProgressPart part(files_, 0, kRead);
-        uint64_t faces = 0;
+    void readElements(bool vertices, bool faces) {
+        numbers_.emplace(files_.context(), std::string_view(bytes_).substr(header_.bodyOffset), file_,
+                         header_);
+        uint64_t faceCount = 0;
         for (PlyElement& element : header_.elements) {
-            if (element.name == "vertex") {
+            const bool isVertex = element.name == "vertex";
+            const bool isFace = element.name == "face" || element.name == "tristrips";
+            if (isFace) faceCount += element.count;
+            if (!isVertex && !isFace) builder_.warnings.ignore("element " + element.name);
+            if (isVertex && vertices)
                 readVertices(element);
-            } else if (element.name == "face") {
-                faces += element.count;
+            else if (isFace && faces)
                 readFaces(element);
-            } else if (element.name == "tristrips") {
-                faces += element.count;
-                giveRolesWithLists(element, kIndices, "triangle strips");
-                forEach(element, [&](const double*) { addStrip(); });
-            } else {
-                builder_.warnings.ignore("element " + element.name);
-                if (element.properties.empty()) continue;  // they take no bytes in the file
+            else if (!element.properties.empty())  // others take no bytes in the file
                 forEach(element, [](const double*) {});
-            }
         }
-        if (faces == 0) failFile(file_, "holds no faces; a point cloud cannot be rendered");
+        if (faceCount == 0) failFile(file_, "holds no faces; a point cloud cannot be rendered");
     }
 
     // Gives roles to the groups of numbers from `firstWanted` on that are complete. Ignores all other
@@ -288,7 +287,7 @@ class PlyReader {
             if (property.role == kUnused) builder_.warnings.ignore(element.name + " " + property.name);
     }
 
-    // The same with the lists of a face or strip. The vertices may stand after it.
+    // The same with the lists of a face or strip.
     void giveRolesWithLists(PlyElement& element, Role firstWanted, const std::string& plural) {
         const auto vertices = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
         if (vertices == header_.elements.end()) failFile(file_, "holds no vertices");
@@ -312,30 +311,30 @@ class PlyReader {
             double values[kUnused + 1] = {};
             indices_.clear();
             cornerUvs_.clear();
-            numbers_.beginElement(element, i);
+            numbers_->beginElement(element, i);
             for (const PlyProperty& property : element.properties) {
                 if (property.isList)
                     readList(property, element.name == "face");
                 else
-                    values[property.role] = numbers_.number(property.type);
+                    values[property.role] = numbers_->number(property.type);
             }
-            numbers_.endElement();
+            numbers_->endElement();
             add(values);
         }
     }
 
     void readList(const PlyProperty& property, bool isFace) {
         const size_t role = property.role;
-        const int64_t count = numbers_.integer(property.countType);
-        if (count < 0) numbers_.fail("list \"", property.name, "\" has ", count, " entries");
+        const int64_t count = numbers_->integer(property.countType);
+        if (count < 0) numbers_->fail("list \"", property.name, "\" has ", count, " entries");
         if (role == kIndices && isFace && count > static_cast<int64_t>(kMaxPolygonCorners))
-            numbers_.fail("has ", count, " vertices, the limit is ", kMaxPolygonCorners);
+            numbers_->fail("has ", count, " vertices, the limit is ", kMaxPolygonCorners);
         for (int64_t i = 0; i < count; i++) {
             if (role == kIndices) {
-                indices_.push_back(checkedVertex(numbers_.integer(property.type), isFace));
+                indices_.push_back(checkedVertex(numbers_->integer(property.type), isFace));
                 continue;
             }
-            const double number = numbers_.number(property.type);
+            const double number = numbers_->number(property.type);
             if (role == kCornerUvs) cornerUvs_.push_back(number);
         }
     }
@@ -344,7 +343,7 @@ class PlyReader {
     uint32_t checkedVertex(int64_t index, bool isFace) const {
         if (index == -1 && !isFace) return kStripEnd;
         if (index < 0 || index >= vertexCount_)
-            numbers_.fail("uses vertex ", index, ", the file has ", vertexCount_, " (numbered from 0)");
+            numbers_->fail("uses vertex ", index, ", the file has ", vertexCount_, " (numbered from 0)");
         return static_cast<uint32_t>(index);
     }
 
@@ -353,12 +352,14 @@ class PlyReader {
         if (!element.has(kPosition)) failFile(file_, "the vertices lack one of the properties x, y, z");
         if (element.count >= Mesh::kNoIndex) failFile(file_, "more than 2^32 - 2 vertices");
         if (element.has(kColor)) setColorCodes(element);
-        const bool normals = element.has(kNormal), uvs = element.has(kUv), colors = element.has(kColor);
+        const bool normals = element.has(kNormal);
+        vertexUvs_ = element.has(kUv);
+        vertexColors_ = element.has(kColor);
         forEach(element, [&](const double* v) {
             mesh_.positions.emplace_back(v[0], v[1], v[2]);
             if (normals) mesh_.normals.emplace_back(v[3], v[4], v[5]);
-            if (uvs) mesh_.uvs.emplace_back(v[6], v[7]);
-            if (colors) mesh_.colors.emplace_back(v[8], v[9], v[10]);
+            if (vertexUvs_) mesh_.uvs.emplace_back(v[6], v[7]);
+            if (vertexColors_) mesh_.colors.emplace_back(v[8], v[9], v[10]);
         });
     }
 
@@ -371,92 +372,78 @@ class PlyReader {
     }
 
     void readFaces(PlyElement& element) {
+        if (element.name == "tristrips") {
+            giveRolesWithLists(element, kIndices, "triangle strips");
+            return forEach(element, [&](const double*) { addStrip(); });
+        }
         giveRolesWithLists(element, kColor, "faces");
-        if (mesh_.colors.empty()) setColorCodes(element);  // vertices after the faces decide again
-        const bool colors = element.has(kColor);
+        const bool ownColors = element.has(kColor) && !vertexColors_;
+        if (ownColors) setColorCodes(element);
+        if (element.has(kColor) && vertexColors_) builder_.warnings.ignore("face red, green, blue");
+        // At least a byte for the count and for each index.
+        builder_.reserve(std::min<uint64_t>(element.count, bytes_.size() / 4));
         forEach(element, [&](const double* v) {
-            corners_.insert(corners_.end(), indices_.begin(), indices_.end());
-            for (size_t i = 0; i + 1 < cornerUvs_.size(); i += 2)
-                faceUvs_.emplace_back(cornerUvs_[i], cornerUvs_[i + 1]);
-            if (colors) faceColors_.emplace_back(v[8], v[9], v[10]);
-            faces_.push_back({corners_.size(), faceUvs_.size(), faceColors_.size()});
+            if (ownColors) mesh_.colors.emplace_back(v[8], v[9], v[10]);
+            addFace(ownColors);
         });
     }
 
-    // Adds the triangles of a strip as scanners write it (Cyberware, Stanford): each vertex forms one with
-    // the two before it. Every other triangle is reversed, so that all face the same side; -1 starts a new
-    // strip. Repeated vertices, which join strips, form no triangle.
+    // Adds a triangle for each vertex of a strip and the two before it, as scanners write it (Cyberware,
+    // Stanford). Every other triangle is reversed, so that all face the same side; -1 starts a new strip.
+    // Repeated vertices, which join strips, form no triangle.
     void addStrip() {
+        const std::vector<uint32_t> strip = std::exchange(indices_, {});
         std::array<uint32_t, 2> last{};
         uint32_t length = 0;  // since the last -1
-        for (const uint32_t vertex : indices_) {
+        for (const uint32_t vertex : strip) {
             if (vertex == kStripEnd) {
                 length = 0;
                 continue;
             }
             if (length >= 2 && vertex != last[0] && vertex != last[1] && last[0] != last[1]) {
                 const bool turned = length % 2 != 0;
-                corners_.insert(corners_.end(), {last[turned ? 1 : 0], last[turned ? 0 : 1], vertex});
-                faces_.push_back({corners_.size(), faceUvs_.size(), faceColors_.size()});
+                indices_ = {last[turned ? 1 : 0], last[turned ? 0 : 1], vertex};
+                addFace(false);
             }
             last = {last[1], vertex};
             length++;
         }
     }
 
-    // Adds the faces, whose own attributes replace those of their vertices. A list of texture coordinates
-    // must have two for each corner.
-    void addFaces() {
-        const ProgressPart part(files_, kRead, 1);
-        const uint32_t material = builder_.result.materials.empty() ? Mesh::kNoIndex : 0;
-        const bool vertexUvs = !mesh_.uvs.empty(), vertexColors = !mesh_.colors.empty();
-        const size_t firstUv = mesh_.uvs.size(), firstColor = mesh_.colors.size();
-        if (firstUv + faceUvs_.size() >= Mesh::kNoIndex)
-            failFile(file_, "more than 2^32 - 2 texture coordinates");
-        if (vertexColors && !faceColors_.empty()) {
-            builder_.warnings.ignore("face red, green, blue");
-            faceColors_.clear();
+    // Adds the face of the vertices indices_. Its own attributes replace those of its vertices: the last
+    // colour, and a list of texture coordinates with two for each corner.
+    void addFace(bool ownColor) {
+        const size_t count = indices_.size();
+        const bool ownUvs = !cornerUvs_.empty() && cornerUvs_.size() / 2 == count;
+        const size_t firstUv = mesh_.uvs.size();
+        if (firstUv + count >= Mesh::kNoIndex) failFile(file_, "more than 2^32 - 2 texture coordinates");
+        for (size_t k = 0; ownUvs && k < count; k++)
+            mesh_.uvs.emplace_back(cornerUvs_[2 * k], cornerUvs_[2 * k + 1]);
+        polygon_.assign(count, {});
+        for (size_t k = 0; k < count; k++) {
+            const uint32_t vertex = indices_[k];
+            polygon_[k].vertex = vertex;
+            if (!mesh_.normals.empty()) polygon_[k].normal = vertex;
+            if (vertexUvs_) polygon_[k].uv = vertex;
+            if (ownUvs) polygon_[k].uv = static_cast<uint32_t>(firstUv + k);
+            if (vertexColors_) polygon_[k].color = vertex;
+            if (ownColor) polygon_[k].color = static_cast<uint32_t>(mesh_.colors.size() - 1);
         }
-        mesh_.uvs.insert(mesh_.uvs.end(), faceUvs_.begin(), faceUvs_.end());
-        mesh_.colors.insert(mesh_.colors.end(), faceColors_.begin(), faceColors_.end());
-        builder_.reserve(faces_.size());
-        std::vector<MeshCorner> polygon;
-        FaceEnd begin;
-        for (size_t i = 0; i < faces_.size(); begin = faces_[i++]) {
-            files_.context().pace(i, faces_.size());
-            const size_t count = faces_[i].corners - begin.corners;
-            const bool ownUvs = faces_[i].uvs - begin.uvs == count;
-            const bool ownColor = !faceColors_.empty() && faces_[i].colors != begin.colors;
-            polygon.assign(count, {});
-            for (size_t k = 0; k < count; k++) {
-                const uint32_t vertex = corners_[begin.corners + k];
-                polygon[k].vertex = vertex;
-                if (!mesh_.normals.empty()) polygon[k].normal = vertex;
-                if (vertexUvs) polygon[k].uv = vertex;
-                if (vertexColors) polygon[k].color = vertex;
-                if (ownUvs) polygon[k].uv = static_cast<uint32_t>(firstUv + begin.uvs + k);
-                if (ownColor) polygon[k].color = static_cast<uint32_t>(firstColor + begin.colors);
-            }
-            builder_.addPolygon(polygon, material);
-        }
+        builder_.addPolygon(polygon_, builder_.result.materials.empty() ? Mesh::kNoIndex : 0);
     }
 
     SceneFiles& files_;
     const std::string file_, bytes_;
     PlyHeader header_ = readPlyHeader(files_.context(), bytes_, file_);
-    PlyNumbers numbers_{files_.context(), std::string_view(bytes_).substr(header_.bodyOffset), file_,
-                        header_};
+    std::optional<PlyNumbers> numbers_;
     MeshBuilder builder_{file_};
     Mesh& mesh_ = builder_.result.mesh;
     int64_t vertexCount_ = 0;
     // Lists of the element at hand.
     std::vector<uint32_t> indices_;
     std::vector<double> cornerUvs_;
-    // Faces, which may precede the vertices.
-    std::vector<FaceEnd> faces_;
-    std::vector<uint32_t> corners_;
-    std::vector<glm::dvec2> faceUvs_;
-    std::vector<Color> faceColors_;
+    bool vertexUvs_ = false, vertexColors_ = false;
+    std::vector<MeshCorner> polygon_;  // scratch of addFace
 };
 
 }  // namespace
