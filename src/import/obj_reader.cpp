@@ -6,6 +6,7 @@
 #include <charconv>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "core/error.h"
 #include "core/text_file.h"
@@ -18,30 +19,16 @@ namespace glint {
 
 namespace {
 
-constexpr int64_t kNone = -1;                   // Mesh::kNoIndex in 32 bits
-constexpr int64_t kMissing = int64_t{1} << 40;  // index into a list that is still empty
 constexpr Color kWhite = MeshBuilder::kNoColor;
 
-// Indices of a face corner by kind. They count from 0 and may be out of range, as a face may come before its
-// vertices.
+// Indices of a face corner, in the order of v/vt/vn.
 enum Kind { kVertex, kUv, kNormal };
 constexpr Kind kAllKinds[] = {kVertex, kUv, kNormal};
 constexpr const char* kKindNames[] = {"vertex", "texture vertex", "normal"};
-using Corner = std::array<int64_t, 3>;
+constexpr uint32_t MeshCorner::*kIndices[] = {&MeshCorner::vertex, &MeshCorner::uv, &MeshCorner::normal};
 
-// A name that usemtl or a material library gives.
-struct NamedMaterial {
-    size_t firstUse = 0;                 // line; 0: not used
-    uint32_t material = Mesh::kNoIndex;  // its first definition, which may follow the use
-};
-
-struct Face {
-    size_t firstCorner;
-    size_t cornerCount;
-    size_t line;
-    const NamedMaterial* material;  // or null
-};
-
+// Reads the file twice, as faces may come before their vertices and materials: first both of these, then the
+// faces.
 class ObjReader {
   public:
     ObjReader(const std::filesystem::path& path, SceneFiles& files)
@@ -52,34 +39,28 @@ class ObjReader {
           builder_(path.string()) {}
 
     ImportedMesh read() {
+        const TextScanner start = scanner_;
         {
-            const ProgressPart part(files_, 0, kRead);
-            while (scanner_.nextLine()) readLine();
+            const ProgressPart part(files_, 0, kVertices);
+            while (scanner_.nextLine()) readVertexLine(scanner_.word());
         }
-        checkIndices();
-        std::map<size_t, std::string> undefined;  // by line
-        for (const auto& [name, named] : materials_)
-            if (named.firstUse > 0 && named.material == Mesh::kNoIndex)
-                undefined.emplace(named.firstUse, name);
-        for (const auto& [line, name] : undefined)
-            warn(line, "material \"" + name + "\" is not defined in a material file; grey is used");
+        for (const size_t count : {mesh_.positions.size(), mesh_.uvs.size(), mesh_.normals.size()}) {
+            if (count >= Mesh::kNoIndex) scanner_.fail("more than 2^32 - 2 vertices");
+            counts_.push_back(static_cast<int64_t>(count));
+        }
         builder_.colorCodes = MeshBuilder::ColorCodes::Srgb;  // as MeshLab, Blender and others mean them
         if (!mesh_.colors.empty()) mesh_.colors.resize(mesh_.positions.size(), kWhite);
-        const ProgressPart part(files_, kRead, 1);
-        builder_.reserve(faces_.size());
-        for (size_t i = 0; i < faces_.size(); i++) {
-            files_.context().pace(i, faces_.size());
-            addFace(faces_[i]);
-        }
+        const ProgressPart part(files_, kVertices, 1);
+        scanner_ = start;
+        while (scanner_.nextLine()) readFaceLine(scanner_.word());
         builder_.warnings.addIgnored();
         return builder_.finish();
     }
 
   private:
-    static constexpr double kRead = 0.8;  // part of the time for reading lines
+    static constexpr double kVertices = 0.5;  // part of the time for reading vertices
 
-    void readLine() {
-        const std::string_view keyword = scanner_.word();
+    void readVertexLine(std::string_view keyword) {
         if (keyword == "v") {
             mesh_.positions.push_back(readVector("a vertex"));
             readColor();
@@ -89,15 +70,27 @@ class ObjReader {
             mesh_.uvs.emplace_back(u, scanner_.lineDone() ? 0 : scanner_.number("a texture vertex"));
         } else if (keyword == "vn") {
             mesh_.normals.push_back(readVector("a normal"));
+        } else if (keyword == "mtllib") {
+            readLibraries();
+        }
+    }
+
+    void readFaceLine(std::string_view keyword) {
+        if (keyword == "v") {
+            soFar_[kVertex]++;
+        } else if (keyword == "vt") {
+            soFar_[kUv]++;
+        } else if (keyword == "vn") {
+            soFar_[kNormal]++;
         } else if (keyword == "f" || keyword == "fo") {  // fo: the old word for f
             readFace();
         } else if (keyword == "usemtl") {
-            NamedMaterial& named = materials_[std::string(scanner_.restOfLine())];
-            if (named.firstUse == 0) named.firstUse = scanner_.line();
-            material_ = &named;
-        } else if (keyword == "mtllib") {
-            readLibraries();
-        } else if (!keyword.empty() && keyword != "o" && keyword != "g" && keyword != "s") {
+            const std::string name(scanner_.restOfLine());
+            const auto [known, isNew] = materials_.try_emplace(name, Mesh::kNoIndex);
+            if (isNew) warn("material \"" + name + "\" is not defined in a material file; grey is used");
+            material_ = known->second;
+        } else if (!keyword.empty() && keyword != "o" && keyword != "g" && keyword != "s" &&
+                   keyword != "mtllib") {
             builder_.warnings.ignore(keyword);  // lines, curves, and unknown keywords
         }
     }
@@ -117,57 +110,62 @@ class ObjReader {
     }
 
     void readFace() {
-        Face face{corners_.size(), 0, scanner_.line(), material_};
+        polygon_.clear();
         for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word())
-            corners_.push_back(readCorner(word));
-        face.cornerCount = corners_.size() - face.firstCorner;
-        if (face.cornerCount > kMaxPolygonCorners)
-            scanner_.fail("face has ", face.cornerCount, " vertices, the limit is ", kMaxPolygonCorners);
-        faces_.push_back(face);
+            polygon_.push_back(readCorner(word));
+        if (polygon_.size() > kMaxPolygonCorners)
+            scanner_.fail("face has ", polygon_.size(), " vertices, the limit is ", kMaxPolygonCorners);
+        // An attribute counts only if all corners have it.
+        for (const auto index : {&MeshCorner::uv, &MeshCorner::normal})
+            if (std::ranges::find(polygon_, Mesh::kNoIndex, index) != polygon_.end())
+                for (MeshCorner& corner : polygon_) corner.*index = Mesh::kNoIndex;
+        builder_.addPolygon(polygon_, material_);
     }
 
     // v, v/vt, v//vn or v/vt/vn. Some exporters write slashes without an index; these are accepted.
-    Corner readCorner(std::string_view word) {
-        Corner corner = {kNone, kNone, kNone};
+    MeshCorner readCorner(std::string_view word) {
+        MeshCorner corner;
         const char* at = word.data();
         const char* const end = at + word.size();
         for (const Kind kind : kAllKinds) {
             if (kind != kVertex && at < end) at++;  // a slash
-            if (kind == kVertex || (at < end && *at != '/')) corner[kind] = readIndex(at, end, word, kind);
+            if (kind == kVertex || (at < end && *at != '/'))
+                corner.*kIndices[kind] = readIndex(at, end, word, kind);
         }
         if (at != end) badCorner(word);
+        if (!mesh_.colors.empty()) corner.color = corner.vertex;
         return corner;
     }
 
-    // Items of a kind so far.
-    int64_t countOf(Kind kind) const {
-        return static_cast<int64_t>(kind == kVertex ? mesh_.positions.size()
-                                    : kind == kUv   ? mesh_.uvs.size()
-                                                    : mesh_.normals.size());
-    }
-
     // An index that ends at a slash or at the word's end, counted from 0.
-    int64_t readIndex(const char*& at, const char* end, std::string_view word, Kind kind) {
+    uint32_t readIndex(const char*& at, const char* end, std::string_view word, Kind kind) {
         int64_t index = 0;
         const auto [stop, error] = std::from_chars(at, end, index);
         if (error != std::errc() || (stop != end && *stop != '/')) badCorner(word);
         at = stop;
-        if (index > 0) return index - 1;
-        const int64_t have = countOf(kind);  // negative indices count back from the last one so far
-        if (index < 0 && index >= -have) return have + index;
-        if (index < 0 && have == 0 && !mesh_.positions.empty()) return kMissing;
-        scanner_.fail(
-            "face uses ", kKindNames[kind], " ", index,
-            (index == 0 ? ", indices start at 1" : ", there are " + std::to_string(have) + " so far"));
+        const int64_t have = soFar_[kind];
+        if (index == 0) scanner_.fail("face uses ", kKindNames[kind], " 0, indices start at 1");
+        if (kind != kVertex && counts_[kind] == 0) {
+            if (!std::exchange(missed_[kind], true))
+                builder_.warnings.add("faces name ", (kind == kUv ? "texture vertices (vt)" : "normals (vn)"),
+                                      ", but the file has none; drawn without them");
+            return Mesh::kNoIndex;
+        }
+        if (index < -have)
+            scanner_.fail("face uses ", kKindNames[kind], " ", index, ", there are ", have, " so far");
+        if (index > counts_[kind])
+            scanner_.fail("face uses ", kKindNames[kind], " ", index, ", the file has ", counts_[kind]);
+        // Negative indices count back from the last one so far.
+        return static_cast<uint32_t>(index > 0 ? index - 1 : have + index);
     }
 
     [[noreturn]] void badCorner(std::string_view word) const {
         scanner_.fail("\"", word.substr(0, 40), "\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
     }
 
-    void warn(size_t line, const std::string& what) {
+    void warn(const std::string& what) {
         builder_.result.warnings.push_back(
-            printable(path_.string() + ":" + std::to_string(line) + ": " + what));
+            printable(concat(path_.string(), ':', scanner_.line(), ": ", what)));
     }
 
     // Reads the libraries of a line: one file, whose name may hold blanks, or several.
@@ -192,52 +190,15 @@ class ObjReader {
             text = files_.read(file);
         } catch (const Error& error) {
             libraries_.insert(name);
-            warn(scanner_.line(), error.what() + std::string("; drawn without these materials"));
+            warn(error.what() + std::string("; drawn without these materials"));
             return true;
         }
         const std::vector<Material>& all = builder_.result.materials;
         const size_t first = all.size();
         readMtl(text, file, files_, builder_.result);
-        for (size_t i = first; i < all.size(); i++) {
-            uint32_t& known = materials_[all[i].name].material;
-            if (known == Mesh::kNoIndex) known = static_cast<uint32_t>(i);
-        }
+        for (size_t i = first; i < all.size(); i++)  // the first definition of a name counts
+            materials_.try_emplace(all[i].name, static_cast<uint32_t>(i));
         return true;
-    }
-
-    void checkIndices() {
-        // Faces may name texture vertices and normals that the file leaves out altogether.
-        for (const auto& [kind, what] :
-             {std::pair(kUv, "texture vertices (vt)"), {kNormal, "normals (vn)"}}) {
-            const auto names = [kind = kind](const Corner& corner) { return corner[kind] != kNone; };
-            if (countOf(kind) > 0 || std::ranges::none_of(corners_, names)) continue;
-            for (Corner& corner : corners_) corner[kind] = kNone;
-            builder_.warnings.add("faces name ", what, ", but the file has none; drawn without them");
-        }
-        for (const Face& face : faces_)
-            for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++)
-                for (const Kind kind : kAllKinds)
-                    if (corners_[i][kind] >= countOf(kind))
-                        scanner_.failAt(face.line, "face uses ", kKindNames[kind], " ", corners_[i][kind] + 1,
-                                        ", the file has ", countOf(kind));
-        for (const Kind kind : kAllKinds)
-            if (countOf(kind) >= int64_t{Mesh::kNoIndex}) scanner_.fail("more than 2^32 - 2 vertices");
-    }
-
-    void addFace(const Face& face) {
-        const auto corners = std::span(corners_).subspan(face.firstCorner, face.cornerCount);
-        polygon_.assign(corners.size(), {});
-        // An attribute counts only if all corners have it.
-        const auto put = [&](Kind kind, uint32_t MeshCorner::*index) {
-            if (std::ranges::any_of(corners, [&](const Corner& c) { return c[kind] == kNone; })) return;
-            for (size_t i = 0; i < corners.size(); i++)
-                polygon_[i].*index = static_cast<uint32_t>(corners[i][kind]);
-        };
-        put(kVertex, &MeshCorner::vertex);
-        put(kNormal, &MeshCorner::normal);
-        put(kUv, &MeshCorner::uv);
-        if (!mesh_.colors.empty()) put(kVertex, &MeshCorner::color);
-        builder_.addPolygon(polygon_, face.material ? face.material->material : Mesh::kNoIndex);
     }
 
     std::filesystem::path path_;
@@ -246,12 +207,13 @@ class ObjReader {
     TextScanner scanner_;
     MeshBuilder builder_;
     Mesh& mesh_ = builder_.result.mesh;
-    std::vector<Corner> corners_;
-    std::vector<Face> faces_;
-    std::set<std::filesystem::path> libraries_;       // that were looked for
-    std::map<std::string, NamedMaterial> materials_;  // by name
-    const NamedMaterial* material_ = nullptr;
-    std::vector<MeshCorner> polygon_;  // scratch of addFace
+    std::vector<int64_t> counts_;                // of all items of each kind
+    std::array<int64_t, 3> soFar_{};             // of those before the present line
+    std::array<bool, 3> missed_{};               // faces name items of a kind that the file lacks
+    std::set<std::filesystem::path> libraries_;  // that were looked for
+    std::map<std::string, uint32_t> materials_;  // by name; kNoIndex if undefined
+    uint32_t material_ = Mesh::kNoIndex;
+    std::vector<MeshCorner> polygon_;  // scratch of readFace
 };
 
 }  // namespace
