@@ -15,13 +15,6 @@ constexpr double kInstanceBytes = 112 + 64;
 
 const glm::dvec3 kUnitNormal(0, 0, 1);  // of the unit disc
 
-bool staysRound(const SphereShape&, const Affine& transform) {
-    return similarityFactor(transform.linear).has_value();
-}
-bool staysRound(const DiscShape& disc, const Affine& transform) {
-    return discFactor(disc.normal, transform.linear).has_value();
-}
-
 // A box is one with other corners where each axis keeps its direction and sense.
 std::optional<Shape> bakedShape(const BoxShape& box, const Affine& transform) {
     for (int column = 0; column < 3; ++column)
@@ -33,9 +26,6 @@ std::optional<Shape> bakedShape(const BoxShape& box, const Affine& transform) {
 
 template <class S>
 std::optional<Shape> bakedShape(const S& shape, const Affine& transform) {
-    if constexpr (requires { staysRound(shape, transform); }) {
-        if (!staysRound(shape, transform)) return std::nullopt;
-    }
     if constexpr (requires { transformed(shape, transform); }) {
         return transformed(shape, transform);
     } else {

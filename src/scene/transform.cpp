@@ -167,13 +167,17 @@ PlaneShape transformed(const PlaneShape& plane, const Affine& transform) {
     return {apply(transform, plane.point), NormalTransform(transform.linear)(plane.normal)};
 }
 
-SphereShape transformed(const SphereShape& sphere, const Affine& transform) {
-    return {apply(transform, sphere.center), sphere.radius * similarityFactor(transform.linear).value()};
+std::optional<SphereShape> transformed(const SphereShape& sphere, const Affine& transform) {
+    const auto factor = similarityFactor(transform.linear);
+    if (!factor) return std::nullopt;
+    return SphereShape{apply(transform, sphere.center), sphere.radius * *factor};
 }
 
-DiscShape transformed(const DiscShape& disc, const Affine& transform) {
-    return {apply(transform, disc.center), NormalTransform(transform.linear)(disc.normal),
-            disc.radius * discFactor(disc.normal, transform.linear).value()};
+std::optional<DiscShape> transformed(const DiscShape& disc, const Affine& transform) {
+    const auto factor = discFactor(disc.normal, transform.linear);
+    if (!factor) return std::nullopt;
+    return DiscShape{apply(transform, disc.center), NormalTransform(transform.linear)(disc.normal),
+                     disc.radius * *factor};
 }
 
 PolygonShape transformed(const PolygonShape& polygon, const Affine& transform) {

@@ -43,11 +43,12 @@ std::optional<double> discFactor(const glm::dvec3& normal, const glm::dmat3& lin
 // The object under the transform; its inside stays inside. Normals go by the inverse transpose. A mirroring
 // transform (negative determinant) turns the winding of triangles around, so the second and third corner are
 // exchanged, and the outlines of polygons reversed: outward normals stay outward and agree with the
-// transformed vertex normals. `linear` must be regular; a sphere needs a similarity, a disc one in its plane.
+// transformed vertex normals. `linear` must be regular. Nothing for a sphere or disc that does not stay
+// round.
 TriangleShape transformed(const TriangleShape& triangle, const Affine& transform);
 PlaneShape transformed(const PlaneShape& plane, const Affine& transform);
-SphereShape transformed(const SphereShape& sphere, const Affine& transform);
-DiscShape transformed(const DiscShape& disc, const Affine& transform);
+std::optional<SphereShape> transformed(const SphereShape& sphere, const Affine& transform);
+std::optional<DiscShape> transformed(const DiscShape& disc, const Affine& transform);
 PolygonShape transformed(const PolygonShape& polygon, const Affine& transform);
 Mesh transformed(const Mesh& mesh, const Affine& transform);
 

@@ -128,7 +128,7 @@ TEST(Transform, ExtremeScalesKeepNormals) {
 
 TEST(Transform, SpheresTurnMoveAndGrow) {
     const SphereShape sphere =
-        transformed(SphereShape{{1, 0, 0}, 2}, then(rotation({0, 0, 1}, 90), scaling(dvec3(-3))));
+        transformed(SphereShape{{1, 0, 0}, 2}, then(rotation({0, 0, 1}, 90), scaling(dvec3(-3)))).value();
     EXPECT_EQ(sphere.center, dvec3(0, -3, 0));
     EXPECT_DOUBLE_EQ(sphere.radius, 6);
 }
@@ -136,7 +136,7 @@ TEST(Transform, SpheresTurnMoveAndGrow) {
 // A disc stays round if it is scaled alike in its plane, with any scale across it.
 TEST(Transform, DiscsStayRoundOrAreRefused) {
     const Affine t = then(scaling({-2, 5, 2}), then(rotation({0, 0, 1}, 90), translation({1, 0, 0})));
-    const DiscShape disc = transformed(DiscShape{{1, 1, 0}, {0, 3, 0}, 2}, t);
+    const DiscShape disc = transformed(DiscShape{{1, 1, 0}, {0, 3, 0}, 2}, t).value();
     EXPECT_EQ(disc.center, dvec3(-4, -2, 0));  // (1, 1) -> (-2, 5) -> (-5, -2) -> (-4, -2)
     expectNear(disc.normal, {-1, 0, 0}, 1e-15);
     EXPECT_DOUBLE_EQ(disc.radius, 4);
