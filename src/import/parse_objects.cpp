@@ -1,6 +1,5 @@
 // The "objects" of a scene file and the meshes and materials that they name.
 #include <algorithm>
-#include <cmath>
 
 #include "core/enum_names.h"
 #include "core/error.h"
