@@ -18,8 +18,7 @@ std::pair<double, double> sinCosDegrees(double degrees) {
     const double quarter = std::nearbyint(turn / 90.0);
     const double rest = (turn - 90.0 * quarter) * (std::numbers::pi / 180.0);  // the difference is exact
     const double s = std::sin(rest), c = std::cos(rest);
-    const double turned[] = {s, c, -s,
-                             -c};  // the sine after each quarter turn; the cosine is one quarter ahead
+    const double turned[] = {s, c, -s, -c};  // the sine by quarter turns; the cosine is one ahead
     const int quarters = (static_cast<int>(quarter) + 4) % 4;
     return {turned[quarters], turned[(quarters + 1) % 4]};
 }
