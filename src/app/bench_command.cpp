@@ -94,7 +94,7 @@ ExitCode run(const BenchCommand& command, std::ostream& out, std::ostream& err) 
     double openSeconds = 0;
     if (command.device.backend == Backend::Gpu) {
         const Stopwatch watch;
-        device.emplace(openDevice(command.device, true, false));
+        device.emplace(openDevice(command.device, false));
         openSeconds = watch.seconds();
     }
     const bench::Program program = {GLINT_VERSION, builtCommit()};

@@ -167,6 +167,21 @@ std::string parseErrorLine(const CLI::App& app, const CLI::ParseError& error) {
     return command.get_name() + ": " + text + "; see glint " + command.get_name() + " --help";
 }
 
+// True if the command could do its work without the device that failed.
+bool hostWould(const CLI::App& command) {
+    if (command.get_name() == "devices") return true;
+    return command.get_option_no_throw("--backend") != nullptr && command.count("--validation") == 0;
+}
+
+ExitCode runChosen(const CLI::App& command, const Run& chosen, std::ostream& out, std::ostream& err) {
+    try {
+        return chosen(out, err);
+    } catch (const Error& e) {
+        if (e.kind() != ErrorKind::Device || !hostWould(command)) throw;
+        throw Error(e.kind(), std::string(e.what()) + "; or use --backend cpu, which needs no device");
+    }
+}
+
 ExitCode parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& err) {
     CLI::App app;
     Run chosen;
@@ -189,7 +204,7 @@ ExitCode parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostr
         app.exit(e, out, err);  // --help and --version
         return ExitCode::Done;
     }
-    if (chosen) return chosen(out, err);
+    if (chosen) return runChosen(*app.get_subcommands().front(), chosen, out, err);
     if (app.count("--verbose") > 0) throw Error(ErrorKind::Argument, "--verbose requires --version");
     err << app.help();
     return ExitCode::Usage;

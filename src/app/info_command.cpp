@@ -219,8 +219,7 @@ ExitCode printDevices(std::ostream& out) {
         chosen = gpu::chooseDevice(devices, "").index;
     } catch (const Error& e) {
         // The list below gives the details of each device; the error comes after it.
-        refusal = devices.empty() ? withAdvice(e).what()
-                                  : "no usable Vulkan device (reasons above); --backend cpu needs none";
+        refusal = devices.empty() ? e.what() : "no usable Vulkan device (reasons above)";
     }
     for (const gpu::DeviceInfo& d : devices) {
         out << d.index << "  " << d.name << "\n   " << d.type << ", " << d.driver << ", Vulkan " << d.api

@@ -153,17 +153,8 @@ SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request) {
     return also;
 }
 
-Error withAdvice(const Error& error) {
-    return {error.kind(), std::string(error.what()) + ", or use --backend cpu"};
-}
-
-gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms) {
-    try {
-        return gpu::Device({choice.selector, choice.validation, {}, keepPrograms});
-    } catch (const Error& error) {
-        if (!hostWould || choice.validation || !choice.selector.empty()) throw;
-        throw withAdvice(error);
-    }
+gpu::Device openDevice(const DeviceChoice& choice, bool keepPrograms) {
+    return gpu::Device({choice.selector, choice.validation, {}, keepPrograms});
 }
 
 void checkValidation(const gpu::Device& device, const DeviceChoice& choice) {
@@ -192,26 +183,10 @@ std::optional<converge::Job> jobOf(const converge::Target& target, const LoadedS
     return job;
 }
 
-namespace {
-
-// Runs `work`. An error of the device advises to render without it.
-template <typename Work>
-auto advised(const Work& work) {
-    try {
-        return work();
-    } catch (const Error& error) {
-        if (error.kind() != ErrorKind::Device) throw;
-        throw Error(error.kind(),
-                    std::string(error.what()) + "; use --backend cpu to render without the device");
-    }
-}
-
-}  // namespace
-
 Drawing::Drawing(const DeviceChoice& choice) : backend_(choice.backend), choice_(choice) {
     if (backend_ == Backend::Cpu) return;
     opening_ = std::async(std::launch::async | std::launch::deferred, [&choice] {
-        gpu::Device device = openDevice(choice, true);
+        gpu::Device device = openDevice(choice);
         device.arithmetic();  // a few milliseconds the first time
         return device;
     });
@@ -229,11 +204,11 @@ void Drawing::load(const LoadedScene& loaded, const Request& expected, uint64_t 
     options.expected = &expected;
     options.also = alsoFor(loaded, expected);
     options.cameraRays = cameraRays;
-    advised([&] { renderer_.emplace(*device_, loaded.packed, options); });
+    renderer_.emplace(*device_, loaded.packed, options);
 }
 
 Picture Drawing::draw(const Request& request) {
-    if (backend_ == Backend::Gpu) return advised([&] { return renderer_->render(request); });
+    if (backend_ == Backend::Gpu) return renderer_->render(request);
     const Stopwatch watch;
     const glm::dvec3& origin = loaded_->packed.origin;
     if (!truth_) truth_ = std::make_shared<reference::Model>(reference::truthOf(loaded_->scene, origin));

@@ -68,12 +68,8 @@ Request requestOf(const LoadedScene& loaded, const SceneOptions& options, bool u
 // Features that a request needs of a device though the scene's own depth does without them.
 SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request);
 
-// Opens the chosen device. If none was named and `hostWould` do the same work, an error advises to use it.
-// Throws Error(Device) too if the requested validation layer is missing.
-gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms = true);
-
-// The error with the advice to use --backend cpu.
-Error withAdvice(const Error& error);
+// Opens the chosen device. Throws Error(Device) too if the requested validation layer is missing.
+gpu::Device openDevice(const DeviceChoice& choice, bool keepPrograms = true);
 
 // Throws Error(Device) with the messages of the validation layer, if there are any.
 void checkValidation(const gpu::Device& device, const DeviceChoice& choice);
@@ -96,7 +92,7 @@ class Drawing {
   public:
     // Starts to open the device, which needs nothing of the scene (50 ms for lavapipe, whose libraries are
     // large). load() throws the device's errors, so that the scene's errors come first. `choice` must outlive
-    // the object. An error of the device that was opened advises to use --backend cpu.
+    // the object.
     explicit Drawing(const DeviceChoice& choice);
 
     // Uploads the scene, which must outlive its images, and translates kernels for `expected`. The device

@@ -55,7 +55,7 @@ ExitCode run(const ReportCommand& command, std::ostream& out, std::ostream& err)
     checkStandardOutput(out);
     for (const fs::path& scene : command.scenes) checkScene(scene);
     // Compile times are part of the results, so programs are not cached.
-    const gpu::Device device = openDevice(command.device, false, false);
+    const gpu::Device device = openDevice(command.device, false);
     report::Options options = command.options;
     makeFolder(options.folder);
     installInterruptHandler();

@@ -91,7 +91,7 @@ ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) 
     const Request request = command.pixel ? requestOf(loaded, command.scene) : Request();
     if (command.pixel) checkPixel(request, *command.pixel);
     std::optional<gpu::Device> device;
-    if (command.device.backend == Backend::Gpu) device.emplace(openDevice(command.device, true));
+    if (command.device.backend == Backend::Gpu) device.emplace(openDevice(command.device));
     const std::vector<WorldHit> hits = device ? traceOnDevice(command, loaded, request, *device, err)
                                               : traceOnHost(command, loaded, request, err);
     out << kHitCsvHeading;

@@ -422,7 +422,7 @@ class Verification {
     // Without a device no scene is verified, which JUnit must not count as skipped.
     gpu::Device open() {
         try {
-            return openDevice(command_.device, false);
+            return openDevice(command_.device);
         } catch (const Error& error) {
             for (SceneResult& result : results_) {
                 result.status = SceneStatus::Error;

@@ -255,7 +255,8 @@ void expectNoVulkan(const Child::Environment& environment, const std::string& li
          {"render a.json -o gpu.png", "verify a.json", "trace a.json --pixel 0,0", "devices"}) {
         Child gpu(args, environment);
         EXPECT_EQ(gpu.wait(), 4) << args[0];
-        const std::string instead = args[0] == "verify" ? "" : ", or use --backend cpu";
+        const std::string instead =
+            args[0] == "verify" ? "" : "; or use --backend cpu, which needs no device";
         EXPECT_EQ(gpu.err(), "glint: " + line + instead + "\n") << args[0];
         EXPECT_EQ(gpu.out(), args[0] == "devices" ? kListOfCpu : "") << args[0];
     }
