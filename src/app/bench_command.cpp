@@ -49,6 +49,7 @@ void declare(OptionTable& table, BenchCommand& c) {
                 c.options.renderer.also, parseFeatures);
     table.flag("--full", "compile every feature into the pipeline", c.full);
     table.flag("--whole-paths", "use one kernel for whole paths, not one per step", c.wholePaths);
+    table.requireGpu({"--device", "--validation", "--traversal", "--with", "--full", "--whole-paths"});
     addStats(table, "print the results as JSON instead of tables", c.json);
     addProgress(table, c.progress);
 }
@@ -83,11 +84,6 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
 
 ExitCode run(const BenchCommand& command, std::ostream& out, std::ostream& err) {
     checkStandardOutput(out);
-    checkDeviceOptions(command.device);
-    requireGpu(command.device, {{command.options.everyWalk, "--traversal"},
-                                {command.full, "--full"},
-                                {command.options.renderer.also != SceneFeatures{}, "--with"},
-                                {command.wholePaths, "--whole-paths"}});
     switchShaderCachesOff();
     installInterruptHandler();
     std::optional<gpu::Device> device;

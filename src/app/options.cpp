@@ -267,6 +267,15 @@ void OptionTable::exclude(const std::string& option, const std::string& other, c
         });
 }
 
+void OptionTable::requireGpu(const std::vector<std::string>& options) {
+    const CLI::Option& backend = optionNamed("--backend");
+    for (const std::string& option : options)
+        optionNamed(option).check([&backend, line = option + ": needs --backend gpu"](const std::string&) {
+            refuseIf(backend.count() > 0 && backend.results().front() == nameOf(Backend::Cpu), line);
+            return std::string();
+        });
+}
+
 void OptionTable::flag(const std::string& names, const std::string& help, bool& target, bool value) {
     command_.add_flag_callback(
         names, [&target, value] { target = value; }, help);
@@ -379,18 +388,6 @@ void addStats(OptionTable& table, const std::string& help, bool& json) {
         if (text != "json") refuse("json", text);
         json = true;
     });
-}
-
-void requireGpu(const DeviceChoice& device, std::initializer_list<std::pair<bool, const char*>> options) {
-    for (const auto& [given, option] : options)
-        refuseIf(given && device.backend != Backend::Gpu, std::string(option) + ": needs --backend gpu");
-}
-
-void checkDeviceOptions(const DeviceChoice& device) {
-    requireGpu(device, {{!device.selector.empty(), "--device"},
-                        {device.validation, "--validation"},
-                        {device.traversal != render::Traversal::Auto, "--traversal"},
-                        {device.reproducible, "--reproducible"}});
 }
 
 }  // namespace glint::app

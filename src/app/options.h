@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <utility>
@@ -140,6 +139,8 @@ class OptionTable {
     void require(const std::string& needed, const std::vector<std::string>& options);
     // Refuses `other` together with `option`; both are declared before. `remedy` names the alternative.
     void exclude(const std::string& option, const std::string& other, const std::string& remedy);
+    // Refuses these options, all of them declared before, with --backend cpu, which would ignore them.
+    void requireGpu(const std::vector<std::string>& options);
 
   private:
     // CLI11's own look-up is noexcept and ends the program if memory is short.
@@ -195,10 +196,5 @@ void addStats(OptionTable& table, const std::string& help, bool& json);
 
 // --error, --confidence, --within-depth; the last two require the first.
 void addError(OptionTable& table, converge::Target& target);
-
-// Throws Error(Argument) for an option that is given though --backend cpu would ignore it.
-void requireGpu(const DeviceChoice& device, std::initializer_list<std::pair<bool, const char*>> options);
-// Applies requireGpu() to the options of the device.
-void checkDeviceOptions(const DeviceChoice& device);
 
 }  // namespace glint::app

@@ -89,9 +89,11 @@ namespace {
 // Options that exclude each other, with the remedy.
 constexpr const char* kExclusions[][3] = {
     {"--error", "--adaptive", "leave out --adaptive, as --error chooses the samples of all pixels"},
+    {"--error", "--spp", "limit the number of samples, which --error chooses, with --max-spp"},
     {"--error", "--part", "use --spp with --part"},
     {"--error", "--checkpoint", "use --spp with --checkpoint"},
     {"--error", "--band-rows", "use --spp with --band-rows"},
+    {"--part", "--exposure", "parts hold linear floats; give --exposure to glint merge"},
     {"--part", "--checkpoint", "use more parts, each of which is soon repeated"},
     {"--part", "--frames", "give each machine frames of its own"},
     {"--part", "--band-rows", "use more parts to need less memory, and merge --in-bands"},
@@ -141,6 +143,7 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.whole("--max-spp", "N", "stop --error at N samples per pixel (default 65536)", 2, 1 << 20,
                 c.target.maxSamples);
     table.flag("--strict", "exit with code 5 if --error is not reached", c.strict);
+    table.requireGpu({"--device", "--validation", "--traversal", "--reproducible"});
     table.require("--error", {"--max-seconds", "--max-spp", "--strict"});
     table.require("--frames", {"--fps", "--overwrite"});
     for (const auto& [option, other, remedy] : kExclusions) table.exclude(option, other, remedy);
@@ -163,16 +166,11 @@ void checkComplete(const Outcome& outcome) {
 }
 
 void check(const RenderCommand& command, const std::ostream& out) {
-    checkDeviceOptions(command.device);
     const bool untilError = command.target.error > 0;
     const bool errorLayer = std::count(command.aovs.begin(), command.aovs.end(), Aov::Error) > 0;
     refuseIf(errorLayer && !untilError, "--aov: the layer error requires --error");
     refuseIf(untilError && command.scene.sampler == Sampler::Grid,
              "--error does not work with the grid sampler: use lowDiscrepancy or jittered");
-    refuseIf(untilError && command.scene.spp,
-             "--spp: --error chooses the number of samples; limit it with --max-spp");
-    refuseIf(command.part && command.exposure,
-             "--exposure: parts hold linear floats; give it to glint merge");
     if (command.output == "-") {
         refuseIf(command.part || command.frames || command.bandRows || !command.checkpoint.empty(),
                  "--output -: with --part, --checkpoint, --frames or --band-rows name a file");

@@ -37,6 +37,7 @@ void declare(OptionTable& table, TraceCommand& c) {
     addBackend(table, c.device);
     addDevice(table, c.device);
     addTraversal(table, c.device);
+    table.requireGpu({"--device", "--validation", "--traversal"});
 }
 
 RayBatch batchOf(const TraceCommand& command, std::ostream& err) {
@@ -86,7 +87,6 @@ ExitCode run(const TraceCommand& command, std::ostream& out, std::ostream& err) 
     refuseIf(command.rays == "-" && command.scene.scene == "-",
              "--rays -: SCENE reads standard input; read the rays from a file");
     checkStandardOutput(out);
-    checkDeviceOptions(command.device);
     const LoadedScene loaded = loadAndPack(command.scene, err);
     const Request request = command.pixel ? requestOf(loaded, command.scene) : Request();
     if (command.pixel) checkPixel(request, *command.pixel);
