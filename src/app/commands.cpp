@@ -35,6 +35,10 @@ std::string shown(const std::filesystem::path& file) {
     return printable(file.string());
 }
 
+std::string warningOf(const fs::path& scene) {
+    return "glint: warning: " + shown(scene) + ": ";
+}
+
 fs::path inFolder(const fs::path& output, const fs::path& name) {
     std::error_code ignored;
     const bool isFolder = !output.has_filename() || fs::is_directory(output, ignored);

@@ -100,6 +100,9 @@ void printJson(const nlohmann::json& json, std::ostream& out);
 // A file's name for the terminal: it may be a stranger's too.
 std::string shown(const std::filesystem::path& file);
 
+// "glint: warning: SCENE: "
+std::string warningOf(const std::filesystem::path& scene);
+
 // `output`, or the file `name` in it if it is a folder or ends in a slash.
 std::filesystem::path inFolder(const std::filesystem::path& output, const std::filesystem::path& name);
 

@@ -318,8 +318,7 @@ class FrameRenderer {
         const auto& animation = loaded.scene.animation;
         framesPerSecond_ = command_.framesPerSecond.value_or(animation ? animation->framesPerSecond : 24);
         if (!animation && command_.frames->first != command_.frames->last)
-            err_ << "glint: warning: " << shown(command_.scene.scene)
-                 << ": has no animation; all frames are the same image\n";
+            err_ << warningOf(command_.scene.scene) << "has no animation; all frames are the same image\n";
         for (const int frame : frames_)
             refuseRead(command_, loaded.scene, numbered(outputOf(command_), frame));
         const Region region = requestOf(command_, loaded).region;

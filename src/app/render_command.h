@@ -149,6 +149,8 @@ PictureNotes errorNotes(const converge::Target& target, const Outcome& outcome);
 std::optional<std::string> pictureAdvice(const Picture& picture, const LoadedScene& loaded,
                                          const Request& request, float scale);
 
+// True if the branches that an image leaves out are worth a warning.
+bool reportsLosses(const RenderCommand& command, const LoadedScene& loaded);
 // Warnings about what the image shows or lacks.
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err);

@@ -254,12 +254,15 @@ void printDevice(const DrawingFacts& drawn, std::ostream& out) {
     if (!drawn.device.empty()) out << "device: " << drawn.device << ", " << drawn.driver << '\n';
 }
 
+// That mirrors face each other without end is nothing new.
+bool reportsLosses(const RenderCommand& command, const LoadedScene& loaded) {
+    return loaded.packed.features.transmission || command.scene.limits.minContribution > 0;
+}
+
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err) {
-    const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
-    // That mirrors face each other without end is nothing new.
-    const bool losses = loaded.packed.features.transmission || command.scene.limits.minContribution > 0;
-    warnOf(outcome, losses, start, err);
+    const std::string start = warningOf(command.scene.scene);
+    warnOf(outcome, reportsLosses(command, loaded), start, err);
     if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
     if (outcome.advice) err << start << *outcome.advice << '\n';
 }

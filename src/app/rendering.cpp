@@ -78,7 +78,7 @@ void AnimatedScene::warn() {
         say(printable(scene + ": has no animation; --time changes nothing"));
     for (const std::string& w : loaded_.scene.warnings) say(printable(w));
     for (const std::string& w : loaded_.packed.warnings) say(printable(scene + ": " + w));
-    if (hidden > 0) err_ << "glint: warning: " << printable(scene) << ": " << hidden << " warnings more\n";
+    if (hidden > 0) err_ << warningOf(options_.scene) << hidden << " warnings more\n";
 }
 
 AnimatedScene::Change AnimatedScene::moveTo(double time) {

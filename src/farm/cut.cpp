@@ -130,4 +130,35 @@ std::vector<std::vector<Region>> cutPicture(const CostMap& map, int parts) {
     return result;
 }
 
+std::vector<std::vector<Region>> cutIntoUnits(const CostMap& map, uint32_t samples, int leastParts,
+                                              uint64_t bytesPerPixel) {
+    constexpr double kTests = 1e8, kLeast = 16, kMany = 1024, kMost = 16384;
+    constexpr uint64_t kUnitBytes = uint64_t{1} << 28;
+    const auto tests =
+        static_cast<double>(std::accumulate(map.costs.begin(), map.costs.end(), uint64_t{0})) * samples;
+    // Beyond a thousand units, their number and their cost both grow: each unit costs rank 0 two messages.
+    double parts = tests / kTests;
+    if (parts > kMany) parts = std::sqrt(kMany * parts);
+    int count = std::max(static_cast<int>(std::clamp(parts, kLeast, kMost)), leastParts);
+    auto cut = cutPicture(map, count);
+    // The cheapest units, of sky, have most pixels.
+    while (mostPixelsOf(cut) * bytesPerPixel > kUnitBytes && count < kMostParts) {
+        count = std::min(2 * count, kMostParts);
+        cut = cutPicture(map, count);
+    }
+    return cut;
+}
+
+uint64_t pixelsOf(const std::vector<Region>& regions) {
+    uint64_t pixels = 0;
+    for (const Region& r : regions) pixels += r.pixels();
+    return pixels;
+}
+
+uint64_t mostPixelsOf(const std::vector<std::vector<Region>>& cut) {
+    uint64_t most = 0;
+    for (const std::vector<Region>& regions : cut) most = std::max(most, pixelsOf(regions));
+    return most;
+}
+
 }  // namespace glint::farm

@@ -36,4 +36,12 @@ CostMap estimateCosts(const PackedScene& scene, const Request& request, int part
 // there are fewer tiles than parts.
 std::vector<std::vector<Region>> cutPicture(const CostMap& map, int parts);
 
+// Cut into units of about a second on a processor, at least `leastParts`, whose pixels hold at most 256 MiB
+// at `bytesPerPixel`: renderer and collector hold whole units. `samples`: per pixel.
+std::vector<std::vector<Region>> cutIntoUnits(const CostMap& map, uint32_t samples, int leastParts,
+                                              uint64_t bytesPerPixel);
+
+uint64_t pixelsOf(const std::vector<Region>& regions);
+uint64_t mostPixelsOf(const std::vector<std::vector<Region>>& cut);  // of a part
+
 }  // namespace glint::farm
