@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <ostream>
-#include <set>
 
 #include "app/commands.h"
 #include "app/rendering.h"
@@ -130,32 +129,6 @@ std::string bvhText(const PackedScene& packed) {
            format(", depth %u, SAH cost %.2f, built in ", s.depth, s.sahCost) + formatSeconds(s.buildSeconds);
 }
 
-std::string instancesText(const PackedScene& packed) {
-    const PackStatistics& s = packed.statistics;
-    if (packed.instances.empty()) return "";
-    return std::to_string(packed.instances.size()) + " of " + counted(s.prototypes, "object") +
-           " stored once: " + counted(s.prototypeTriangles, "triangle") + " for " +
-           std::to_string(s.instancedTriangles);
-}
-
-// Each image once, though several textures may show it.
-std::string texturesText(const Scene& scene) {
-    if (scene.textures.empty() && !scene.environment) return "";
-    std::string text = std::to_string(scene.textures.size()) + (scene.environment ? ", environment map" : "");
-    std::set<const Image*> seen;
-    const auto add = [&](const std::string& file, const Image& image) {
-        if (!seen.insert(&image).second) return;
-        const uint64_t bytes = static_cast<uint64_t>(image.width) * image.height * sizeof(shared::Texel);
-        text += "\n                " + file +
-                format(", %d x %d, %.1f KiB on the device", image.width, image.height,
-                       static_cast<double>(bytes) / 1024.0);
-    };
-    for (const Texture& texture : scene.textures)
-        if (const auto* image = std::get_if<ImageTexture>(&texture.source)) add(image->file, *image->image);
-    if (scene.environment) add(scene.environment->file, *scene.environment->image);
-    return text;
-}
-
 ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
     const LoadedScene loaded = loadAndPack(command, err);
     const Scene& scene = loaded.scene;
@@ -174,13 +147,15 @@ ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream&
         {"camera", cameraKind(request.camera)},
         {"cameras", scene.cameras.empty() ? "" : cameraNames(scene, kMostNames)},
         {"objects", objectsText(scene, packed)},
-        {"instances", instancesText(packed)},
+        {"instances", packed.instances.empty() ? ""
+                                               : std::to_string(packed.instances.size()) + " of " +
+                                                     counted(s.prototypes, "object") + " stored once"},
         {"materials", materialsText(scene)},
         {"lights", lightsText(scene)},
-        {"textures", texturesText(scene)},
+        {"textures", scene.textures.empty() ? "" : std::to_string(scene.textures.size())},
+        {"environment", scene.environment ? scene.environment->file : ""},
         {"bounds", boundsText(packed)},
         {"least gap", leastGapText(packed)},
-        {"split", s.splitTriangles > 0 ? counted(s.splitTriangles, "further part") + " of triangles" : ""},
         {"BVH", bvhText(packed)},
         {"local frame",
          origin != glm::dvec3(0) ? format("origin (%.9g %.9g %.9g)", origin.x, origin.y, origin.z) : ""},
@@ -191,9 +166,7 @@ ExitCode printInfo(const SceneOptions& command, std::ostream& out, std::ostream&
         {"arrays", arraysText(packed)},
         {"traversal", traversalText(packed, request)},
         {"features used", joined(used)},
-        {"left out", joined(leftOut)},
-        {"tests", "triangles " + std::string(nameOf(command.methods.triangles)) + ", spheres " +
-                      std::string(nameOf(command.methods.spheres))}};
+        {"left out", joined(leftOut)}};
     out << shown(command.scene) << '\n';
     for (const auto& [name, text] : lines)
         if (!text.empty()) out << format("  %-13s ", name) << text << '\n';
