@@ -17,9 +17,8 @@ struct DiffCommand {
 };
 
 void declare(OptionTable& table, DiffCommand& c) {
-    constexpr auto kRequired = OptionTable::Need::Required;
-    table.name("A", "", "image: .png .exr .pfm .hdr .jpg .webp", c.a, kRequired);
-    table.name("B", "", "image of the same size", c.b, kRequired);
+    table.name("A", "", "image: .png .exr .pfm .hdr .jpg .webp", c.a);
+    table.name("B", "", "image of the same size", c.b);
     table.name("-o,--output", "FILE", "write the image |A - B|", c.output);
     table.value("--tolerance", "X", "largest difference of linear values that counts as equal (default 0)",
                 c.tolerance, parseNotNegative);

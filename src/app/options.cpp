@@ -220,7 +220,7 @@ const std::string& parseName(const std::string& text) {
 }
 
 void OptionTable::read(const std::string& names, const std::string& form, const std::string& help,
-                       const std::function<void(const std::string& text)>& use, Need need) {
+                       const std::function<void(const std::string& text)>& use) {
     // "--output" of "-o,--output".
     const auto named = [name = names.substr(names.rfind(',') + 1), use](const std::string& text) {
         try {
@@ -231,7 +231,7 @@ void OptionTable::read(const std::string& names, const std::string& form, const 
     };
     command_.add_option_function<std::string>(names, named, help)
         ->type_name(form)
-        ->required(need == Need::Required);
+        ->required(!names.starts_with('-'));
 }
 
 void OptionTable::files(const std::string& name, const std::string& help,
@@ -251,6 +251,10 @@ CLI::Option& OptionTable::optionNamed(const std::string& name) {
 
 void OptionTable::acceptAll() {
     command_.allow_extras();
+}
+
+void OptionTable::require(const std::string& option) {
+    optionNamed(option).required();
 }
 
 void OptionTable::require(const std::string& needed, const std::vector<std::string>& options) {
@@ -282,8 +286,7 @@ void OptionTable::flag(const std::string& names, const std::string& help, bool& 
 }
 
 void addScene(OptionTable& table, SceneOptions& options, const std::string& more) {
-    table.name("SCENE", "", "scene (.json .gltf .glb .nff) or model (.obj .ply .stl)" + more, options.scene,
-               OptionTable::Need::Required);
+    table.name("SCENE", "", "scene (.json .gltf .glb .nff) or model (.obj .ply .stl)" + more, options.scene);
     addAllowOutside(table, options);
 }
 

@@ -78,26 +78,22 @@ E parseNamed(const std::string& text) {
 
 class OptionTable {
   public:
-    enum class Need { Optional, Required };
-
     // Declares options of `command`, which must outlive the parsing, as must all targets below.
     explicit OptionTable(CLI::App& command) : command_(command) {}
 
     // An option, `names` being such as "--size" or "-o,--output"; or, with a name in capitals and no form, an
-    // argument known by its place. `parse` turns the text, which may be empty, into the target's value; it
-    // throws Error(Argument) for an invalid one.
+    // argument that is required at its place. `parse` turns the text, which may be empty, into the target's
+    // value; it throws Error(Argument) for an invalid one.
     template <typename Target, typename Parse>
     void value(const std::string& names, const std::string& form, const std::string& help, Target& target,
-               const Parse& parse, Need need = Need::Optional) {
-        read(
-            names, form, help, [&target, parse](const std::string& text) { target = parse(text); }, need);
+               const Parse& parse) {
+        read(names, form, help, [&target, parse](const std::string& text) { target = parse(text); });
     }
 
     // A text that is not empty: the name of a file (form FILE), a folder (FOLDER), a camera or a device.
     template <typename Target>
-    void name(const std::string& names, const std::string& form, const std::string& help, Target& target,
-              Need need = Need::Optional) {
-        value(names, form, help, target, parseName, need);
+    void name(const std::string& names, const std::string& form, const std::string& help, Target& target) {
+        value(names, form, help, target, parseName);
     }
 
     // A whole number from `least` to `greatest`.
@@ -130,11 +126,13 @@ class OptionTable {
 
     // An option whose text goes to a function.
     void read(const std::string& names, const std::string& form, const std::string& help,
-              const std::function<void(const std::string& text)>& use, Need need = Need::Optional);
+              const std::function<void(const std::string& text)>& use);
 
     // Accepts, and ignores, words and options that are not declared.
     void acceptAll();
 
+    // The command requires `option`, which is declared before.
+    void require(const std::string& option);
     // Each of `options`, all of them declared before, requires `needed`.
     void require(const std::string& needed, const std::vector<std::string>& options);
     // Refuses `other` together with `option`; both are declared before. `remedy` names the alternative.

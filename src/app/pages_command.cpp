@@ -148,8 +148,7 @@ struct PagesCommand {
 };
 
 void declare(OptionTable& table, PagesCommand& c) {
-    table.name("FOLDER", "", "for man/, bash-completion/, zsh/ and fish/, such as ~/.local/share", c.folder,
-               OptionTable::Need::Required);
+    table.name("FOLDER", "", "for man/, bash-completion/, zsh/ and fish/, such as ~/.local/share", c.folder);
 }
 
 ExitCode run(const PagesCommand& command, std::ostream& out, std::ostream&) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 #include <iterator>
+#include <map>
 
 #include "app/commands.h"
 #include "core/available_memory.h"
@@ -100,22 +101,16 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err) {
 void checkScene(const std::filesystem::path& scene) {
     namespace fs = std::filesystem;
     std::error_code failed;
-    std::string nearest;
-    const std::string stem = scene.stem().string();
-    size_t best = stem.size() / 3 + 1;
-    if (!fs::exists(scene, failed) && stem.size() < 64) {
-        for (const auto& entry : fs::directory_iterator(fs::path(".") / scene.parent_path(), failed)) {
-            const fs::path& path = entry.path();
-            if (!isSceneFile(path)) continue;
-            const size_t distance = editDistance(stem, path.stem().string());
-            if (distance >= best) continue;
-            best = distance;
-            nearest = path.filename().string();
-        }
-    }
-    if (!nearest.empty())
+    std::map<std::string, std::string, std::less<>> files;  // by their stems
+    if (!fs::exists(scene, failed))
+        for (const auto& entry : fs::directory_iterator(fs::path(".") / scene.parent_path(), failed))
+            if (isSceneFile(entry.path())) files[entry.path().stem()] = entry.path().filename();
+    std::vector<std::string_view> stems;
+    for (const auto& [stem, file] : files) stems.push_back(stem);
+    const auto meant = files.find(nearest(scene.stem().string(), stems));
+    if (meant != files.end())
         throw Error(ErrorKind::Scene,
-                    printable(scene.string() + ": no such file (did you mean \"" + nearest + "\"?)"));
+                    printable(scene.string() + ": no such file (did you mean \"" + meant->second + "\"?)"));
     checkFile(scene);
 }
 

@@ -35,7 +35,8 @@ void declare(OptionTable& table, ReportCommand& c) {
     addScenes(table, c.scenes, c.common);
     addCameraName(table, c.common);
     table.name("-o,--output", "FOLDER", "folder for report.html, report.csv, report.json and the diagrams",
-               c.options.folder, OptionTable::Need::Required);
+               c.options.folder);
+    table.require("--output");
     table.whole("--size", "WIDTH", "width of the images in pixels (default 256)", 4, 4096, c.options.width);
     table.whole("--repeats", "N", "most runs of each setting (default 10)", 1, 1000, c.options.repeats);
     table.whole("--truth-spp", "N",
