@@ -16,6 +16,13 @@ namespace glint::report {
 
 namespace {
 
+// A part of the report's text: lines, the rows of a table with its heading first, or an SVG file.
+struct Block {
+    enum Kind { Heading, Paragraph, List, Table, Diagram };
+    Kind kind;
+    std::vector<std::vector<std::string>> rows;  // outside tables one cell each
+};
+
 std::string milliseconds(double seconds) {
     return shortNumber(seconds * 1e3);
 }
@@ -174,6 +181,8 @@ std::vector<std::string> useTheseSettings(const SceneReport& scene) {
     return lines;
 }
 
+namespace {
+
 std::vector<Block> textOf(const Report& report) {
     std::vector<Block> text;
     const auto add = [&](Block::Kind kind, const std::vector<std::string>& lines) {
@@ -183,6 +192,7 @@ std::vector<Block> textOf(const Report& report) {
     for (const SceneReport& scene : report.scenes) {
         add(Block::Heading, {scene.name + ": use these settings"});
         add(Block::List, useTheseSettings(scene));
+        add(Block::Diagram, {precisionDiagram(scene)});
     }
     add(Block::Paragraph, {"Errors are RMSE of linear color (full scale 1). Times are of an image without "
                            "loading and compiling, "
@@ -196,6 +206,7 @@ std::vector<Block> textOf(const Report& report) {
         add(Block::Paragraph, {sceneLine(scene)});
         for (const auto table : {samplingTable, methodTable, truncationTable, otherWaysTable})
             text.push_back(table(scene));
+        add(Block::Diagram, {truncationDiagram(scene)});
         if (scene.leftOut.empty()) continue;
         add(Block::Paragraph, {"Not measured in the time (repeat the command to resume):"});
         add(Block::List, scene.leftOut);
@@ -207,9 +218,12 @@ std::vector<Block> textOf(const Report& report) {
     return text;
 }
 
+}  // namespace
+
 std::string toMarkdown(const Report& report) {
     std::string out;
     for (const Block& block : textOf(report)) {
+        if (block.kind == Block::Diagram) continue;
         if (!out.empty()) out += "\n";
         for (const std::vector<std::string>& row : block.rows) {
             if (block.kind == Block::Table) {
@@ -236,21 +250,15 @@ constexpr const char* kHead =
     "<style>body{font:15px/1.45 sans-serif;max-width:1100px;margin:1em auto;padding:0 1em;color:#222}"
     "table{border-collapse:collapse;margin:1em 0;font-size:13px}td,th{border:1px solid #ddd;padding:2px 7px;"
     "text-align:right}td:first-child,th:first-child{text-align:left}th{background:#f3f3f3}"
-    "svg{max-width:100%;height:auto;display:block}.use{font-size:17px}</style></head><body>\n"
+    "svg{max-width:100%;height:auto;display:block}</style></head><body>\n"
     "<h1>Error against run time</h1>\n";
 
 std::string element(const std::string& tag, const std::string& text) {
     return "<" + tag + ">" + escapeMarkup(text) + "</" + tag + ">";
 }
 
-std::string firstScreen(const SceneReport& scene) {
-    std::string out =
-        "<h2>" + escapeMarkup(scene.name) + "</h2>\n<h3>Use these settings</h3>\n<ul class=\"use\">\n";
-    for (const std::string& line : useTheseSettings(scene)) out += element("li", line) + "\n";
-    return out + "</ul>\n" + precisionDiagram(scene);
-}
-
 std::string blockText(const Block& block) {
+    if (block.kind == Block::Diagram) return block.rows[0][0];
     std::string out;
     if (block.kind == Block::Table) {
         for (const std::vector<std::string>& row : block.rows) {
@@ -282,9 +290,7 @@ std::string escapeMarkup(const std::string& text) {
 std::string toHtml(const Report& report) {
     std::string out = kHead;
     if (!report.complete) out += "<p><b>Interrupted: the results so far.</b></p>\n";
-    for (const SceneReport& scene : report.scenes) out += firstScreen(scene);
     for (const Block& block : textOf(report)) out += blockText(block);
-    for (const SceneReport& scene : report.scenes) out += truncationDiagram(scene);
     return out + "</body></html>\n";
 }
 

@@ -15,17 +15,9 @@ Report fromJson(const std::string& text, const std::string& name);
 // A line for each setting with the fields of toJson, and a header; RFC 4180.
 std::string toCsv(const Report& report);
 
-// A part of the report's text: lines, or the rows of a table with its heading first.
-struct Block {
-    enum Kind { Heading, Paragraph, List, Table };
-    Kind kind;
-    std::vector<std::vector<std::string>> rows;  // outside tables one cell each
-};
-// Tables and conclusions.
-std::vector<Block> textOf(const Report& report);
-// The same for a terminal.
+// Conclusions and tables for a terminal.
 std::string toMarkdown(const Report& report);
-// One page without scripts and references.
+// The same with diagrams: one page without scripts and references.
 std::string toHtml(const Report& report);
 
 // For three errors the options that reach them fastest, one line each.
