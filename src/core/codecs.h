@@ -71,8 +71,10 @@ class RowEncoder {
     RowEncoder& operator=(const RowEncoder&) = delete;
 
     virtual void add(const std::vector<Layer>& rows) = 0;
-    // The last `rows` rows of the image, all like the one given, which is encoded once.
-    virtual void fill(int rows, const std::vector<Layer>& row) = 0;
+    // The last `rows` rows of the image, all like the one given.
+    virtual void fill(int rows, const std::vector<Layer>& row) {
+        for (; rows > 0; --rows) add(row);
+    }
     virtual void finish() = 0;
 };
 

@@ -359,7 +359,7 @@ std::vector<ExrChannel> exrChannels(const std::vector<Layer>& layers) {
 class ExrRows : public RowEncoder {
   public:
     ExrRows(ByteSink& sink, int width, int height, const std::vector<Layer>& shape, const PictureNotes& notes)
-        : sink_(sink), width_(width), height_(height), stream_(sink) {
+        : width_(width), stream_(sink) {
         makePool();
         Imf::Header header(width, height);
         header.compression() = kCompression;
@@ -375,7 +375,6 @@ class ExrRows : public RowEncoder {
                 header.insert(name, Imf::StringAttribute(std::get<std::string>(value)));
         }
         encoding([&] { file_.emplace(stream_, header, 0); });
-        firstChunk_ = stream_.tellp();
     }
 
     void add(const std::vector<Layer>& rows) override {
@@ -397,30 +396,8 @@ class ExrRows : public RowEncoder {
         written_ += count;
     }
 
-    // Writes the chunk that the library makes of an image of this row, for all rows that are left, and where
-    // they begin. With RLE a chunk is one row: its number, its bytes' count, its bytes (openexr.com, "OpenEXR
-    // File Layout").
-    void fill(int rows, const std::vector<Layer>& row) override {
-        if (rows == 0) return;
-        MemorySink image;
-        ExrRows one(image, width_, 1, row, {});
-        one.add(row);
-        one.finish();
-        Bytes chunk(image.bytes.begin() + static_cast<std::ptrdiff_t>(one.firstChunk_), image.bytes.end());
-        uint64_t position = stream_.tellp();
-        for (int y = written_; y < height_; ++y, position += chunk.size()) {
-            const auto* const place = reinterpret_cast<const uint8_t*>(&position);
-            lastRows_.insert(lastRows_.end(), place, place + sizeof(position));
-            std::memcpy(chunk.data(), &y, sizeof(y));
-            sink_.write(chunk, position);
-        }
-    }
-
     void finish() override {
         encoding([&] { file_.reset(); });
-        if (lastRows_.empty()) return;
-        // The library's own table has a 0 for rows that it did not write.
-        sink_.write(lastRows_, firstChunk_ - lastRows_.size());
     }
 
   private:
@@ -437,11 +414,8 @@ class ExrRows : public RowEncoder {
         stream_.check();
     }
 
-    ByteSink& sink_;
-    int width_, height_;
-    int written_ = 0;
-    uint64_t firstChunk_ = 0;  // the table of where rows begin ends here
-    Bytes lastRows_;           // what the table lacks
+    int width_;
+    int written_ = 0;  // rows
     SinkStream stream_;
     std::optional<Imf::OutputFile> file_;
 };

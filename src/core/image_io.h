@@ -59,8 +59,7 @@ class PictureRows {
     PictureRows& operator=(const PictureRows&) = delete;
 
     void add(const std::vector<Layer>& rows);
-    // All rows that are left, each like the one given: for the end of an image that stays empty, in a time
-    // that hardly depends on its pixels, but for layers of a PFM that are not 0 there.
+    // All rows that are left, each like the one given: for the end of an image that stays empty.
     void fill(const std::vector<Layer>& row);
     std::vector<std::filesystem::path> finish();
 

@@ -1,5 +1,5 @@
 // stb_image_write (Sean Barrett and others, public domain) writes PNG and Radiance HDR. It is compiled here,
-// and static: other libraries in the process (Assimp, say) export copies of their own. png_decoder.cpp and
+// and static: other libraries in the process (Assimp, say) export copies of their own. png_codec.cpp and
 // hdr_decoder.cpp read these formats.
 #include <zlib.h>
 

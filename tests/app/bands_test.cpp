@@ -82,8 +82,8 @@ TEST_F(Bands, WhereThereCanBeNone) {
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
-// Rows that a picture ends with, all alike, are encoded once: the pixels are those of rows that came one by
-// one, in EXR and PFM the bytes too. 60,000 rows are several blocks of a PNG.
+// Rows that a picture ends with, all alike: the pixels are those of rows that came together, in EXR and PFM
+// the bytes too.
 TEST_F(Bands, RowsAlikeAtTheEnd) {
     const int width = 120;
     const auto rowsOf = [&](int rows, bool alike, float depth) {

@@ -1,8 +1,9 @@
-// PNG by libpng.
+// PNG by libpng; stb_image_write, which writes whole images, counts their bytes in an int.
 #include <png.h>
 
 #include <array>
 #include <cstring>
+#include <new>
 
 #include "core/codecs.h"
 
@@ -103,7 +104,85 @@ void linearize(const Decoder& decoder, const uint8_t* row, const std::vector<flo
     }
 }
 
+void appendBytes(png_structp png, png_bytep data, size_t size) {
+    auto& bytes = *static_cast<Bytes*>(png_get_io_ptr(png));
+    bool added = false;
+    try {
+        bytes.insert(bytes.end(), data, data + size);
+        added = true;
+    } catch (const std::bad_alloc&) {
+    }
+    if (!added) png_error(png, "memory");
+}
+
+class PngRows : public RowEncoder {
+  public:
+    PngRows(ByteSink& sink, int width, int height, int channels)
+        : sink_(sink), rowBytes_(static_cast<size_t>(width) * static_cast<size_t>(channels)) {
+        constexpr int kColorTypes[] = {0, PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
+                                       PNG_COLOR_TYPE_RGB_ALPHA};  // by channels
+        encode([&] {
+            png_set_write_fn(out_.png, &bytes_, appendBytes, [](png_structp) {});
+            png_set_IHDR(out_.png, out_.info, static_cast<png_uint_32>(width),
+                         static_cast<png_uint_32>(height), 8, kColorTypes[channels], PNG_INTERLACE_NONE,
+                         PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+            // Like encodePng (stb_encoders.cpp).
+            png_set_compression_level(out_.png, 1);
+            png_set_filter(out_.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+            png_set_compression_buffer_size(out_.png, 1 << 18);
+            png_write_info(out_.png, out_.info);
+        });
+    }
+
+    void add(const std::vector<Layer>& rows) override {
+        const Bytes samples = pngSamples(rows);
+        for (size_t at = 0; at < samples.size(); at += rowBytes_)
+            encode([&] { png_write_row(out_.png, samples.data() + at); });
+    }
+    void fill(int rows, const std::vector<Layer>& row) override {
+        const Bytes samples = pngSamples(row);  // once
+        for (; rows > 0; --rows) encode([&] { png_write_row(out_.png, samples.data()); });
+    }
+    void finish() override {
+        encode([&] { png_write_end(out_.png, nullptr); });
+    }
+
+  private:
+    struct Encoder {
+        Encoder() = default;
+        ~Encoder() { png_destroy_write_struct(&png, &info); }
+        Encoder(const Encoder&) = delete;
+        Encoder& operator=(const Encoder&) = delete;
+        png_structp png = png_create_write_struct(
+            PNG_LIBPNG_VER_STRING, nullptr, [](png_structp p, png_const_charp) { png_longjmp(p, 1); },
+            onWarning);
+        png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
+    };
+
+    // Like run(), then gives the bytes to the sink.
+    template <typename Step>
+    void encode(Step step) {
+        if (out_.info == nullptr) throw std::bad_alloc();
+        if (setjmp(png_jmpbuf(out_.png)) != 0) throw CodecError("not enough memory to compress the image");
+        step();
+        if (bytes_.empty()) return;
+        sink_.write(bytes_, position_);
+        position_ += bytes_.size();
+        bytes_.clear();
+    }
+
+    ByteSink& sink_;
+    size_t rowBytes_;
+    uint64_t position_ = 0;
+    Bytes bytes_;  // that the sink does not have yet
+    Encoder out_;
+};
+
 }  // namespace
+
+std::unique_ptr<RowEncoder> pngRows(ByteSink& sink, int width, int height, const std::vector<Layer>& shape) {
+    return std::make_unique<PngRows>(sink, width, height, pngChannels(shape));
+}
 
 Image decodePng(ByteView file, uint64_t mostPixels, const Context& context) {
     Decoder decoder(file);
