@@ -29,20 +29,6 @@ std::string reasonOf(fs::path path, int errorNumber) {
     return path.string() + " is not a folder";
 }
 
-// False with errno set if not every byte could be written. Without an offset for what has none.
-bool writeBytes(int file, std::span<const uint8_t> bytes, const uint64_t* offset) {
-    size_t written = 0;
-    while (written < bytes.size()) {
-        const uint8_t* const from = bytes.data() + written;
-        const size_t left = bytes.size() - written;
-        const ssize_t count = offset ? ::pwrite(file, from, left, static_cast<off_t>(*offset + written))
-                                     : ::write(file, from, left);
-        if (count < 0 && errno != EINTR) return false;
-        written += count > 0 ? static_cast<size_t>(count) : 0;
-    }
-    return true;
-}
-
 // Flushes a file to the disk, so that no name refers to contents that a power cut has lost. Some file systems
 // do not support it.
 bool sync(int file) {
@@ -63,6 +49,19 @@ fs::path followLinks(const fs::path& path) {
 }
 
 }  // namespace
+
+bool writeBytes(int file, std::span<const uint8_t> bytes, const uint64_t* offset) {
+    size_t written = 0;
+    while (written < bytes.size()) {
+        const uint8_t* const from = bytes.data() + written;
+        const size_t left = bytes.size() - written;
+        const ssize_t count = offset ? ::pwrite(file, from, left, static_cast<off_t>(*offset + written))
+                                     : ::write(file, from, left);
+        if (count < 0 && errno != EINTR) return false;
+        written += count > 0 ? static_cast<size_t>(count) : 0;
+    }
+    return true;
+}
 
 void failWriting(const fs::path& path, int errorNumber) {
     fail(path, reasonOf(path, errorNumber));

@@ -31,6 +31,10 @@ void writeFile(const std::filesystem::path& path, std::span<const uint8_t> bytes
 // The same for one text, e.g. a report.
 void writeTextFile(const std::filesystem::path& path, const std::string& text);
 
+// Writes to a descriptor; false with errno set if not every byte could be written. Without an offset for what
+// has none.
+bool writeBytes(int file, std::span<const uint8_t> bytes, const uint64_t* offset);
+
 // Throws Error(Failed) "PATH: cannot write: REASON" for an error of the system. If a file stands where a
 // folder is needed, the reason names that file.
 [[noreturn]] void failWriting(const std::filesystem::path& path, int errorNumber);

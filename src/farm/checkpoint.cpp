@@ -32,16 +32,6 @@ bool stillNamed(int file, const std::filesystem::path& path) {
            opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
-bool writeAll(int file, const std::vector<uint8_t>& bytes, uint64_t at) {
-    for (size_t written = 0; written < bytes.size();) {
-        const ssize_t count =
-            ::pwrite(file, bytes.data() + written, bytes.size() - written, static_cast<off_t>(at + written));
-        if (count < 0 && errno != EINTR) return false;
-        written += count > 0 ? static_cast<size_t>(count) : 0;
-    }
-    return true;
-}
-
 }  // namespace
 
 Checkpoint::Checkpoint(const std::filesystem::path& path, const UnitHeader& header,
@@ -81,7 +71,7 @@ void Checkpoint::append(const UnitResult& result) {
 }
 
 void Checkpoint::write(const std::vector<uint8_t>& bytes) {
-    if (!writeAll(file_, bytes, size_) || ::fdatasync(file_) != 0) {
+    if (!writeBytes(file_, bytes, &size_) || ::fdatasync(file_) != 0) {
         const int number = errno;
         if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) {
             // The next open cuts off the rest of the unit.
