@@ -17,31 +17,19 @@
 
 namespace glint::app {
 
-// Scripts depend on the values (docs/reference/exit-codes.md).
+// Scripts depend on the values (docs/reference/exit-codes.md), most of which are those of ErrorKind.
 enum class ExitCode : int {
     Done = 0,
-    Failed = 1,        // could not render or write
-    Usage = 2,         // the command line is invalid
-    Scene = 3,         // the scene or a file that it names is faulty
-    Device = 4,        // no usable device, or a Vulkan call failed
-    Difference = 5,    // diff or verify found a difference, render --strict an error
-    Interrupted = 130  // Ctrl-C; the finished part has been saved
+    Failed = 1,
+    Usage = 2,
+    Scene = 3,
+    Device = 4,
+    Difference = 5,  // diff or verify found a difference, render --strict an error
+    Interrupted = 130
 };
 
 constexpr ExitCode exitCodeOf(ErrorKind kind) {
-    switch (kind) {
-        case ErrorKind::Failed:
-            return ExitCode::Failed;
-        case ErrorKind::Argument:
-            return ExitCode::Usage;
-        case ErrorKind::Scene:
-            return ExitCode::Scene;
-        case ErrorKind::Device:
-            return ExitCode::Device;
-        case ErrorKind::Interrupted:
-            return ExitCode::Interrupted;
-    }
-    return ExitCode::Failed;
+    return static_cast<ExitCode>(kind);
 }
 
 // Does the command's work once its options have their values. Results go to `out`, warnings and progress to

@@ -6,13 +6,13 @@
 
 namespace glint {
 
-// Kind of an error. The command line maps kinds to exit codes (app/commands.h).
+// Kind of an error; the value is the exit code of the command line (docs/reference/exit-codes.md).
 enum class ErrorKind {
-    Failed,      // could not render or write
-    Argument,    // the caller's request is invalid
-    Scene,       // the scene or a file that it names is faulty
-    Device,      // no usable device, or a Vulkan call failed
-    Interrupted  // by the user; finished work has been saved
+    Failed = 1,        // could not render or write
+    Argument = 2,      // the caller's request is invalid
+    Scene = 3,         // the scene or a file that it names is faulty
+    Device = 4,        // no usable device, or a Vulkan call failed
+    Interrupted = 130  // by the user; finished work has been saved
 };
 
 // Thrown for every failure that a user can cause or must hear of. `what()` is the single line to print.
