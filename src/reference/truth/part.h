@@ -34,6 +34,17 @@ struct Bounds : BoundingBox {
     glm::dvec3 corner(int i) const { return {i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z}; }
 };
 
+// The box of a solid, a quadric or box, in the coordinates of its point.
+template <class Solid>
+Bounds boxOf(const Solid& solid) {
+    const glm::dmat3 back = glm::inverse(toLocal(solid));
+    Bounds local, box;
+    local.include(solid.lo);
+    local.include(solid.hi);
+    for (int i = 0; i < 8; ++i) box.include(solid.point + back * local.corner(i));
+    return box;
+}
+
 // x -> linear x + offset, and how many times the way there and back makes of a rounding: the greatest row sum
 // of |A| |A^-1|.
 struct Place {

@@ -18,13 +18,6 @@ constexpr double kBeyond = 1.25;
 // The row under construction, in the coordinates of the shape: y = toLocal (x - point).
 struct Surface : rows::Quadric {
     dmat3 toLocal{1};
-    // The surface is in the hull of these ellipsoids with half axes u, v, w, of which any may be 0.
-    // Without ellipsoids it is in the box.
-    struct Ellipsoid {
-        dvec3 center, u, v, w{0};
-    };
-    std::vector<Ellipsoid> hull;
-    Bounds box;
     bool hasTip = false;  // a cone, measured from its apex
 
     Surface() {
@@ -34,7 +27,7 @@ struct Surface : rows::Quadric {
 };
 
 // Local z from base to top, in units of `size`, from the middle. The length from there to either end.
-double alongAxis(const dvec3& base, const dvec3& top, double size, double radius, bool capped, Surface& s) {
+double alongAxis(const dvec3& base, const dvec3& top, double size, bool capped, Surface& s) {
     const dvec3 w = unit(top - base);
     // Any axis across will do; that of the least component is farthest from w.
     int least = 0;
@@ -49,7 +42,6 @@ double alongAxis(const dvec3& base, const dvec3& top, double size, double radius
     s.lo.z = -half;
     s.hi.z = half;
     if (capped) s.caps = shared::kCapLower | shared::kCapUpper;
-    for (const dvec3& end : {base, top}) s.hull.push_back({end, radius * u, radius * v});
     return half;
 }
 
@@ -69,8 +61,6 @@ struct SurfaceOf {
     Surface operator()(const QuadricShape& q) const {
         const double* c = q.coefficients;
         Surface s;
-        s.box.include(q.lo);
-        s.box.include(q.hi);
         const dvec3 half = (q.hi - q.lo) / 2.0;
         const double size = std::max({half.x, half.y, half.z});
         s.point = q.lo + half;
@@ -89,7 +79,6 @@ struct SurfaceOf {
     }
     Surface operator()(const EllipsoidShape& e) const {
         Surface s;
-        s.hull.push_back({e.center, {e.radii.x, 0, 0}, {0, e.radii.y, 0}, {0, 0, e.radii.z}});
         s.point = e.center;
         s.toLocal = dmat3(1 / e.radii.x, 0, 0, 0, 1 / e.radii.y, 0, 0, 0, 1 / e.radii.z);
         s.squares = dvec3(1);
@@ -99,7 +88,7 @@ struct SurfaceOf {
     // x^2 + y^2 = 1; a long one is measured from where the eye is.
     Surface operator()(const CylinderShape& c) const {
         Surface s;
-        const double half = alongAxis(c.base, c.top, c.radius, c.radius, c.capped, s);
+        const double half = alongAxis(c.base, c.top, c.radius, c.capped, s);
         s.squares = {1, 1, 0};
         s.constant = -1;
         if (half > 64) moveAlongAxis(std::clamp((s.toLocal * (eye - s.point)).z, -half, half), s);
@@ -110,7 +99,7 @@ struct SurfaceOf {
     Surface operator()(const ConeShape& c) const {
         Surface s;
         const double size = std::max(c.radius, c.topRadius);
-        const double half = alongAxis(c.base, c.apex, size, size, c.capped, s);
+        const double half = alongAxis(c.base, c.apex, size, c.capped, s);
         const double lower = c.radius / size, upper = c.topRadius / size;
         const double growth = (upper - lower) / (2 * half), middle = (lower + upper) / 2;
         s.squares = {1, 1, -growth * growth};
@@ -127,7 +116,7 @@ struct SurfaceOf {
     // x^2 + y^2 = waist^2 + k z^2, 1 at either end.
     Surface operator()(const HyperboloidShape& h) const {
         Surface s;
-        const double half = alongAxis(h.base, h.top, h.radius, h.radius, h.capped, s);
+        const double half = alongAxis(h.base, h.top, h.radius, h.capped, s);
         const double waist = h.waist / h.radius;
         s.squares = {1, 1, (waist - 1) * (waist + 1) / (half * half)};
         s.constant = -waist * waist;
@@ -136,7 +125,7 @@ struct SurfaceOf {
     // x^2 + y^2 = z / height, from the vertex on.
     Surface operator()(const ParaboloidShape& p) const {
         Surface s;
-        const double half = alongAxis(p.vertex, p.top, p.radius, p.radius, p.capped, s);
+        const double half = alongAxis(p.vertex, p.top, p.radius, p.capped, s);
         s.point = p.vertex;
         s.squares = {1, 1, 0};
         s.linear.z = -1 / (4 * half);
@@ -150,20 +139,6 @@ struct SurfaceOf {
         throw std::logic_error("a shape that truth::add has no rows for");
     }
 };
-
-Bounds boundsOf(const Surface& s, const Place& place) {
-    Bounds bounds;
-    if (s.hull.empty())
-        for (int i = 0; i < 8; ++i) bounds.include(place(s.box.corner(i)));
-    // An ellipsoid's half widths are the lengths of the rows of its axes.
-    for (const Surface::Ellipsoid& e : s.hull) {
-        const dvec3 u = place.linear * e.u, v = place.linear * e.v, w = place.linear * e.w;
-        const dvec3 reach = glm::sqrt(u * u + v * v + w * w);
-        bounds.include(place(e.center) - reach);
-        bounds.include(place(e.center) + reach);
-    }
-    return bounds;
-}
 
 double valueAt(const Surface& s, const dvec3& y, dvec3& slope) {
     const dvec3 image = symmetric(s.squares, s.products) * y;
@@ -203,9 +178,6 @@ void Part::addQuadric(const Shape& shape, const Setting& at) {
     const Place& place = at.place;
     const dvec3 seenFrom = place.inverse * (at.eye - place.offset);
     Surface s = std::visit(SurfaceOf{seenFrom}, shape);
-    Bounds bounds = boundsOf(s, place);
-    bounds.lo -= at.origin;
-    bounds.hi -= at.origin;
     measureFromNear(seenFrom, s);
     if (at.anchor) {
         const dvec3 eye = s.toLocal * (seenFrom - s.point);
@@ -223,7 +195,7 @@ void Part::addQuadric(const Shape& shape, const Setting& at) {
     s.products /= greatest;
     s.linear /= greatest;
     s.constant /= greatest;
-    put<rows::Quadric>(shared::PrimitiveKind::Quadric, model.quadrics, s, at, bounds, 16 * place.gain);
+    put<rows::Quadric>(shared::PrimitiveKind::Quadric, model.quadrics, s, at, boxOf(s), 16 * place.gain);
 }
 
 }  // namespace glint::reference::truth

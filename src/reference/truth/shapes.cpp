@@ -161,13 +161,10 @@ void add(Part& part, const PolygonShape& polygon, const Setting& at) {
 void add(Part& part, const BoxShape& box, const Setting& at) {
     const Place& place = at.place;
     rows::Cuboid row;
-    Bounds bounds;
     if (!at.moved) {
         row.toLocal0.x = row.toLocal1.y = row.toLocal2.z = 1;
         row.lo = box.min - at.origin;
         row.hi = box.max - at.origin;
-        bounds.include(row.lo);
-        bounds.include(row.hi);
     } else {
         const dvec3 half = (box.max - box.min) / 2.0;
         const dvec3 edge[3] = {place.linear[0] * half.x, place.linear[1] * half.y, place.linear[2] * half.z};
@@ -180,12 +177,9 @@ void add(Part& part, const BoxShape& box, const Setting& at) {
             row.hi[i] = glm::dot(*normals[i], edge[i]);
         }
         row.lo = -row.hi;
-        const dvec3 reach = glm::abs(edge[0]) + glm::abs(edge[1]) + glm::abs(edge[2]);
-        bounds.include(row.point - reach);
-        bounds.include(row.point + reach);
     }
     if (!isFinite(row.lo) || !isFinite(row.hi) || !glm::all(glm::lessThan(row.lo, row.hi))) return;
-    part.put(shared::PrimitiveKind::Cuboid, part.model.cuboids, row, at, bounds,
+    part.put(shared::PrimitiveKind::Cuboid, part.model.cuboids, row, at, boxOf(row),
              at.moved ? 8 * place.gain : 1);
 }
 
@@ -341,12 +335,8 @@ class MediaAround {
     // The eye in the solid's own coordinates.
     template <class Solid>
     dvec3 eyeIn(const Solid& solid, Bounds& box) const {
-        const glm::dmat3 own = toLocal(solid), back = glm::inverse(own);
-        Bounds local;
-        local.include(solid.lo);
-        local.include(solid.hi);
-        for (int i = 0; i < 8; ++i) box.include(solid.point + back * local.corner(i));
-        return own * (eye_ - solid.point);
+        box.include(boxOf(solid));
+        return toLocal(solid) * (eye_ - solid.point);
     }
 
     dvec3 eye_;
