@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "core/vectors.h"
 #include "pack/primitives.h"
@@ -35,35 +34,32 @@ Answer miss() {
     return answer;
 }
 
-// A ray in the coordinates of a tree, for the tests of boxes.
-struct BoxRay {
-    dvec3 origin, direction;
-    double pad;     // what its origin is off, on each axis
-    double spread;  // and its direction, as a part of the distance from the origin
-    dvec3 inverse = 1.0 / direction;
-    double reach = greatestMagnitude(origin);
-};
-
 double greatestRowSum(const dmat3& m) {
     return greatestMagnitude(magnitudes(m) * dvec3(1));
 }
 
-// Into an instance, whose matrix and place are rounded to fp32: W (x - place) errs by that.
+// A ray in the coordinates of a tree, for the tests of boxes. pad: how far it, and the surfaces, may be off
+// on each axis.
+struct BoxRay {
+    dvec3 origin, direction;
+    double pad;
+    dvec3 inverse = 1.0 / direction;
+};
+
+// Into an instance. Its matrix and place are rounded to fp32, which moves the points of the ray by up to 32 u
+// of its origin, 16 u of the scene's size and 20 u of the place; ray.pad has the last two.
 BoxRay entered(const BoxRay& ray, const shared::Instance& instance) {
     const dmat3 w = glm::transpose(
         dmat3(dvec3(instance.toObjectX), dvec3(instance.toObjectY), dvec3(instance.toObjectZ)));
-    const dvec3 place(instance.place), away = ray.origin - place, direction = w * ray.direction;
-    const double rows = greatestRowSum(w), size = greatestMagnitude(direction);
-    return {w * away, direction,
-            rows * (ray.pad + kFloatUnit * (4 * greatestMagnitude(place) + 16 * greatestMagnitude(away))),
-            size > 0 ? 16 * kFloatUnit * rows * greatestMagnitude(ray.direction) / size : 1};
+    return {w * (ray.origin - dvec3(instance.place)), w * ray.direction,
+            greatestRowSum(w) * (ray.pad + 32 * kFloatUnit * greatestMagnitude(ray.origin))};
 }
 
 // Bound on how far rounding to fp32 moves a surface, times two. Centres, corners, radii and factors of unit
 // vectors: u of the scene's size each. Rows D R A^-1 of a quadric or box under a transform A (R turns to its
 // axis, D holds its sizes, which cancel): u |A R^T| |R A^-1| of twice that size; the sums of |R^T| |R| are at
 // most 3.
-double greatestMove(const Scene& scene, const PackedScene& packed) {
+double greatestMove(const Scene& scene, const PackedScene& packed, double size) {
     bool areExact = true;  // all surfaces are triangles and planes, also in instances
     visitPrimitiveArrays(packed, [&](shared::PrimitiveKind kind, const auto& array) {
         areExact &= array.empty() || kind == shared::PrimitiveKind::Triangle ||
@@ -76,8 +72,6 @@ double greatestMove(const Scene& scene, const PackedScene& packed) {
         gain = std::max(gain, greatestRowSum(magnitudes(object.transform->linear) *
                                              magnitudes(inverse(*object.transform).linear)));
     }
-    const double size =
-        std::max(greatestMagnitude(dvec3(packed.boundsLo)), greatestMagnitude(dvec3(packed.boundsHi)));
     return 2 * kFloatUnit * (4 + 6 * gain) * size;
 }
 
@@ -91,17 +85,15 @@ class Search {
 
     Answer run() {
         for (uint32_t i = 0; i < packed_.planes.size(); ++i)
-            flat(shared::kKindPlane << shared::kPrimitiveKindShift | i, kNone, packed_.planes[i].material);
+            flat(shared::kKindPlane << shared::kPrimitiveKindShift | i, kNone, packed_.planes[i].material, 0);
         const dvec3 origin = ray_.ray().origin - packed_.origin;
-        BoxRay local{origin, ray_.ray().direction,
-                     2 * tracer_.slack_ + tracer_.boxSlack_ + 0x1p-50 * greatestMagnitude(origin), 0x1p-50};
-        if (packed_.environment.root != kNone && !packed_.nodes.empty()) {
-            const double instances =
-                static_cast<double>(packed_.environment.instancePad) * greatestMagnitude(origin) +
-                static_cast<double>(packed_.environment.instancePadAtOrigin);
-            local.pad += instances;
-            search(packed_.environment.root, local, kNone);
-        }
+        const auto& environment = packed_.environment;
+        if (environment.root == kNone || packed_.nodes.empty()) return decide();
+        const double reach = greatestMagnitude(origin);
+        const double instances = static_cast<double>(environment.instancePad) * reach +
+                                 static_cast<double>(environment.instancePadAtOrigin);
+        const double pad = tracer_.slack_ + 0x1p-49 * reach + instances;
+        search(environment.root, {origin, ray_.ray().direction, pad}, kNone);
         return decide();
     }
 
@@ -125,15 +117,12 @@ class Search {
             });
     }
 
-    // Entry t of the box, or infinity. The box contains the fp32 geometry and may lie a unit of its
-    // coordinates outside.
+    // Entry t of the box, or infinity.
     double enter(const BoxRay& ray, const dvec3& lo, const dvec3& hi) const {
-        const double size = std::max(greatestMagnitude(lo), greatestMagnitude(hi));
-        const double pad = ray.pad + ray.spread * (ray.reach + size) + 2 * kFloatUnit * size;
         double near = std::max(ray_.ray().tMin, 0.0) * (1 - 0x1p-48), far = end_ * (1 + 0x1p-48);
         for (int i = 0; i < 3; ++i) {
-            const double t0 = (lo[i] - pad - ray.origin[i]) * ray.inverse[i];
-            const double t1 = (hi[i] + pad - ray.origin[i]) * ray.inverse[i];
+            const double t0 = (lo[i] - ray.pad - ray.origin[i]) * ray.inverse[i];
+            const double t1 = (hi[i] + ray.pad - ray.origin[i]) * ray.inverse[i];
             if (std::isnan(t0) || std::isnan(t1)) continue;
             near = std::max(near, std::min(t0, t1) * (1 - 0x1p-48));
             far = std::min(far, std::max(t0, t1) * (1 + 0x1p-48));
@@ -147,7 +136,7 @@ class Search {
             if (leaf.kind == shared::PrimitiveKind::Instance)
                 search(packed_.instances[i].root, entered(ray, packed_.instances[i]), i);
             else if (leaf.kind == shared::PrimitiveKind::Triangle)
-                flat(primitive, instance, materialOf(i, instance));
+                flat(primitive, instance, materialOf(i, instance), near);
             else if (leaf.kind == shared::PrimitiveKind::Sphere && instance == kNone)
                 sphere(i, primitive);
             else
@@ -155,11 +144,13 @@ class Search {
         }
     }
 
-    // A triangle or plane.
-    void flat(uint32_t primitive, uint32_t instance, uint32_t material) {
+    // A triangle or plane, which is hit at `near` or later.
+    void flat(uint32_t primitive, uint32_t instance, uint32_t material, double near) {
         const ExactSurface surface = exactly(primitive, instance);
-        if (const auto span = ray_.span(surface))
-            add({*span, primitive, instance, surface.id, true}, material);
+        auto span = ray_.span(surface);
+        if (!span) return;
+        if (!span->isHit) span->lower = std::max(span->lower, near);
+        add({*span, primitive, instance, surface.id, true}, material);
     }
 
     // The scene's own numbers, before packing.
@@ -186,12 +177,8 @@ class Search {
 
     void sphere(uint32_t index, uint32_t primitive) {
         const shared::Sphere& packed = packed_.spheres[index];
-        const auto* shape = std::get_if<SphereShape>(&tracer_.scene_.objects[packed.object].shape);
-        if (shape == nullptr) {
-            add({{0, kInfinity}, primitive, kNone, packed.id, false}, kNone);
-            return;
-        }
-        for (const auto& span : ray_.spans(*shape))
+        for (const auto& span :
+             ray_.spans(std::get<SphereShape>(tracer_.scene_.objects[packed.object].shape)))
             if (span) add({*span, primitive, kNone, packed.id, false}, packed.material);
     }
 
@@ -209,22 +196,16 @@ class Search {
     void add(Contender contender, uint32_t material) {
         if (hasHoles(material)) contender.exact = contender.span.isHit = false;
         if (contender.span.isHit) end_ = std::min(end_, contender.span.upper);
+        // Split triangles stand in the tree more than once.
+        const bool known = std::ranges::any_of(contenders_, [&](const Contender& c) {
+            return c.exact && contender.exact && c.id == contender.id;
+        });
+        if (known) return;
         contenders_.push_back(contender);
-    }
-
-    // Split triangles stand in the tree more than once.
-    void dropTwins() {
-        const auto key = [](const Contender& c) { return std::tuple(kindOfPrimitive(c.primitive), c.id); };
-        std::ranges::sort(contenders_, {}, key);
-        const auto twins = [&](const Contender& a, const Contender& b) {
-            return a.exact && b.exact && key(a) == key(b);
-        };
-        contenders_.erase(std::unique(contenders_.begin(), contenders_.end(), twins), contenders_.end());
     }
 
     Answer decide() {
         std::erase_if(contenders_, [&](const Contender& c) { return c.span.lower > end_; });
-        if (packed_.features.splitTriangles && contenders_.size() > 1) dropTwins();
         if (contenders_.empty()) return miss();
         if (contenders_.size() == 1 && contenders_[0].span.isHit) return sure(contenders_[0]);
         if (std::ranges::all_of(contenders_, &Contender::exact)) return decideExactly();
@@ -259,20 +240,13 @@ class Search {
 };
 
 // Positions are rounded to double where the scene's origin is taken away, and where a transform moves them:
-// those of an instance to and fro.
+// those of an instance to and fro. Boxes are of what fp32 holds.
 Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), packed_(packed) {
     const PrimitiveNumbers numbers(scene);
     double size = greatestMagnitude(packed.origin);
-    // A plane's point is moved to where the scene and the eye are.
-    if (!packed.planes.empty())
-        size = std::max(
-            {size + greatestMagnitude(dvec3(packed.boundsLo)) + greatestMagnitude(dvec3(packed.boundsHi)),
-             greatestMagnitude(scene.camera.eye)});
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
         firstIds_.push_back(numbers.firstId(i));
-        if (const auto* plane = std::get_if<PlaneShape>(&object.shape))
-            size = std::max(size, greatestMagnitude(plane->point));
         const auto* mesh = std::get_if<MeshShape>(&object.shape);
         if (mesh == nullptr || !object.transform) continue;
         double reach = 0;
@@ -281,9 +255,9 @@ Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), p
         size = std::max(size, greatestRowSum(object.transform->linear) * reach +
                                   greatestMagnitude(object.transform->offset));
     }
-    boxSlack_ = greatestMove(scene, packed);
-    slack_ =
-        packed.origin == dvec3(0) && packed.instances.empty() && packed.planes.empty() ? 0 : 0x1p-48 * size;
+    const double local =
+        std::max(greatestMagnitude(dvec3(packed.boundsLo)), greatestMagnitude(dvec3(packed.boundsHi)));
+    slack_ = 0x1p-47 * size + 32 * kFloatUnit * local + greatestMove(scene, packed, local);
 }
 
 Answer Tracer::closest(const WorldRay& ray) const {

@@ -41,10 +41,7 @@ class Tracer {
     const Scene& scene_;
     const PackedScene& packed_;
     std::vector<uint32_t> firstIds_;  // by object
-    // Errors of the points of rays and of the scene in local coordinates, in addition to rounding to fp32;
-    // and the distance by which surfaces other than triangles and planes may exceed the tree's boxes in
-    // addition.
-    double slack_ = 0, boxSlack_ = 0;
+    double slack_ = 0;  // how far surfaces may lie beyond the tree's boxes, in local coordinates
 };
 
 }  // namespace glint::reference::certain

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "core/vectors.h"
@@ -13,152 +14,127 @@
 
 namespace glint::reference::certain {
 
-// ---- Spans, in double
-
 namespace {
 
-using glm::dvec2;
 using glm::dvec3;
 
-constexpr double kUnit = kUnitRoundoff;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Products below this are rounded by more than a unit of themselves.
-constexpr double kLeastDoubt = 1e-290;
 
-dvec3 turned(const dvec3& v, int axis) {
-    return axis == 0 ? dvec3(v.y, v.z, v.x) : axis == 1 ? dvec3(v.z, v.x, v.y) : v;
-}
+// ---- Numbers: in double with a bound, and exact
 
-double cross(const dvec2& p, const dvec2& q) {
-    return p.x * q.y - p.y * q.x;
-}
+// A double, and how far it may be off: each operation adds its own rounding (running error analysis: Higham,
+// "Accuracy and Stability of Numerical Algorithms", 2002, sec. 3.3). Infinite or NaN: nothing is known.
+struct Bounded {
+    double value = 0, error = 0;
 
-}  // namespace
-
-SpanRay::SpanRay(const WorldRay& ray) : ray_(ray) {
-    const dvec3 size = glm::abs(ray.direction);
-    axis_ = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-    const dvec3 d = turned(ray.direction, axis_);
-    shear_ = {d.x / d.z, d.y / d.z, 1 / d.z};
-}
-
-std::optional<Span> SpanRay::within(Span span, bool isHit) const {
-    const double from = std::max(ray_.tMin, 0.0);
-    // Comparisons that are false for NaN keep the span.
-    if (span.upper <= from || span.lower > ray_.tMax) return std::nullopt;
-    span.isHit = isHit && span.lower > from && span.upper <= ray_.tMax;
-    if (!(span.lower >= from)) span.lower = from;
-    if (!(span.upper <= ray_.tMax)) span.upper = ray_.tMax;
-    span.t = span.t >= span.lower && span.t <= span.upper ? span.t : span.lower;
-    return span;
-}
-
-std::optional<Span> SpanRay::span(const ExactSurface& surface) const {
-    return surface.plane != nullptr ? planeSpan(*surface.plane) : triangleSpan(surface);
-}
-
-// A corner's place across the ray errs by e = offset + 24 u depth + 8 u reach: the corner in the world, where
-// it is moved there, by `offset`; the difference with the origin by u of itself, at most depth + reach; the
-// shear, a quotient of two exact numbers, by u; product and difference by u each. An edge function then errs
-// by 4 e reach + 2 e^2 and three units of 2 reach^2 < 2 e reach.
-std::optional<Span> SpanRay::triangleSpan(const ExactSurface& triangle) const {
-    const Affine* place = triangle.place;
-    std::array<dvec2, 3> across;
-    dvec3 along;
-    double offset = 0, depth = 0, reach = 0;
-    for (int i = 0; i < 3; ++i) {
-        dvec3 corner = triangle.corners[static_cast<size_t>(i)];
-        if (place != nullptr) {
-            const dvec3 sizes = magnitudes(place->linear) * glm::abs(corner) + glm::abs(place->offset);
-            offset = std::max(offset, 8 * kUnit * greatestMagnitude(sizes));
-            corner = place->linear * corner + place->offset;
-        }
-        const dvec3 seen = turned(corner - ray_.origin, axis_);
-        across[i] = dvec2(seen) - dvec2(shear_) * seen.z;
-        along[i] = seen.z;
-        depth = std::max(depth, std::abs(seen.z));
-        reach = std::max({reach, std::abs(across[i].x), std::abs(across[i].y)});
+    Bounded() = default;
+    explicit Bounded(double exact) : value(exact) {}
+    // Twice the rounding of the value, which covers that of the error; and products that underflow.
+    static Bounded rounded(double value, double error) {
+        return {value, error + 2 * kUnitRoundoff * std::abs(value) + 1e-290};
     }
-    const double e = 4 * offset + 24 * kUnit * depth + 8 * kUnit * reach;
-    const double doubt = e * (6 * reach + 2 * e) + kLeastDoubt;
-    const dvec3 edges = {cross(across[2], across[1]), cross(across[0], across[2]),
-                         cross(across[1], across[0])};
-    const double least = std::min({edges.x, edges.y, edges.z}), most = std::max({edges.x, edges.y, edges.z});
-    if (least < -doubt && most > doubt) return std::nullopt;
-    const bool isHit = least > doubt || most < -doubt;
-
-    const dvec3 ts = along * shear_.z;
-    const double nearest = std::min({ts.x, ts.y, ts.z}), farthest = std::max({ts.x, ts.y, ts.z});
-    const double cornerOff = std::abs(shear_.z) * (4 * offset + 24 * kUnit * depth);
-    Span span{nearest - cornerOff, farthest + cornerOff};
-    span.t = nearest;
-    if (isHit) {
-        const double inverse = 1 / (edges.x + edges.y + edges.z);
-        const dvec3 weights = edges * inverse;
-        const double t = glm::dot(weights, ts);
-        const double off = 7 * doubt * std::abs(inverse) * (farthest - nearest) + cornerOff +
-                           16 * kUnit * std::max(std::abs(nearest), std::abs(farthest));
-        span = {t - off, t + off, t, weights.y, weights.z};
+    friend Bounded operator+(const Bounded& a, const Bounded& b) {
+        return rounded(a.value + b.value, a.error + b.error);
     }
-    return within(span, isHit && std::isfinite(span.lower) && std::isfinite(span.upper));
-}
-
-std::optional<Span> SpanRay::planeSpan(const PlaneShape& plane) const {
-    const dvec3 away = plane.point - ray_.origin, n = plane.normal, d = ray_.direction;
-    const double height = glm::dot(n, away), speed = glm::dot(n, d);
-    const double heightOff = 8 * kUnit * glm::dot(glm::abs(n), glm::abs(away)) + kLeastDoubt;
-    const double speedOff = 8 * kUnit * glm::dot(glm::abs(n), glm::abs(d)) + kLeastDoubt;
-    const bool isHit = std::abs(speed) > 2 * speedOff;
-    Span span{0, kInfinity};
-    if (isHit) {
-        const double t = height / speed;
-        const double off =
-            (heightOff + std::abs(t) * speedOff) / (std::abs(speed) - speedOff) + 4 * kUnit * std::abs(t);
-        span = {t - off, t + off, t, 0, 0};
+    friend Bounded operator-(const Bounded& a, const Bounded& b) {
+        return rounded(a.value - b.value, a.error + b.error);
     }
-    return within(span, isHit);
-}
+    friend Bounded operator*(const Bounded& a, const Bounded& b) {
+        return rounded(a.value * b.value,
+                       std::abs(a.value) * b.error + a.error * (std::abs(b.value) + b.error));
+    }
+    // b's sign is proven.
+    friend Bounded operator/(const Bounded& a, const Bounded& b) {
+        const double quotient = a.value / b.value;
+        return rounded(quotient, (a.error + std::abs(quotient) * b.error) / (std::abs(b.value) - b.reach()));
+    }
+    double reach() const { return error * (1 + 0x1p-40); }
+    double lower() const { return value - reach(); }
+    double upper() const { return value + reach(); }
 
-// With c the centre, a = d.d and b = (c - o).d the roots are (b -+ sqrt(a D)) / a with D = r^2 - |p|^2, p the
-// way from the centre to the line's nearest point. p errs by 16 u |c - o| in each coordinate, so D by less
-// than 128 u (|c - o|^2 + r^2), the root of D by that over the root, b / a by 8 u |c - o| / |d|.
-std::array<std::optional<Span>, 2> SpanRay::spans(const SphereShape& sphere) const {
-    // By a power of two, exactly: the square of a direction may overflow or vanish.
-    const int exponent = std::ilogb(greatestMagnitude(ray_.direction));
-    const dvec3 scaled = {std::scalbn(ray_.direction.x, -exponent), std::scalbn(ray_.direction.y, -exponent),
-                          std::scalbn(ray_.direction.z, -exponent)};
-    const double scaledLength = std::sqrt(glm::dot(scaled, scaled));
-    const double length = std::scalbn(scaledLength, exponent);
-    const dvec3 away = sphere.center - ray_.origin, unit = scaled / scaledLength;
-    const double b = glm::dot(away, unit), size = glm::length(away);
-    const dvec3 beside = away - b * unit;
-    const double radius = sphere.radius;
-    const double rest = radius * radius - glm::dot(beside, beside);
-    const double restOff = 128 * kUnit * (size * size + radius * radius) + kLeastDoubt;
-    if (rest < -restOff) return {};
-    const double least = std::sqrt(std::max(rest - restOff, 0.0)), most = std::sqrt(rest + restOff);
-    const double middleOff = 16 * kUnit * (size + radius);
-    const bool isHit = rest > restOff && std::isfinite(length) && std::isfinite(most);
-    const auto at = [&](double near, double far) {
-        Span span{(near - middleOff) / length, (far + middleOff) / length, 0.5 * (near + far) / length, 0, 0};
-        span.lower -= 4 * kUnit * std::abs(span.lower);
-        span.upper += 4 * kUnit * std::abs(span.upper);
-        return within(span, isHit);
-    };
-    return {at(b - most, b - least), at(b + least, b + most)};
-}
-
-// ---- Exact hits; only the bounds of the answer are rounded, outwards
-
-namespace {
+  private:
+    Bounded(double v, double e) : value(v), error(e) {}
+};
 
 // Every finite double is a fraction.
 using Number = mpq_class;
-using Vector = Vec<Number>;
 
-Vector times(const glm::dmat3& m, const Vector& v) {
-    return Number(v.x) * toVec<Number>(m[0]) + Number(v.y) * toVec<Number>(m[1]) +
-           Number(v.z) * toVec<Number>(m[2]);
+// 0: not proven, or exactly 0.
+int signOf(const Bounded& a) {
+    return a.lower() > 0 ? 1 : a.upper() < 0 ? -1 : 0;
+}
+int signOf(const Number& a) {
+    return sgn(a);
+}
+
+// ---- Triangles and planes, in either kind of numbers
+
+enum class Result { Miss, Open, Hit };  // Open: the bounds do not decide
+template <class T>
+struct Intersection {
+    Result result = Result::Miss;
+    T t{}, u{}, v{};  // of a hit
+};
+
+// A sign that is 0 is known to be 0 in exact numbers alone.
+template <class T>
+constexpr bool kIsExact = std::is_same_v<T, Number>;
+
+template <class T>
+Vec<T> times(const glm::dmat3& m, const Vec<T>& v) {
+    return v.x * toVec<T>(m[0]) + v.y * toVec<T>(m[1]) + v.z * toVec<T>(m[2]);
+}
+
+// The volumes that the ray's direction spans with two corners each, relative to its origin, give the side of
+// each edge on which it passes (Segura, Feito, "Algorithms to Test Ray-Triangle Intersection", WSCG 2001);
+// they are the corners' weights in the point.
+template <class T>
+Intersection<T> intersectTriangle(const Vec<T>& origin, const Vec<T>& direction,
+                                  const ExactSurface& surface) {
+    std::array<Vec<T>, 3> seen;
+    for (size_t i = 0; i < 3; ++i) {
+        seen[i] = toVec<T>(surface.corners[i]);
+        if (surface.place != nullptr)
+            seen[i] = times(surface.place->linear, seen[i]) + toVec<T>(surface.place->offset);
+        seen[i] = seen[i] - origin;
+    }
+    std::array<T, 3> edges;
+    int positive = 0, negative = 0;
+    for (size_t i = 0; i < 3; ++i) {
+        edges[i] = dot(direction, cross(seen[(i + 1) % 3], seen[(i + 2) % 3]));
+        positive += signOf(edges[i]) > 0;
+        negative += signOf(edges[i]) < 0;
+    }
+    if (positive > 0 && negative > 0) return {};
+    if (positive + negative < 3 && !kIsExact<T>) return {.result = Result::Open};
+    if (positive + negative == 0) return {};  // in its plane
+    const T sum = edges[0] + edges[1] + edges[2];
+    if (signOf(sum) == 0) return {.result = Result::Open};
+    Intersection<T> hit{.result = Result::Hit};
+    hit.u = edges[1] / sum;
+    hit.v = edges[2] / sum;
+    // From a corner: bounds of weights then count by the triangle's size alone.
+    const T way = dot(direction, seen[0]) + hit.u * dot(direction, seen[1] - seen[0]) +
+                  hit.v * dot(direction, seen[2] - seen[0]);
+    hit.t = way / dot(direction, direction);
+    return hit;
+}
+
+template <class T>
+Intersection<T> intersect(const Vec<T>& origin, const Vec<T>& direction, const ExactSurface& surface) {
+    if (surface.plane == nullptr) return intersectTriangle(origin, direction, surface);
+    const Vec<T> normal = toVec<T>(surface.plane->normal);
+    const T speed = dot(normal, direction);
+    if (signOf(speed) == 0) return {.result = kIsExact<T> ? Result::Miss : Result::Open};
+    Intersection<T> hit{.result = Result::Hit};
+    hit.t = dot(normal, toVec<T>(surface.plane->point) - origin) / speed;
+    return hit;
+}
+
+// Of a number that is not negative, or may be 0.
+Bounded root(const Bounded& a) {
+    const double low = std::sqrt(std::max(a.lower(), 0.0)), high = std::sqrt(std::max(a.upper(), 0.0));
+    return Bounded::rounded((low + high) / 2, (high - low) / 2 + 2 * kUnitRoundoff * high);
 }
 
 // The greatest finite double that is at most x, for x >= 0.
@@ -169,74 +145,64 @@ double above(const Number& x, double under) {
     return x == under ? under : std::nextafter(under, kInfinity);
 }
 
-struct Intersection {
-    Number t;
-    Number edges[3];  // those of a triangle, opposite to its corners; their sum is not 0
-};
-
-// The volumes that the ray's direction spans with two corners each, relative to its origin, give the side of
-// each edge on which it passes (Segura, Feito, "Algorithms to Test Ray-Triangle Intersection", WSCG 2001).
-std::optional<Intersection> intersectTriangle(const Vector& origin, const Vector& direction,
-                                              const ExactSurface& surface) {
-    std::array<Vector, 3> seen;
-    for (size_t i = 0; i < 3; ++i) {
-        Vector corner = toVec<Number>(surface.corners[i]);
-        if (surface.place != nullptr)
-            corner = times(surface.place->linear, corner) + toVec<Number>(surface.place->offset);
-        seen[i] = corner - origin;
-    }
-    Intersection m;
-    bool positive = false, negative = false;
-    for (size_t i = 0; i < 3; ++i) {
-        m.edges[i] = dot(direction, cross(seen[(i + 1) % 3], seen[(i + 2) % 3]));
-        positive = positive || m.edges[i] > 0;
-        negative = negative || m.edges[i] < 0;
-    }
-    if (positive == negative) return std::nullopt;  // beside it, or in its plane
-    const Vector normal = cross(seen[1] - seen[0], seen[2] - seen[0]);
-    m.t = dot(normal, seen[0]) / dot(normal, direction);
-    return m;
-}
-
-std::optional<Intersection> intersectPlane(const Vector& origin, const Vector& direction,
-                                           const PlaneShape& plane) {
-    const Vector normal = toVec<Number>(plane.normal);
-    const Number speed = dot(normal, direction);
-    if (speed == 0) return std::nullopt;
-    Intersection m;
-    m.t = dot(normal, toVec<Number>(plane.point) - origin) / speed;
-    return m;
-}
-
 }  // namespace
 
+// By a power of two, exactly: the square of a direction may overflow or vanish.
+SpanRay::SpanRay(const WorldRay& ray) : ray_(ray), exponent_(std::ilogb(greatestMagnitude(ray.direction))) {
+    for (int i = 0; i < 3; ++i) direction_[i] = std::scalbn(ray.direction[i], -exponent_);
+}
+
+std::optional<Span> SpanRay::within(Span span, bool isHit) const {
+    const double from = std::max(ray_.tMin, 0.0);
+    for (double* t : {&span.lower, &span.upper, &span.t}) *t = std::scalbn(*t, -exponent_);
+    // Comparisons that are false for NaN keep the span.
+    if (span.upper <= from || span.lower > ray_.tMax) return std::nullopt;
+    span.isHit = isHit && span.lower > from && span.upper <= ray_.tMax;
+    if (!(span.lower >= from)) span.lower = from;
+    if (!(span.upper <= ray_.tMax)) span.upper = ray_.tMax;
+    span.t = span.t >= span.lower && span.t <= span.upper ? span.t : span.lower;
+    return span;
+}
+
+std::optional<Span> SpanRay::span(const ExactSurface& surface) const {
+    const auto hit = intersect(toVec<Bounded>(ray_.origin), toVec<Bounded>(direction_), surface);
+    if (hit.result == Result::Miss) return std::nullopt;
+    if (hit.result == Result::Open || !std::isfinite(hit.t.error)) return within({0, kInfinity}, false);
+    return within({hit.t.lower(), hit.t.upper(), hit.t.value, hit.u.value, hit.v.value}, true);
+}
+
+// From the line's point nearest to the centre.
+std::array<std::optional<Span>, 2> SpanRay::spans(const SphereShape& sphere) const {
+    const Vec<Bounded> direction = toVec<Bounded>(direction_);
+    const Vec<Bounded> away = toVec<Bounded>(sphere.center) - toVec<Bounded>(ray_.origin);
+    const Bounded square = dot(direction, direction), radius(sphere.radius);
+    const Bounded middle = dot(away, direction) / square;
+    const Vec<Bounded> beside = away - middle * direction;
+    const Bounded rest = radius * radius - dot(beside, beside);
+    if (signOf(rest) < 0) return {};
+    const Bounded half = root(rest / square), near = middle - half, far = middle + half;
+    const bool isHit = signOf(rest) > 0 && std::isfinite(far.error);
+    return {within({near.lower(), near.upper(), near.value}, isHit),
+            within({far.lower(), far.upper(), far.value}, isHit)};
+}
+
+// Only the bounds of the answer are rounded, outwards.
 std::optional<ExactHit> nearestExactly(const WorldRay& ray, std::span<const ExactSurface> surfaces) {
-    const Vector origin = toVec<Number>(ray.origin), direction = toVec<Number>(ray.direction);
-    std::optional<Intersection> best;
+    const Vec<Number> origin = toVec<Number>(ray.origin), direction = toVec<Number>(ray.direction);
+    Intersection<Number> best;
     size_t chosen = 0;
     for (size_t i = 0; i < surfaces.size(); ++i) {
-        const ExactSurface& surface = surfaces[i];
-        std::optional<Intersection> m = surface.plane != nullptr
-                                            ? intersectPlane(origin, direction, *surface.plane)
-                                            : intersectTriangle(origin, direction, surface);
-        if (!m || m->t <= 0 || (ray.tMin > 0 && m->t <= ray.tMin)) continue;
-        if (std::isfinite(ray.tMax) && m->t > ray.tMax) continue;
-        const bool closer = !best || m->t < best->t;
-        if (!closer && (m->t > best->t || surface.id >= surfaces[chosen].id)) continue;
-        best = std::move(m);
+        Intersection<Number> hit = intersect(origin, direction, surfaces[i]);
+        if (hit.result == Result::Miss || hit.t <= 0 || (ray.tMin > 0 && hit.t <= ray.tMin)) continue;
+        if (std::isfinite(ray.tMax) && hit.t > ray.tMax) continue;
+        const bool closer = best.result == Result::Miss || hit.t < best.t;
+        if (!closer && (hit.t > best.t || surfaces[i].id >= surfaces[chosen].id)) continue;
+        best = std::move(hit);
         chosen = i;
     }
-    if (!best) return std::nullopt;
-    ExactHit hit;
-    hit.surface = chosen;
-    hit.lower = below(best->t);
-    hit.upper = above(best->t, hit.lower);
-    if (surfaces[chosen].plane == nullptr) {
-        const Number whole = best->edges[0] + best->edges[1] + best->edges[2];
-        hit.u = below(best->edges[1] / whole);
-        hit.v = below(best->edges[2] / whole);
-    }
-    return hit;
+    if (best.result == Result::Miss) return std::nullopt;
+    const double lower = below(best.t);
+    return ExactHit{chosen, lower, above(best.t, lower), below(best.u), below(best.v)};
 }
 
 }  // namespace glint::reference::certain

@@ -43,14 +43,12 @@ class SpanRay {
     const WorldRay& ray() const { return ray_; }
 
   private:
-    std::optional<Span> triangleSpan(const ExactSurface& triangle) const;
-    std::optional<Span> planeSpan(const PlaneShape& plane) const;
-    // The span of a surface that is hit, or may be, cut to the ray's interval.
+    // A span in units of direction_, cut to the ray's interval.
     std::optional<Span> within(Span span, bool isHit) const;
 
     WorldRay ray_;
-    int axis_ = 2;  // of the direction's greatest component; it comes last when turned
-    glm::dvec3 shear_{0};
+    glm::dvec3 direction_;  // the ray's, times 2^-exponent_; its greatest component is in [1, 2)
+    int exponent_;
 };
 
 struct ExactHit {
