@@ -1,7 +1,7 @@
-// Split by the surface area heuristic over bins of the boxes' middles (I. Wald, "On Fast Construction of SAH
-// Based Bounding Volume Hierarchies", 2007): of many items along the widest axis, of few along all three.
+// Split at one of a few planes by the surface area heuristic (I. Wald, "On Fast Construction of SAH Based
+// Bounding Volume Hierarchies", 2007): of many items along the widest axis, of few along all three.
 #include <algorithm>
-#include <array>
+#include <cmath>
 
 #include "core/room.h"
 #include "reference/truth/part.h"
@@ -11,30 +11,24 @@ namespace {
 
 using glm::dvec3;
 
-constexpr size_t kBins = 16;
 constexpr uint32_t kMaxLeaf = 8;
+constexpr int kPlanes = 7;  // along an axis
 // From here on halves of equal numbers: 2^25 items then take 25 more levels.
 constexpr uint32_t kDeep = 36;
 static_assert(kDeep + 26 <= kMaxTreeDepth);
-// Three axes take three times as long to fill bins of.
-constexpr uint32_t kFew = 32;
+
+// Three axes take three times as long.
+constexpr uint32_t kFew = 256;
 
 struct Split {
     double cost = std::numeric_limits<double>::infinity();
     int axis = 0;
-    size_t bin = 0;  // the first on the right
+    double at = 0;  // middles from here on are on the right
 };
 
-struct Bin {
-    Bounds box;
-    uint32_t count = 0;
-
-    void include(const Bin& other) {
-        box.include(other.box);
-        count += other.count;
-    }
-    double cost() const { return count * box.halfArea(); }
-};
+dvec3 middleOf(const Item& item) {
+    return 0.5 * item.box.lo + 0.5 * item.box.hi;
+}
 
 // Builds the tree and writes the primitives of each leaf as it is made.
 class Builder {
@@ -62,18 +56,16 @@ class Builder {
             middles.include(middleOf(items_[i]));
             oneKind = oneKind && items_[i].kind == items_[first].kind;
         }
-        const uint32_t count = end - first;
         // A leaf of instances holds one.
-        const uint32_t most = !oneKind                                                ? 0
-                              : items_[first].kind == shared::PrimitiveKind::Instance ? 1
-                                                                                      : kMaxLeaf;
+        const uint32_t most = items_[first].kind == shared::PrimitiveKind::Instance ? 1 : kMaxLeaf;
+        const uint32_t count = end - first;
         const Split split = count == 1 ? Split{} : bestSplit(first, end, middles);
-        const double area = box.halfArea();
-        if (count == 1 || (count <= most && !(split.cost + area < count * area)))
-            return {box, writeLeaf(first, end)};
+        const bool isLeaf =
+            oneKind && count <= most && !(split.cost + box.halfArea() < count * box.halfArea());
+        if (count == 1 || isLeaf) return {box, writeLeaf(first, end)};
         const auto index = static_cast<uint32_t>(nodes_.size());
         nodes_.emplace_back();
-        const uint32_t middle = partition(first, end, depth, split, middles, oneKind);
+        const uint32_t middle = partition(first, end, depth, split);
         const Child left = grow(first, middle, depth + 1), right = grow(middle, end, depth + 1);
         rows::Node& node = nodes_[index];
         node.lo0 = left.box.lo;
@@ -104,57 +96,38 @@ class Builder {
                (end - first - 1) << shared::kLeafCountShift | static_cast<uint32_t>(start);
     }
 
-    static dvec3 middleOf(const Item& item) {
-        return 0.5 * item.box.lo + 0.5 * item.box.hi;
-    }
-
-    static size_t binOf(double middle, double lo, double size) {
-        const double bin = (middle - lo) / size * kBins;
-        return std::min(static_cast<size_t>(bin), kBins - 1);
-    }
-
     // Costs are areas times the number of tests on either side.
     Split bestSplit(uint32_t first, uint32_t end, const Bounds& middles) const {
         Split best;
         const dvec3 widths = middles.hi - middles.lo;
-        const double widest = std::max({widths.x, widths.y, widths.z});
-        for (int axis = 0; axis < 3; ++axis) {
-            const double lo = middles.lo[axis], size = widths[axis];
-            if (!(size > 0) || (end - first > kFew && size < widest)) continue;
-            std::array<Bin, kBins> bins;
-            for (uint32_t i = first; i < end; ++i)
-                bins[binOf(middleOf(items_[i])[axis], lo, size)].include({items_[i].box, 1});
-            std::array<double, kBins> right{};
-            Bin sum;
-            for (size_t bin = kBins - 1; bin > 0; --bin) {
-                sum.include(bins[bin]);
-                right[bin] = sum.cost();
+        for (int i = 0; i < 3 * kPlanes; ++i) {
+            const int axis = i % 3;
+            if (!(widths[axis] > 0) || (end - first > kFew && widths[axis] < greatestMagnitude(widths)))
+                continue;
+            const double at = middles.lo[axis] + widths[axis] * (i / 3 + 1) / (kPlanes + 1);
+            Bounds boxes[2];
+            uint32_t counts[2] = {0, 0};
+            for (uint32_t item = first; item < end; ++item) {
+                const bool right = middleOf(items_[item])[axis] >= at;
+                boxes[right].include(items_[item].box);
+                ++counts[right];
             }
-            sum = Bin();
-            for (size_t bin = 1; bin < kBins; ++bin) {
-                sum.include(bins[bin - 1]);
-                const double cost = sum.cost() + right[bin];
-                if (sum.count > 0 && sum.count < end - first && cost < best.cost) best = {cost, axis, bin};
-            }
+            const double cost = counts[0] * boxes[0].halfArea() + counts[1] * boxes[1].halfArea();
+            if (counts[0] > 0 && counts[1] > 0 && cost < best.cost) best = {cost, axis, at};
         }
         return best;
     }
 
-    uint32_t partition(uint32_t first, uint32_t end, uint32_t depth, const Split& split,
-                       const Bounds& middles, bool oneKind) {
-        const auto begin = items_.begin();
-        const bool found = split.bin > 0;
-        if (found && depth < kDeep) {
-            const double lo = middles.lo[split.axis], size = middles.hi[split.axis] - lo;
-            const auto middle = std::partition(begin + first, begin + end, [&](const Item& item) {
-                return binOf(middleOf(item)[split.axis], lo, size) < split.bin;
-            });
-            return static_cast<uint32_t>(middle - begin);
-        }
-        // All in one place, or too deep: by kind, then in halves.
-        if (!oneKind)
-            std::stable_sort(begin + first, begin + end,
-                             [](const Item& a, const Item& b) { return a.kind < b.kind; });
+    // Returns the first item on the right. If all are in one place, or too deep, the halves are of equal
+    // numbers, by kind.
+    uint32_t partition(uint32_t first, uint32_t end, uint32_t depth, const Split& split) {
+        const auto begin = items_.begin() + first, behind = items_.begin() + end;
+        if (depth < kDeep && std::isfinite(split.cost))
+            return static_cast<uint32_t>(
+                std::partition(begin, behind,
+                               [&](const Item& item) { return middleOf(item)[split.axis] < split.at; }) -
+                items_.begin());
+        std::stable_sort(begin, behind, [](const Item& a, const Item& b) { return a.kind < b.kind; });
         return first + (end - first) / 2;
     }
 
