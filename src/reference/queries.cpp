@@ -52,9 +52,22 @@ ClosestPoint closestOnTriangle(const dvec3& point, const dvec3& a, const dvec3& 
     return {{.u = static_cast<double>(u), .v = static_cast<double>(v)}, dvec3(Wide(a) + u * ab + v * ac)};
 }
 
-// Replaces `best` by a closer point of the tree below `root`, which is that of an instance or of the world.
-void searchClosest(const Model& model, uint32_t root, uint32_t instance, const dvec3& point,
-                   ClosestPoint& best) {
+// A triangle of the world, or of an instance with its corners and id in the world.
+rows::Triangle triangleInWorld(const Model& model, uint32_t primitive, uint32_t instance) {
+    rows::Triangle triangle = model.triangles[primitive & shared::kPrimitiveIndexMask];
+    if (instance == shared::kNone) return triangle;
+    const InstanceFrame frame(model.instances[instance]);
+    for (dvec3* v : {&triangle.v0, &triangle.v1, &triangle.v2}) *v = frame.pointInWorld(*v);
+    triangle.id += model.instances[instance].idBase;
+    return triangle;
+}
+
+// Visits the primitives of the tree below `root`, of the world or an instance, and of instances in it: those
+// in boxes that are at most limit() away from the point. Ends, with true, when visit(primitive, instance)
+// returns true.
+template <class Limit, class Visit>
+bool visitNear(const Model& model, uint32_t root, uint32_t instance, const dvec3& point, const Limit& limit,
+               const Visit& visit) {
     dvec3 inside = point;
     double stretch = 1;
     if (instance != shared::kNone) {
@@ -67,72 +80,42 @@ void searchClosest(const Model& model, uint32_t root, uint32_t instance, const d
         const dvec3 away = glm::max(glm::max(loOf(node, child) - inside, inside - hiOf(node, child)), 0.0);
         return glm::length(away) / stretch * (1 - 0x1p-40);
     };
-    const auto visit = [&](const Leaf& leaf, double) {
-        for (uint32_t i = leaf.first; i < leaf.end; ++i) {
-            if (leaf.kind == shared::PrimitiveKind::Instance) {
-                searchClosest(model, model.instances[i].root, i, point, best);
-                continue;
-            }
-            const uint32_t primitive = static_cast<uint32_t>(leaf.kind) << shared::kPrimitiveKindShift | i;
-            const ClosestPoint found = closestPointOn(model, primitive, instance, point);
-            if (std::pair(found.hit.t, found.hit.id) < std::pair(best.hit.t, best.hit.id)) best = found;
-        }
+    const auto visitOne = [&](shared::PrimitiveKind kind, uint32_t i) {
+        if (kind == shared::PrimitiveKind::Instance)
+            return visitNear(model, model.instances[i].root, i, point, limit, visit);
+        return visit(static_cast<uint32_t>(kind) << shared::kPrimitiveKindShift | i, instance);
+    };
+    const auto visitLeaf = [&](const Leaf& leaf, double) {
+        for (uint32_t i = leaf.first; i < leaf.end; ++i)
+            if (visitOne(leaf.kind, i)) return true;
         return false;
     };
-    traverse(
-        *model.nodes, root, distance, [&] { return best.hit.t; }, visit);
+    return root != shared::kNone && traverse(*model.nodes, root, distance, limit, visitLeaf);
 }
 
 // ---- Points near surfaces
 
-// A point in the coordinates of a tree, and how near is too near: `units` times u of the coordinates, and the
-// error of getting there.
-struct Probe {
-    dvec3 point;
-    double units;
-    double slack;
-
-    // For a surface with coordinates up to `size`.
-    double reach(double size) const { return units * kFloatUnit * (greatestMagnitude(point) + size) + slack; }
-};
-
-Probe enterInstance(const rows::Instance& instance, const Probe& probe) {
-    Probe inside{InstanceFrame(instance).pointInObject(probe.point), 16, 0};
-    for (const dvec3& row : {instance.toObjectX, instance.toObjectY, instance.toObjectZ}) {
-        const dvec3 sizes = glm::abs(row) * (glm::abs(probe.point) + glm::abs(instance.place));
-        inside.slack = std::max(inside.slack, 16 * kFloatUnit * (sizes.x + sizes.y + sizes.z));
-    }
-    return inside;
+double sizeOf(const Model& scene) {
+    return std::max(greatestMagnitude(scene.boundsLo), greatestMagnitude(scene.boundsHi));
 }
 
-bool isNearTriangle(const rows::Triangle& t, const Probe& probe) {
-    const double size = std::max({greatestMagnitude(t.v0), greatestMagnitude(t.v1), greatestMagnitude(t.v2)});
-    return glm::distance(probe.point, closestOnTriangle(probe.point, t.v0, t.v1, t.v2).point) <=
-           probe.reach(size);
-}
-
-bool isNear(const Model& scene, uint32_t root, const Probe& probe) {
-    if (root == shared::kNone || scene.nodes->empty()) return false;
-    const auto enter = [&](const rows::Node& node, int child) {
-        const dvec3 &lo = loOf(node, child), &hi = hiOf(node, child);
-        const double reach = probe.reach(std::max(greatestMagnitude(lo), greatestMagnitude(hi)));
-        for (int axis = 0; axis < 3; ++axis)
-            if (probe.point[axis] < lo[axis] - reach || probe.point[axis] > hi[axis] + reach)
-                return kNotEntered;
-        return 0.0;
+bool isNearTriangle(const Model& scene, const dvec3& point) {
+    const double own = greatestMagnitude(point);
+    const auto reach = [&](double size, bool placed) {
+        const double pad = scene.environment.instancePad * own + scene.environment.instancePadAtOrigin;
+        return 4 * kFloatUnit * (own + size) + (placed ? pad : 0);
     };
-    const auto visit = [&](const Leaf& leaf, double) {
-        for (uint32_t i = leaf.first; i < leaf.end; ++i) {
-            if (leaf.kind == shared::PrimitiveKind::Triangle && isNearTriangle(scene.triangles[i], probe))
-                return true;
-            if (leaf.kind == shared::PrimitiveKind::Instance &&
-                isNear(scene, scene.instances[i].root, enterInstance(scene.instances[i], probe)))
-                return true;
-        }
-        return false;
+    const double most = reach(sizeOf(scene), true);
+    const auto visit = [&](uint32_t primitive, uint32_t instance) {
+        if (kindOfPrimitive(primitive) != shared::PrimitiveKind::Triangle) return false;
+        const auto t = triangleInWorld(scene, primitive, instance);
+        const double size =
+            std::max({greatestMagnitude(t.v0), greatestMagnitude(t.v1), greatestMagnitude(t.v2)});
+        return glm::distance(point, closestOnTriangle(point, t.v0, t.v1, t.v2).point) <=
+               reach(size, instance != shared::kNone);
     };
-    return traverse(
-        *scene.nodes, root, enter, [] { return 0.0; }, visit);
+    return visitNear(
+        scene, scene.environment.root, shared::kNone, point, [&] { return most; }, visit);
 }
 
 bool hasOtherSurfaces(const Model& scene) {
@@ -147,10 +130,9 @@ bool hasOtherSurfaces(const Model& scene) {
 }  // namespace
 
 ClosestPoint closestPointOn(const Model& model, uint32_t primitive, uint32_t instance, const dvec3& point) {
-    const uint32_t index = primitive & shared::kPrimitiveIndexMask;
     ClosestPoint closest;
     if (kindOfPrimitive(primitive) == shared::PrimitiveKind::Sphere) {
-        const rows::Sphere& sphere = model.spheres[index];
+        const rows::Sphere& sphere = model.spheres[primitive & shared::kPrimitiveIndexMask];
         const Wide center = Wide(sphere.point) - Extended{sphere.radius} * Wide(sphere.anchorNormal);
         const Wide away = Wide(point) - center;
         const Extended length = glm::length(away);
@@ -158,12 +140,7 @@ ClosestPoint closestPointOn(const Model& model, uint32_t primitive, uint32_t ins
             dvec3(center + Extended{sphere.radius} * (length > 0 ? away / length : Wide(0, 0, 1)));
         closest.hit.id = sphere.id;
     } else {
-        rows::Triangle triangle = model.triangles[index];
-        if (instance != shared::kNone) {
-            const InstanceFrame frame(model.instances[instance]);
-            for (dvec3* v : {&triangle.v0, &triangle.v1, &triangle.v2}) *v = frame.pointInWorld(*v);
-            triangle.id += model.instances[instance].idBase;
-        }
+        const rows::Triangle triangle = triangleInWorld(model, primitive, instance);
         closest = closestOnTriangle(point, triangle.v0, triangle.v1, triangle.v2);
         closest.hit.id = triangle.id;
         if (isMirrored(model, instance)) std::swap(closest.hit.u, closest.hit.v);
@@ -177,8 +154,13 @@ ClosestPoint closestPointOn(const Model& model, uint32_t primitive, uint32_t ins
 ClosestPoint closestPoint(const Model& model, const dvec3& point) {
     ClosestPoint best;
     best.hit.t = std::numeric_limits<double>::max();
-    if (model.environment.root != shared::kNone)
-        searchClosest(model, model.environment.root, shared::kNone, point, best);
+    visitNear(
+        model, model.environment.root, shared::kNone, point, [&] { return best.hit.t; },
+        [&](uint32_t primitive, uint32_t instance) {
+            const ClosestPoint found = closestPointOn(model, primitive, instance, point);
+            if (std::pair(found.hit.t, found.hit.id) < std::pair(best.hit.t, best.hit.id)) best = found;
+            return false;
+        });
     return best;
 }
 
@@ -190,11 +172,9 @@ std::vector<Hit> crossings(const Tracer& tracer, const Ray& ray) {
 
 bool touches(const Tracer& tracer, const dvec3& point) {
     const Model& scene = tracer.model();
-    if (isNear(scene, scene.environment.root, {point, 4, 0})) return true;
+    if (isNearTriangle(scene, point)) return true;
     if (!hasOtherSurfaces(scene)) return false;
-    const double reach = 4 * kFloatUnit *
-                         (greatestMagnitude(point) + std::max(greatestMagnitude(dvec3(scene.boundsLo)),
-                                                              greatestMagnitude(dvec3(scene.boundsHi))));
+    const double reach = 4 * kFloatUnit * (greatestMagnitude(point) + sizeOf(scene));
     for (int axis = 0; axis < 3; ++axis) {
         Ray ray;
         ray.origin = point;

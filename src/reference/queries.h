@@ -28,8 +28,8 @@ ClosestPoint closestPoint(const Model& model, const glm::dvec3& point);
 std::vector<Hit> crossings(const Tracer& tracer, const Ray& ray);
 
 // True if rounding to fp32 may put the local point on a surface: if it lies within 4 u (|point| + |v|) of a
-// triangle (16 u of an instance's), u = 2^-24, both in the greatest coordinate, v the triangle's farthest
-// vertex; of any other surface along an axis.
+// triangle, u = 2^-24, both in the greatest coordinate, v the triangle's farthest vertex; in instances,
+// farther by the pad of boxes (Environment::instancePad); of any other surface along an axis.
 bool touches(const Tracer& tracer, const glm::dvec3& point);
 
 }  // namespace glint::reference
