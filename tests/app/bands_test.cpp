@@ -82,8 +82,7 @@ TEST_F(Bands, WhereThereCanBeNone) {
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
-// Rows that a picture ends with, all alike: the pixels are those of rows that came together, in EXR and PFM
-// the bytes too.
+// Equal rows at the end: pixels, and in EXR and PFM bytes, as of rows that came together.
 TEST_F(Bands, RowsAlikeAtTheEnd) {
     const int width = 120;
     const auto rowsOf = [&](int rows, bool alike, float depth) {
