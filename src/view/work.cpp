@@ -418,7 +418,9 @@ const Canvas& refreshPicture(Model& m) {
     Comparison& c = m.comparison;
     const uint64_t version = m.session->version();
     const std::pair wanted{version, c.number};
-    if (m.compares() && m.session->finished() && std::exchange(m.measured, wanted) != wanted)
+    if (!m.session->finished())
+        c.figures.reset();  // an earlier image, which may have had another size
+    else if (m.compares() && std::exchange(m.measured, wanted) != wanted)
         measure(c, m.comparable());
     const bool flashes = m.compares() && c.mode == CompareMode::Flicker && flash(m);
     const Model::Shown now = {version, m.display, m.difference.has_value(), flashes, c.mode, c.wipe,

@@ -92,8 +92,10 @@ TEST_F(Shell, ADroppedPictureIsComparedWith) {
     scene_["background"] = {0.9, 0.1, 0.1};
     write("red.json", scene_);
     render("red.json", "red.png");
-    const Ran ran =
-        view("set samples 1\nkey H\nsettle\ndrop red.png\nwait 3\nsave wipe.png\nprint figures\n");
+    const Ran ran = view(
+        "set samples 1\nkey H\nsettle\ndrop red.png\nwait 3\nsave wipe.png\nprint figures\nkey B\nwait "
+        "2\nkey H\nkey Shift+H\nsettle\nwait 2\nexpect waiting difference not shown: the images differ in "
+        "size\n");
     const Image wipe = readImage("wipe.png"), red = readImage("red.png");
     EXPECT_EQ(pixelOf(wipe, 3, 3), pixelOf(red, 3, 3));
     EXPECT_NE(pixelOf(wipe, 236, 3), pixelOf(red, 236, 3));
