@@ -25,6 +25,7 @@ void perform(Model& m, Command command) {
 // After all events of a round.
 void noteChanges(Model& m) {
     if (!m.changed()) return;
+    m.warned = false;
     const bool moved = m.control.camera() != m.history.seen().camera;
     m.history.note(m.undoable());
     if (!moved) return;
@@ -44,6 +45,7 @@ void takeSettings(Model& m) {
 }
 
 void askToClose(Model& m) {
+    if (!m.mayLeave()) return;
     if (!m.saving.running() || m.isClosing) {
         m.closes = true;
         return;
@@ -116,12 +118,11 @@ void writeCameras(Model& m) {
 // another.
 void writeScene(Model& m) {
     const std::filesystem::path target = m.scene->path.parent_path() / m.sceneName;
+    if (m.keeps(target)) return;
     try {
-        if (std::filesystem::exists(target) && !m.replacesFile)
-            throw Error(ErrorKind::Argument,
-                        target.string() + " exists: choose another name, or \"replace the file\"");
         writeTextFile(target, editedSceneText(unchangedText(m), m.settings, m.fileSettings));
-        m.saveSceneVisible = m.replacesFile = false;
+        m.saveSceneVisible = false;
+        m.written = m.settings;
         m.report("wrote lights and materials to " + target.string());
     } catch (const std::exception& e) {
         m.fail(e.what());
@@ -195,25 +196,19 @@ void animate(Model& m) {
     if (animated(m)) (m.timeline.*kMove)(kFrames);
 }
 
+// Under the next free name.
 template <bool kExr, bool kSeen>
 void saveNext(Model& m) {
-    saveNumbered(m, kExr ? ".exr" : ".png", kSeen);
+    if (saves(m)) return;
+    try {
+        save(m, claimName(".", m.scene->path.stem().string(), kExr ? ".exr" : ".png"), kSeen);
+    } catch (const Error& e) {
+        m.fail(e.what());
+    }
 }
 
 void travel(Model& m, const Undoable* state, const char* otherwise) {
     state != nullptr ? m.restore(*state) : m.say(otherwise);
-}
-
-void undo(Model& m) {
-    travel(m, m.history.undo(), "nothing to undo");
-}
-
-void redo(Model& m) {
-    travel(m, m.history.redo(), "nothing to redo");
-}
-
-void toggleFullscreen(Model& m) {
-    m.window->toggleFullscreen();
 }
 
 void framePicked(Model& m) {
@@ -232,6 +227,7 @@ void copyJson(Model& m) {
     }
     m.out << json << std::endl;
     ImGui::SetClipboardText(json.c_str());
+    m.written = m.settings;
     m.say("copied as scene JSON: " + what);
 }
 
@@ -249,7 +245,8 @@ constexpr KeyBinding kBindings[] = {
     {'H', 0, "H", "hide or show the panel", flip<&Model::panelVisible>},
     {'H', kShift, "Shift+H", "the panel beside the image, or over it", dockPanel},
     {GLFW_KEY_ESCAPE, 0, "Esc", "close lists, messages, pick and comparison", closeAll},
-    {GLFW_KEY_F11, 0, "F11", "full screen, or a window again", toggleFullscreen},
+    {GLFW_KEY_F11, 0, "F11", "full screen, or a window again",
+     [](Model& m) { m.window->toggleFullscreen(); }},
     {'Q', kControl, "Ctrl+Q", "quit", askToClose},
     {GLFW_KEY_TAB, 0, "Tab", "fly or orbit", flip<&Model::flying>, "camera"},
     {'R', 0, "R", "back to the scene's camera", [](Model& m) { m.control.reset(); }},
@@ -289,9 +286,9 @@ constexpr KeyBinding kBindings[] = {
     {'.', 0, ".", "a frame on", animate<&Timeline::step, 1>},
     {GLFW_KEY_HOME, 0, "Home", "the animation's first frame", animate<&Timeline::goTo, 0>},
     {GLFW_KEY_END, 0, "End", "its last frame", animate<&Timeline::goTo, Timeline::kMostFrames>},
-    {'Z', kControl, "Ctrl+Z", "undo the last change of camera, lights, background or materials", undo,
-     "edits and files"},
-    {'Y', kControl, "Ctrl+Y", "redo", redo},
+    {'Z', kControl, "Ctrl+Z", "undo the last change of camera, lights, background or materials",
+     [](Model& m) { travel(m, m.history.undo(), "nothing to undo"); }, "edits and files"},
+    {'Y', kControl, "Ctrl+Y", "redo", [](Model& m) { travel(m, m.history.redo(), "nothing to redo"); }},
     {'C', 0, "C", "print and copy camera, changed lights and changed materials as JSON", copyJson},
     {'S', 0, "S", "save the image as shown, as PNG (flying: Ctrl+S)", saveNext<false, true>},
     {'S', kControl, "Ctrl+S", "the same", saveNext<false, true>},

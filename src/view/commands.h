@@ -43,8 +43,8 @@ void writeCameras(Model& m);
 void writeScene(Model& m);
 // With the scene's own sampling, or if `seen` with that of the display.
 void save(Model& m, const std::filesystem::path& file, bool seen);
-void saveNumbered(Model& m, const char* extension, bool seen);  // under the next free name
-void saveNamed(Model& m);                                       // under the name of the dialog
+void saveNamed(Model& m);  // under the name of the dialog
+bool saves(Model& m);      // true, after a message, while an image is being saved
 void keepImage(Model& m);
 void nextComparison(Model& m);
 void verify(Model& m);
@@ -68,7 +68,7 @@ const Canvas& refreshPicture(Model& m);
 bool flashChanged(const Model& m);  // the other image of a flicker is due
 // No job is running, and all edits are packed and shown.
 bool settled(const Model& m);
-// Stops all jobs. Throws Error(Failed) if an image was not saved that the user waited for.
-void close(Model& m);
+// Stops all jobs. The reason why an image was not saved that the user waited for; else empty.
+std::string close(Model& m);
 
 }  // namespace glint::view

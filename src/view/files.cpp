@@ -140,20 +140,20 @@ void Remembered::add(const std::string& line) {
     }
 }
 
-RecentFiles::RecentFiles(const fs::path& file) : files_(file, isThere) {}
+RecentFiles::RecentFiles(const fs::path& file) : Remembered(file, isThere) {}
 
 void RecentFiles::add(const fs::path& scene) {
     std::error_code error;
     const std::string path = fs::absolute(scene, error).lexically_normal().string();
-    if (!error && path.find('\n') == std::string::npos) files_.add(path);
+    if (!error && path.find('\n') == std::string::npos) Remembered::add(path);
 }
 
 Hints::Hints(const fs::path& file)
-    : done_(file, [](const std::string& line) { return named<Hint>(line).has_value(); }) {}
+    : Remembered(file, [](const std::string& line) { return named<Hint>(line).has_value(); }) {}
 
 bool Hints::done(Hint hint) {
     if (!wanted(hint)) return false;
-    done_.add(std::string(nameOf(hint)));
+    add(std::string(nameOf(hint)));
     return !any();
 }
 

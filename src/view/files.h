@@ -78,14 +78,11 @@ class Remembered {
 };
 
 // Absolute paths of scenes; those of files that are gone are left out.
-class RecentFiles {
+class RecentFiles : public Remembered {
   public:
     explicit RecentFiles(const std::filesystem::path& file = {});
-    const std::vector<std::string>& list() const { return files_.lines(); }
+    const std::vector<std::string>& list() const { return lines(); }
     void add(const std::filesystem::path& scene);
-
-  private:
-    Remembered files_;
 };
 
 // The first steps of a new user.
@@ -99,18 +96,15 @@ constexpr auto entriesOf(Hint) {
 }
 
 // The steps that were taken, also in earlier windows.
-class Hints {
+class Hints : public Remembered {
   public:
     explicit Hints(const std::filesystem::path& file = {});
-    bool wanted(Hint hint) const { return !done_.has(nameOf(hint)); }
-    bool any() const { return done_.lines().size() < kEnumNames<Hint>.size(); }
+    bool wanted(Hint hint) const { return !has(nameOf(hint)); }
+    bool any() const { return lines().size() < kEnumNames<Hint>.size(); }
     // True if that was the last of them.
     bool done(Hint hint);
     // Hides all hints.
     void close();
-
-  private:
-    Remembered done_;
 };
 
 }  // namespace glint::view

@@ -215,6 +215,19 @@ void Model::sayWarnings() {
     redraw();
 }
 
+bool Model::mayLeave() {
+    if (!unsaved() || std::exchange(warned, true)) return true;
+    say("bookmarks, lights or materials are not saved; again: leave them", ToastKind::Error);
+    return false;
+}
+
+bool Model::keeps(const std::filesystem::path& existing) {
+    std::error_code error;
+    const bool kept = !replacesFile && std::filesystem::exists(existing, error);
+    if (kept) fail(existing.string() + " exists: choose another name, or \"replace the file\"");
+    return kept;
+}
+
 std::string Model::waitingComparison() const {
     if (!compares() || comparison.mode == CompareMode::Wipe) return "";
     const std::string name(nameOf(comparison.mode));

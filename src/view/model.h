@@ -153,6 +153,8 @@ struct Model {
     // ---- what the user edits; undo covers camera, lights, background and materials ----
     CameraControl control;
     PictureSettings settings, fileSettings;  // fileSettings: as the file says it
+    PictureSettings written;                 // lights and edits, when they were last written or copied
+    bool warned = false;                     // that work is unsaved()
     History history;
     std::vector<NamedCamera> bookmarks;  // not in the file
     static constexpr size_t kNoCamera = ~size_t{0};
@@ -194,6 +196,7 @@ struct Model {
     bool isClosing = false;              // once the image is saved
     bool closes = false;                 // now
     bool opensAnother = false;           // scene: `loading` does
+    bool loadsAgain = false;             // once `loading` has ended, whose result is not wanted
     SceneEdits editsAtWork;              // of `packing`, or of the scene that is shown
     std::optional<double> timeAtWork;    // likewise
     std::string lastError, lostPicture;  // lostPicture: the error of the last image that was not saved
@@ -207,7 +210,7 @@ struct Model {
     size_t material = 0;  // shown in the group "materials"
     std::string saveName, sceneName, openName;
     bool savesSeen = true;      // save as: as shown, or at the scene's own sampling
-    bool replacesFile = false;  // save scene: over an existing file
+    bool replacesFile = false;  // over an existing file
     std::filesystem::path openFolder;
     std::vector<std::string> openFiles;  // in openFolder
     float timelineHeight = 0;            // pixels, in the previous frame; 0: hidden
@@ -246,6 +249,15 @@ struct Model {
     bool edited() const {
         return settings.lights != fileSettings.lights || settings.edits != fileSettings.edits;
     }
+    // Bookmarks, lights or materials are neither in the file nor written or copied.
+    bool unsaved() const {
+        return !bookmarks.empty() ||
+               (edited() && (settings.lights != written.lights || settings.edits != written.edits));
+    }
+    // False, after a message, the first time that a command would lose what is unsaved().
+    bool mayLeave();
+    // True, after a message, if the file exists and is not to be replaced.
+    bool keeps(const std::filesystem::path& existing);
     // The reason why a comparison cannot be shown yet; else empty.
     std::string waitingComparison() const;
 

@@ -285,6 +285,7 @@ void dialog(const char* title, bool& visible, Model& m, void (*content)(Model&))
     constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings |
                                         ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_AlwaysAutoResize;
     if (ImGui::Begin(title, &visible, kFlags)) {
+        if (ImGui::IsWindowAppearing()) m.replacesFile = false;
         ImGui::PushItemWidth(std::min(22 * line, size.x - 2 * line));
         content(m);
         ImGui::PopItemWidth();
@@ -307,6 +308,7 @@ void drawSaveAs(Model& m) {
     tip("what is seen", "the layer with its samples and exposure");
     if (ImGui::RadioButton("the scene's own sampling", !m.savesSeen)) m.savesSeen = false;
     tip("the scene's own sampling", "the image of `glint render` for this view");
+    checkbox("replace the file", m.replacesFile, "if it exists");
     if (button("save", "") || entered) m.wish = saveNamed;
 }
 

@@ -37,7 +37,6 @@ void forFields(const Kind& kind, const Visit& visit) {
         visit("mirror", &Material::mirror);
         visit("transmission", &Material::transmission);
         visit("ior", &Material::ior);
-        visit("attenuation", &Material::attenuation);
     }
 }
 

@@ -203,9 +203,8 @@ Viewer::~Viewer() {
 
 void Viewer::openDevice() {
     releaseDevice(model_);
-    if (device_) {
+    if (device_)
         for (const std::string& message : device_->validationMessages()) validation_.push_back(message);
-    }
     swapchain_.reset();
     device_.reset();
     gpu::DeviceOptions options;
@@ -370,12 +369,8 @@ bool Viewer::step() {
 }
 
 void Viewer::close() {
-    std::string lost;
-    try {
-        view::close(model_);
-    } catch (const Error& e) {
-        lost = e.what();
-    }
+    window_.hide();  // a job may take a while to stop
+    const std::string lost = view::close(model_);
     swapchain_.reset();
     reportValidation();
     if (!lost.empty() && !interrupted()) throw Error(ErrorKind::Failed, lost);

@@ -125,10 +125,6 @@ gpu::WindowSystem Window::system() {
     return result;
 }
 
-void Window::poll() {
-    glfwPollEvents();
-}
-
 void Window::push(const Event& event) {
     constexpr auto kCursor = Event::Type::Cursor;
     if (event.type == kCursor && !events.empty() && events.back().type == kCursor) events.pop_back();
@@ -137,10 +133,6 @@ void Window::push(const Event& event) {
 
 void Window::wait(double seconds) {
     if (events.empty()) glfwWaitEventsTimeout(std::max(seconds, 1e-3));
-}
-
-void Window::wake() {
-    glfwPostEmptyEvent();
 }
 
 PixelSize Window::size() const {
@@ -158,10 +150,6 @@ float Window::scale() const {
 bool Window::minimised() const {
     const PixelSize now = size();
     return now.width == 0 || now.height == 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
-}
-
-void Window::setTitle(const std::string& title) {
-    glfwSetWindowTitle(window_, title.c_str());
 }
 
 void Window::toggleFullscreen() {

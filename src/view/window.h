@@ -42,14 +42,15 @@ class Window {
 
     // Adds new events to the queue. wait(): sleeps until an event comes, wake() is called, or `seconds` are
     // over.
-    static void poll();
+    static void poll() { glfwPollEvents(); }
     void wait(double seconds);
-    static void wake();  // from any thread
+    static void wake() { glfwPostEmptyEvent(); }  // from any thread
 
     PixelSize size() const;  // of the picture; on a HiDPI screen more than the window system's units
     float scale() const;     // of text and controls: 1, 2 on HiDPI
     bool minimised() const;
-    void setTitle(const std::string& title);
+    void setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+    void hide() { glfwHideWindow(window_); }
     // The whole screen, or a window again as large as before.
     void toggleFullscreen();
     GLFWwindow* handle() const { return window_; }

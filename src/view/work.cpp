@@ -177,6 +177,7 @@ void setDevice(Model& m, const gpu::Device& device) {
     m.saving.failed = [&m](const std::string& what) { m.fail(m.lostPicture = what); };
     m.loading.failed = [&m](const std::string& what) {
         if (!m.session) throw;  // the device has no room for the scene
+        if (m.loadsAgain) return;
         m.sceneError = what;
         m.err << "glint: " << what << '\n';
         if (std::exchange(m.opensAnother, false)) m.path = m.scene->path;
@@ -200,12 +201,16 @@ void releaseDevice(Model& m) {
 }
 
 void reload(Model& m) {
+    m.loadsAgain = m.loading.running();
+    if (m.loadsAgain) return;
     m.loading.start([&m, path = m.path, options = m.options, another = m.opensAnother,
                      time = m.timeline.time(), edits = m.settings.edits,
                      before = m.fileSettings.edits](JobControl&) -> Job::Rest {
         auto moments = std::make_shared<Moments>(path, options, another ? std::optional<double>() : time);
         Moment shown = another ? moments->show() : moments->show({}, edits, before);
-        return [&m, moments, shown] { useScene(m, moments, shown); };
+        return [&m, moments, shown] {
+            if (!m.loadsAgain) useScene(m, moments, shown);
+        };
     });
     m.redraw();
 }
@@ -219,7 +224,7 @@ void poll(Model& m) {
     pack(m);
     if (!m.loading.running() && m.fileWatch.seconds() >= kFileSeconds) {
         m.fileWatch.restart();
-        if (m.files.changed()) reload(m);
+        if (m.loadsAgain || m.files.changed()) reload(m);
     }
     if (m.isClosing && !m.saving.running()) m.closes = true;
 }
@@ -229,12 +234,12 @@ bool settled(const Model& m) {
            m.timeline.time() == m.timeAtWork && m.settings.edits == m.editsAtWork;
 }
 
-void close(Model& m) {
+std::string close(Model& m) {
     const bool cut = m.saving.running();
     for (Job* job : m.jobs) job->stop();
     m.session.reset();
-    if (cut) throw Error(ErrorKind::Failed, "the window was closed before the image was saved");
-    if (m.isClosing && !m.lostPicture.empty()) throw Error(ErrorKind::Failed, m.lostPicture);
+    if (cut) return "the window was closed before the image was saved";
+    return m.isClosing ? m.lostPicture : "";
 }
 
 // ---- saving ----
@@ -247,12 +252,12 @@ std::string momentText(const Model& m) {
     return "; its moment: glint render " + m.scene->path.string() + " --time " + describe(*m.time);
 }
 
+}  // namespace
+
 bool saves(Model& m) {
     if (m.saving.running()) m.say("still saving; one image at a time", ToastKind::Error);
     return m.saving.running();
 }
-
-}  // namespace
 
 void save(Model& m, const std::filesystem::path& file, bool seen) {
     m.follow(Hint::Save);
@@ -290,19 +295,10 @@ void save(Model& m, const std::filesystem::path& file, bool seen) {
     });
 }
 
-void saveNumbered(Model& m, const char* extension, bool seen) {
-    if (saves(m)) return;
-    try {
-        save(m, claimName(".", m.scene->path.stem().string(), extension), seen);
-    } catch (const Error& e) {
-        m.fail(e.what());
-    }
-}
-
 void saveNamed(Model& m) {
     if (!isWritableImagePath(m.saveName)) {
         m.say("give a name that ends in .png, .exr, .pfm or .hdr", ToastKind::Error);
-    } else if (!saves(m)) {
+    } else if (!m.keeps(m.saveName) && !saves(m)) {
         m.saveAsVisible = false;
         save(m, m.saveName, m.savesSeen);
     }
@@ -337,6 +333,7 @@ void open(Model& m, const std::filesystem::path& file) {
         }
         return;
     }
+    if (!m.mayLeave()) return;
     m.path = file;
     m.options.camera.clear();  // of the other scene
     m.opensAnother = true;

@@ -77,8 +77,8 @@ TEST_F(Animation, KeepsItsMoment) {
         "set samples 1\nset diffuse two 0.75 0.25 0.5\nsettle\nexpect time 0.5\nscreenshot own.png\nhand key "
         "End\nsettle\nexpect toast (at 2 s of the animation)\nexpect time 0.5\nscreenshot "
         "still-own.png\ncopy other.json scene.json\nreload\nsettle\nexpect time 0.5\nscreenshot "
-        "other.png\ndrop still.json\nsettle\nexpect time none\nhand key space\nexpect toast this scene has "
-        "no animation\nscreenshot still.png\n",
+        "other.png\ndrop still.json\nwait 2\nexpect toast not saved\ndrop still.json\nsettle\nexpect time "
+        "none\nhand key space\nexpect toast this scene has no animation\nscreenshot still.png\n",
         "--time 0.5");
     expectRendered("still.png", "still.json");
     scene_["materials"]["two"]["diffuse"] = {0.75, 0.25, 0.5};

@@ -111,6 +111,7 @@ void Driver::run() {
     do {
         advance();
         const bool scripted = wait_ || next_ < script_.size();
+        m_.warned |= !scripted && !stays_;  // the end of a script drops what is unsaved
         viewer_.setRestless(!idles_ && (scripted || script_.empty()));
         if (!scripted && !stays_ && !std::exchange(closed, true)) window_.push({.type = Event::Type::Close});
         ++rounds_;
@@ -118,9 +119,8 @@ void Driver::run() {
     viewer_.close();
 }
 
-// A command starts after the one before it is over and its events are handled. Repetitions of a held key do
-// not count: in slow frames the queue always holds one, and a command that releases the key would never
-// start.
+// A command starts after the one before it is over and its events are handled, but for repetitions of a held
+// key: in slow frames the queue always holds one, and no command would release the key.
 void Driver::advance() {
     const auto repeats = [this](const Event& event) {
         return (event.type == Event::Type::Key && event.repeat) ||

@@ -140,8 +140,7 @@ TEST_F(Hand, QuittingFinishesTheSave) {
     expectRendered("scene-view-001.png", "scene.json", "--spp 4");
 }
 
-// The dialog has the keyboard, a second time too, and one Esc closes it; a typed name lies in the folder that
-// the dialog shows.
+// The dialog has the keyboard each time, and one Esc closes it. A typed name lies in the folder shown.
 TEST_F(Hand, ATypedPathIsOpened) {
     std::filesystem::create_directory("shown");
     for (int depth : {0, 1, 2}) {
@@ -149,7 +148,7 @@ TEST_F(Hand, ATypedPathIsOpened) {
         write("shown/" + std::to_string(depth) + ".json", scene_);
     }
     view(
-        "set samples 1\ndrop shown/0.json\nawait depth 0\nhand key ctrl+o\nwait 3\nhand type "
+        "set samples 1\ndrop shown/2.json shown/0.json\nawait depth 0\nhand key ctrl+o\nwait 3\nhand type "
         "shown/1.json\nhand key Return\nawait depth 1\nhand key ctrl+o\nwait 3\nhand key Escape\nwait "
         "3\nhand key ctrl+o\nwait 3\npress shown/\nhand key "
         "Escape\nhand key ctrl+o\nwait 3\nhand type 2.json\nhand key Return\nawait depth 2\n");
@@ -310,8 +309,7 @@ TEST_F(ByHand, MarksTipsAndTheMagnifier) {
     EXPECT_STARTS(printed(ran, "pixel").at(0), "300 500  ");
 }
 
-// Held keys fly, twice as fast at twice the speed, and the mouse looks around: the eye stays. Right and
-// middle button dolly and pan.
+// Held keys fly, the mouse looks around from the same eye, right and middle button dolly and pan.
 TEST_F(ByHand, FliesAndMoves) {
     size_ = "640x480";
     const Ran ran = view(
@@ -330,15 +328,15 @@ TEST_F(ByHand, FliesAndMoves) {
     EXPECT_GT(c.at(5)["eye"][2], c.at(0)["eye"][2]);
 }
 
-// The wipe's line is dragged; what is right of it is this picture, left of it the kept one. Then all layers
-// as EXR under a name that was typed.
+// Left of the wipe's line is the kept image. All layers are saved as EXR under a typed name, and replaced.
 TEST_F(ByHand, TheWipeIsDraggedAndAPictureNamed) {
     size_ = "640x480";
     view(
         "set samples 1\nkey H\nsettle\nkey K\nkey 5\nkey B\nsettle\nwait 2\nhand mousemove @320,240 "
         "mousedown 1 mousemove @330,240 mousemove @480,240 mouseup 1\nwait 2\nwindow wipe.png\nexpect pick "
         "none\nkey Esc\nkey R\nhand key ctrl+shift+s\nwait 3\nhand type chosen.exr\nhand key "
-        "Return\nsettle\n");
+        "Return\nsettle\nhand key ctrl+shift+s\nwait 3\nhand key Return\nwait 3\nexpect toast "
+        "exists\npress replace_the_file\npress save\nsettle\nexpect toast saved\n");
     const Image wipe = readImage("wipe.png");
     EXPECT_EQ(pixelOf(wipe, 480, 300), (Rgb{255, 255, 255}));
     render("scene.json", "own.png");
