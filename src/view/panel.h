@@ -57,7 +57,8 @@ template <NamedEnum E>
 bool choice(const char* label, E& value, const char* help) {
     bool changed = false;
     const bool open = ImGui::BeginCombo(label, nameOf(value).data());
-    if (!open) return tip(label, help), false;
+    if (!open) tip(label, help);
+    if (!open) return false;
     for (const EnumEntry<E>& entry : kEnumEntries<E>) {
         if (ImGui::Selectable(entry.name.data(), entry.value == value)) {
             changed = value != entry.value;
