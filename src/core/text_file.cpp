@@ -1,5 +1,7 @@
 #include "core/text_file.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
@@ -101,11 +103,12 @@ void checkFile(const fs::path& path, ErrorKind kind) {
 std::string readWholeFile(const fs::path& path, const Context& context, ErrorKind kind) {
     checkFile(path, kind);
     const auto fail = [&](const std::string& what) { throw Error(kind, path.string() + ": " + what); };
-    std::error_code code;
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) fail(std::string("cannot be read: ") + std::strerror(errno));
-    const auto size = fs::file_size(path, code);
-    if (code) fail("cannot be read: " + code.message());
+    struct stat status {};  // of the open file: another program may replace the name's
+    if (::fstat(::fileno(file.get()), &status) != 0)
+        fail(std::string("cannot be read: ") + std::strerror(errno));
+    const auto size = static_cast<size_t>(status.st_size);
     constexpr size_t kPiece = size_t{16} << 20;  // some milliseconds
     std::string bytes;
     bytes.reserve(size);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kDepth = 3, kPosition = 4, kNormal = 7, kGeometric = 10, kU = 13, kV = 14, kClearance = 19;
 
-// As Quantities, in the order of kQuantityNames.
+// Quantities in the order of kQuantityNames.
 template <typename... Numbers>
 Quantities listed(Numbers... numbers) {
     return {static_cast<double>(numbers)...};

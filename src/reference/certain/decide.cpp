@@ -131,7 +131,7 @@ Intersection<T> intersect(const Vec<T>& origin, const Vec<T>& direction, const E
     return hit;
 }
 
-// Of a number that is not negative, or may be 0.
+// The square root of a number that is at least 0, apart from its error.
 Bounded root(const Bounded& a) {
     const double low = std::sqrt(std::max(a.lower(), 0.0)), high = std::sqrt(std::max(a.upper(), 0.0));
     return Bounded::rounded((low + high) / 2, (high - low) / 2 + 2 * kUnitRoundoff * high);
