@@ -254,7 +254,7 @@ void printDevice(const DrawingFacts& drawn, std::ostream& out) {
     if (!drawn.device.empty()) out << "device: " << drawn.device << ", " << drawn.driver << '\n';
 }
 
-// That mirrors face each other without end is nothing new.
+// Mirrors that face each other omit branches in every image: that alone is no reason to warn.
 bool reportsLosses(const RenderCommand& command, const LoadedScene& loaded) {
     return loaded.packed.features.transmission || command.scene.limits.minContribution > 0;
 }

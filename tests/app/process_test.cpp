@@ -123,10 +123,10 @@ TEST_F(Process, AnInterruptedPictureInBandsHoldsWhatWasFinished) {
     expectFinishedPart(child, SIGINT, 1000, 4000);
 }
 
-// Writing empty rows is fast: the image has 65,536 x 16,384 pixels, and only one band is rendered.
+// Writing empty rows is fast: the image has 32,768 x 16,384 pixels, and only one band is rendered.
 TEST_F(Process, AnInterruptedPictureOfAnySizeEndsSoon) {
     for (const std::string name : {"out.png", "out.pfm"}) {
-        Child child({"render", "a.json", "-o", name, "--backend", "cpu", "--size", "65536x16384",
+        Child child({"render", "a.json", "-o", name, "--backend", "cpu", "--size", "32768x16384",
                      "--progress", "plain", "--band-rows", "8"});
         ASSERT_TRUE(child.waitForPercent(0)) << child.err();
         child.send(SIGINT);
