@@ -130,7 +130,7 @@ TEST_F(Process, AnInterruptedPictureOfAnySizeEndsSoon) {
                      "--progress", "plain", "--band-rows", "8"});
         ASSERT_TRUE(child.waitForPercent(0)) << child.err();
         child.send(SIGINT);
-        EXPECT_EQ(child.wait(), 130);  // in 10 s on an idle machine; all bands take hours
+        EXPECT_EQ(child.wait(), 130);  // in 6 s on an idle machine; all bands take hours
         EXPECT_HAS(child.err(), "holds the ");
     }
 }
